@@ -59,7 +59,7 @@ format: $(STAMP)
 
 docs/rogue_wave.png docs/rogue_wave.gif: $(STAMP)
 	@mkdir -p docs
-	@$(PY) -m longwave.reports.figures $@
+	@$(PY) -m longwave.reports.pictures $@
 
 clean:
 	rm -rf reports/build docs/build docs/generated .pytest_cache .mypy_cache .ruff_cache .hypothesis

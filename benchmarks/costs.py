@@ -15,9 +15,9 @@ import statistics
 import time
 from concurrent.futures import ProcessPoolExecutor
 
-from longwave.verify.comparison.expected_cost import expected_cost
-from longwave.verify.comparison.scene_run import run
-from longwave.verify.studies.estimate_scenes import random_scene
+from longwave.reports.studies.estimate_scenes import random_scene
+from longwave.scenes.chain.expected_cost import expected_cost
+from longwave.scenes.chain.scene_run import run
 
 
 def ratios(seed: int, index: int, budget: float) -> tuple[str, float, float] | None:

@@ -9,7 +9,7 @@ from collections.abc import Callable
 import numpy as np
 import sympy as sp
 
-from longwave.verify.studies.evaluation_accuracy import WaveCase, wave_names
+from longwave.reports.studies.evaluation_accuracy import WaveCase, wave_names
 
 POINTS = 100_000
 REPEATS = 7

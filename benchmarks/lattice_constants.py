@@ -21,7 +21,7 @@ from longwave.lattice.schemes import REDUCED_PHASE_6
 from longwave.lattice.spectral import absorber
 from longwave.lattice.spectral.evolution import SpectralRing
 from longwave.lattice.spectral.ring import RingState
-from longwave.solutions.run.jit import njit
+from longwave.support.compiled.jit import njit
 
 Array = NDArray[np.float64]
 ROUNDS = 15

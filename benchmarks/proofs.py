@@ -41,11 +41,11 @@ from sympy.solvers.ode import checkodesol
 from sympy.solvers.pde import checkpdesol
 
 from longwave.derive.algebra.formula_printing import formula_as_text
-from longwave.verify.cli.problem_file import ProblemText
-from longwave.verify.cli.published import published
+from longwave.verify.problem_file import ProblemText
 from longwave.verify.proof.statement_problem import residual_of
 from longwave.verify.proof.statement_verdict import decide_statement
 from longwave.verify.proof.typed_statement import Statement
+from longwave.verify.published import published
 from longwave.verify.verdict import Outcome
 
 HOLDS, FAILS, SILENT, NOT_TAKEN = "holds", "fails", "no answer", "not taken"

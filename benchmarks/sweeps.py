@@ -26,7 +26,7 @@ from longwave.runs.sweep_cells import Cell, run_cells
 from longwave.runs.sweep_dataset import write_sweep
 from longwave.runs.sweep_file import Sweep, sweep_of
 from longwave.runs.sweep_workers import LocalWorkers
-from longwave.solutions.run.cores import keep_to_one_core
+from longwave.support.compiled.cores import keep_to_one_core
 
 TEN = 10
 """Scenes that are run in one way before it is the other's turn."""

@@ -16,8 +16,8 @@ import xarray as xr
 from contenders import numpy_rk4
 from problem import EPS, PROBLEMS, Array, initial
 
-from longwave.verify.comparison import load_scene, run
-from longwave.verify.comparison.scene import with_tolerance
+from longwave.scenes.chain import load_scene, run
+from longwave.scenes.chain.scene import with_tolerance
 
 TOLERANCE = 1e-4
 BEGIN, END = -10_000.0, 5_000.0

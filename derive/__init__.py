@@ -10,7 +10,7 @@ K3 = 0: order eps^4 reads K3 (Y^2)_XX = 0
 
 from typing import TYPE_CHECKING
 
-from longwave.derive.lazy_face import lazy_face
+from longwave.support.lazy_face import lazy_face
 
 if TYPE_CHECKING:
     from longwave.derive.balances import find_scaling

@@ -11,7 +11,7 @@ from typing import Any
 
 import click
 
-from longwave.derive.command_line import example, limit_options, run_words
+from longwave.support.command_line import example, limit_options, run_words
 
 CONSTANTS = ("K2", "K3", "K4")
 """The constants of the strain FPUT lattice."""

@@ -15,7 +15,7 @@ from typing import Any
 import mpmath
 from sympy import Expr, I, S, Symbol, cos, pi, simplify, sin, sqrt
 
-from longwave.derive.algebra.exact_numbers import Number, exact, instance, parse_rational, shown
+from longwave.derive.algebra.exact_numbers import Number, exact, instance, parse_rational
 from longwave.derive.algebra.jets import DifferentialPolynomial
 from longwave.derive.algebra.rational_functions import RationalFunction
 from longwave.derive.carrier import Carrier, EnvelopeError, w, z
@@ -24,6 +24,7 @@ from longwave.derive.normal_form import NormalForm, normal_form_of
 from longwave.derive.output.notation import Displayed, Printed, latex_of, text_of
 from longwave.derive.sines import cosine, frequency, in_sines, omega, sine
 from longwave.derive.symbols import k
+from longwave.support.user_files import shown
 
 DIGITS = 60
 """Of the numbers at a given wavenumber, before they are rounded."""

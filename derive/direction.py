@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from sympy import Expr, Integer, Symbol, atan, cos, sin, sqrt
 
-from longwave.derive.algebra.exact_numbers import exact, shown
+from longwave.derive.algebra.exact_numbers import exact
 from longwave.derive.algebra.formula_expression import read_formula
 from longwave.derive.algebra.formula_text import Vocabulary
 from longwave.derive.lattice import Lattice
 from longwave.derive.scaling import SlowVariable
 from longwave.derive.symbols import c
+from longwave.support.user_files import shown
 
 C, S = Symbol("C", real=True), Symbol("S", real=True)
 """Cosine and sine of the direction's angle with the first axis."""

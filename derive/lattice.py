@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 from sympy import Expr, Poly, S, Symbol, factorial, nan, oo, simplify, zoo
 
-from longwave.derive.algebra.exact_numbers import exact, instance, integer, shown, tuple_of
+from longwave.derive.algebra.exact_numbers import exact, instance, integer, tuple_of
 from longwave.derive.output.notation import (
     Displayed,
     Printed,
@@ -19,6 +19,7 @@ from longwave.derive.output.notation import (
     weighted_sum,
 )
 from longwave.derive.symbols import check_constants, eps, rational_function, x
+from longwave.support.user_files import shown
 
 Cell = tuple[int, ...]
 

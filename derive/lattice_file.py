@@ -35,12 +35,11 @@ from typing import Any
 
 import sympy as sp
 
-from longwave.derive.algebra.exact_numbers import shown
 from longwave.derive.algebra.formula_expression import read_formula
 from longwave.derive.algebra.formula_text import Vocabulary
 from longwave.derive.lattice import Bond, Cell, Lattice, Stencil, on_site, spring
 from longwave.derive.symbols import eps, x
-from longwave.derive.user_files import file_stem, read_toml, shown_path
+from longwave.support.user_files import file_stem, read_toml, shown, shown_path
 
 LARGEST = 100_000
 """Bytes of a file."""

@@ -14,7 +14,8 @@ from dataclasses import dataclass, fields
 
 from sympy import Abs, Expr, S, latex, sign, sqrt
 
-from longwave.derive.algebra.exact_numbers import exact, shown
+from longwave.derive.algebra.exact_numbers import exact
+from longwave.support.user_files import shown
 
 Scales = dict[str, Expr]
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from sympy import Eq, Expr, Symbol, expand, factor, sqrt
 
-from longwave.derive.algebra.exact_numbers import Number, exact, shown
+from longwave.derive.algebra.exact_numbers import Number, exact
 from longwave.derive.algebra.jets import DifferentialPolynomial, Monomial
 from longwave.derive.algebra.rational_functions import RationalFunction
 from longwave.derive.algebra.series import EpsSeries
@@ -19,6 +19,7 @@ from longwave.derive.output.notation import Notation, latex_of, power_of, text_o
 from longwave.derive.output.report import latex_report, reduction_data, text_report
 from longwave.derive.scaling import Scaling
 from longwave.derive.symbols import eps
+from longwave.support.user_files import shown
 
 
 @dataclass(frozen=True, repr=False)

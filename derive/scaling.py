@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from sympy import Expr, Symbol
 
-from longwave.derive.algebra.exact_numbers import integer, shown, tuple_of
+from longwave.derive.algebra.exact_numbers import integer, tuple_of
 from longwave.derive.output.notation import (
     Displayed,
     Printed,
@@ -18,6 +18,7 @@ from longwave.derive.output.notation import (
     weighted_sum,
 )
 from longwave.derive.symbols import c, check_constants, eps, rational_function
+from longwave.support.user_files import shown
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,8 @@ from collections.abc import Sequence
 
 from sympy import Expr, Pow, Symbol, fraction, together
 
-from longwave.derive.algebra.exact_numbers import exact, shown
+from longwave.derive.algebra.exact_numbers import exact
+from longwave.support.user_files import shown
 
 K2 = Symbol("K2", positive=True)
 K3 = Symbol("K3", real=True)

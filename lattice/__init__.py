@@ -6,7 +6,7 @@ first asked for: a model needs no compiler.
 
 from typing import TYPE_CHECKING
 
-from longwave.derive.lazy_face import lazy_face
+from longwave.support.lazy_face import lazy_face
 
 if TYPE_CHECKING:
     from longwave.lattice.field_state import FieldState

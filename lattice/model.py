@@ -270,8 +270,8 @@ class InflowCheck:
 
 
 if TYPE_CHECKING:
-    from longwave.lattice.checkpoint import Memory
     from longwave.lattice.field_state import FieldState
+    from longwave.support.checkpoint import Memory
 
 Held = TypeVar("Held", "State", "FieldState")
 """A kind of state."""

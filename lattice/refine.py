@@ -26,7 +26,6 @@ from collections.abc import Callable, Collection
 from concurrent.futures import CancelledError, ThreadPoolExecutor, wait
 from dataclasses import dataclass, replace
 
-from longwave.lattice.checkpoint import branches
 from longwave.lattice.trial import (
     SAFETY,
     Choices,
@@ -38,7 +37,8 @@ from longwave.lattice.trial import (
     difference,
     difference_around,
 )
-from longwave.solutions.run.cores import usable_cores
+from longwave.support.checkpoint import branches
+from longwave.support.compiled.cores import usable_cores
 
 Announce = Callable[[float], None]
 """Called with the seconds that the runs to come are expected to take, however few."""

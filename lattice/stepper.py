@@ -8,11 +8,11 @@ from typing import Generic
 import numpy as np
 from numpy.typing import NDArray
 
-from longwave.lattice.checkpoint import Memory
 from longwave.lattice.dynamics import dynamics_of
 from longwave.lattice.model import BlowUp, Domain, Held, Model
 from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.lattice.schemes import Scheme
+from longwave.support.checkpoint import Memory
 
 Array = NDArray[np.float64]
 

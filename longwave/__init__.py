@@ -10,7 +10,7 @@ here under one name; each is imported when it is first asked for, so `import lon
 
 from typing import Any
 
-from longwave.derive.lazy_face import lazy_face
+from longwave.support.lazy_face import lazy_face
 
 __version__: str
 
@@ -21,9 +21,9 @@ _NOUNS = {
     "longwave.verify.proof": "check_certificate prove_equal",
     "longwave.verify.proof.text_prover": "prove",
     "longwave.verify.verdict": "Verdict",
-    "longwave.plotting": "plot",
-    "longwave.animation": "animate",
-    "longwave.verify.comparison": "Discretisation Scene Tolerance load_scene "
+    "longwave.reports.pictures.plotting": "plot",
+    "longwave.reports.pictures.animation": "animate",
+    "longwave.scenes.chain": "Discretisation Scene Tolerance load_scene "
     "relative_sup_error run shipped_scenes",
 }
 

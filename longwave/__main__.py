@@ -4,7 +4,7 @@ import os
 import sys
 from collections.abc import Sequence
 
-from longwave.derive.interruption import interruptible
+from longwave.support.interruption import interruptible
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -15,8 +15,8 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _main(argv: Sequence[str] | None) -> int:
     from click.shell_completion import shell_complete  # imported where Ctrl-C is told already
 
-    from longwave.command_tree import COMPLETION, longwave
-    from longwave.derive.command_line import run_words
+    from longwave.cli.command_tree import COMPLETION, longwave
+    from longwave.support.command_line import run_words
 
     if COMPLETION in os.environ:
         return shell_complete(longwave, {}, "longwave", COMPLETION, os.environ[COMPLETION])

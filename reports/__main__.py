@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from longwave.derive.command_line import called_by, example, force_option, limit_options, run_words
+from longwave.support.command_line import called_by, example, force_option, limit_options, run_words
 
 FOLDER = "longwave-report"
 """Where the report is written: in the working folder, not where the package is."""

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from longwave.derive.command_line import called_by, run_words
+from longwave.support.command_line import called_by, run_words
 
 FOLDER = "longwave-bench"
 

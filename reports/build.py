@@ -18,12 +18,7 @@ from rich.console import Console
 from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
 from rich.progress import Progress as Bars
 
-from longwave.derive.command_line import announce, fail, interrupted
-from longwave.derive.interruption import will_keep
-from longwave.derive.request_limits import ExpectedCost, check_request
 from longwave.reports.engine import CompileError, EngineMissingError, compile_pdf, ensure_engine
-from longwave.reports.figures.drawing import CostAxes, cost_figure, save, snapshot_figure, styled
-from longwave.reports.figures.paper_figures import ERROR_FIGURES, SNAPSHOT_FIGURES, draw_all
 from longwave.reports.latex import render, write
 from longwave.reports.lattice_chapter import (
     CHAPTER_TABLES,
@@ -33,28 +28,33 @@ from longwave.reports.lattice_chapter import (
     write_chapter_figures,
 )
 from longwave.reports.paper import SOURCES
+from longwave.reports.pictures.drawing import CostAxes, cost_figure, save, snapshot_figure, styled
+from longwave.reports.pictures.paper_figures import ERROR_FIGURES, SNAPSHOT_FIGURES, draw_all
 from longwave.reports.sections import costs, literature, other_lattices, runs, theory
-from longwave.solutions.catalogue import CATALOGUE, closed_form
-from longwave.verify.cli.console import check_output, plain_console
-from longwave.verify.comparison import Scene
-from longwave.verify.evidence.mutations import MutationCount, count_mutants
-from longwave.verify.evidence.residual import check_residual
-from longwave.verify.processes import Job, Key, Progress, run_jobs
-from longwave.verify.studies.claims import all_claims
-from longwave.verify.studies.estimates import Judged, estimate_jobs, estimate_rows
-from longwave.verify.studies.evaluation_accuracy import Accuracy, accuracy_jobs, worst_of
-from longwave.verify.studies.evaluation_cost import EvaluationCost, evaluation_cost_jobs
-from longwave.verify.studies.hard_cases import HardCaseResult, hard_case_jobs
-from longwave.verify.studies.lattice_cost import (
+from longwave.reports.studies.claims import all_claims
+from longwave.reports.studies.estimates import Judged, estimate_jobs, estimate_rows
+from longwave.reports.studies.evaluation_accuracy import Accuracy, accuracy_jobs, worst_of
+from longwave.reports.studies.evaluation_cost import EvaluationCost, evaluation_cost_jobs
+from longwave.reports.studies.hard_cases import HardCaseResult, hard_case_jobs
+from longwave.reports.studies.lattice_cost import (
     CostPoint,
     PeakError,
     ScalingPoint,
     lattice_cost_jobs,
 )
-from longwave.verify.studies.long_runs import LongRun, long_run_jobs, long_runs
-from longwave.verify.studies.measured_runs import MeasuredRuns, report_scenes, scene_job
-from longwave.verify.studies.proofs import ProofRecord, proof_jobs
-from longwave.verify.studies.published_verdicts import PublishedVerdict, library_jobs
+from longwave.reports.studies.long_runs import LongRun, long_run_jobs, long_runs
+from longwave.reports.studies.measured_runs import MeasuredRuns, report_scenes, scene_job
+from longwave.reports.studies.proofs import ProofRecord, proof_jobs
+from longwave.reports.studies.published_verdicts import PublishedVerdict, library_jobs
+from longwave.scenes.chain import Scene
+from longwave.solutions.catalogue import CATALOGUE, closed_form
+from longwave.support.command_line import announce, fail, interrupted
+from longwave.support.console import check_output, plain_console
+from longwave.support.interruption import will_keep
+from longwave.support.processes import Job, Key, Progress, run_jobs
+from longwave.support.request_limits import ExpectedCost, check_request
+from longwave.verify.evidence.mutations import MutationCount, count_mutants
+from longwave.verify.evidence.residual import check_residual
 from longwave.verify.verdict import Verdict
 
 

@@ -12,15 +12,15 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from longwave.reports.figures.drawing import Snapshot, save, snapshot_figure, styled
-from longwave.reports.figures.lattice_figures import (
+from longwave.reports.pictures.drawing import Snapshot, save, snapshot_figure, styled
+from longwave.reports.pictures.lattice_figures import (
     even_times,
     lattice_snapshots,
     map_figure,
     modulation_figure,
     rate_figure,
 )
-from longwave.reports.figures.paper_figures import snapshots
+from longwave.reports.pictures.paper_figures import snapshots
 from longwave.reports.sections.lattice_runs import (
     is_map,
     rate_panels,
@@ -35,14 +35,14 @@ from longwave.reports.sections.other_lattices import (
     model_jobs,
     model_table,
 )
-from longwave.verify.processes import Job, Key
-from longwave.verify.studies.lattice_models import modulation_plane
-from longwave.verify.studies.measured_rates import MeasuredRate, rate_jobs
-from longwave.verify.studies.measured_runs import SPLIT, MeasuredRuns
-from longwave.verify.studies.scene_runs import SceneRun, scene_run_jobs
+from longwave.reports.studies.lattice_models import modulation_plane
+from longwave.reports.studies.measured_rates import MeasuredRate, rate_jobs
+from longwave.reports.studies.measured_runs import SPLIT, MeasuredRuns
+from longwave.reports.studies.scene_runs import SceneRun, scene_run_jobs
+from longwave.support.processes import Job, Key
 
 if TYPE_CHECKING:
-    from longwave.verify.lattices.modulation import ModulationGrid
+    from longwave.scenes.modulation import ModulationGrid
 
 ROGUES = ("alpha_beta_rogue", "dimer_rogue")
 """The scenes beside the paper's `SPLIT`, which is the same wave on its own lattice."""

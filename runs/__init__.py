@@ -5,7 +5,7 @@
 
 from typing import TYPE_CHECKING
 
-from longwave.derive.lazy_face import lazy_face
+from longwave.support.lazy_face import lazy_face
 
 if TYPE_CHECKING:
     from longwave.runs.run_file import load_run, open_run, run_any_scene, save_run, scene_of_run

@@ -7,17 +7,17 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from longwave.lattice.checkpoint import kept_by
-from longwave.runs.checkpoint_folder import LEAST, SHARE, CheckpointFolder, run_stamp
 from longwave.runs.rescue import save_or_rescue
 from longwave.runs.run_store import run_key, runs_its_sources
 from longwave.runs.told_store import kept_in, store_told
+from longwave.support.checkpoint import kept_by
+from longwave.support.checkpoint_folder import LEAST, SHARE, CheckpointFolder, run_stamp
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from longwave.verify.comparison.scene import Scene
-    from longwave.verify.lattices.lattice_scene import LatticeScene
+    from longwave.scenes.chain.scene import Scene
+    from longwave.scenes.lattice_scene import LatticeScene
 
 SUFFIX = ".checkpoint"
 """After the name of the file: the folder beside it."""

@@ -12,15 +12,15 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 
 from longwave.lattice.model import State
-from longwave.verify.comparison.observables import measured_error
-from longwave.verify.comparison.view import View
+from longwave.scenes.chain.observables import measured_error
+from longwave.scenes.chain.view import View
 
 if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
 
-    from longwave.verify.comparison.scene import Scene
-    from longwave.verify.lattices.lattice_scene import LatticeScene
+    from longwave.scenes.chain.scene import Scene
+    from longwave.scenes.lattice_scene import LatticeScene
 
 
 def scaled_own_error(run: xr.Dataset) -> NDArray[np.float64] | None:

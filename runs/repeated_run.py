@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from longwave.verify.provenance import PROVENANCE, changed_parts
+from longwave.support.provenance import PROVENANCE, changed_parts
 
 if TYPE_CHECKING:
     import xarray as xr

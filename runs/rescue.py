@@ -7,10 +7,10 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from longwave.derive.command_line import fail
 from longwave.runs.run_file import is_run_file, save_run
 from longwave.runs.run_store import UnkeptRunError
-from longwave.verify.cli.console import check_output
+from longwave.support.command_line import fail
+from longwave.support.console import check_output
 
 if TYPE_CHECKING:
     import xarray as xr

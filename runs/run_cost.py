@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from longwave.derive.request_limits import ExpectedCost, check_request, is_too_much
-from longwave.verify.lattices.lattice_scene import LatticeScene
+from longwave.scenes.lattice_scene import LatticeScene
+from longwave.support.request_limits import ExpectedCost, check_request, is_too_much
 
 if TYPE_CHECKING:
     from longwave.runs.sweep_scene import AnyScene
@@ -24,10 +24,10 @@ def expected_run_cost(scene: AnyScene) -> ExpectedCost:
     ValueError for what no scene can be run with.
     """
     if isinstance(scene, LatticeScene):
-        from longwave.verify.lattices.lattice_run import expected_lattice_cost
+        from longwave.scenes.lattice_run import expected_lattice_cost
 
         return expected_lattice_cost(scene)
-    from longwave.verify.comparison.expected_cost import expected_cost, least_cost
+    from longwave.scenes.chain.expected_cost import expected_cost, least_cost
 
     least = least_cost(scene)
     return least if is_too_much(least) else expected_cost(scene)
@@ -43,8 +43,8 @@ def check_run_cost(scene: AnyScene) -> ExpectedCost:
 def expected_cell_cost(scene: AnyScene) -> ExpectedCost:
     """The same as one of many in a process: what that does once is left out."""
     if isinstance(scene, LatticeScene):
-        from longwave.verify.lattices.ring_cost import BEGIN_SECONDS as once
+        from longwave.scenes.ring_cost import BEGIN_SECONDS as once
     else:
-        from longwave.verify.comparison.expected_cost import PROCESS_SECONDS as once
+        from longwave.scenes.chain.expected_cost import PROCESS_SECONDS as once
     found = expected_run_cost(scene)
     return replace(found, seconds=max(LEAST_SECONDS, found.seconds - once))

@@ -19,16 +19,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from longwave.derive.atomic_file import write_atomically
 from longwave.lattice.refine import Announce
 from longwave.lattice.trial import Progress
-from longwave.verify.lattices.lattice_scene import LatticeScene, any_scene_of_toml
+from longwave.scenes.lattice_scene import LatticeScene, any_scene_of_toml
+from longwave.support.atomic_file import write_atomically
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from longwave.verify.comparison import Scene
-    from longwave.verify.comparison.stated_run import RunRecord
+    from longwave.scenes.chain import Scene
+    from longwave.scenes.chain.stated_run import RunRecord
 
 PARTS = "real_imag"
 """The last dimension of what is complex."""
@@ -59,7 +59,7 @@ def run_any_scene(
     that are expected to pass. Raises ValueError in one line, and UnfinishedRun on Ctrl-C.
     """
     if isinstance(scene, LatticeScene):
-        from longwave.verify.lattices.lattice_run import lattice_scene_dataset
+        from longwave.scenes.lattice_run import lattice_scene_dataset
 
         return lattice_scene_dataset(scene, progress, announce)
     return record_with_trust(scene, progress, announce).dataset
@@ -69,9 +69,9 @@ def record_with_trust(
     scene: Scene, progress: Progress | None = None, announce: Announce | None = None
 ) -> RunRecord:
     """`run_any_scene` of the paper's chain without a data set, of which one can be made."""
-    from longwave.verify.comparison.scene_run import record_scene
-    from longwave.verify.comparison.stated_run import UnfinishedRun
-    from longwave.verify.comparison.trust import trust_attributes
+    from longwave.scenes.chain.scene_run import record_scene
+    from longwave.scenes.chain.stated_run import UnfinishedRun
+    from longwave.scenes.chain.trust import trust_attributes
 
     trust = trust_attributes(scene)
     try:

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from longwave.runs.sealed_file import is_whole, write_sealed
+from longwave.support.sealed_file import is_whole, write_sealed
 
 if TYPE_CHECKING:
     import xarray as xr

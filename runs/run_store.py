@@ -4,9 +4,9 @@ The key is a digest of the scene and of what computes it: the formulas of the wa
 the engines, and the packages whose numbers end up in a run. What is drawn or printed of it does not
 count. So a scene is run once, and again only when something that matters has changed.
 
-A run's file is NetCDF-4, sealed (`runs.sealed_file`): one that was damaged is made anew. Small runs
-of sweeps lie many to a file (`runs.run_pack`), and are found there as well. Whoever makes a run
-holds its lock; a process that is killed lets go of it.
+A run's file is NetCDF-4, sealed (`support.sealed_file`): one that was damaged is made anew. Small
+runs of sweeps lie many to a file (`runs.run_pack`), and are found there as well. Whoever makes a
+run holds its lock; a process that is killed lets go of it.
 """
 
 from __future__ import annotations
@@ -21,18 +21,18 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from longwave.runs.checkpoint_folder import LEAST, SHARE, CheckpointFolder, run_stamp
-from longwave.runs.file_lock import locked
 from longwave.runs.run_pack import PackedRun, packed_run
-from longwave.runs.sealed_file import is_whole, write_sealed
+from longwave.support.checkpoint_folder import LEAST, SHARE, CheckpointFolder, run_stamp
+from longwave.support.file_lock import locked
+from longwave.support.sealed_file import is_whole, write_sealed
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from longwave.lattice.refine import Announce
     from longwave.lattice.trial import Progress
-    from longwave.verify.comparison.scene import Scene
-    from longwave.verify.lattices.lattice_scene import LatticeScene
+    from longwave.scenes.chain.scene import Scene
+    from longwave.scenes.lattice_scene import LatticeScene
 
 LOG = logging.getLogger("longwave.store")
 
@@ -185,8 +185,8 @@ def _gone_on_with(
     progress: Progress | None,
     announce: Announce | None,
 ) -> xr.Dataset:
-    from longwave.lattice.checkpoint import kept_by
     from longwave.runs.run_file import run_any_scene
+    from longwave.support.checkpoint import kept_by
 
     with kept_by(checkpoint):
         return run_any_scene(scene, progress, announce)
@@ -222,7 +222,7 @@ def _canonical(value: Any) -> Any:
 @lru_cache
 def code_that_matters() -> str:
     """The digest of the sources and the versions that a run's numbers follow from."""
-    from longwave.verify.provenance import provenance
+    from longwave.support.provenance import provenance
 
     made = provenance()
     versions = [text for text in made["versions"].split(", ") if not text.startswith(UNMOVED)]
@@ -233,8 +233,8 @@ def code_that_matters() -> str:
 @lru_cache
 def runs_its_sources() -> bool:
     """Whether what is in memory is what the files say."""
-    from longwave.solutions.run.source_digest import HOUSE, runs_as_written
-    from longwave.verify.provenance import CODE
+    from longwave.support.compiled.source_digest import HOUSE, runs_as_written
+    from longwave.support.provenance import CODE
 
     paths = [path for room in CODE for path in sorted((HOUSE / room).rglob("*.py"))]
     stems = [path.relative_to(HOUSE).with_suffix("").parts for path in paths]

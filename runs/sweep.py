@@ -12,9 +12,6 @@ from pathlib import Path
 from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING
 
-from longwave.derive.atomic_file import write_atomically
-from longwave.derive.command_line import one_line
-from longwave.derive.request_limits import current_limits
 from longwave.runs.run_pack import (
     FAILED,
     PACKS,
@@ -26,10 +23,13 @@ from longwave.runs.run_pack import (
     write_pack,
 )
 from longwave.runs.run_store import RunStore
-from longwave.runs.sealed_file import is_whole
 from longwave.runs.sweep_cells import Batch, Cell, run_cells
 from longwave.runs.sweep_workers import Promise, Workers
 from longwave.runs.worker_code import code_here
+from longwave.support.atomic_file import write_atomically
+from longwave.support.command_line import one_line
+from longwave.support.request_limits import current_limits
+from longwave.support.sealed_file import is_whole
 
 if TYPE_CHECKING:
     from longwave.runs.sweep_file import Sweep

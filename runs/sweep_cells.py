@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from longwave.derive.request_limits import RequestLimits, TooMuchError, request_limits
 from longwave.runs.own_error import own_error_at
 from longwave.runs.run_pack import (
     BLOWN_UP,
@@ -32,7 +31,8 @@ from longwave.runs.run_pack import (
 )
 from longwave.runs.run_store import RunStore, UnkeptRunError, runs_its_sources
 from longwave.runs.worker_code import check_code
-from longwave.solutions.run.cores import keep_to_one_core
+from longwave.support.compiled.cores import keep_to_one_core
+from longwave.support.request_limits import RequestLimits, TooMuchError, request_limits
 
 if TYPE_CHECKING:
     import xarray as xr

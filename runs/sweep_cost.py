@@ -8,9 +8,9 @@ from random import Random
 from time import process_time
 from typing import TYPE_CHECKING
 
-from longwave.derive.request_limits import ExpectedCost
 from longwave.runs.run_cost import expected_cell_cost
-from longwave.runs.sealed_file import is_whole
+from longwave.support.request_limits import ExpectedCost
+from longwave.support.sealed_file import is_whole
 
 if TYPE_CHECKING:
     from longwave.runs.run_store import RunStore

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from longwave.derive.atomic_file import write_atomically
 from longwave.runs.run_file import SWEPT, file_content, load_run
 from longwave.runs.run_pack import (
     NUMBERS,
@@ -27,6 +26,7 @@ from longwave.runs.run_store import RunStore
 from longwave.runs.sweep_cells import record_of
 from longwave.runs.sweep_fields import Place, swept_fields
 from longwave.runs.sweep_file import CASE, SAMPLE, TAKEN, Sweep
+from longwave.support.atomic_file import write_atomically
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -46,15 +46,15 @@ from longwave.runs.sweep_scene import (
     check_field,
     make_scene,
 )
-from longwave.verify.comparison.scene_fields import (
+from longwave.scenes.chain.scene_fields import (
     finite,
     read_document,
     refuse_unknown,
-    shown,
     table,
     text,
     whole,
 )
+from longwave.support.user_files import shown
 
 MOST_CELLS = 1_000_000
 

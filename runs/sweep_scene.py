@@ -8,14 +8,15 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from longwave.verify.comparison import scene_fields
-from longwave.verify.comparison.observables import OBSERVABLES
-from longwave.verify.comparison.scene import Scene
-from longwave.verify.comparison.scene_fields import read_document, shown
-from longwave.verify.lattices import lattice_scene_file
-from longwave.verify.lattices.lattice_scene import LatticeScene, find_any_scene
-from longwave.verify.lattices.lattice_scene_file import lattice_scene_fields, names_a_lattice
-from longwave.verify.lattices.scene_disorder import Disorder
+from longwave.scenes import lattice_scene_file
+from longwave.scenes.chain import scene_fields
+from longwave.scenes.chain.observables import OBSERVABLES
+from longwave.scenes.chain.scene import Scene
+from longwave.scenes.chain.scene_fields import read_document
+from longwave.scenes.lattice_scene import LatticeScene, find_any_scene
+from longwave.scenes.lattice_scene_file import lattice_scene_fields, names_a_lattice
+from longwave.scenes.scene_disorder import Disorder
+from longwave.support.user_files import shown
 
 AnyScene: TypeAlias = Scene | LatticeScene
 

@@ -12,11 +12,11 @@ from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from typing import Any, Protocol
 
-from longwave.runs.checkpoint_folder import LOG
 from longwave.runs.worker_code import check_cluster
-from longwave.solutions.run.cores import usable_cores
-from longwave.verify.dask_cluster import connect
-from longwave.verify.processes import ignore_interrupt, pool_context
+from longwave.support.checkpoint_folder import LOG
+from longwave.support.compiled.cores import usable_cores
+from longwave.support.dask_cluster import connect
+from longwave.support.processes import ignore_interrupt, pool_context
 
 PATIENCE = 1.0
 """Seconds that workers have to pack what they have when the sweep is stopped."""

@@ -8,16 +8,16 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from longwave.derive.command_line import one_line
 from longwave.runs.run_store import LOG, RunStore
+from longwave.support.command_line import one_line
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from longwave.lattice.refine import Announce
     from longwave.lattice.trial import Progress
-    from longwave.verify.comparison.scene import Scene
-    from longwave.verify.lattices.lattice_scene import LatticeScene
+    from longwave.scenes.chain.scene import Scene
+    from longwave.scenes.lattice_scene import LatticeScene
 
 
 class _Lines(logging.Handler):

@@ -8,7 +8,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from longwave.runs.run_store import code_that_matters
-from longwave.verify.provenance import changed_parts, provenance
+from longwave.support.provenance import changed_parts, provenance
 
 if TYPE_CHECKING:
     from distributed import Client

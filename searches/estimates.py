@@ -17,8 +17,8 @@ from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from pathlib import Path
 
-from longwave.verify.studies.estimate_scenes import random_scene
-from longwave.verify.studies.estimates import (
+from longwave.reports.studies.estimate_scenes import random_scene
+from longwave.reports.studies.estimates import (
     QUANTILES,
     VERDICTS,
     Judged,

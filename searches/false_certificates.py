@@ -12,11 +12,11 @@ from typing import Any
 from flint import fmpq
 
 from longwave.solutions.catalogue import CATALOGUE
-from longwave.verify.cli.published import published
 from longwave.verify.kernel.limits import digest
 from longwave.verify.proof.catalogue_proofs import prove_form
 from longwave.verify.proof.statement_verdict import decide_statement
 from longwave.verify.proof.text_prover import prove
+from longwave.verify.published import published
 from searches.forged_proofs import Data, Proof, signed
 from searches.random_texts import ONE_PLACE, RandomText, condition, points
 from searches.text_balls import TextBalls, Unsaid, words

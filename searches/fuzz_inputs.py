@@ -210,7 +210,7 @@ def option_texts() -> tuple[str, ...]:
 @cache
 def commands() -> tuple[tuple[tuple[str, ...], click.Command], ...]:
     """Every command with the words that lead to it."""
-    from longwave.command_tree import longwave
+    from longwave.cli.command_tree import longwave
 
     def below(words: tuple[str, ...], one: click.Command) -> Iterator[Any]:
         yield words, one

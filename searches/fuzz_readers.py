@@ -23,15 +23,15 @@ except ImportError:
 
 with atheris.instrument_imports(
     include=[
-        *("longwave.derive", "longwave.verify.comparison", "longwave.verify.lattices"),
+        *("longwave.derive", "longwave.scenes.chain", "longwave.scenes"),
         "longwave.runs",
     ]
 ):
+    from longwave.cli.certificates import read_certificates
     from longwave.derive.lattice_file import read_lattice
     from longwave.runs.run_file import load_run, scene_of_run
-    from longwave.verify.cli.certificates import read_certificates
-    from longwave.verify.cli.problem_file import problem_texts
-    from longwave.verify.lattices.lattice_scene import find_any_scene
+    from longwave.scenes.lattice_scene import find_any_scene
+    from longwave.verify.problem_file import problem_texts
 
 from searches.fuzz_inputs import KINDS
 

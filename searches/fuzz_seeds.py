@@ -246,7 +246,7 @@ solve = "c"
 @cache
 def seeds(kind: str) -> tuple[str, ...]:
     """The files that are changed; what is shipped takes longer than what is made to be small."""
-    folders = {"scene": "verify/comparison/scenes", "lattice scene": "verify/lattices/scenes"}
+    folders = {"scene": "scenes/chain/shipped", "lattice scene": "scenes/shipped"}
     if kind == "lattice":
         return LATTICES
     if kind == "sweep":
@@ -305,7 +305,7 @@ def run_files() -> tuple[bytes, ...]:
     import tempfile
 
     from longwave.runs.run_file import run_any_scene, save_run
-    from longwave.verify.lattices.lattice_scene import find_any_scene
+    from longwave.scenes.lattice_scene import find_any_scene
 
     found = []
     with tempfile.TemporaryDirectory() as folder:

@@ -99,7 +99,7 @@ def warm_up() -> None:
     }
     from longwave.__main__ import main
 
-    for room in ("derive", "solutions", "lattice", "verify", "runs"):
+    for room in ("derive", "solutions", "lattice", "verify", "scenes", "runs"):
         inside = importlib.import_module(f"longwave.{room}").__path__
         for module in pkgutil.walk_packages(inside, f"longwave.{room}."):
             importlib.import_module(module.name)
@@ -200,7 +200,7 @@ def enter(case: FuzzCase, place: Path) -> None:
 def call_longwave(words: list[str]) -> int:
     """The exit status of the command line."""
     from longwave.__main__ import main
-    from longwave.derive.request_limits import request_limits
+    from longwave.support.request_limits import request_limits
 
     try:
         with request_limits(memory=1e6 * MEGABYTES):  # as on a machine that has twice as much

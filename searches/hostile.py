@@ -32,7 +32,7 @@ from rich.table import Table
 
 import longwave
 from longwave.__main__ import main as command
-from longwave.verify.processes import OutOfTime, time_limit
+from longwave.support.processes import OutOfTime, time_limit
 from tests.verify.proof.hostile_texts import FILES, Texts, generated, written
 
 SECONDS, MEGABYTES = 5.0, 500.0

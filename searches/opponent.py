@@ -38,20 +38,20 @@ from numpy.typing import NDArray
 from scipy.optimize import differential_evolution
 
 import longwave.lattice.refine
-import longwave.verify.lattices.ring_runs
+import longwave.scenes.ring_runs
 from longwave.derive import LATTICES
 from longwave.lattice import integrate
 from longwave.lattice.refine import refine
 from longwave.lattice.trial import StepSearch, Trial
-from longwave.verify.comparison.scene import Scene
-from longwave.verify.lattices.lattice_derivation import lattice_wave
-from longwave.verify.lattices.lattice_run import compared_cells, lattice_times
-from longwave.verify.lattices.lattice_scene import PERTURBED_PLANE, LatticeScene, Pairs
-from longwave.verify.lattices.ring_runs import RingRecord, RingRuns
-from longwave.verify.lattices.sideband_growth import SidebandRuns, growth_plan
-from longwave.verify.processes import OutOfTime, time_limit
-from longwave.verify.studies.estimate_scenes import RandomScene, random_scene
-from longwave.verify.studies.estimates import judge_scene, warm_up
+from longwave.reports.studies.estimate_scenes import RandomScene, random_scene
+from longwave.reports.studies.estimates import judge_scene, warm_up
+from longwave.scenes.chain.scene import Scene
+from longwave.scenes.lattice_derivation import lattice_wave
+from longwave.scenes.lattice_run import compared_cells, lattice_times
+from longwave.scenes.lattice_scene import PERTURBED_PLANE, LatticeScene, Pairs
+from longwave.scenes.ring_runs import RingRecord, RingRuns
+from longwave.scenes.sideband_growth import SidebandRuns, growth_plan
+from longwave.support.processes import OutOfTime, time_limit
 from searches.random_chains import random_case
 from searches.soak_scenes import soak_scene
 
@@ -438,7 +438,7 @@ def begin(unmended: bool) -> None:
     if unmended:
         search: Any = longwave.lattice.refine._Search
         search.has_seen_law, search.lawful_change = lambda *_: True, lambda *_: 0.0
-        longwave.verify.lattices.ring_runs.LAWFUL_TURN = math.inf
+        longwave.scenes.ring_runs.LAWFUL_TURN = math.inf
 
 
 def main() -> int:

@@ -1,7 +1,7 @@
 """Soak: random scenes of both kinds end with a result within their tolerance, or with a reason.
 
-Every second scene is one of the paper's chain (`verify/studies/estimate_scenes.py`), the others are
-on the lattices of the catalogue (`searches/soak_scenes.py`).  One in ``--every`` is judged:
+Every second scene is one of the paper's chain (`reports/studies/estimate_scenes.py`), the others
+are on the lattices of the catalogue (`searches/soak_scenes.py`).  One in ``--every`` is judged:
 on the paper's chain by the causal reference, which shares no domain with it and whose error is
 measured; on another lattice by a second run to a hundredth of the tolerance.
 
@@ -28,13 +28,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from longwave.verify.comparison import run
-from longwave.verify.lattices.lattice_run import run_lattice_scene
-from longwave.verify.lattices.lattice_scene import LatticeScene
-from longwave.verify.lattices.sideband_growth import measure_growth
-from longwave.verify.processes import OutOfTime, time_limit
-from longwave.verify.studies.estimate_scenes import random_scene
-from longwave.verify.studies.estimates import ANSWER_SECONDS, judge_scene, warm_up
+from longwave.reports.studies.estimate_scenes import random_scene
+from longwave.reports.studies.estimates import ANSWER_SECONDS, judge_scene, warm_up
+from longwave.scenes.chain import run
+from longwave.scenes.lattice_run import run_lattice_scene
+from longwave.scenes.lattice_scene import LatticeScene
+from longwave.scenes.sideband_growth import measure_growth
+from longwave.support.processes import OutOfTime, time_limit
 from searches.soak_scenes import soak_scene
 
 BUDGET = 2.0

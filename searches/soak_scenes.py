@@ -14,9 +14,9 @@ from fractions import Fraction
 
 from longwave.derive import LATTICES
 from longwave.lattice.random_sites import DISTRIBUTIONS
+from longwave.scenes.lattice_derivation import derivation
+from longwave.scenes.lattice_scene import ORDERS, PERTURBED_PLANE, LatticeScene
 from longwave.solutions import CATALOGUE, closed_form
-from longwave.verify.lattices.lattice_derivation import derivation
-from longwave.verify.lattices.lattice_scene import ORDERS, PERTURBED_PLANE, LatticeScene
 
 Draw = random.Random
 

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from longwave.verify.processes import OutOfTime, time_limit
+from longwave.support.processes import OutOfTime, time_limit
 from longwave.verify.proof import prove, prove_equal
 from longwave.verify.proof.certificate_writer import CONSTANTS, FUNCTIONS
 from longwave.verify.subexpressions import distinct_nodes

@@ -8,7 +8,7 @@ asked for: reading the formulas needs no compiler, and double-double arithmetic 
 
 from typing import TYPE_CHECKING
 
-from longwave.derive.lazy_face import lazy_face
+from longwave.support.lazy_face import lazy_face
 
 if TYPE_CHECKING:
     from longwave.solutions.catalogue import CATALOGUE, closed_form

@@ -157,7 +157,7 @@ def closed_form(name: str, parameters: Iterable[str] = ()) -> "ClosedForm":
         return rational(int(match[1]), shifts)
     if is_printed:
         return _made(name)
-    from longwave.derive.algebra.exact_numbers import shown
+    from longwave.support.user_files import shown
 
     raise ValueError(
         f"name must be a closed form of the catalogue, got {shown(name)} "

@@ -15,8 +15,8 @@ from pathlib import Path
 from typing import Any, TypeVar, cast
 
 from longwave.solutions.catalogue import CATALOGUE
-from longwave.solutions.run.kernel_folder import cache_folder, read_whole, write_whole
-from longwave.solutions.run.source_digest import Files, all_sources, runs_as_written, text_digest
+from longwave.support.compiled.kernel_folder import cache_folder, read_whole, write_whole
+from longwave.support.compiled.source_digest import Files, all_sources, runs_as_written, text_digest
 
 __all__ = ["DataStore", "kept_data", "open_store"]
 

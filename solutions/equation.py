@@ -7,9 +7,10 @@ from typing import NamedTuple
 
 import sympy as sp
 
-from longwave.derive.algebra.exact_numbers import instance, shown
+from longwave.derive.algebra.exact_numbers import instance
 from longwave.derive.normal_form import NORMAL_EQUATIONS
 from longwave.solutions.symbols import s, tau, xi, zeta
+from longwave.support.user_files import shown
 
 __all__ = [
     "DEFOCUSING_GARDNER",

@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from longwave.solutions.run.cores import usable_cores
+from longwave.support.compiled.cores import usable_cores
+from longwave.support.user_files import shown
 
 __all__ = ["check_points", "evaluate_points"]
 
@@ -104,19 +105,12 @@ def _doubles(name: str, values: ArrayLike) -> Array:
     return doubles
 
 
-def _shown(value: object) -> str:
-    from longwave.derive.algebra.exact_numbers import shown  # with SymPy, for what is wrong alone
-
-    return shown(value)
-
-
 def _check_integers(name: str, integers: NDArray[Any], doubles: Array) -> None:
     beyond = np.abs(doubles) >= 2.0**53
     for integer, double in zip(integers[beyond].tolist(), doubles[beyond].tolist(), strict=True):
         if integer != int(double):
             raise ValueError(
-                f"every integer {name} must be a double exactly, got {_shown(integer)} "
-                "(use Wave.mp)"
+                f"every integer {name} must be a double exactly, got {shown(integer)} (use Wave.mp)"
             )
 
 
@@ -126,14 +120,14 @@ def _from_objects(name: str, objects: NDArray[Any]) -> Array:
     for index, number in np.ndenumerate(objects):
         if isinstance(number, bool | np.bool_) or not isinstance(number, Real | Decimal):
             raise ValueError(
-                f"every {name} must be a real number, got {_shown(number)} "
+                f"every {name} must be a real number, got {shown(number)} "
                 f"of type {type(number).__name__} (convert it to numbers)"
             )
         try:
             doubles[index] = float(number)
         except OverflowError:
             raise ValueError(
-                f"every {name} must be finite as a double, got {_shown(number)} (take less)"
+                f"every {name} must be finite as a double, got {shown(number)} (take less)"
             ) from None
         if isinstance(number, Integral):
             _check_integers(name, np.array([number], dtype=object), doubles[index][None])

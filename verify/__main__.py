@@ -1,4 +1,4 @@
-"""``python -m verify``: the words of `longwave.verify.cli.commands`.
+"""``python -m verify``: the words of `longwave.cli.commands`.
 
 Exit status: 0 if every form stands, 1 if one does not, 2 for bad input (one line on stderr).
 """
@@ -6,8 +6,8 @@ Exit status: 0 if every form stands, 1 if one does not, 2 for bad input (one lin
 import sys
 from collections.abc import Sequence
 
-from longwave.derive.command_line import run_words
-from longwave.verify.cli.commands import verify
+from longwave.cli.commands import verify
+from longwave.support.command_line import run_words
 
 
 def main(argv: Sequence[str] | None = None) -> int:

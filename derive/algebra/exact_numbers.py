@@ -14,6 +14,8 @@ from typing import Any, TypeAlias, TypeVar
 from sympy import Expr, Float, I, N, Rational, nan, nsimplify, oo, zoo
 from sympy.matrices.expressions.matexpr import MatrixExpr
 
+from longwave.support.user_files import shown
+
 Kind = TypeVar("Kind")
 
 Number: TypeAlias = int | float | str | Fraction | Decimal | Expr
@@ -101,20 +103,6 @@ def _not_real(name: str, value: object) -> ValueError:
         f"{name} must be a finite real number or a symbol, got {shown(value)} "
         "(write 4, 0.25 or 1/3)"
     )
-
-
-def shown(value: object) -> str:
-    """``value`` in one short line, for an error.
-
-    >>> shown(10**5000)
-    'an int of 16610 bits'
-    >>> shown("x" * 100)
-    "'xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx..."
-    """
-    if isinstance(value, int) and value.bit_length() > 1000:
-        return f"an int of {value.bit_length()} bits"
-    line = " ".join(repr(value).split())
-    return line if len(line) <= 60 else f"{line[:60]}..."
 
 
 def exact_number(name: str, value: object) -> Expr:

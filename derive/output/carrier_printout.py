@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from sympy import Expr, Rational, pi
 
-from longwave.derive.algebra.exact_numbers import Number, shown
+from longwave.derive.algebra.exact_numbers import Number
 from longwave.derive.algebra.formula_expression import read_formula
 from longwave.derive.algebra.formula_text import Vocabulary
 from longwave.derive.carrier_envelope import (
@@ -20,13 +20,14 @@ from longwave.derive.carrier_envelope import (
     wavenumber,
 )
 from longwave.derive.checks import Check, checks_of_envelope, simple_numbers
-from longwave.derive.command_line import check_and_announce
 from longwave.derive.expected_derivation import CHEAPER_CARRIER, envelope_seconds
 from longwave.derive.lattice import Lattice
 from longwave.derive.normal_form import NORMAL_EQUATIONS, NormalForm
 from longwave.derive.output.notation import aligned, latex_of, text_of
 from longwave.derive.output.printout import Wanted, count
 from longwave.derive.output.report import form_data
+from longwave.support.command_line import check_and_announce
+from longwave.support.user_files import shown
 
 if TYPE_CHECKING:
     Values = Mapping[str, Number]

@@ -8,9 +8,8 @@ from pathlib import Path
 
 from sympy import S
 
-from longwave.derive.algebra.exact_numbers import Number, exact, parse_rational, shown
+from longwave.derive.algebra.exact_numbers import Number, exact, parse_rational
 from longwave.derive.balances import best_balance
-from longwave.derive.command_line import check_and_announce, fail
 from longwave.derive.direction import DRIFT, read_direction, slow_variables
 from longwave.derive.dispersion import agrees_with_reduction, dispersion_relation
 from longwave.derive.expected_derivation import CHEAPER_ORDER, reduction_seconds
@@ -23,7 +22,8 @@ from longwave.derive.normal_form import NORMAL_EQUATIONS
 from longwave.derive.output.notation import aligned, text_of
 from longwave.derive.reduction import Reduction
 from longwave.derive.scaling import Scaling, SlowVariable
-from longwave.derive.user_files import STANDARD_INPUT
+from longwave.support.command_line import check_and_announce, fail
+from longwave.support.user_files import STANDARD_INPUT, shown
 
 MOST_ORDERS = 13
 

@@ -5,8 +5,11 @@ from pathlib import Path
 
 HOUSE = Path(__file__).resolve().parents[2]
 
-ROOMS = ("derive", "solutions", "lattice", "verify", "runs", "reports", "longwave")
-"""The rooms, left to right; the last is the package that all of them are installed in."""
+ROOMS = (
+    *("support", "derive", "solutions", "verify", "lattice", "scenes", "runs", "reports"),
+    "longwave",
+)
+"""The rooms, each beside what it imports; the last is the package that all are installed in."""
 
 
 def packages(room: str) -> Iterator[str]:

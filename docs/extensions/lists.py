@@ -4,14 +4,14 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from house import HOUSE, ROOMS
 from longwave.lattice.schemes import stability_limit
-from longwave.reports.figures.paper_figures import ERROR_FIGURES, SNAPSHOT_FIGURES
 from longwave.reports.formulas.printing import latex
 from longwave.reports.latex import domain_latex
+from longwave.reports.pictures.paper_figures import ERROR_FIGURES, SNAPSHOT_FIGURES
+from longwave.scenes.chain import SCHEMES, Scene, further_scenes, load_scene, shipped_scenes
+from longwave.scenes.chain.observables import OBSERVABLES
 from longwave.solutions import CATALOGUE, ClosedForm
-from longwave.verify.cli.problem_file import ProblemText
-from longwave.verify.cli.published import published, source_of
-from longwave.verify.comparison import SCHEMES, Scene, further_scenes, load_scene, shipped_scenes
-from longwave.verify.comparison.observables import OBSERVABLES
+from longwave.verify.problem_file import ProblemText
+from longwave.verify.published import published, source_of
 from paper_map import Holder, Row, paper_map
 
 MOST_OPERATIONS = 20

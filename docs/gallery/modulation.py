@@ -9,8 +9,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from longwave import LATTICES
-from longwave.reports.figures.lattice_figures import modulation_figure
-from longwave.verify.lattices.modulation import modulation_grid
+from longwave.reports.pictures.lattice_figures import modulation_figure
+from longwave.scenes.modulation import modulation_grid
 
 
 def picture() -> Figure:

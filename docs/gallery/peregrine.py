@@ -7,10 +7,10 @@ the crest and at the end.
 
 from matplotlib.figure import Figure
 
-from longwave.reports.figures.drawing import snapshot_figure
-from longwave.reports.figures.lattice_figures import lattice_snapshots
-from longwave.verify.lattices.lattice_run import run_lattice_scene
-from longwave.verify.lattices.lattice_scene import load_lattice_scene
+from longwave.reports.pictures.drawing import snapshot_figure
+from longwave.reports.pictures.lattice_figures import lattice_snapshots
+from longwave.scenes.lattice_run import run_lattice_scene
+from longwave.scenes.lattice_scene import load_lattice_scene
 
 
 def picture() -> Figure:

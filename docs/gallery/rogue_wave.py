@@ -7,8 +7,8 @@ lattice stays a little below the mKdV wave.
 from matplotlib.figure import Figure
 
 from longwave import load_scene, run
-from longwave.reports.figures.drawing import snapshot_figure
-from longwave.reports.figures.paper_figures import snapshots
+from longwave.reports.pictures.drawing import snapshot_figure
+from longwave.reports.pictures.paper_figures import snapshots
 
 
 def picture() -> Figure:

@@ -7,7 +7,7 @@ the solitons of the mKdV equation do.
 from matplotlib.figure import Figure
 
 from longwave import Scene, run
-from longwave.reports.figures.drawing import space_time_figure
+from longwave.reports.pictures.drawing import space_time_figure
 
 SCENE = Scene.of(
     name="two_solitons",

@@ -67,8 +67,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from longwave.solutions.run.cores import usable_cores
-from longwave.solutions.run.jit import Intrinsic, njit
+from longwave.support.compiled.cores import usable_cores
+from longwave.support.compiled.jit import Intrinsic, njit
 
 Array = NDArray[np.float64]
 

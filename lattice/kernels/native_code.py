@@ -14,9 +14,9 @@ import numpy as np
 from llvmlite import binding  # type: ignore[import-untyped]
 from numpy.typing import NDArray
 
-from longwave.solutions.run.entry_point import processor
-from longwave.solutions.run.kernel_folder import cache_folder, read_whole, write_whole
-from longwave.solutions.run.source_digest import source_digest
+from longwave.support.compiled.entry_point import processor
+from longwave.support.compiled.kernel_folder import cache_folder, read_whole, write_whole
+from longwave.support.compiled.source_digest import source_digest
 
 __all__ = ["aligned", "native_function"]
 

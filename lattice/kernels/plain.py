@@ -13,7 +13,7 @@ code.
 import numpy as np
 from numpy.typing import NDArray
 
-from longwave.solutions.run.jit import njit
+from longwave.support.compiled.jit import njit
 
 Array = NDArray[np.float64]
 

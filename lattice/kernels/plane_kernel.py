@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from longwave.lattice.kernels.native_code import aligned, native_function
 from longwave.lattice.kernels.plane_flow import PlaneFlow, plane_flow
-from longwave.solutions.run.cores import usable_cores
+from longwave.support.compiled.cores import usable_cores
 
 if TYPE_CHECKING:
     from longwave.lattice.numeric_lattice import NumericLattice

@@ -24,12 +24,12 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from longwave.lattice.checkpoint import Memory
 from longwave.lattice.model import Model
 from longwave.lattice.spectral.absorber import ABSORBER_STRENGTH, LeftAbsorber, ShortAbsorber
 from longwave.lattice.spectral.exponential import ExponentialAdams
 from longwave.lattice.spectral.ring import RingState, backward, forward, spectrum_tail
-from longwave.solutions.run.jit import njit
+from longwave.support.checkpoint import Memory
+from longwave.support.compiled.jit import njit
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

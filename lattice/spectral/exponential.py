@@ -21,8 +21,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from longwave.lattice.checkpoint import Memory
-from longwave.solutions.run.jit import njit
+from longwave.support.checkpoint import Memory
+from longwave.support.compiled.jit import njit
 
 Complex = NDArray[np.complex128]
 

@@ -27,7 +27,7 @@ from longwave.lattice.spectral.evolution import WATCH, SamplingError
 from longwave.lattice.spectral.exponential import ExponentialAdams
 from longwave.lattice.spectral.field_ring import FieldRing, modes_of, spectrum_tails, values_of
 from longwave.lattice.spectral.normal_modes import multipliers, normal_modes
-from longwave.solutions.run.jit import njit
+from longwave.support.compiled.jit import njit
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

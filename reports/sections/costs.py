@@ -11,9 +11,9 @@ from itertools import groupby
 from operator import attrgetter
 from typing import TYPE_CHECKING
 
-from longwave.reports.figures.drawing import CostPanel
 from longwave.reports.latex import block, duration, escape, mathematics, scientific, table
-from longwave.verify.studies.lattice_cost import (
+from longwave.reports.pictures.drawing import CostPanel
+from longwave.reports.studies.lattice_cost import (
     REDUCTION,
     SPECTRAL,
     TRUE_ERROR,
@@ -24,10 +24,10 @@ from longwave.verify.studies.lattice_cost import (
 )
 
 if TYPE_CHECKING:
-    from longwave.verify.studies.estimates import EstimateRow, Judged
-    from longwave.verify.studies.evaluation_accuracy import Accuracy
-    from longwave.verify.studies.evaluation_cost import EvaluationCost
-    from longwave.verify.studies.hard_cases import HardCaseResult
+    from longwave.reports.studies.estimates import EstimateRow, Judged
+    from longwave.reports.studies.evaluation_accuracy import Accuracy
+    from longwave.reports.studies.evaluation_cost import EvaluationCost
+    from longwave.reports.studies.hard_cases import HardCaseResult
 
 TABULATED = (
     "double-double",

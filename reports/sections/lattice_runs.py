@@ -13,9 +13,9 @@ from longwave.reports.latex import duration, escape, measured, table, title_late
 if TYPE_CHECKING:
     import xarray as xr
 
-    from longwave.verify.lattices.convergence import ErrorAt
-    from longwave.verify.studies.measured_rates import MeasuredRate
-    from longwave.verify.studies.scene_runs import SceneRun
+    from longwave.reports.studies.measured_rates import MeasuredRate
+    from longwave.reports.studies.scene_runs import SceneRun
+    from longwave.scenes.convergence import ErrorAt
 
 
 def scene_table(runs: Mapping[str, SceneRun]) -> str:

@@ -12,8 +12,8 @@ from longwave.reports.latex import block, escape, table
 from longwave.verify.verdict import Outcome
 
 if TYPE_CHECKING:
-    from longwave.verify.cli.problem_file import ProblemText
-    from longwave.verify.studies.published_verdicts import PublishedVerdict
+    from longwave.reports.studies.published_verdicts import PublishedVerdict
+    from longwave.verify.problem_file import ProblemText
 
 NO_TEXT = r"$^*$"
 """Behind a source of which no text was at hand."""

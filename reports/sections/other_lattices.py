@@ -13,19 +13,19 @@ from longwave.derive.normal_form import NORMAL_EQUATIONS
 from longwave.derive.output.notation import latex_of, terms
 from longwave.derive.symbols import k
 from longwave.reports.latex import domain_latex, escape, scientific, table, title_latex
-from longwave.solutions import CATALOGUE, closed_form
-from longwave.verify.processes import Job, Key
-from longwave.verify.studies.lattice_models import (
+from longwave.reports.studies.lattice_models import (
     ENVELOPES,
     LatticeModel,
     closed_waves,
     lattice_models,
     tabled_envelope,
 )
+from longwave.solutions import CATALOGUE, closed_form
+from longwave.support.processes import Job, Key
 
 if TYPE_CHECKING:
-    from longwave.verify.studies.evaluation_accuracy import Accuracy
-    from longwave.verify.studies.proofs import ProofRecord
+    from longwave.reports.studies.evaluation_accuracy import Accuracy
+    from longwave.reports.studies.proofs import ProofRecord
     from longwave.verify.verdict import Verdict
 
 PAPERS = "mKdV"

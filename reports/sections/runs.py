@@ -11,17 +11,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from longwave.reports.figures.drawing import CostPanel, Snapshot
-from longwave.reports.figures.paper_figures import ERROR_FIGURES, SNAPSHOT_FIGURES, snapshots
 from longwave.reports.latex import duration, escape, mathematics, measured, scientific, table
 from longwave.reports.paper import cited
-from longwave.verify.comparison import Scene, load_scene
-from longwave.verify.studies.lattice_cost import PeakError, peak_laws
+from longwave.reports.pictures.drawing import CostPanel, Snapshot
+from longwave.reports.pictures.paper_figures import ERROR_FIGURES, SNAPSHOT_FIGURES, snapshots
+from longwave.reports.studies.lattice_cost import PeakError, peak_laws
+from longwave.scenes.chain import Scene, load_scene
 
 if TYPE_CHECKING:
-    from longwave.verify.studies.claims import Claim, Measurement
-    from longwave.verify.studies.long_runs import LongRun
-    from longwave.verify.studies.measured_runs import MeasuredRuns
+    from longwave.reports.studies.claims import Claim, Measurement
+    from longwave.reports.studies.long_runs import LongRun
+    from longwave.reports.studies.measured_runs import MeasuredRuns
 
 SHORT = 16
 """Measurements whose texts are shorter than this stand in one line."""

@@ -18,8 +18,8 @@ from longwave.solutions import CATALOGUE, ClosedForm
 from longwave.solutions.record import Equation
 
 if TYPE_CHECKING:
+    from longwave.reports.studies.proofs import ProofRecord
     from longwave.verify.evidence.mutations import MutationCount, Survivor
-    from longwave.verify.studies.proofs import ProofRecord
     from longwave.verify.verdict import Verdict
 
 PAPER_FORMS = CATALOGUE.of("mKdV")

@@ -18,9 +18,9 @@ from longwave.solutions.compile.lowering import Lowering
 from longwave.solutions.compile.tape import tape_of
 from longwave.solutions.functions.multiprecision import MpmathFormula
 from longwave.solutions.record import ClosedForm
-from longwave.solutions.run.kernel_folder import cache_folder, read_whole, write_whole
 from longwave.solutions.run.program import Program
-from longwave.solutions.run.source_digest import source_digest
+from longwave.support.compiled.kernel_folder import cache_folder, read_whole, write_whole
+from longwave.support.compiled.source_digest import source_digest
 
 __all__ = ["compile_program", "kept_program"]
 

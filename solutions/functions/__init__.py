@@ -6,7 +6,7 @@ Their values: `solutions.functions.multiprecision` (any precision), `solutions.r
 
 from typing import TYPE_CHECKING
 
-from longwave.derive.lazy_face import lazy_face
+from longwave.support.lazy_face import lazy_face
 
 if TYPE_CHECKING:
     from longwave.solutions.functions.jacobi import (

@@ -11,7 +11,7 @@ import math
 
 from longwave.solutions.run import doubledouble
 from longwave.solutions.run.doubledouble import Array, Pair, add_loosely
-from longwave.solutions.run.jit import njit
+from longwave.support.compiled.jit import njit
 
 Bounded = tuple[float, float, float]
 

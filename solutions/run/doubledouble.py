@@ -17,7 +17,7 @@ import numpy as np
 from mpmath import MPContext
 from numpy.typing import NDArray
 
-from longwave.solutions.run.jit import Intrinsic, njit
+from longwave.support.compiled.jit import Intrinsic, njit
 
 Array = NDArray[np.float64]
 Pair = tuple[float, float]

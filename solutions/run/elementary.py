@@ -38,7 +38,7 @@ from longwave.solutions.run.doubledouble import (
     subtract,
     two_sum,
 )
-from longwave.solutions.run.jit import njit
+from longwave.support.compiled.jit import njit
 
 __all__ = [
     "SCRATCH",

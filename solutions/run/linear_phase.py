@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from longwave.solutions.run.doubledouble import Three, check_range, split_three, two_prod, two_sum
-from longwave.solutions.run.jit import njit
+from longwave.support.compiled.jit import njit
 
 if TYPE_CHECKING:
     from sympy import Expr

@@ -36,7 +36,7 @@ from longwave.solutions.run.elementary import (
     start_logarithm,
     tanh,
 )
-from longwave.solutions.run.jit import njit
+from longwave.support.compiled.jit import njit
 
 __all__ = ["add_row", "run_pairs", "scale_rows"]
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from longwave.solutions.run import bounded
 from longwave.solutions.run.bounded import BLOCK, UNIT, Bounded
 from longwave.solutions.run.doubledouble import Pair, add, add_loosely, multiply, scale
-from longwave.solutions.run.jit import njit
+from longwave.support.compiled.jit import njit
 
 __all__ = ["rational_loop", "scales_of", "workspace"]
 

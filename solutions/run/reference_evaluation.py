@@ -8,9 +8,10 @@ import mpmath
 import numpy as np
 import sympy as sp
 
-from longwave.derive.algebra.exact_numbers import exact_number, shown
+from longwave.derive.algebra.exact_numbers import exact_number
 from longwave.solutions.functions.multiprecision import MpmathFormula
 from longwave.solutions.symbols import tau, xi, zeta
+from longwave.support.user_files import shown
 
 __all__ = ["check_digits", "evaluate_mp", "exact_point"]
 

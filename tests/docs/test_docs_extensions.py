@@ -12,8 +12,8 @@ import lists
 from docstrings import as_restructured_text
 from house import HOUSE, ROOMS, modules, packages
 from longwave import CATALOGUE
-from longwave.verify.cli.published import published
-from longwave.verify.comparison import SCHEMES, further_scenes, shipped_scenes
+from longwave.scenes.chain import SCHEMES, further_scenes, shipped_scenes
+from longwave.verify.published import published
 from reference import write_reference
 from snippets import snippets
 

@@ -28,7 +28,7 @@ from longwave.lattice.schemes import (
 )
 from longwave.lattice.stepper import advance
 from longwave.solutions import Wave, closed_form
-from longwave.solutions.run import cores
+from longwave.support.compiled import cores
 
 SPLITTINGS = [scheme for scheme in SCHEMES if isinstance(scheme, Splitting | Composition)]
 

@@ -11,7 +11,7 @@ from longwave import lattice
 from longwave.lattice import Composition, Model, State, Trajectory, integrate, ring_energy
 from longwave.lattice.model import Array
 from longwave.lattice.schemes import KAHAN_LI_8, RK4, SCHEMES
-from longwave.verify.studies.doubledouble_ring import advance_doubled, doubled
+from longwave.reports.studies.doubledouble_ring import advance_doubled, doubled
 
 
 def reference(model: Model, state: State, times: Array, largest: float) -> Array:

@@ -6,9 +6,9 @@ import pytest
 from longwave import derive
 from longwave.lattice.model import Model
 from longwave.lattice.spectral.ring import DENSITY, energy_spread
+from longwave.scenes.chain.moving_wave import MovingWave
+from longwave.scenes.chain.spectral_data import ring_data
 from longwave.solutions import Wave, closed_form
-from longwave.verify.comparison.moving_wave import MovingWave
-from longwave.verify.comparison.spectral_data import ring_data
 
 LATTICES = 16
 

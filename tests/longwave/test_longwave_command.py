@@ -11,19 +11,19 @@ from typing import Any
 import click
 import pytest
 
-import longwave.command_tree as tree
+import longwave.cli.accuracy
+import longwave.cli.command_tree as tree
+import longwave.cli.inventory
+import longwave.cli.scene_command
+import longwave.cli.verdicts
 import longwave.derive.output.printout
-import longwave.inventory
 import longwave.reports.build
-import longwave.runs.scene_command
-import longwave.verify.cli.accuracy
-import longwave.verify.cli.verdicts
 from longwave.__main__ import main
 from longwave.derive.__main__ import CONSTANTS
 from longwave.derive.models.lattices import FPUT_STRAIN
 from longwave.runs import load_run, run_words
-from longwave.verify.comparison import ENGINES, further_scenes, shipped_scenes
-from longwave.verify.lattices.lattice_scene import shipped_lattice_scenes
+from longwave.scenes.chain import ENGINES, further_scenes, shipped_scenes
+from longwave.scenes.lattice_scene import shipped_lattice_scenes
 
 Output = pytest.CaptureFixture[str]
 HOUSE = Path(__file__).parents[2]
@@ -147,15 +147,15 @@ def test_options_reach_the_rooms(monkeypatch: pytest.MonkeyPatch) -> None:
         return 1
 
     monkeypatch.setattr(longwave.derive.output.printout, "print_derivation", keep)
-    monkeypatch.setattr(longwave.verify.cli.verdicts, "print_verdicts", keep)
-    monkeypatch.setattr(longwave.verify.cli.verdicts, "print_mutations", keep)
-    monkeypatch.setattr(longwave.runs.scene_command, "run_and_print", keep)
-    monkeypatch.setattr(longwave.verify.cli.accuracy, "print_accuracy", keep)
+    monkeypatch.setattr(longwave.cli.verdicts, "print_verdicts", keep)
+    monkeypatch.setattr(longwave.cli.verdicts, "print_mutations", keep)
+    monkeypatch.setattr(longwave.cli.scene_command, "run_and_print", keep)
+    monkeypatch.setattr(longwave.cli.accuracy, "print_accuracy", keep)
     monkeypatch.setattr(longwave.reports.build, "write_report", keep)
     Wanted = longwave.derive.output.printout.Wanted
     verdicts, RunOptions = (
-        longwave.verify.cli.verdicts.VerdictOptions,
-        longwave.runs.scene_command.RunOptions,
+        longwave.cli.verdicts.VerdictOptions,
+        longwave.cli.scene_command.RunOptions,
     )
     for line in (
         "derive --k4 -1/2 --orders 5 --latex",
@@ -338,7 +338,7 @@ def test_ctrl_c_while_a_room_is_imported_is_one_line(
     def stop(_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(longwave.inventory, "inventory", stop)
+    monkeypatch.setattr(longwave.cli.inventory, "inventory", stop)
     assert main(["list", "waves"]) == 130
     assert capsys.readouterr().err == "longwave list: interrupted\n"
 
@@ -358,8 +358,8 @@ def test_no_command_of_the_process_stays_silent() -> None:
     """It is the words of the process that are watched, though they are handed on."""
     script = (
         "import sys, time\n"
-        "import longwave.derive.open_end as open_end\n"
-        "import longwave.inventory as inventory\n"
+        "import longwave.support.open_end as open_end\n"
+        "import longwave.cli.inventory as inventory\n"
         "from longwave.__main__ import main\n"
         "open_end.SILENT = 0.1\n"
         "inventory.print_tables = lambda *_: time.sleep(1.0)\n"

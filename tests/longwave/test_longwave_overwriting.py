@@ -7,7 +7,7 @@ import click
 import pytest
 
 from longwave.__main__ import main
-from longwave.command_tree import longwave
+from longwave.cli.command_tree import longwave
 
 WRITING = ("output", "certificate")
 """Options that name what is written."""

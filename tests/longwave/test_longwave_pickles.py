@@ -39,12 +39,12 @@ from longwave.lattice import (
 )
 from longwave.lattice.model import BlowUp
 from longwave.lattice.numeric_lattice import NumericLattice, numeric_lattice
+from longwave.scenes.chain import OBSERVABLES, Discretisation, Scene, Tolerance, load_scene
+from longwave.scenes.chain.stated_run import RunRecord
+from longwave.scenes.lattice_derivation import derivation
+from longwave.scenes.lattice_run import LatticeRun, run_lattice_scene
+from longwave.scenes.lattice_scene import LatticeScene
 from longwave.solutions import CATALOGUE, ClosedForm, Wave, closed_form, rational
-from longwave.verify.comparison import OBSERVABLES, Discretisation, Scene, Tolerance, load_scene
-from longwave.verify.comparison.stated_run import RunRecord
-from longwave.verify.lattices.lattice_derivation import derivation
-from longwave.verify.lattices.lattice_run import LatticeRun, run_lattice_scene
-from longwave.verify.lattices.lattice_scene import LatticeScene
 from longwave.verify.proof import Domain, rational_facts
 from longwave.verify.proof.statement_text import read_statement
 from longwave.verify.proof.statement_verdict import decide_statement
@@ -56,7 +56,7 @@ FACES = (
     "longwave.derive",
     "longwave.solutions",
     "longwave.lattice",
-    "longwave.verify.comparison",
+    "longwave.scenes.chain",
     "longwave.verify.proof",
     "longwave.runs",
 )

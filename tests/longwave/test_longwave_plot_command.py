@@ -5,13 +5,13 @@ from typing import Any
 
 import pytest
 
-from longwave import plotting as drawing
 from longwave.__main__ import main
-from longwave.command_tree import PICTURES
-from longwave.plotting import ALL
-from longwave.plotting import PICTURES as KINDS
-from longwave.verify.comparison import load_scene
-from longwave.verify.comparison.stated_run import RunRecord, UnfinishedRun
+from longwave.cli.command_tree import PICTURES
+from longwave.reports.pictures import plotting as drawing
+from longwave.reports.pictures.plotting import ALL
+from longwave.reports.pictures.plotting import PICTURES as KINDS
+from longwave.scenes.chain import load_scene
+from longwave.scenes.chain.stated_run import RunRecord, UnfinishedRun
 
 Output = pytest.CaptureFixture[str]
 

@@ -7,8 +7,8 @@ import pytest
 
 from longwave.reports import bench, build
 from longwave.reports.build import STUDY_TABLES, Studies
-from longwave.verify.studies.hard_cases import HardCaseResult
-from longwave.verify.studies.lattice_cost import CostPoint, PeakError, ScalingPoint
+from longwave.reports.studies.hard_cases import HardCaseResult
+from longwave.reports.studies.lattice_cost import CostPoint, PeakError, ScalingPoint
 
 FOUND = Studies(
     evaluation=[],

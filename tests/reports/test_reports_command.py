@@ -10,15 +10,15 @@ from longwave.reports.__main__ import main
 from longwave.reports.build import Findings, Studies
 from longwave.reports.engine import EngineMissingError
 from longwave.reports.lattice_chapter import LatticeChapter
-from longwave.verify.cli.published import chosen
+from longwave.reports.studies.hard_cases import HardCaseResult
+from longwave.reports.studies.lattice_models import modulation_plane
+from longwave.reports.studies.measured_runs import MeasuredRuns
+from longwave.reports.studies.proofs import ProofRecord
+from longwave.reports.studies.published_verdicts import PublishedVerdict
+from longwave.reports.studies.scene_runs import SceneRun
+from longwave.scenes.lattice_scene import load_lattice_scene
 from longwave.verify.evidence.mutations import MutationCount, Survivor
-from longwave.verify.lattices.lattice_scene import load_lattice_scene
-from longwave.verify.studies.hard_cases import HardCaseResult
-from longwave.verify.studies.lattice_models import modulation_plane
-from longwave.verify.studies.measured_runs import MeasuredRuns
-from longwave.verify.studies.proofs import ProofRecord
-from longwave.verify.studies.published_verdicts import PublishedVerdict
-from longwave.verify.studies.scene_runs import SceneRun
+from longwave.verify.published import chosen
 from longwave.verify.verdict import Outcome
 
 

@@ -2,8 +2,8 @@
 
 import pytest
 
-from longwave.reports.figures.drawing import CostAxes, CostPanel, cost_figure
 from longwave.reports.latex import escape
+from longwave.reports.pictures.drawing import CostAxes, CostPanel, cost_figure
 from longwave.reports.sections.costs import (
     PRINTED,
     hard_case_table,
@@ -12,15 +12,15 @@ from longwave.reports.sections.costs import (
     rk4_table,
     scaling_table,
 )
-from longwave.verify.comparison import SCHEMES
-from longwave.verify.studies.hard_cases import HardCaseResult
-from longwave.verify.studies.lattice_cost import (
+from longwave.reports.studies.hard_cases import HardCaseResult
+from longwave.reports.studies.lattice_cost import (
     SPECTRAL,
     TRUE_ERROR,
     CostPoint,
     ScalingPoint,
     scaling_laws,
 )
+from longwave.scenes.chain import SCHEMES
 
 EPSILONS = (0.1, 0.05, 0.025, 0.0125)
 

@@ -3,7 +3,7 @@
 import math
 
 from longwave.reports.sections.costs import estimate_table, reason_table
-from longwave.verify.studies.estimates import Judged, estimate_rows
+from longwave.reports.studies.estimates import Judged, estimate_rows
 
 
 def judged(index: int, verdict: str, true: float, reason: str = "") -> Judged:

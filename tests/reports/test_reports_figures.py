@@ -6,7 +6,7 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 
-from longwave.reports.figures.drawing import (
+from longwave.reports.pictures.drawing import (
     CURVES,
     ErrorCurve,
     Snapshot,

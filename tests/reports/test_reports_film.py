@@ -14,10 +14,10 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from longwave.reports.figures import film_files
-from longwave.reports.figures.drawing import Snapshot, styled
-from longwave.reports.figures.film import ChainFilm, FilmWords, PlaneFilm, PlaneFrames
-from longwave.reports.figures.film_files import film_path, has_ffmpeg, save_film
+from longwave.reports.pictures import film_files
+from longwave.reports.pictures.drawing import Snapshot, styled
+from longwave.reports.pictures.film import ChainFilm, FilmWords, PlaneFilm, PlaneFrames
+from longwave.reports.pictures.film_files import film_path, has_ffmpeg, save_film
 
 OFFSET = np.arange(-20.0, 21.0)
 ERRORS = np.array([0.0, 0.1, np.nan, 0.3])
@@ -227,7 +227,7 @@ def test_without_ffmpeg_a_gif_is_the_remedy(monkeypatch: pytest.MonkeyPatch) -> 
 def test_a_gif_that_does_not_fit_the_memory_is_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("longwave.reports.figures.film_files.MOST_GIF_PIXELS", 1e4)
+    monkeypatch.setattr("longwave.reports.pictures.film_files.MOST_GIF_PIXELS", 1e4)
     with pytest.raises(ValueError, match=r"^a GIF must have at most 1e\+04 pixels"):
         save_film(chain(), tmp_path / "film.gif", 10.0)
     assert not list(tmp_path.iterdir())

@@ -12,9 +12,9 @@ from longwave.reports.sections.runs import (
     split_rows,
     split_table,
 )
-from longwave.verify.comparison import load_scene
-from longwave.verify.studies.lattice_cost import PeakError
-from longwave.verify.studies.long_runs import LONG_SCENES, LongRun
+from longwave.reports.studies.lattice_cost import PeakError
+from longwave.reports.studies.long_runs import LONG_SCENES, LongRun
+from longwave.scenes.chain import load_scene
 
 SPLIT = "split_rational_3"
 

@@ -14,8 +14,8 @@ from longwave.reports.sections.literature import (
     library_counts,
     library_table,
 )
-from longwave.verify.cli.published import chosen, published
-from longwave.verify.studies.published_verdicts import PublishedVerdict, library_jobs
+from longwave.reports.studies.published_verdicts import PublishedVerdict, library_jobs
+from longwave.verify.published import chosen, published
 from longwave.verify.verdict import Outcome
 
 

@@ -11,20 +11,20 @@ from sympy import Rational, symbols
 
 from longwave.derive import LATTICES, find_scaling
 from longwave.derive.symbols import eps
-from longwave.reports.figures.drawing import styled
-from longwave.reports.figures.lattice_figures import (
-    DEFOCUSING,
-    lattice_snapshots,
-    map_figure,
-    modulation_figure,
-    rate_figure,
-)
 from longwave.reports.lattice_chapter import (
     CHAPTER_TABLES,
     PEREGRINES,
     ROGUES,
     LatticeChapter,
     chapter_jobs,
+)
+from longwave.reports.pictures.drawing import styled
+from longwave.reports.pictures.lattice_figures import (
+    DEFOCUSING,
+    lattice_snapshots,
+    map_figure,
+    modulation_figure,
+    rate_figure,
 )
 from longwave.reports.sections.lattice_runs import rate_panels, rate_table, scene_maps, scene_table
 from longwave.reports.sections.other_lattices import (
@@ -36,16 +36,16 @@ from longwave.reports.sections.other_lattices import (
     model_table,
     shortest,
 )
+from longwave.reports.studies.evaluation_accuracy import Accuracy
+from longwave.reports.studies.lattice_models import LatticeModel, lattice_models, modulation_plane
+from longwave.reports.studies.measured_rates import ENVELOPES, LONG, SHORT_ENVELOPES, MeasuredRate
+from longwave.reports.studies.proofs import ProofRecord
+from longwave.reports.studies.scene_runs import SceneRun
+from longwave.scenes.convergence import ConvergenceStudy, ErrorAt, FittedRate
+from longwave.scenes.envelope_study import ENVELOPE_CASES
+from longwave.scenes.lattice_scene import load_lattice_scene, shipped_lattice_scenes
+from longwave.scenes.rate_cases import RATE_CASES
 from longwave.solutions import CATALOGUE
-from longwave.verify.lattices.convergence import ConvergenceStudy, ErrorAt, FittedRate
-from longwave.verify.lattices.envelope_study import ENVELOPE_CASES
-from longwave.verify.lattices.lattice_scene import load_lattice_scene, shipped_lattice_scenes
-from longwave.verify.lattices.rate_cases import RATE_CASES
-from longwave.verify.studies.evaluation_accuracy import Accuracy
-from longwave.verify.studies.lattice_models import LatticeModel, lattice_models, modulation_plane
-from longwave.verify.studies.measured_rates import ENVELOPES, LONG, SHORT_ENVELOPES, MeasuredRate
-from longwave.verify.studies.proofs import ProofRecord
-from longwave.verify.studies.scene_runs import SceneRun
 from longwave.verify.verdict import Outcome, Verdict
 
 POINTS = tuple(ErrorAt(at, 100, 2.0 * at**3, 1e-3 * at**3) for at in (0.2, 0.1, 0.05))

@@ -9,9 +9,9 @@ import pytest
 
 from longwave.reports.build import STUDY_TABLES, TABLES, source
 from longwave.reports.engine import compile_pdf, engine_present
-from longwave.reports.figures.paper_figures import ERROR_FIGURES, SNAPSHOT_FIGURES
 from longwave.reports.lattice_chapter import CHAPTER_TABLES
 from longwave.reports.paper import SOURCES, cited
+from longwave.reports.pictures.paper_figures import ERROR_FIGURES, SNAPSHOT_FIGURES
 from longwave.reports.sections.costs import accuracy_table
 from longwave.reports.sections.runs import caption_part, claim_table, mathematics
 from longwave.reports.sections.theory import (
@@ -22,13 +22,13 @@ from longwave.reports.sections.theory import (
     solution_table,
     survivor_table,
 )
+from longwave.reports.studies.claims import Claim, Measurement, Ruling
+from longwave.reports.studies.evaluation_accuracy import Accuracy
+from longwave.reports.studies.measured_runs import report_scenes
+from longwave.reports.studies.proofs import ProofRecord
+from longwave.scenes.chain import shipped_scenes
 from longwave.solutions import CATALOGUE
-from longwave.verify.comparison import shipped_scenes
 from longwave.verify.evidence.mutations import MutationCount, Survivor
-from longwave.verify.studies.claims import Claim, Measurement, Ruling
-from longwave.verify.studies.evaluation_accuracy import Accuracy
-from longwave.verify.studies.measured_runs import report_scenes
-from longwave.verify.studies.proofs import ProofRecord
 from longwave.verify.verdict import Outcome, Verdict
 
 

@@ -17,9 +17,9 @@ from tempfile import TemporaryDirectory
 import xarray as xr
 
 import longwave.runs.run_file
+from longwave.cli.scene_command import RunOptions, run_and_print
 from longwave.runs import output_checkpoint
 from longwave.runs.run_store import RunStore
-from longwave.runs.scene_command import RunOptions, run_and_print
 from tests.runs.unfinished_scenes import SCENES
 
 

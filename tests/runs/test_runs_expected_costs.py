@@ -6,7 +6,6 @@ from typing import Any
 import pytest
 
 from longwave.__main__ import main
-from longwave.derive.request_limits import ExpectedCost, RequestLimits
 from longwave.runs import sweep_cells, sweep_cost
 from longwave.runs.run_cost import expected_run_cost
 from longwave.runs.run_store import RunStore
@@ -14,7 +13,8 @@ from longwave.runs.sweep import settled_keys
 from longwave.runs.sweep_cells import Cell, run_cells
 from longwave.runs.sweep_cost import expected_sweep_cost
 from longwave.runs.sweep_file import Sweep, sweep_of
-from longwave.verify.lattices.lattice_scene import load_lattice_scene
+from longwave.scenes.lattice_scene import load_lattice_scene
+from longwave.support.request_limits import ExpectedCost, RequestLimits
 
 SWEEP = """
 [scene]

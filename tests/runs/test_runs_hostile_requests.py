@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 
 from longwave.__main__ import main
-from longwave.derive import open_end
-from longwave.derive.command_line import announce
+from longwave.support import open_end
+from longwave.support.command_line import announce
 
 SCENE = """
 wave = "soliton_sech"

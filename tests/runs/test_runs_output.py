@@ -115,7 +115,7 @@ def test_a_store_that_is_full_at_the_end_loses_nothing(
     def full(*_: Any, **__: Any) -> None:
         raise OSError(errno.ENOSPC, "No space left on device", "store/x.nc")
 
-    monkeypatch.setattr("longwave.runs.sealed_file.write_atomically", full)
+    monkeypatch.setattr("longwave.support.sealed_file.write_atomically", full)
     assert main(["run", str(scene), "--store", "store"]) == 1
     said = capsys.readouterr().err
     assert "x.nc: No space left on device (the run is kept in " in said

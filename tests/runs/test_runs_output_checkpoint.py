@@ -7,10 +7,10 @@ from typing import Any
 
 import pytest
 
+from longwave.cli.scene_command import RunOptions, run_and_print
 from longwave.runs import output_checkpoint
-from longwave.runs.checkpoint_folder import CheckpointFolder
 from longwave.runs.run_file import load_run, run_any_scene
-from longwave.runs.scene_command import RunOptions, run_and_print
+from longwave.support.checkpoint_folder import CheckpointFolder
 from tests.runs.unfinished_scenes import SCENES, Killed, bits
 
 NAME = "stated window, refined"

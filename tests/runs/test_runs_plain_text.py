@@ -7,9 +7,9 @@ from rich.console import Console
 from rich.progress import TextColumn
 
 from longwave.__main__ import main
-from longwave.runs import scene_command as cli
-from longwave.verify.cli import console
-from longwave.verify.comparison.scene import find_scene
+from longwave.cli import scene_command as cli
+from longwave.scenes.chain.scene import find_scene
+from longwave.support import console
 
 SCENE = """
 title = {title}

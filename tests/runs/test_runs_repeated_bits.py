@@ -11,9 +11,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from longwave.verify.comparison.observables import OBSERVABLES
-from longwave.verify.comparison.scene import Scene, rational_family_scenes, with_tolerance
-from longwave.verify.lattices.lattice_scene import (
+from longwave.scenes.chain.observables import OBSERVABLES
+from longwave.scenes.chain.scene import Scene, rational_family_scenes, with_tolerance
+from longwave.scenes.lattice_scene import (
     LatticeScene,
     any_scene_of_toml,
     find_any_scene,
@@ -32,8 +32,8 @@ def python(*words: str, **settings: str) -> subprocess.CompletedProcess[str]:
 
 RATE = """
 import numpy as np
-from longwave.verify.comparison.trust import fastest_rate
-from longwave.verify.lattices.fourier_interval import FourierInterval
+from longwave.scenes.chain.trust import fastest_rate
+from longwave.scenes.fourier_interval import FourierInterval
 x = np.linspace(0, 1, 512, endpoint=False)
 print(fastest_rate(10 * np.exp(60 * (np.cos(2 * np.pi * x) - 1)), 10.0, 1.0, 1).hex())
 random = np.random.default_rng(0)

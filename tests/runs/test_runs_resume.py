@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from longwave.lattice.checkpoint import kept_by
 from longwave.runs.run_file import run_any_scene
+from longwave.support.checkpoint import kept_by
 from tests.runs.unfinished_scenes import SCENES, Killed, KillingFolder, bits
 
 ENDLESS = 10**9

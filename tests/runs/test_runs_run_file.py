@@ -16,9 +16,9 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from longwave.runs import load_run, open_run, run_any_scene, save_run, scene_of_run
-from longwave.verify.comparison import Scene, load_scene
-from longwave.verify.comparison.observables import OBSERVABLES
-from longwave.verify.lattices.lattice_scene import LatticeScene, load_lattice_scene
+from longwave.scenes.chain import Scene, load_scene
+from longwave.scenes.chain.observables import OBSERVABLES
+from longwave.scenes.lattice_scene import LatticeScene, load_lattice_scene
 
 EVERYTHING = tuple(OBSERVABLES)
 RING = Scene.of(

@@ -17,8 +17,8 @@ import longwave.runs.run_file
 import longwave.runs.run_store
 from longwave.runs.run_file import load_run, run_any_scene
 from longwave.runs.run_store import RunStore, UnkeptRunError, code_that_matters
-from longwave.verify.lattices.lattice_scene import load_lattice_scene
-from longwave.verify.provenance import provenance
+from longwave.scenes.lattice_scene import load_lattice_scene
+from longwave.support.provenance import provenance
 from tests.runs.unfinished_scenes import bits, chain
 
 SMALL = chain("small", snapshots=[0, 20], domain="window", step=0.5, sites=640)
@@ -92,7 +92,7 @@ def test_a_wave_of_ones_own_has_no_key(store: RunStore) -> None:
     [
         ("code", "solutions/forms ", "solutions/forms 0"),
         ("code", "lattice/kernels ", "lattice/kernels 0"),
-        ("code", "verify/comparison ", "verify/comparison 0"),
+        ("code", "scenes/chain ", "scenes/chain 0"),
         ("versions", "numpy ", "numpy 0"),
     ],
 )
@@ -103,7 +103,7 @@ def test_a_changed_formula_kernel_engine_or_package_makes_another_key(
     assert before in made[name]
     made[name] = made[name].replace(before, after)
     with monkeypatch.context() as changed:
-        changed.setattr("longwave.verify.provenance.provenance", lambda: made)
+        changed.setattr("longwave.support.provenance.provenance", lambda: made)
         code_that_matters.cache_clear()
         assert store.key(SMALL) != key
     code_that_matters.cache_clear()
@@ -112,8 +112,10 @@ def test_a_changed_formula_kernel_engine_or_package_makes_another_key(
 
 def test_what_draws_and_prints_runs_makes_no_other_key() -> None:
     told = {part.split()[0] for part in provenance()["code"].split(", ")}
-    assert {"solutions/forms", "lattice/kernels", "lattice/spectral", "verify/lattices"} <= told
-    assert not [name for name in told if name.startswith(("reports", "docs", "verify/cli", "runs"))]
+    assert {"solutions/forms", "lattice/kernels", "lattice/spectral", "scenes"} <= told
+    assert not [
+        name for name in told if name.startswith(("reports", "docs", "longwave/cli", "runs"))
+    ]
 
 
 def test_a_damaged_file_is_made_anew_and_told(
@@ -164,7 +166,7 @@ def test_a_folder_that_cannot_be_written_is_told_before_the_run(runs_made: list[
 def test_sources_that_changed_keep_no_run(
     store: RunStore, runs_made: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("longwave.solutions.run.source_digest.runs_as_written", lambda _: False)
+    monkeypatch.setattr("longwave.support.compiled.source_digest.runs_as_written", lambda _: False)
     longwave.runs.run_store.runs_its_sources.cache_clear()
     with pytest.raises(ValueError, match="start it again"):
         store.fetch(SMALL)

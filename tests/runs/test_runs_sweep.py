@@ -13,19 +13,19 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from longwave.cli.scene_command import RunOptions, run_and_print
 from longwave.runs import run_file, run_pack, run_store, scene_command, sweep_cells
 from longwave.runs.run_file import load_run, run_any_scene
 from longwave.runs.run_pack import CellRecord, packed_records, read_pack, write_pack
 from longwave.runs.run_store import RunStore
-from longwave.runs.scene_command import RunOptions, run_and_print
 from longwave.runs.sweep import MOST_LOSSES, run_sweep
 from longwave.runs.sweep_cells import Cell, run_cells
 from longwave.runs.sweep_cost import expected_sweep_cost
 from longwave.runs.sweep_dataset import cell_run, sweep_dataset, write_sweep
 from longwave.runs.sweep_file import Sweep, sweep_of
 from longwave.runs.worker_code import code_here
-from longwave.solutions.run import cores
-from longwave.verify.lattices.lattice_scene import find_any_scene
+from longwave.scenes.lattice_scene import find_any_scene
+from longwave.support.compiled import cores
 from tests.runs.unfinished_scenes import bits
 
 SMALL = {

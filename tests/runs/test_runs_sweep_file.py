@@ -5,9 +5,9 @@ from typing import Any
 import pytest
 
 from longwave.runs.sweep_file import load_sweep, shipped_sweeps, sweep_of
-from longwave.verify.comparison import load_scene, with_tolerance
-from longwave.verify.comparison.scene import Scene
-from longwave.verify.lattices.lattice_scene import LatticeScene, load_lattice_scene
+from longwave.scenes.chain import load_scene, with_tolerance
+from longwave.scenes.chain.scene import Scene
+from longwave.scenes.lattice_scene import LatticeScene, load_lattice_scene
 
 
 def test_every_value_of_a_grid_meets_every_other() -> None:
@@ -95,7 +95,7 @@ def _eps() -> dict[str, Any]:
 
 
 def test_a_member_of_a_family_and_tables_are_bases() -> None:
-    from longwave.verify.comparison.scene import find_scene
+    from longwave.scenes.chain.scene import find_scene
 
     member = sweep_of({"scene": "Y2_eps_0.05", **_eps()}).scene(0)
     assert member == find_scene("Y2_eps_0.05").changed(eps=0.1)

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from longwave.growth_plotting import growth_panels
-from longwave.plotting import plot
+from longwave.reports.pictures.growth_plotting import growth_panels
+from longwave.reports.pictures.plotting import plot
 from longwave.runs import load_run, save_run
 from longwave.runs.repeated_run import compare_runs
 from longwave.runs.run_file import run_any_scene, scene_of_run
@@ -17,8 +17,8 @@ from longwave.runs.run_store import RunStore
 from longwave.runs.sweep import run_sweep
 from longwave.runs.sweep_dataset import cell_run, sweep_dataset, write_sweep
 from longwave.runs.sweep_file import load_sweep, shipped_sweeps, sweep_of
-from longwave.solutions.run import cores
-from longwave.verify.lattices.lattice_scene import LatticeScene, any_scene_of_toml
+from longwave.scenes.lattice_scene import LatticeScene, any_scene_of_toml
+from longwave.support.compiled import cores
 from tests.runs.test_runs_sweep import HereWorkers
 
 GROWTH: dict[str, Any] = {

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from longwave.runs.checkpoint_folder import CheckpointFolder
-from longwave.verify.comparison.scene import Scene
-from longwave.verify.lattices.lattice_scene import LatticeScene, load_lattice_scene
+from longwave.scenes.chain.scene import Scene
+from longwave.scenes.lattice_scene import LatticeScene, load_lattice_scene
+from longwave.support.checkpoint_folder import CheckpointFolder
 
 ALL_LOOKS = ("strain", "error_curve", "crest_track", "space_time")
 

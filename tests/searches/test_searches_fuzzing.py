@@ -13,11 +13,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from longwave.cli.certificates import read_certificates
 from longwave.derive.lattice_file import read_lattice
 from longwave.runs.run_file import load_run, scene_of_run
-from longwave.verify.cli.certificates import read_certificates
-from longwave.verify.cli.problem_file import problem_texts
-from longwave.verify.lattices.lattice_scene import find_any_scene
+from longwave.scenes.lattice_scene import find_any_scene
+from longwave.verify.problem_file import problem_texts
 from searches import fuzz_server
 from searches.fuzz_inputs import KINDS, FuzzCase
 

@@ -2,8 +2,8 @@
 
 import pytest
 
-from longwave.verify.lattices.lattice_run import expected_lattice_cost
-from longwave.verify.lattices.lattice_scene import LatticeScene
+from longwave.scenes.lattice_run import expected_lattice_cost
+from longwave.scenes.lattice_scene import LatticeScene
 from searches.soak_scenes import soak_scene
 
 

@@ -14,8 +14,8 @@ import pytest
 from house import HOUSE, ROOMS
 from longwave.derive import mkdv_normal_form
 from longwave.solutions import Wave, closed_form, data_store, kept_data, kept_wave
-from longwave.solutions.run import source_digest
-from longwave.solutions.run.source_digest import all_sources, text_digest
+from longwave.support.compiled import source_digest
+from longwave.support.compiled.source_digest import all_sources, text_digest
 
 SITES = np.linspace(-4000.0, 4000.0, 301)
 WAVES: dict[str, dict[str, float]] = {
@@ -114,7 +114,7 @@ def test_nothing_is_kept_of_what_the_files_do_not_say(
 def test_every_file_that_makes_a_wave_is_in_the_key() -> None:
     """The closed forms, the normal form's derivation, the compiler; and the text of each counts."""
     files = dict(
-        all_sources(("longwave.verify.comparison.moving_wave", "longwave.solutions.forms.rogue_cn"))
+        all_sources(("longwave.scenes.chain.moving_wave", "longwave.solutions.forms.rogue_cn"))
     )
     for module in (
         "longwave.derive.models.mkdv",
@@ -146,9 +146,9 @@ def test_another_text_is_another_key(tmp_path: Path) -> None:
 STALE = """
 import os, sys, time
 from pathlib import Path
-from longwave.solutions.run.source_digest import runs_as_written
+from longwave.support.compiled.source_digest import runs_as_written
 from longwave import derive
-lazy_face = sys.modules["derive.lazy_face"]
+lazy_face = sys.modules["support.lazy_face"]
 path = Path("old.py")
 path.write_text("value = 1\\n")
 os.utime(path, (1e9, 1e9))

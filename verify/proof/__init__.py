@@ -9,7 +9,7 @@ constants symbolic, `prove_stable` its evaluation form; `prove_rational`, `prove
 
 from typing import TYPE_CHECKING
 
-from longwave.derive.lazy_face import lazy_face
+from longwave.support.lazy_face import lazy_face
 
 if TYPE_CHECKING:
     from longwave.verify.kernel import CertificateError

@@ -21,11 +21,11 @@ from typing import Any
 import sympy as sp
 
 from longwave.derive import mkdv_normal_form, mkdv_reduction
-from longwave.derive.algebra.exact_numbers import shown
 from longwave.derive.symbols import K2, K4, T, X, c
 from longwave.solutions.catalogue import CATALOGUE, closed_form
 from longwave.solutions.forms.rational import rational, rational_tau
 from longwave.solutions.record import ClosedForm
+from longwave.support.user_files import shown
 from longwave.verify.kernel import CertificateError
 from longwave.verify.kernel import check_certificate as check_content
 from longwave.verify.verdict import ProofVerdict

@@ -13,7 +13,7 @@ from fractions import Fraction
 
 import sympy as sp
 
-from longwave.derive.algebra.exact_numbers import shown
+from longwave.support.user_files import shown
 
 
 @dataclass(frozen=True)

@@ -10,8 +10,8 @@ import sympy as sp
 from flint import acb
 from sympy.core.function import AppliedUndef
 
-from longwave.derive.algebra.exact_numbers import shown
 from longwave.solutions.record import Equation
+from longwave.support.user_files import shown
 from longwave.verify.subexpressions import abbreviated
 
 from .balls import ball_value, residual_ball

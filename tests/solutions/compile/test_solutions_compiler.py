@@ -10,9 +10,9 @@ import sympy as sp
 from longwave.solutions import Wave, closed_form
 from longwave.solutions.compile import compiler
 from longwave.solutions.compile.compiler import compile_program, kept_program
-from longwave.solutions.run.kernel_folder import read_whole
 from longwave.solutions.run.program import Program
 from longwave.solutions.symbols import tau, xi
+from longwave.support.compiled.kernel_folder import read_whole
 
 NAMES = ["rogue_cn", "breather_sn", "two_soliton", "kink"]
 

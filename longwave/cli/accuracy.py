@@ -1,0 +1,100 @@
+"""``python -m verify accuracy``: worst evaluation errors per wave and derivative, as a table.
+
+Exit status: 0 if every error is within the promised bound, 1 if one is not, 2 for bad input.
+"""
+
+import json
+import os
+import sys
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+
+from rich.table import Table
+
+from longwave.reports.studies.evaluation_accuracy import (
+    DRAWN,
+    PROMISED_ERROR,
+    Accuracy,
+    all_cases,
+    measure_accuracy,
+    wave_names,
+    worst_of,
+)
+from longwave.support.command_line import check_and_announce, fail, interrupted
+from longwave.support.console import finished, table_console
+from longwave.support.processes import ignore_interrupt, pool_context, starting_workers, stopping
+from longwave.support.user_files import shown
+
+CASE_SECONDS = 0.3
+"""About the time that one case takes in a process."""
+
+MOST_JOBS, MOST_DRAWN = 1000, 100_000
+"""Beyond them a request is a slip of the pen."""
+
+WORKER_SECONDS, WORKER_BYTES = 3.0, 3e8
+"""For a process to begin, and what it holds."""
+
+
+def print_accuracy(
+    only: Sequence[str], jobs: int | None, drawn: int | None, json_wanted: bool, program: str
+) -> int:
+    """Measure the waves (all if none is named) and print the table; return the exit status.
+
+    By default on all cores, with ``DRAWN`` random cases a wave.
+    """
+    jobs = os.cpu_count() or 1 if jobs is None else jobs
+    drawn = DRAWN if drawn is None else drawn
+    unknown = sorted(set(only) - set(wave_names()))
+    if unknown:
+        names = ", ".join(wave_names())
+        return fail(f"--only must be a wave, got {unknown[0]} (one of {names})")
+    if not 1 <= jobs <= MOST_JOBS:
+        return fail(
+            f"--jobs must satisfy 1 <= --jobs <= {MOST_JOBS}, got {shown(jobs)} (2 is usual)"
+        )
+    if not 0 <= drawn <= MOST_DRAWN:
+        got = f"{shown(drawn)} ({DRAWN} is usual)"
+        return fail(f"--drawn must satisfy 0 <= --drawn <= {MOST_DRAWN}, got {got}")
+    chosen = only or wave_names()
+    cases = sum(len(list(all_cases(name, 0))) + drawn for name in chosen)
+    cores = min(jobs, os.cpu_count() or 1)
+    try:
+        check_and_announce(
+            f"{len(chosen)} waves to be measured",
+            CASE_SECONDS * cases / cores + WORKER_SECONDS * jobs / cores,
+            WORKER_BYTES * jobs,
+            "take fewer waves, --drawn or --jobs",
+        )
+    except ValueError as error:
+        return fail(error)
+    results, complete = finished(_measured(chosen, jobs, drawn))
+    if json_wanted:
+        print(json.dumps([result.json() for result in results], indent=2))
+    else:
+        _print(results)
+    if not complete:
+        return interrupted(program, f"after {len(results)} of {len(chosen)} waves")
+    return 0 if all(result.passed for result in results) else 1
+
+
+def _measured(names: Sequence[str], jobs: int, drawn: int) -> Iterator[Accuracy]:
+    """Each wave's worst errors; its cases run in ``jobs`` fresh processes."""
+    with ProcessPoolExecutor(jobs, pool_context(), ignore_interrupt) as pool, stopping(pool):
+        with starting_workers():
+            pending = [
+                (name, [pool.submit(measure_accuracy, case) for case in all_cases(name, drawn)])
+                for name in names
+            ]
+        for name, cases in pending:
+            print(f"measuring {name}", file=sys.stderr)
+            yield worst_of(case.result() for case in cases)
+
+
+def _print(results: Sequence[Accuracy]) -> None:
+    table = Table(title=f"worst errors / max(1, |value|); promised: {PROMISED_ERROR:.0e}")
+    for heading in ("wave", "points", "Y", "Y_X", "Y_T", "worst at"):
+        table.add_column(heading, justify="left" if heading in ("wave", "worst at") else "right")
+    for result in results:
+        errors = [f"{error:.1e}" for error in result.errors]
+        table.add_row(result.name, str(result.points), *errors, result.worst)
+    table_console().print(table)

@@ -1,0 +1,217 @@
+"""The words of the command line and their options: one tree, declared with click.
+
+Nothing of the rooms is imported before a command runs, so help and completion answer at once.
+"""
+
+import json
+from typing import Any
+
+import click
+from click.shell_completion import get_completion_class
+
+from longwave.cli.commands import check, prove, verify
+from longwave.cli.run_words import complete_scenes, run, sweep
+from longwave.derive.__main__ import derive
+from longwave.reports.__main__ import report
+from longwave.support.command_line import (
+    Words,
+    called_by,
+    example,
+    force_option,
+    json_option,
+    limit_options,
+    limits_of_each,
+)
+
+COMPLETION = "_LONGWAVE_COMPLETE"
+"""The environment variable by which a shell asks for completions."""
+
+KINDS = ("lattices", "waves", "schemes", "scenes", "lattice-scenes", "sweeps", "observables")
+PICTURES = ("all", "snapshots", "space_time", "spectra", "errors", "crest", "growth")
+SWEEP_PICTURES = ("values", "work_precision", "growth_map")
+SHELLS = ("bash", "zsh", "fish")
+
+
+def _version(context: click.Context, _: click.Parameter, wanted: bool) -> None:
+    if wanted and not context.resilient_parsing:
+        from importlib.metadata import version
+
+        click.echo(f"longwave {version('longwave')}")
+        context.exit()
+
+
+def _completion(context: click.Context, _: click.Parameter, shell: str | None) -> None:
+    found = get_completion_class(shell) if shell else None
+    if found is not None and not context.resilient_parsing:
+        click.echo(found(longwave, {}, "longwave", COMPLETION).source())
+        context.exit()
+
+
+@click.group(
+    cls=Words,
+    context_settings={"help_option_names": ["-h", "--help"]},
+    epilog=example("longwave run rogue_cn_k_0.5")
+    + "\n\nExit status: 0 all is well, 1 something is refuted, undecided, missing or broke off, "
+    "2 wrong input, 130 Ctrl-C.",
+)
+@click.option(
+    "--version",
+    is_flag=True,
+    expose_value=False,
+    is_eager=True,
+    callback=_version,
+    help="Print it.",
+)
+@click.option(
+    "--completion",
+    type=click.Choice(SHELLS),
+    expose_value=False,
+    is_eager=True,
+    callback=_completion,
+    help="Print the script that completes words and options in this shell.",
+)
+def longwave() -> None:
+    """Derive the long-wave limit of a lattice, prove its closed-form solutions, and test them on
+    the lattice itself.
+    """
+
+
+for word in (derive, prove, check, verify, run, sweep):
+    longwave.add_command(word)
+
+
+@longwave.command(epilog=example("longwave plot rogue_cn_k_0.5 --output rogue_cn.pdf"))
+@click.argument("source", shell_complete=complete_scenes)
+@click.option(
+    "--output", metavar="FILE", type=click.Path(), help="PNG, PDF or SVG (default SOURCE.png)."
+)
+@click.option(
+    "--kind", type=click.Choice(PICTURES + SWEEP_PICTURES), default="all", help="Which picture."
+)
+@click.option("--variable", metavar="NAME", default="error", help="Of a sweep: what is drawn.")
+@click.option("--at", metavar="NAME=VALUE", multiple=True, help="Of a sweep: draw these cells.")
+@force_option
+@limit_options
+def plot(source: str, output: str | None, force: bool, **words: Any) -> int:
+    """Draw a run or a sweep, or run a scene and draw it.
+
+    SOURCE is a run written by `longwave run SCENE --output run.nc`, a scene's TOML file or the name
+    of a shipped scene. The pictures are the snapshots against the wave, the space-time map, the
+    spectra, the error curves and the track of the crest: all that the run holds, or one kind.
+    Of a sweep's file they are a number of its cells over what is swept, curves or heat maps, and
+    the errors against the work.
+    """
+    from longwave.reports.pictures.plotting import PlotWords, draw
+
+    return draw(source, output, PlotWords(**words), called_by(), force)
+
+
+@longwave.command(epilog=example("longwave animate rational_3_eps_0.05 --times -2000 2000"))
+@click.argument("source", shell_complete=complete_scenes)
+@click.option(
+    "--output",
+    metavar="FILE",
+    type=click.Path(),
+    help="MP4 or GIF (default SOURCE.mp4; SOURCE.gif without ffmpeg).",
+)
+@click.option("--duration", type=float, default=6.0, show_default=True, help="Seconds.")
+@click.option("--fps", type=float, default=25.0, show_default=True, help="Frames a second.")
+@click.option("--dpi", type=float, default=110.0, show_default=True, help="Pixels an inch.")
+@click.option("--times", type=float, nargs=2, metavar="T1 T2", help="Show these lattice times.")
+@force_option
+@limit_options
+def animate(source: str, output: str | None, force: bool, **options: Any) -> int:
+    """Make a film of a run, or of a scene.
+
+    SOURCE is a run written by `longwave run SCENE --output run.nc`, whose snapshots are the frames,
+    a scene's TOML file or the name of a shipped scene, which is run for as many as the film has.
+    Lattice and wave are shown in the frame that moves with the sound, with the time and the error.
+    """
+    from longwave.reports.pictures.animation import draw_film
+
+    return draw_film(source, output, options, called_by(), force)
+
+
+longwave.add_command(report)
+
+
+@longwave.command(epilog=example("longwave converge toda_soliton --eps 0.2,0.14,0.1,0.07"))
+@click.argument("scene", shell_complete=complete_scenes)
+@click.option("--eps", metavar="E1,E2,...", help="Values of eps; 2, 1.4, 1, 0.7 times the scene's.")
+@click.option("--tolerance", type=float, metavar="X", help="In the place of the scene's.")
+@click.option("--output", metavar="FILE", type=click.Path(), help="Draw it: PNG, PDF or SVG.")
+@force_option
+@json_option
+@limit_options
+def converge(**options: Any) -> int:
+    """Run a scene at several eps and fit its rate.
+
+    SCENE is a TOML file that names a lattice, or a shipped scene of one (`longwave list
+    lattice-scenes`). Slow times and the compared range of X stay what they are. The error of each
+    run stands beside its own.
+    """
+    from longwave.cli.lattice_plotting import ConvergeOptions, converge_and_draw
+
+    return converge_and_draw(ConvergeOptions(**options), called_by())
+
+
+@longwave.command(epilog=example("longwave explore --no-browser --port 5006"))
+@click.option(
+    "--port",
+    type=click.IntRange(0, 65535),
+    default=0,
+    metavar="N",
+    help="Any free one if not given.",
+)
+@click.option("--no-browser", is_flag=True, help="Print the address and open nothing.")
+@limits_of_each(memory="2G", time="10s")
+def explore(port: int, no_browser: bool) -> int:
+    """See lattice against wave in the browser, as you choose them.
+
+    The page is served to this machine alone, until Ctrl-C. The limits are those of each run that is
+    chosen there. It takes the extra `explore`:
+    pip install 'longwave[explore]'.
+    """
+    from longwave.explore.explore_server import explore as serve
+
+    return serve(port, not no_browser, called_by())
+
+
+@longwave.command("list", epilog=example("longwave list waves --json"))
+@click.argument("kind", required=False, type=click.Choice(KINDS), metavar="[KIND]")
+@click.option("--library", is_flag=True, help="Show the published solutions instead.")
+@json_option
+def list_(kind: str | None, library: bool, json_wanted: bool) -> int:
+    """Show lattices, waves, schemes, scenes and more.
+
+    KIND is one of these words; without it all are shown.
+    """
+    if library:
+        if kind:
+            raise click.UsageError(f"--library must not be given with KIND, got {kind} as well")
+        from longwave.verify.published import print_library, records
+
+        click.echo(json.dumps(records(), indent=2)) if json_wanted else print_library()
+        return 0
+    from longwave.cli.inventory import inventory, print_tables
+
+    found = inventory((kind,) if kind else KINDS)
+    if json_wanted:
+        click.echo(json.dumps(found[kind] if kind else found, indent=2))
+    else:
+        print_tables(found)
+    return 0
+
+
+@longwave.command(epilog=example("longwave doctor --json"))
+@json_option
+def doctor(json_wanted: bool) -> int:
+    """Show what is installed, and what each missing piece costs."""
+    from longwave.cli.health import examine, print_findings
+
+    findings = examine()
+    if json_wanted:
+        click.echo(json.dumps([finding.json() for finding in findings], indent=2))
+    else:
+        print_findings(findings)
+    return 1 if any(finding.state == "broken" for finding in findings) else 0

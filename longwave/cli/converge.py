@@ -1,0 +1,87 @@
+"""``longwave converge SCENE``: a scene at several eps, its errors and their rate."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING
+
+from rich.table import Table
+
+from longwave.scenes.chain.scene_fields import finite
+from longwave.scenes.lattice_scene import LatticeScene, find_any_scene
+from longwave.support.console import plain_console, progress_bar
+
+if TYPE_CHECKING:
+    from longwave.scenes.scene_convergence import SceneConvergence
+
+
+def eps_values(text: str | None) -> tuple[float, ...]:
+    """The numbers of ``0.1,0.05``; none for none.
+
+    >>> eps_values("0.1, 0.05")
+    (0.1, 0.05)
+    """
+    if text is None:
+        return ()
+    try:
+        return tuple(finite("--eps", float(part)) for part in text.split(","))
+    except ValueError:
+        raise ValueError(
+            f"--eps must be numbers with commas between, got {text[:60]!r} (such as 0.1,0.07,0.05)"
+        ) from None
+
+
+def measured_convergence(source: str, eps: str | None, tolerance: float | None) -> SceneConvergence:
+    """The convergence of the scene that is named; ValueError for one of the paper's chain."""
+    from longwave.scenes.scene_convergence import scene_convergence
+    from longwave.support.request_limits import Announcer
+
+    values = eps_values(eps)
+    scene = find_any_scene(source)
+    if not isinstance(scene, LatticeScene):
+        raise ValueError(
+            f"scene must name a lattice to be run at several eps, got {scene.name} (write "
+            'lattice = "fput_strain" and [constants]; see the page on scenes)'
+        )
+    if tolerance is not None:
+        scene = scene.changed(tolerance=tolerance)
+    errors = plain_console(stderr=True, soft_wrap=True)
+    with progress_bar(scene.name, f"{scene.name} at several eps", errors) as bar:
+        return scene_convergence(scene, values, bar[0], Announcer(bar[1]))
+
+
+def print_convergence(study: SceneConvergence, json_wanted: bool) -> None:
+    """Print the table and the rate, or one JSON document."""
+    if json_wanted:
+        print(json.dumps(study.data(), indent=2))
+        return
+    console = plain_console()
+    console.print(study.scene.title or study.scene.name, markup=False, soft_wrap=True)
+    console.print(_table(study))
+    for line in _lines(study):
+        console.print(line, markup=False, soft_wrap=True)
+
+
+def _table(study: SceneConvergence) -> Table:
+    table = Table()
+    for heading in ("eps", "sup error", "of the wave's size", "discretisation", "cells"):
+        table.add_column(heading)
+    for point in study.points:
+        table.add_row(
+            f"{point.eps:g}",
+            f"{point.error:.3g}",
+            f"{point.relative:.3g}",
+            f"{point.discretisation:.1g}",
+            str(point.sites),
+        )
+    return table
+
+
+def _lines(study: SceneConvergence) -> list[str]:
+    scene = study.scene
+    theory = "none known" if study.theory is None else str(study.theory)
+    return [
+        f"{scene.lattice}, {study.equation}, {scene.order} order: the sup error falls as eps^rate, "
+        f"the wave's size as eps^{study.power}",
+        f"rate {study.rate}, theory {theory}",
+    ]

@@ -1,0 +1,300 @@
+"""What there is, as plain data and as tables: lattices, waves, schemes, scenes, observables."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from typing import TYPE_CHECKING, Any
+
+from rich.console import Console
+from rich.table import Table
+
+if TYPE_CHECKING:
+    from longwave.solutions import ClosedForm
+
+Record = dict[str, Any]
+
+SYMBOLIC = ("lattices", "waves", "lattice-scenes")
+"""What follows from formulas in the sources alone, and takes a second to make."""
+
+PIPE_WIDTH = 160
+"""Columns of a table where stdout is no terminal."""
+
+
+def inventory(kinds: Iterable[str]) -> dict[str, list[Record]]:
+    """The records of each kind, made of numbers, text and lists alone.
+
+    >>> [record["name"] for record in inventory(["lattices"])["lattices"]][:3]
+    ['fput_strain', 'next_nearest', 'next_nearest_degenerate']
+    """
+    from longwave.solutions import kept_data
+
+    return {
+        kind: kept_data(__name__, kind, _RECORDS[kind]) if kind in SYMBOLIC else _RECORDS[kind]()
+        for kind in kinds
+    }
+
+
+def lattices() -> list[Record]:
+    """The lattices: name, title, fields, constants and the force of each bond."""
+    from longwave.derive import LATTICES
+
+    return [
+        {
+            "name": lattice.name,
+            "title": lattice.title,
+            "fields": list(lattice.fields),
+            "constants": [str(constant) for constant in lattice.constants],
+            "forces": [str(bond.force) for bond in lattice.bonds],
+        }
+        for lattice in LATTICES.values()
+    ]
+
+
+def waves() -> list[Record]:
+    """The closed forms: name, title, equation, parameters with domains, background, period."""
+    from longwave.solutions import CATALOGUE
+
+    return [
+        {
+            "name": form.name,
+            "title": form.title,
+            "equation": form.equation.name,
+            "s": None if form.equation.free_sign else form.equation.s,
+            "parameters": [
+                {"name": parameter.name, "domain": parameter.domain}
+                for parameter in form.parameters
+            ],
+            "background": _background(form, CATALOGUE),
+            "period": None if form.period is None else str(form.period),
+            "reference": str(form.reference),
+        }
+        for form in CATALOGUE
+    ]
+
+
+def _background(form: ClosedForm, catalogue: Iterable[ClosedForm]) -> str:
+    """The bare wave's name where the background is one of the catalogue, else its formula."""
+    for other in catalogue:
+        is_bare = other.period is not None and other.background == 0  # no other formula is made
+        if is_bare and other.expression == form.background:
+            return other.name
+    return str(form.background)
+
+
+def schemes() -> list[Record]:
+    """The schemes: name, order, forces a step, largest stable step times frequency, source."""
+    from longwave.lattice.schemes import SCHEMES, stability_limit
+
+    return [
+        {
+            "name": scheme.name,
+            "order": scheme.order,
+            "forces_a_step": scheme.stages,
+            "stability_limit": round(float(stability_limit(scheme)), 4),
+            "reference": scheme.reference,
+        }
+        for scheme in SCHEMES
+    ]
+
+
+def scenes() -> list[Record]:
+    """The shipped scenes, the paper's first, then the others and the members of families."""
+    from longwave.scenes.chain import (
+        further_scenes,
+        load_scene,
+        rational_family_scenes,
+        shipped_scenes,
+    )
+
+    found = [("paper", load_scene(name)) for name in shipped_scenes()]
+    found += [("further", load_scene(name)) for name in further_scenes()]
+    found += [("family", scene) for scene in rational_family_scenes().values()]
+    return [
+        {
+            "name": scene.name,
+            "title": scene.title,
+            "origin": origin,
+            "wave": scene.wave_name,
+            "parameters": dict(scene.parameters),
+            "eps": scene.eps,
+            "start": scene.t0,
+            "end": scene.end,
+            "tolerance": scene.tolerance,
+            "scheme": scene.numerics.scheme or None,
+            "step": None if scene.tolerance else scene.discretisation.step,
+            "observables": list(scene.observables),
+        }
+        for origin, scene in found
+    ]
+
+
+def lattice_scenes() -> list[Record]:
+    """The shipped scenes that name a lattice: lattice, equation, wave, eps, order, times."""
+    from longwave.scenes.lattice_derivation import equation_of_form
+    from longwave.scenes.lattice_scene import load_lattice_scene, shipped_lattice_scenes
+    from longwave.solutions import closed_form
+
+    return [
+        {
+            "name": scene.name,
+            "title": scene.title,
+            "lattice": scene.lattice,
+            "equation": equation_of_form(closed_form(scene.wave)),
+            "wave": scene.wave,
+            "parameters": dict(scene.parameters),
+            "constants": dict(scene.constants),
+            "carrier": scene.carrier or None,
+            "eps": scene.eps,
+            "order": scene.order,
+            "slow_times": list(scene.slow_times),
+            "tolerance": scene.tolerance,
+        }
+        for scene in map(load_lattice_scene, shipped_lattice_scenes())
+    ]
+
+
+def sweeps() -> list[Record]:
+    """The shipped sweeps: name, title, base scene, swept fields, number of cells."""
+    from longwave.runs.sweep_file import load_sweep, shipped_sweeps
+
+    return [
+        {
+            "name": sweep.name,
+            "title": sweep.title,
+            "scene": sweep.base,
+            "fields": [field for dimension in sweep.dimensions for field in dimension.fields],
+            "shape": list(sweep.shape),
+            "cells": len(sweep),
+        }
+        for sweep in map(load_sweep, shipped_sweeps())
+    ]
+
+
+def observables() -> list[Record]:
+    """The observables: name, what is computed, the arrays that are added to a run."""
+    from longwave.scenes.chain.observables import OBSERVABLES
+
+    return [
+        {
+            "name": entry.name,
+            "what": entry.what,
+            "needs_ring": entry.needs_ring,
+            "arrays": [variable.name for variable in entry.variables],
+        }
+        for entry in OBSERVABLES.values()
+    ]
+
+
+_RECORDS: Mapping[str, Callable[[], list[Record]]] = {
+    "lattices": lattices,
+    "waves": waves,
+    "schemes": schemes,
+    "scenes": scenes,
+    "lattice-scenes": lattice_scenes,
+    "sweeps": sweeps,
+    "observables": observables,
+}
+
+
+def _lattice_row(record: Record) -> Record:
+    return record | {name: ", ".join(record[name]) for name in ("fields", "constants", "forces")}
+
+
+def _wave_row(record: Record) -> Record:
+    domains = ", ".join(parameter["domain"] for parameter in record["parameters"])
+    return {
+        "name": record["name"],
+        "wave": record["title"],
+        "equation": record["equation"],
+        "parameters": domains,
+        "background": record["background"],
+        "period in xi": record["period"] or "",
+    }
+
+
+def _scheme_row(record: Record) -> Record:
+    return {
+        "name": record["name"],
+        "order": record["order"],
+        "forces a step": record["forces_a_step"],
+        "stable step x frequency": f"{record['stability_limit']:.2f}",
+        "from": record["reference"],
+    }
+
+
+def _scene_row(record: Record) -> Record:
+    if record["tolerance"] is not None:
+        computed = f"to {record['tolerance']:g}"
+    else:
+        computed = f"{record['scheme']}, step {record['step']:g}"
+    return {
+        "name": record["name"],
+        "title": record["title"],
+        "wave": record["wave"],
+        "eps": f"{record['eps']:g}",
+        "times": f"{record['start']:g} to {record['end']:g}",
+        "computed": computed,
+    }
+
+
+def _lattice_scene_row(record: Record) -> Record:
+    shown = ("name", "title", "lattice", "equation", "wave")
+    return {key: record[key] for key in shown} | {
+        "eps": f"{record['eps']:g}",
+        "order": record["order"],
+        "to": f"{record['tolerance']:g}",
+    }
+
+
+def _sweep_row(record: Record) -> Record:
+    return {
+        "name": record["name"],
+        "title": record["title"],
+        "scene": record["scene"],
+        "varied": ", ".join(record["fields"]),
+        "cells": record["cells"],
+    }
+
+
+def _observable_row(record: Record) -> Record:
+    what = record["what"] + (" (on a ring only)" if record["needs_ring"] else "")
+    return {"name": record["name"], "what": what, "arrays": ", ".join(record["arrays"])}
+
+
+_ROWS: Mapping[str, Callable[[Record], Record]] = {
+    "lattices": _lattice_row,
+    "waves": _wave_row,
+    "schemes": _scheme_row,
+    "scenes": _scene_row,
+    "lattice-scenes": _lattice_scene_row,
+    "sweeps": _sweep_row,
+    "observables": _observable_row,
+}
+
+_NOTES: Mapping[str, str] = {
+    "waves": "rational_<j> is there for every order j: to be run up to 12, to be proved up to 99",
+    "scenes": "a scene of your own is a TOML file: longwave run FILE.toml",
+    "lattice-scenes": "each is derived anew when it is run; longwave converge NAME fits its rate",
+    "sweeps": "a sweep of your own is a TOML file: longwave sweep FILE.toml",
+}
+
+
+def print_tables(found: Mapping[str, Iterable[Record]]) -> None:
+    """Print a table of each kind; text is printed as it is."""
+    width = None if Console().is_terminal else PIPE_WIDTH
+    console = Console(highlight=False, markup=False, emoji=False, width=width)
+    for kind, records in found.items():
+        rows = [_ROWS[kind](record) for record in records]
+        console.print(_table(kind, rows))
+        if kind in _NOTES:
+            console.print(_NOTES[kind], soft_wrap=True)
+
+
+def _table(title: str, rows: Iterable[Record]) -> Table:
+    lines = list(rows)
+    table = Table(title=title, title_justify="left")
+    for heading in lines[0]:
+        table.add_column(heading, no_wrap=heading == "name")
+    for line in lines:
+        table.add_row(*(str(cell) for cell in line.values()))
+    return table

@@ -1,0 +1,180 @@
+"""``longwave run SCENE``: run a scene, print its errors, cost and trust."""
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+
+from longwave.runs.output_checkpoint import OutputCheckpoint
+from longwave.runs.rescue import check_run_output, fail_or_rescue, save_or_rescue
+from longwave.runs.run_file import names_a_run, record_with_trust
+from longwave.runs.told_store import fetch_told
+from longwave.scenes.chain.expected_cost import check_cost
+from longwave.scenes.chain.recorders import Variables
+from longwave.scenes.chain.scene import Scene, with_tolerance
+from longwave.scenes.chain.stated_run import RunRecord, UnfinishedRun
+from longwave.scenes.chain.trust import USUAL_TOLERANCE
+from longwave.scenes.lattice_scene import LatticeScene, find_any_scene
+from longwave.support.command_line import fail, fail_for_memory, interrupted
+from longwave.support.console import plain_console, progress_bar
+from longwave.support.interruption import keeping
+
+
+@dataclass
+class RunOptions:
+    """Which scene, with what in the place of what it says, and where the run is written or kept."""
+
+    scene: str = ""
+    tolerance: float | None = None
+    engine: str | None = None
+    output: str | None = None
+    force: bool = False
+    store: str | None = None
+
+
+def run_and_print(options: RunOptions, program: str) -> int:
+    """Run one scene, or the scene in a run's file again; print errors and cost, write it if asked.
+
+    Exit status 0, 1 if the run blew up, could not be written or has other bits than in its file, 2
+    for bad input, told in one line, and 130 after Ctrl-C, which ``program`` tells: what was
+    recorded until then is printed and written, too. More than 5 s are announced.
+    """
+    try:
+        check_run_output(options.output, options.force)
+        if names_a_run(options.scene):
+            from longwave.cli.repeat_command import repeat_and_print
+
+            return repeat_and_print(options, program)
+        found = find_any_scene(options.scene)
+    except (ValueError, OSError) as error:
+        return fail(error)
+    if isinstance(found, LatticeScene):
+        from longwave.cli.lattice_scene_command import run_lattice_and_print
+
+        return run_lattice_and_print(found, options, program)
+    checkpoint = OutputCheckpoint(options.output, options.store)
+    try:
+        scene = _changed(found, options.tolerance, options.engine)
+        check_cost(scene)
+        with checkpoint.kept(scene):
+            run = _run_with_bar(scene, options.store)
+    except UnfinishedRun as stop:
+        with keeping():
+            status = 0
+            if options.output is not None:
+                status = save_or_rescue(stop.record.dataset, options.output, options.force)
+            print_summary(stop.record, scene, plain_console())
+        where = f" in {options.output}" if options.output and not status else ""
+        count = f"{len(stop.record.reached)} snapshots are kept{where}"
+        return interrupted(program, checkpoint.left(count, written=bool(where)))
+    except KeyboardInterrupt:
+        return interrupted(program, checkpoint.left("nothing was recorded yet"))
+    except (ValueError, OSError) as error:
+        return fail_or_rescue(error)
+    except MemoryError as error:
+        return fail_for_memory(error)
+    status = checkpoint.settle(lambda: run.dataset, options.force)
+    print_summary(run, scene, plain_console())
+    return status or int(bool(run.attrs["blow_up"]))
+
+
+def _changed(scene: Scene, tolerance: float | None, engine: str | None) -> Scene:
+    """The scene with what the command line says in the place of what the file says."""
+    if tolerance is not None:
+        scene = with_tolerance(scene, tolerance)
+    return scene if engine is None else scene.changed(engine=engine)
+
+
+def _run_with_bar(scene: Scene, store: str | None) -> RunRecord:
+    """Run a scene, or find its run in the store, with a bar where there is a terminal."""
+    wanted = "" if scene.tolerance is None else f" to {scene.tolerance:g}"
+    console = plain_console(stderr=True, soft_wrap=True)
+    with progress_bar(scene.name, f"{scene.name}{wanted}", console) as (advance, tell):
+        if store is None:
+            return record_with_trust(scene, advance, tell)
+        run = fetch_told(store, scene, advance, tell)
+    variables: Variables = {
+        str(name): (tuple(map(str, value.dims)), value.values, dict(value.attrs))
+        for name, value in run.variables.items()
+    }
+    record = RunRecord(scene, tuple(run["time"].values), variables, dict(run.attrs))
+    record.dataset = run
+    return record
+
+
+COLUMNS = {
+    "error": "relative error",
+    "error_far_field": "against far field",
+    "time_step_error": "time step / eps",
+    "domain_error": "domain / eps",
+}
+
+
+def print_summary(run: RunRecord, scene: Scene, console: Console) -> None:
+    """Print a run's errors, its cost, what can be trusted of it, and a blow-up if there was one."""
+    shown = {name: title for name, title in COLUMNS.items() if name in run.variables}
+    if shown:
+        table = Table("t", *shown.values(), title=scene.title or scene.name)
+        for t, *row in zip(run.reached, *map(run.values, shown), strict=True):
+            table.add_row(f"{t:g}", *(f"{value:.3g}" for value in row))
+        console.print(table)
+    for line in summary_lines(run, scene):
+        console.print(line, markup=False, soft_wrap=True)
+
+
+def summary_lines(run: RunRecord, scene: Scene) -> Iterator[str]:
+    """The lines below the table."""
+    told = run.attrs
+    yield _cost(told)
+    if "trust_rate" in told:
+        yield _trust(told, scene)
+    if "unfinished" in told:
+        yield f"unfinished: {told['unfinished']}"
+    if told["blow_up"]:
+        yield f"{told['blow_up']}; {len(run.reached)} snapshots before it are kept"
+
+
+def _trust(found: Mapping[str, Any], scene: Scene) -> str:
+    """Whether the periodic background is stable, and until when rounding stays small if not."""
+    if found["trust_rate"] == 0.0:
+        return "background: periodic and stable"
+    if math.isnan(found["trust_rate"]):
+        return "background: periodic, its crests too far apart for its stability to be computed"
+    last, allowed = scene.t0 + found["trust_horizon"], scene.tolerance or USUAL_TOLERANCE
+    verdict = "before" if scene.end <= last else "after that, and is not to be trusted there"
+    return (
+        f"background: periodic and unstable; the fastest perturbation grows like "
+        f"exp({found['trust_rate']:.3g} t), rounding reaches {allowed:g} eps "
+        f"{found['trust_horizon']:.3g} after t0, at t = {last:.3g}; "
+        f"the scene ends {verdict}"
+    )
+
+
+def _cost(cost: Mapping[str, Any]) -> str:
+    """The cost line: what was done, how exact it is, what it took, and what more would take."""
+    line = (
+        f"{cost['engine']}, {cost['scheme']}: {cost['steps']} steps, {cost['sites']} sites, "
+        f"{cost['force_evaluations']} force evaluations a site, {cost['seconds']:.2f} s"
+    )
+    if "step_limit" in cost:
+        line += f" (step limit {cost['step_limit']:.3g})"
+    return line + (_accuracy(cost) if "error_estimate" in cost else "")
+
+
+def _accuracy(cost: Mapping[str, Any]) -> str:
+    """Estimate against tolerance, planning, and the next decade if the tolerance was met."""
+    line = (
+        f"; error estimate {cost['error_estimate']:.2g} of {cost['tolerance']:g} allowed, "
+        f"planned in {cost['planning_seconds']:.2f} s"
+    )
+    if "next_decade" not in cost:
+        return line
+    dear = cost["next_decade"]
+    return (
+        f"{line}; an estimate of "
+        f"{cost['error_estimate'] / 10:.2g} would take {dear:.2g} times as long, "
+        f"{dear * cost['seconds']:.2g} s"
+    )

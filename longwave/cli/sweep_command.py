@@ -1,0 +1,169 @@
+"""``longwave sweep SWEEP.toml``: run its cells, print how they ended, write their numbers."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from time import perf_counter
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from longwave.runs.rescue import BROKEN, check_run_output
+from longwave.runs.run_file import SWEPT, open_run
+from longwave.runs.run_pack import DONE
+from longwave.runs.run_store import RunStore
+from longwave.runs.sweep import SweepState, run_sweep, settled_keys
+from longwave.runs.sweep_cost import SweepCost, expected_sweep_cost
+from longwave.runs.sweep_file import Sweep, load_sweep
+from longwave.runs.sweep_workers import LocalWorkers, Workers, sweep_workers
+from longwave.runs.told_store import store_told
+from longwave.support.command_line import duration, fail, interrupted
+from longwave.support.console import plain_console, progress_bar
+from longwave.support.request_limits import Announcer, check_request, current_limits
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+PACED = 4
+"""Cells of each worker by whose pace the rest is judged: the first ones wait for what is loaded."""
+
+
+@dataclass
+class SweepOptions:
+    """Which sweep, who runs it, where its runs are kept and where its numbers are written."""
+
+    sweep: str = ""
+    processes: int | None = None
+    scheduler: str | None = None
+    store: str | None = None
+    output: str | None = None
+    force: bool = False
+
+
+def sweep_and_print(options: SweepOptions, program: str) -> int:
+    """Run a sweep, print how its cells ended, and write its data set.
+
+    Exit status 0, 1 if a cell did not come to its end or could not be written, 2 for bad input,
+    told in one line, and 130 after Ctrl-C, which ``program`` tells: what was done is in the store
+    then, and the same command goes on with what is missing. More than 5 s are announced, and 2 s
+    that nobody foresaw.
+    """
+    from longwave.runs.sweep_dataset import write_sweep
+
+    told = SweepState(0)
+    try:
+        with store_told():
+            errors = plain_console(stderr=True, soft_wrap=True)
+            with progress_bar("reading", "reading the sweep", errors):
+                sweep = load_sweep(options.sweep)
+                told.cells = len(sweep)
+                output = options.output or f"{sweep.name}.nc"
+                check_run_output(output, force=True)
+                _check_overwriting(sweep, Path(output), options.force)
+                store = RunStore(Path(options.store or f"{sweep.name}.store"))
+                _check_apart(Path(output), Path(store.folder))
+                settled = settled_keys(store)
+                expected = expected_sweep_cost(sweep, store, settled)
+            with sweep_workers(options.processes, options.scheduler) as workers:
+                told.workers = workers.count
+                _run_with_bar(sweep, store, workers, told, expected, settled)
+            found = write_sweep(sweep, store, output)
+    except KeyboardInterrupt:
+        return interrupted(program, _kept(told))
+    except OSError as error:
+        if not told.found + told.done:
+            return fail(error)
+        fail(f"{error.filename or output}: {error.strerror or error} ({_kept(told)})")
+        return BROKEN
+    except ValueError as error:
+        return fail(error)
+    console = plain_console(soft_wrap=True)
+    for line in summary_lines(sweep, found, told):
+        console.print(line)
+    console.print(f"written: {output}; runs: {store.folder}")
+    return 0 if bool((found["status"] == DONE).all()) else 1
+
+
+def _kept(told: SweepState) -> str:
+    kept = told.found + told.done
+    return f"{kept} of {told.cells} cells are kept; again goes on with the rest"
+
+
+def _check_apart(output: Path, store: Path) -> None:
+    if output.resolve() == store.resolve():
+        raise ValueError(
+            f"--output must not be the --store, a folder, got {output} for both (take another name)"
+        )
+
+
+def _check_overwriting(sweep: Sweep, output: Path, force: bool) -> None:
+    """Refuse to write over what is no result of this sweep, before anything is run."""
+    if force or not output.exists():
+        return
+    held = ""
+    try:
+        with open_run(output) as older:
+            held = str(older.attrs.get(SWEPT, ""))
+    except (ValueError, OSError):
+        pass
+    if held != sweep.json():
+        raise ValueError(
+            f"--output must name no file but an earlier result of this sweep, got {output} "
+            "(take another name, or --force)"
+        )
+
+
+def _run_with_bar(
+    sweep: Sweep,
+    store: RunStore,
+    workers: Workers,
+    told: SweepState,
+    expected: SweepCost,
+    settled: Collection[str],
+) -> None:
+    """Run it, announced; TooMuchError if it is expected to be beyond the limits."""
+    here = isinstance(workers, LocalWorkers)
+    cost = expected.by(workers.count, together=here)
+    work = f"{sweep.name}, {expected.words},"
+    too_large = here and cost.memory_bytes > current_limits().memory_bytes
+    fewer = "fewer --processes, " if too_large else ""
+    check_request(work, cost, f"take {fewer}fewer or cheaper cells")
+    errors = plain_console(stderr=True, soft_wrap=True)
+    with progress_bar(sweep.name, work.removesuffix(","), errors, perf_counter) as (advance, tell):
+        announce = Announcer(tell)
+        announce(cost.seconds)
+
+        def show(state: SweepState) -> None:
+            advance((state.found + state.done) / state.cells)
+            if state.done >= PACED * state.workers:
+                announce(state.seconds_left)
+
+        run_sweep(sweep, store, workers, show, told, settled)
+
+
+def summary_lines(sweep: Sweep, found: xr.Dataset, told: SweepState) -> Iterator[str]:
+    """What a sweep came to, in lines."""
+    if sweep.title:
+        yield sweep.title
+    counts = Counter(found["status"].values.ravel().tolist())
+    ended = ", ".join(f"{count} {status}" for status, count in counts.most_common())
+    sizes = " x ".join(f"{d.size} {d.name}" for d in sweep.dimensions)
+    yield f"{len(sweep)} cells ({sizes}): {ended}"
+    if told.done:
+        were = "was" if told.done == 1 else "were"
+        workers = "1 worker" if told.workers == 1 else f"{told.workers} workers"
+        yield f"{told.done} {were} run now by {workers}, {duration(told.seconds)} in all"
+    errors = found["error"].values
+    if np.any(np.isfinite(errors)):
+        least, most = (f"{end(errors):.3g}" for end in (np.nanmin, np.nanmax))
+        line = f"relative error {least}" + (f" to {most}" if most != least else "")
+        own = found["own_error"].values
+        known = np.any(np.isfinite(own))
+        yield f"{line}, the runs' own part at most {np.nanmax(own):.2g}" if known else line
+    faults = found["message"].values[found["status"].values != DONE]
+    if faults.size:
+        yield f"first fault: {faults.ravel()[0]}"

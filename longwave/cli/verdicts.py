@@ -1,0 +1,323 @@
+"""``python -m verify``: the verdicts on the closed forms, and on their misprints, as tables.
+
+A misprint changes one single place: a coefficient, a sign, a term left out, k for k**2.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from rich.table import Table
+
+from longwave.cli.exporting import Scripts, write_text
+from longwave.solutions.catalogue import CATALOGUE
+from longwave.support.command_line import check_and_announce, fail, interrupted
+from longwave.support.console import check_output, finished, print_lines, table_console, tracked
+from longwave.verify.evidence.mutations import MutationCount, count_mutants
+from longwave.verify.evidence.residual import Sampling, check_residual, scientific
+from longwave.verify.proof import ProofVerdict, prove_stable
+from longwave.verify.proof.catalogue_proofs import NAMES, higher_order, named_form, prove_all
+from longwave.verify.verdict import Outcome, Verdict
+
+RESIDUAL_OPTIONS = ("digits", "points", "seed")
+PROOF_OPTIONS = ("certificate", "stable")
+MUTATION_COLUMNS = ("mutants", "refuted", "proved", "undecided")
+
+
+@dataclass(frozen=True)
+class TimeLaw:
+    """``seconds`` for a form of the catalogue; ``rational`` at order 7, which grows as a power."""
+
+    seconds: float
+    rational: float
+    exponent: float
+
+    def total(self, names: Iterable[str]) -> float:
+        """Seconds for all the forms; raises ValueError for a name that is none.
+
+        >>> round(PROOF.total(["rational_2", "rational_14"]))
+        19
+        """
+        return sum(self._one(higher_order(name)) for name in names)
+
+    def _one(self, order: int | None) -> float:
+        if order is None:
+            return self.seconds
+        return self.rational * (order / 7) ** self.exponent
+
+
+PROOF = TimeLaw(0.2, 0.15, 7.0)
+STABLE = TimeLaw(0.3, 1.5, 3.3)
+RESIDUAL = TimeLaw(0.3, 1.0, 4.0)
+MUTANTS = TimeLaw(35.0 / len(CATALOGUE), 29.0, 6.5)
+"""About what the forms cost. The laws of the rational family were measured in processor seconds on
+one core of a 3 GHz server: orders 7 to 12 for proofs, 4 to 8 for stable forms, 4 to 7 for the rest.
+Beyond, they are orders of magnitude."""
+
+
+@dataclass
+class VerdictOptions:
+    """What is to be decided, and how; None where nothing is said.
+
+    ``only`` are names of forms (all if empty), ``digits`` (precisions with commas between) and the
+    rest the residual's sampling; with ``system`` the file gets scripts for it.
+    """
+
+    only: Sequence[str] = ()
+    json_wanted: bool = False
+    certificate: str | None = None
+    stable: bool = False
+    method: str | None = None
+    digits: str | None = None
+    points: int | None = None
+    seed: int | None = None
+    system: str | None = None
+    force: bool = False
+
+    @property
+    def scripts(self) -> Scripts | None:
+        """The scripts that are asked for in the place of certificates."""
+        if self.system is None or self.certificate is None:
+            return None
+        return Scripts(self.certificate, self.system, self.force)
+
+
+def print_verdicts(options: VerdictOptions, program: str) -> int:
+    """Decide the closed forms and print the verdicts; the exit status.
+
+    0, 1 if any form does not stand, 2 for bad options, 130 after Ctrl-C, which ``program`` tells.
+    """
+    names = options.only or NAMES
+    try:
+        _settle_method(options)
+        work = _verdicts(names, options)
+        expected = _law(options).total(names) * _effort(options)
+        cheaper = "take a lower order, fewer forms or another method"
+        check_and_announce(f"{_noun(len(names))} to be checked", expected, cheaper=cheaper)
+        scripts = options.scripts
+        if scripts is not None:
+            scripts.check()
+        else:
+            check_output(options.certificate, "c.json", force=options.force, option="FILE")
+        found, complete = finished(tracked(work, len(names), "checking"))
+        if scripts is not None:
+            scripts.write(_proofs(found))
+        elif options.certificate is not None:
+            write_text(Path(options.certificate), _certificates(found), options.force)
+    except (ValueError, OSError) as error:
+        return fail(error)
+    _print(found, options)
+    if not complete:
+        return interrupted(program, f"after {len(found)} of {_noun(len(names))}")
+    return 0 if all(verdict.passed for verdict in found) else 1
+
+
+def _noun(count: int) -> str:
+    return "1 form" if count == 1 else f"{count} forms"
+
+
+def _law(options: VerdictOptions) -> TimeLaw:
+    """What a form costs with the method and the options chosen."""
+    if options.stable:
+        return STABLE
+    if options.method == "residual":
+        return RESIDUAL
+    return PROOF
+
+
+def _effort(options: VerdictOptions) -> float:
+    """Work in units of the usual: a residual's points, and the square of its digits."""
+    if options.method != "residual":
+        return 1.0
+    usual, asked = Sampling(), _sampling(options)
+    wanted = sum(max(number, 30) ** 2 for number in asked.digits)
+    return asked.points / usual.points * wanted / sum(number**2 for number in usual.digits)
+
+
+def _sampling(options: VerdictOptions) -> Sampling:
+    given = {name: getattr(options, name) for name in RESIDUAL_OPTIONS}
+    if options.digits is not None:
+        given["digits"] = digits_in(options.digits)
+    return Sampling(**{name: value for name, value in given.items() if value is not None})
+
+
+def digits_in(text: str) -> tuple[int, ...]:
+    """The precisions in a text; raises ValueError if it is no list of integers.
+
+    >>> digits_in("30,50")
+    (30, 50)
+    """
+    try:
+        return tuple(int(part) for part in text.split(","))
+    except ValueError:
+        raise ValueError(
+            f"digits must be integers with commas between, got {text!r} (30,50,100 is usual)"
+        ) from None
+
+
+def _settle_method(options: VerdictOptions) -> None:
+    """Residual if an option of it is given; raises ValueError for options of both methods."""
+    sampled = [name for name in RESIDUAL_OPTIONS if getattr(options, name) is not None]
+    exact = [name for name in PROOF_OPTIONS if getattr(options, name)]
+    options.method = options.method or ("residual" if sampled else "proof")
+    wrong = exact if options.method == "residual" else sampled
+    if wrong:
+        raise ValueError(
+            f"--{wrong[0]} must not be given with the method {options.method}, got it (leave it)"
+        )
+
+
+def _verdicts(names: Sequence[str], options: VerdictOptions) -> Iterator[Verdict]:
+    if options.stable:
+        return (prove_stable(named_form(name)) for name in names)
+    if options.method == "proof":
+        return prove_all(names)
+    sampling = _sampling(options)
+    return (check_residual(named_form(name), sampling) for name in names)
+
+
+def _proofs(verdicts: Sequence[Verdict]) -> list[Mapping[str, Any]]:
+    certificates = [v.certificate for v in verdicts if isinstance(v, ProofVerdict)]
+    return [certificate for certificate in certificates if certificate is not None]
+
+
+def _certificates(verdicts: Sequence[Verdict]) -> str:
+    proofs = [verdict for verdict in verdicts if isinstance(verdict, ProofVerdict)]
+    texts = [text for proof in proofs if (text := proof.certificate_text()) is not None]
+    return "[" + ",\n".join(texts) + "]\n"
+
+
+def _print(verdicts: Sequence[Verdict], options: VerdictOptions) -> None:
+    if options.json_wanted:
+        print(json.dumps([verdict.json() for verdict in verdicts], indent=2))
+        return
+    noun = "stable form" if options.stable else "closed form"
+    console = table_console()
+    console.print(verdict_table(verdicts))
+    print_lines(console, [*failure_lines(verdicts), summary(verdicts, noun)])
+
+
+STYLES = {
+    Outcome.PROVED: "green",
+    Outcome.CHECKED: "cyan",
+    Outcome.REFUTED: "bold red",
+    Outcome.UNDECIDED: "yellow",
+}
+
+MEANINGS = {
+    Outcome.PROVED: "proved exactly",
+    Outcome.CHECKED: "checked to the digits shown, which is no proof",
+    Outcome.REFUTED: "refuted",
+    Outcome.UNDECIDED: "undecided",
+}
+
+
+def verdict_table(verdicts: Sequence[Verdict]) -> Table:
+    """One row a closed form: solution, equation, method, verdict, evidence, seconds.
+
+    The evidence is the certificate's size if there is one, else the largest relative residual at
+    the highest precision; an exact 0 is a proof.
+    """
+    table = Table(title="Closed forms against their equations")
+    for heading in ("solution", "equation", "method", "verdict"):
+        table.add_column(heading, no_wrap=heading != "method")
+    for heading in ("evidence", "seconds"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    for verdict in verdicts:
+        outcome = f"[{STYLES[verdict.outcome]}]{verdict.outcome.value}[/]"
+        cells = (verdict.name, verdict.equation, verdict.method, outcome)
+        table.add_row(*cells, evidence_text(verdict), f"{verdict.seconds:.2f}")
+    return table
+
+
+def evidence_text(verdict: Verdict) -> str:
+    """The size of the certificate, else the residual with two digits; a dash without either."""
+    if isinstance(verdict, ProofVerdict) and verdict.certificate_bytes is not None:
+        return f"{verdict.certificate_bytes} bytes"
+    if verdict.residual is None:
+        return "-"
+    return scientific(math.log10(verdict.residual) if verdict.residual else -math.inf)
+
+
+def failure_lines(verdicts: Sequence[Verdict]) -> list[str]:
+    """One line for each form that does not stand, with its witness or reason."""
+    return [_failure(verdict) for verdict in verdicts if not verdict.passed]
+
+
+def _failure(verdict: Verdict) -> str:
+    place = ", ".join(f"{name} = {value}" for name, value in (verdict.witness or {}).items())
+    at = f" (witness: {place})" if place else ""
+    return f"{verdict.name}: {verdict.outcome.value}: {verdict.detail}{at}"
+
+
+def summary(verdicts: Sequence[Verdict], noun: str = "closed form") -> str:
+    """How many forms (or whatever ``noun`` says) came to which verdict, and the time together.
+
+    >>> proof = Verdict("kink", "defocusing mKdV", "by hand", Outcome.PROVED, "", 0.0)
+    >>> summary([proof])
+    '1 closed form in 0.0 s: 1 proved exactly'
+    """
+    counts = Counter(verdict.outcome for verdict in verdicts)
+    parts = "; ".join(
+        f"{counts[outcome]} {MEANINGS[outcome]}" for outcome in Outcome if counts[outcome]
+    )
+    seconds = sum(verdict.seconds for verdict in verdicts)
+    plural = "" if len(verdicts) == 1 else "s"
+    return f"{len(verdicts)} {noun}{plural} in {seconds:.1f} s: {parts}"
+
+
+def print_mutations(only: Sequence[str], json_wanted: bool, program: str) -> int:
+    """Decide all mutants of the forms (all if none is named) and print the counts.
+
+    Returns 0, 1 if any is undecided, 2 for a name that is none, 130 after Ctrl-C.
+    """
+    names = only or list(CATALOGUE.names)
+    try:
+        named = f"the misprints of {', '.join(only or ['all forms'])}"
+        check_and_announce(named, MUTANTS.total(names), cheaper="take fewer forms, of lower order")
+    except ValueError as error:
+        return fail(error)
+    work = (count_mutants(named_form(name)) for name in names)
+    counts, complete = finished(tracked(work, len(names), "refuting"))
+    if json_wanted:
+        print(json.dumps([count.json() for count in counts], indent=2))
+    else:
+        _print_counts(counts)
+    if not complete:
+        return interrupted(program, f"after {len(counts)} of {len(names)} forms")
+    return 1 if any(count.undecided for count in counts) else 0
+
+
+def _print_counts(counts: Sequence[MutationCount]) -> None:
+    console = table_console()
+    console.print(counts_table(counts))
+    print_lines(console, survivor_lines(counts))
+
+
+def counts_table(counts: Sequence[MutationCount]) -> Table:
+    """One row a form, and the totals."""
+    table = Table(title="Misprints of the closed forms", show_footer=True)
+    table.add_column("solution", "total", no_wrap=True)
+    for column in MUTATION_COLUMNS:
+        total = sum(getattr(count, column) for count in counts)
+        table.add_column(column, str(total), justify="right")
+    table.add_column("seconds", f"{sum(c.seconds for c in counts):.1f}", justify="right")
+    for count in counts:
+        cells = (str(getattr(count, column)) for column in MUTATION_COLUMNS)
+        table.add_row(count.name, *cells, f"{count.seconds:.1f}")
+    return table
+
+
+def survivor_lines(counts: Sequence[MutationCount]) -> list[str]:
+    """One line for each mutant that is not refuted."""
+    return [
+        f"{count.name}: {survivor.outcome.value} ({survivor.reason}): {survivor.description}"
+        for count in counts
+        for survivor in count.survivors
+    ]

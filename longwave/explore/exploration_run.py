@@ -1,0 +1,414 @@
+"""A chosen scene run in a process of its own: the newest choice counts, and none takes long.
+
+`compare` runs a scene and keeps what a page shows; `Explorer` has it done elsewhere, drops what is
+asked for no longer, and ends what takes too long.
+"""
+
+from __future__ import annotations
+
+import math
+import multiprocessing as mp
+import signal
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from functools import lru_cache
+from importlib import import_module
+from multiprocessing.connection import Connection
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from longwave.lattice.trial import Progress
+from longwave.runs.run_cost import expected_run_cost
+from longwave.scenes.chain.scene import Scene
+from longwave.scenes.lattice_scene import LatticeScene
+from longwave.support.command_line import duration, one_line
+from longwave.support.processes import ignore_interrupt, limit_memory
+from longwave.support.request_limits import (
+    ExpectedCost,
+    RequestLimits,
+    TooMuchError,
+    check_request,
+    request_limits,
+)
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from longwave.explore.exploration import AnyScene
+
+Array = NDArray[np.float64]
+
+USUAL_LIMITS = RequestLimits(memory_bytes=2e9, seconds=10.0)
+"""What a run may take unless told; one that is expected to take more is refused."""
+
+DEADLINE = 6.0
+"""A run is ended after so many times what it may be expected to take."""
+
+CHEAPER = "take a larger eps, shorter times or a smaller half_width; `longwave run` takes the file"
+
+MOST_CELLS = 100_000
+"""Most compared cells: `FRAMES` pictures of them are sent to the page and drawn."""
+
+TOLD_EVERY = 0.1
+"""Seconds between two messages on how far a run is."""
+
+MAP_COLUMNS = 300
+"""Most columns of a space-time map."""
+
+
+class TooDear(Exception):
+    """A run would take longer than it may; what catches a ValueError goes on without it."""
+
+
+class Superseded(BaseException):
+    """Something else is asked for; what catches every Exception does not catch this."""
+
+
+LONGEST_FORMULA = 1500
+"""Signs of a formula in LaTeX beyond which nobody reads it; that of rogue_cn has 200 000."""
+
+
+class WaveTexts(NamedTuple):
+    """What a wave's record says: title, source, and in LaTeX its equation's normal form and itself.
+
+    ``formula`` is empty where it would fill pages.
+    """
+
+    title: str
+    reference: str
+    normal_form: str
+    formula: str
+
+
+def wave_texts(scene: AnyScene) -> WaveTexts:
+    """The texts of a scene's wave."""
+    return _wave_texts(str(scene.wave), tuple(name for name, _ in scene.parameters))
+
+
+@lru_cache(maxsize=64)
+def _wave_texts(wave: str, parameters: tuple[str, ...]) -> WaveTexts:
+    from longwave.solutions import closed_form
+
+    form = closed_form(wave, parameters)
+    formula = form._repr_latex_()
+    return WaveTexts(
+        form.title,
+        str(form.reference),
+        form.equation._repr_latex_(),
+        formula if len(formula) <= LONGEST_FORMULA else "",
+    )
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Lattice and wave on the compared cells at all times, both in units of eps to a power.
+
+    ``X``, ``lattice`` and ``wave`` are (time, cell), X = eps (n - c t); on a lattice of two
+    dimensions they are the row through its middle. ``errors`` are the largest differences over all
+    compared cells, ``relative`` the same in units of the wave's height above its background;
+    ``estimate`` says how far the run itself may be from the infinite lattice. ``lines`` tell what
+    was done.
+    """
+
+    X: Array
+    times: Array
+    slow_times: Array
+    lattice: Array
+    wave: Array
+    errors: Array
+    relative: Array
+    estimate: float
+    unit: str
+    equation: str
+    equation_latex: str
+    wave_texts: WaveTexts
+    lines: tuple[str, ...]
+    ended: str = ""
+
+    def columns(self, values: Array) -> Array:
+        """The values (time, cell) in at most `MAP_COLUMNS` cells, each the largest in modulus.
+
+        >>> texts = WaveTexts("kink", "", "", "")
+        >>> shown = Comparison(*[np.zeros((1, 600))] * 7, 0.0, "eps", "", "", texts, ())
+        >>> shown.columns(np.arange(1200.0).reshape(2, 600)).shape
+        (2, 300)
+        """
+        width = -(-values.shape[1] // MAP_COLUMNS)
+        starts = np.arange(0, values.shape[1], width)
+        high = np.maximum.reduceat(values, starts, axis=1)
+        low = np.minimum.reduceat(values, starts, axis=1)
+        return np.where(np.abs(high) >= np.abs(low), high, low)
+
+
+def compare(
+    scene: AnyScene, progress: Progress | None = None, limits: RequestLimits = USUAL_LIMITS
+) -> Comparison:
+    """Run a scene and keep what is shown of it.
+
+    Raises ValueError, in one line, for everything that wave, lattice and scene do not admit, and
+    for a scene that is expected to take more than the ``limits``: before it is run, or where its
+    search turns out to take longer.
+    """
+
+    def announce(seconds: float) -> None:
+        try:
+            check_request("the run", ExpectedCost(seconds), CHEAPER)
+        except TooMuchError as error:
+            raise TooDear(str(error)) from None
+
+    _check_cells(scene)
+    try:
+        with request_limits(limits.memory_bytes, limits.seconds):
+            check_request("the run", expected_run_cost(scene), CHEAPER)
+            if isinstance(scene, LatticeScene):
+                return _of_lattice(scene, progress, announce)
+            return _of_chain(scene, progress, announce)
+    except TooDear as stop:
+        raise ValueError(str(stop)) from None
+    except MemoryError:
+        raise ValueError(
+            "sites must fit the memory, got a scene that does not (a larger eps or a smaller "
+            "half_width take less)"
+        ) from None
+
+
+def _check_cells(scene: AnyScene) -> None:
+    if isinstance(scene, LatticeScene):
+        from longwave.scenes.lattice_derivation import declared_lattice
+
+        half_width, axes = scene.half_width or 0.0, declared_lattice(scene).dimension
+        powers = (1, 2)[:axes]
+        cells = int(np.prod([2.0 * half_width / scene.eps**p + 1.0 for p in powers]))
+    else:
+        cells = 2 * scene.compared + 1
+    if cells > MOST_CELLS:
+        raise ValueError(
+            f"half_width / eps must ask for at most {MOST_CELLS} cells here, got {cells} for eps = "
+            f"{scene.eps:g} (take a smaller half_width or a larger eps)"
+        )
+
+
+def _of_chain(scene: Scene, progress: Progress | None, announce: Any) -> Comparison:
+    from longwave.cli.scene_command import summary_lines
+    from longwave.scenes.chain.scene_run import record_scene
+    from longwave.scenes.chain.trust import trust_attributes
+
+    trust = trust_attributes(scene)
+    record = record_scene(scene, progress, announce)
+    record.attrs |= trust
+    run = record.dataset
+    ended = record.attrs["blow_up"]
+    if not run.sizes["time"]:
+        raise ValueError(f"{ended} (no time is reached; take a smaller eps)")
+    lattice, wave, background = (run[name].values for name in ("strain", "analytic", "background"))
+    errors = np.max(np.abs(lattice - wave), axis=1)
+    heights = np.max(np.abs(wave - background), axis=1)
+    return Comparison(
+        X=_distances(scene.eps, run, scene.constants.sound_speed()),
+        times=run["time"].values,
+        slow_times=run["time"].values * scene.eps**3,
+        lattice=lattice / scene.eps,
+        wave=wave / scene.eps,
+        errors=errors / scene.eps,
+        relative=errors / np.where(heights > 0.0, heights, np.max(np.abs(wave))),
+        estimate=float(run.attrs["error_estimate"]),
+        unit="eps",
+        equation=f"{scene.form.equation.name}: {_chain_equation()[0]}",
+        equation_latex=_chain_equation()[1],
+        wave_texts=wave_texts(scene),
+        lines=tuple(summary_lines(record, scene)),
+        ended=ended,
+    )
+
+
+def _chain_equation() -> tuple[str, str]:
+    """The chain's long-wave equation with its constants as letters, as text and LaTeX."""
+    from longwave.solutions import kept_data
+
+    text, latex = kept_data(__name__, "equation of the chain", _derived_chain_equation)
+    return text, latex
+
+
+def _derived_chain_equation() -> list[str]:
+    from longwave.derive import LATTICES, Scaling, reduce
+
+    pde = reduce(LATTICES["fput_strain"], Scaling()).pde
+    return [pde.text(), pde.latex()]
+
+
+def _of_lattice(scene: LatticeScene, progress: Progress | None, announce: Any) -> Comparison:
+    from longwave.derive import Reduction
+    from longwave.scenes.lattice_run import run_lattice_scene
+
+    found = run_lattice_scene(scene, progress, announce)
+    run, source, cost = found.dataset, found.derived.source, found.cost
+    lattice, wave = (_middle_row(run[name].values) for name in ("strain", "analytic"))
+    of_envelope = r"i A_T + p\, A_{XX} + q\, |A|^2 A = 0"
+    return Comparison(
+        X=_distances(scene.eps, run, found.speed),
+        times=np.array(found.times),
+        slow_times=found.slow_times,
+        lattice=lattice / found.scale,
+        wave=wave / found.scale,
+        errors=found.errors,
+        relative=found.relative_errors,
+        estimate=found.error_estimate,
+        unit=found.unit,
+        equation=found.derived.text(),
+        equation_latex=source.pde.latex() if isinstance(source, Reduction) else of_envelope,
+        wave_texts=wave_texts(scene),
+        lines=(
+            f"{cost['engine']}, {cost['scheme']}: {cost['steps']} steps, {cost['sites']} sites, "
+            f"{cost['seconds']:.2f} s; planned in {cost['planning_seconds']:.2f} s",
+        ),
+    )
+
+
+def _distances(eps: float, run: xr.Dataset, speed: float) -> Array:
+    """X = eps (n - c t) of every compared cell at every time."""
+    places: Array = eps * (run["n"].values - speed * run["time"].values[:, None])
+    return places
+
+
+def _middle_row(values: Array) -> Array:
+    return values if values.ndim == 2 else values[:, :, values.shape[2] // 2]
+
+
+@dataclass(frozen=True)
+class Refusal:
+    """Why there is nothing to be shown, in one line."""
+
+    line: str
+
+
+Answer = float | Comparison | Refusal
+"""How far a run is, 0 .. 1; what came of it; or why nothing did."""
+
+
+class Explorer:
+    """Compares the scene that was asked for last, in a process of its own.
+
+    The process is started with the first question, and again after one that had to be ended.
+    """
+
+    def __init__(self, limits: RequestLimits = USUAL_LIMITS) -> None:
+        self.limits = limits
+        self._asked = 0
+        self._waiting = False
+        self._since = 0.0
+        self._process: Any = None
+        self._connection: Connection | None = None
+
+    def ask(self, scene: AnyScene) -> None:
+        """Have this scene compared, and no other."""
+        if self._process is None or not self._process.is_alive():
+            self.start()
+        assert self._connection is not None
+        self._asked += 1
+        self._waiting, self._since = True, time.monotonic()
+        with suppress(OSError):  # a process that has just ended is noticed by `answer`
+            self._connection.send((self._asked, scene))
+
+    def drop(self) -> None:
+        """Ask for nothing any more; what is being run ends when something is asked again."""
+        self._asked += 1
+        self._waiting = False
+
+    def answer(self) -> Answer | None:
+        """What is new about what was asked last; None if there is nothing."""
+        if not self._waiting or self._connection is None:
+            return None
+        found: Answer | None = None
+        try:
+            while self._connection.poll():
+                asked, answer = self._connection.recv()
+                found = answer if asked == self._asked else found
+        except (EOFError, OSError):
+            self.close()
+            found = Refusal("the run's process ended before the run (too little memory?)")
+        if found is None and time.monotonic() - self._since > DEADLINE * self.limits.seconds:
+            self.close()
+            taken = duration(DEADLINE * self.limits.seconds)
+            found = Refusal(f"the run was ended after {taken} (a larger eps takes less)")
+        self._waiting = found is None or isinstance(found, float)
+        return found
+
+    def start(self) -> None:
+        """Start the process, which imports what it takes."""
+        context = mp.get_context("spawn")
+        self._connection, theirs = context.Pipe()
+        self._process = context.Process(target=_serve, args=(theirs, self.limits), daemon=True)
+        with _interrupts_ignored():
+            self._process.start()
+        theirs.close()
+
+    def close(self) -> None:
+        """End the process."""
+        if self._process is not None:
+            self._process.kill()
+            self._process.join()
+            self._process = None
+        if self._connection is not None:
+            self._connection.close()
+            self._connection = None
+        self._waiting = False
+
+
+@contextmanager
+def _interrupts_ignored() -> Iterator[None]:
+    """Have a process that is started inside ignore Ctrl-C from its first moment on."""
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+BEFOREHAND = (
+    "longwave.cli.scene_command",
+    "longwave.scenes.lattice_run",
+    "longwave.derive.reduction",
+    "xarray",
+)
+"""Modules that a process takes whatever is asked."""
+
+ROOM = 5e8
+"""Bytes that a process may take to see that a run would not fit a smaller limit, and to say it."""
+
+
+def _serve(connection: Connection, limits: RequestLimits) -> None:
+    """Compare what is asked for, always the newest, until the page's process has gone."""
+    ignore_interrupt()
+    for module in BEFOREHAND:
+        import_module(module)
+    if math.isfinite(limits.memory_bytes):
+        limit_memory(int(max(limits.memory_bytes, ROOM)))
+    with suppress(EOFError, OSError):
+        while True:
+            asked, scene = connection.recv()
+            while connection.poll():
+                asked, scene = connection.recv()
+            with suppress(Superseded):
+                connection.send((asked, _answer(scene, limits, asked, connection)))
+
+
+def _answer(scene: AnyScene, limits: RequestLimits, asked: int, connection: Connection) -> Answer:
+    """The comparison, or why there is none; raises Superseded if something else is asked for."""
+    told = time.monotonic()
+
+    def progress(share: float) -> None:
+        nonlocal told
+        if connection.poll():
+            raise Superseded
+        if time.monotonic() - told > TOLD_EVERY:
+            told = time.monotonic()
+            connection.send((asked, float(share)))
+
+    try:
+        return compare(scene, progress, limits)
+    except (ValueError, OSError, ArithmeticError, RuntimeError) as error:
+        return Refusal(one_line(error))

@@ -1,0 +1,285 @@
+"""Films of a run: the lattice against the wave in the moving frame, with the time and the error.
+
+`animate` makes a film of a run, or of a scene that is run first; `draw_film` is the work of
+``longwave animate``.
+"""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from longwave.lattice.refine import Announce
+from longwave.lattice.trial import Progress
+from longwave.reports.pictures.drawing import Snapshot, styled
+from longwave.reports.pictures.film import (
+    FILM_SIZE,
+    ChainFilm,
+    Film,
+    FilmWords,
+    PlaneFilm,
+    PlaneFrames,
+)
+from longwave.reports.pictures.film_files import film_path, has_ffmpeg, save_film
+from longwave.reports.pictures.lattice_figures import lattice_snapshots
+from longwave.reports.pictures.plotting import Source, default_output, read_source, shown_half_width
+from longwave.reports.pictures.run_quantities import RunFrame, check_run, frame_of
+from longwave.runs import run_any_scene
+from longwave.runs.run_cost import CHEAPER as CHEAPER_RUN
+from longwave.runs.run_cost import expected_run_cost
+from longwave.runs.run_file import SWEPT, names_a_run
+from longwave.scenes.chain import Scene
+from longwave.scenes.lattice_scene import MOST_TIMES, LatticeScene
+from longwave.support.command_line import fail, fail_for_memory, interrupted, one_line
+from longwave.support.console import check_output, plain_console, progress_bar
+from longwave.support.request_limits import Announcer, ExpectedCost, check_request
+
+Array = NDArray[np.float64]
+
+BOUNDS = {"duration": (0.2, 600.0), "fps": (1.0, 50.0), "dpi": (30.0, 400.0)}
+"""Seconds, frames a second (a GIF's are a whole number of 1/100 s) and pixels an inch."""
+
+MOST_FRAMES, MOST_NUMBERS = 3000, 2e7
+"""Frames of a film, and strains in all of them: a run holds four numbers for each."""
+
+FEW = 25
+"""Frames of a run below which the film is said to have few."""
+
+LONGEST_TITLE = 100
+"""Characters of a film's title: it has one line."""
+
+
+@dataclass(frozen=True)
+class FilmOptions:
+    """How long a film is (seconds), its frames a second, pixels an inch, and which times it shows.
+
+    Raises ValueError in one line for what is out of bounds.
+    """
+
+    duration: float = 6.0
+    fps: float = 25.0
+    dpi: float = 110.0
+    times: tuple[float, float] | None = None
+
+    def __post_init__(self) -> None:
+        for name, (least, most) in BOUNDS.items():
+            value = getattr(self, name)
+            if not least <= value <= most:
+                raise ValueError(
+                    f"{name} must satisfy {least:g} <= {name} <= {most:g}, got {value:g}"
+                )
+        if self.count > MOST_FRAMES:
+            raise ValueError(
+                f"a film must have at most {MOST_FRAMES} frames, got {self.count} "
+                "(take a shorter duration or fewer fps)"
+            )
+        if self.times is not None and not self.times[0] < self.times[1]:
+            first, last = self.times
+            raise ValueError(f"times must satisfy first < last, got {first:g} and {last:g}")
+
+    @property
+    def count(self) -> int:
+        """Frames of a scene that is run for the film."""
+        return max(2, round(self.duration * self.fps))
+
+
+def animate(
+    source: Source,
+    output: str | Path,
+    duration: float = 6.0,
+    fps: float = 25.0,
+    dpi: float = 110.0,
+    times: tuple[float, float] | None = None,
+    progress: Progress | None = None,
+    announce: Announce | None = None,
+) -> int:
+    """Write a film of a run to ``output``, MP4 or GIF by its suffix; return its number of frames.
+
+    ``source`` is a run, the path of a file that holds one, or a scene, its TOML file or its name. A
+    run is shown at its snapshots, ``duration`` being shared among them; a scene is run for
+    ``duration * fps`` of them, from its start to its end, or between two ``times``. ``progress``
+    is told the share of the run and then of the film, ``announce`` the seconds of both.
+
+    Raises ValueError in one line: source, suffix, numbers out of bounds, a run without snapshots,
+    and what is expected to take more than the limits allow.
+    OSError if ``output`` cannot be written; no part of it is left then.
+    """
+    path = film_path(output)
+    options = FilmOptions(duration, fps, dpi, times)
+    told, progress = announce or (lambda _: None), progress or (lambda _: None)
+    found = read_source(source)
+    if isinstance(found, xr.Dataset):
+        data = found
+    else:
+        scene = _scene_of_film(found, options)
+        told(_check_cost(scene.name, options, options.count, path, expected_run_cost(scene)))
+        data = run_any_scene(scene, progress, announce)
+    shown = _within(data, options.times)
+    count = shown.sizes["time"]
+    told(_check_cost("the film", options, count, path, ExpectedCost()))
+    with styled():
+        film = film_of(shown, options.dpi)
+        rate = min(options.fps, len(film) / options.duration)
+        save_film(film, path, rate, progress)
+    return count
+
+
+FRAME_SECONDS, PIXEL_SECONDS = 0.012, 3e-8
+"""To draw and write a frame, and for each of its pixels: 9 to 150 ms from 50 to 400 dpi, of the
+processor and with ffmpeg, on a 3 GHz server."""
+
+FILM_BYTES, PIXEL_BYTES = 4e8, 120.0
+"""Of a process that draws, and for each pixel of a frame on its way."""
+
+
+def _check_cost(
+    what: str, options: FilmOptions, frames: int, path: Path, run: ExpectedCost
+) -> float:
+    """The seconds that run and film are expected to take; TooMuchError beyond the limits."""
+    pixels = FILM_SIZE[0] * FILM_SIZE[1] * options.dpi**2
+    held = FILM_BYTES + PIXEL_BYTES * pixels + pixels * frames * (path.suffix == ".gif")
+    cost = ExpectedCost(
+        run.seconds + frames * (FRAME_SECONDS + PIXEL_SECONDS * pixels),
+        max(run.memory_bytes, held),
+        run.steps,
+    )
+    cheaper = "take fewer frames or dpi"
+    check_request(what, cost, f"{CHEAPER_RUN}, or {cheaper}" if run.seconds else cheaper)
+    return cost.seconds
+
+
+def _scene_of_film(found: Scene | LatticeScene, options: FilmOptions) -> Scene | LatticeScene:
+    """The scene at the times of the film's frames."""
+    if isinstance(found, LatticeScene):
+        return _lattice_frames(found, options)
+    first, last = options.times or (found.t0, found.end)
+    if first < found.t0:
+        raise ValueError(f"times must begin at t0 = {found.t0:g} or later, got {first:g}")
+    sites = 2 * found.compared + 1
+    if sites * options.count > MOST_NUMBERS:
+        raise ValueError(
+            f"compared sites in all frames must be at most {MOST_NUMBERS:.0e}, got "
+            f"{sites} x {options.count} (take a shorter duration, fewer fps or fewer sites)"
+        )
+    moments = _distinct(np.linspace(first, last, options.count))
+    return found.changed(snapshots=moments, observables=("strain",))
+
+
+def _lattice_frames(scene: LatticeScene, options: FilmOptions) -> LatticeScene:
+    """The scene at the times of the film's frames, as many as such a scene may have.
+
+    It begins where it did: frames that begin later come after that moment.
+    """
+    from longwave.scenes.lattice_derivation import derivation
+    from longwave.scenes.lattice_run import lattice_times
+
+    scene.check_compared()
+    if options.times is None:
+        named = "times" if scene.times else "slow_times"
+        own = getattr(scene, named)
+        count = min(options.count, MOST_TIMES)
+        return scene.changed(**{named: _distinct(np.linspace(own[0], own[-1], count))})
+    begin = lattice_times(scene, derivation(scene).slow)[0]
+    first, last = options.times
+    if first < begin:
+        raise ValueError(f"times must begin at {begin:g} or later, got {first:g}")
+    moments = np.linspace(first, last, min(options.count, MOST_TIMES - 1))
+    return scene.changed(times=_distinct(np.append(begin, moments)), slow_times=())
+
+
+def _distinct(times: Array) -> tuple[float, ...]:
+    return tuple(np.unique(times).tolist())
+
+
+def _within(data: xr.Dataset, times: tuple[float, float] | None) -> xr.Dataset:
+    """The snapshots between two times that hold finite strains; ValueError if there are none."""
+    if SWEPT in data.attrs:
+        raise ValueError(
+            "source must be the run of a scene, got the result of a sweep (longwave plot draws it)"
+        )
+    for name in ("strain", "analytic", "n", "error"):
+        if name not in data:
+            raise ValueError(
+                f"source must hold snapshots of the strain, got none of {name} "
+                "(the scene must ask for strain)"
+            )
+    check_run(data)
+    first, last = times or (-np.inf, np.inf)
+    at = data["time"].values
+    kept = np.flatnonzero((at >= first) & (at <= last))
+    for name in ("strain", "analytic"):
+        rows = np.asarray(data[name], dtype=float).reshape(at.size, -1)
+        kept = kept[np.isfinite(rows[kept]).all(axis=1)]
+    if not kept.size:
+        raise ValueError(
+            f"source must hold a finite snapshot between {first:g} and {last:g}, got "
+            f"{data.sizes['time']} snapshots of which none is (run it with others)"
+        )
+    return data.isel(time=kept)
+
+
+def film_of(data: xr.Dataset, dpi: float = 110.0) -> Film:
+    """The film of a run's snapshots: a chain's as lines, on two axes as maps."""
+    frame = frame_of(data)
+    errors = np.asarray(data["error"], dtype=float)
+    times = np.asarray(data["time"], dtype=float)
+    words = FilmWords(
+        one_line(data.attrs.get("title", ""))[:LONGEST_TITLE],
+        "wave" if "sup_error" in data else "mKdV wave",
+        _clock(times, errors),
+    )
+    if "row" in data.dims:
+        return PlaneFilm(_plane_frames(data, times), errors, words, dpi)
+    level = float(data["background"].mean()) if "background" in data else 0.0
+    return ChainFilm(_chain_frames(data, frame), errors, words, dpi, level)
+
+
+def _chain_frames(data: xr.Dataset, frame: RunFrame) -> list[Snapshot]:
+    half_width, places = shown_half_width(data), range(data.sizes["time"])
+    return lattice_snapshots(data, frame.eps, half_width, places, frame.speed)
+
+
+def _plane_frames(data: xr.Dataset, times: Array) -> PlaneFrames:
+    along, across, lattice, wave = (
+        np.asarray(data[name], dtype=float) for name in ("site", "row", "strain", "analytic")
+    )
+    return PlaneFrames(times, along, across, lattice, wave)
+
+
+def _clock(times: Array, errors: Array) -> list[str]:
+    """The time and the error of each frame, the time to the digits that the frames need."""
+    step = float(np.min(np.diff(times))) if times.size > 1 else 1.0
+    digits = max(0, min(6, 1 - int(np.floor(np.log10(step))))) if step < 10.0 else 0
+    told = [f"error {error:.3f}" if np.isfinite(error) else "no error" for error in errors]
+    return [f"$t = {t:.{digits}f}$\n{error}" for t, error in zip(times, told, strict=True)]
+
+
+def draw_film(
+    source: str, output: str | None, options: dict[str, Any], program: str, force: bool = False
+) -> int:
+    """Write the film and print its path; return the exit status: 0, 2 for wrong input, 130.
+
+    Without ``output`` it is an MP4 in the working folder, or a GIF where there is no ffmpeg.
+    """
+    path = output or default_output(source, ".mp4" if has_ffmpeg() else ".gif")
+    errors = plain_console(stderr=True, soft_wrap=True)
+    try:
+        check_output(path, "run.gif", force=force)
+        with progress_bar(Path(source).name, f"film of {Path(source).name}", errors) as (bar, tell):
+            count = animate(source, path, **options, progress=bar, announce=Announcer(tell))
+    except KeyboardInterrupt:
+        return interrupted(program, f"{path} was not written")
+    except (ValueError, OSError) as error:
+        return fail(error)
+    except MemoryError as error:
+        return fail_for_memory(error)
+    if count < FEW and names_a_run(source):
+        print(f"{source} has {count} snapshots: so many frames (a scene has more)", file=sys.stderr)
+    print(path)
+    return 0

@@ -1,0 +1,172 @@
+"""Writing a film: MP4 by ffmpeg, GIF by Pillow, the same bytes for the same frames.
+
+A file appears when it is whole; Ctrl-C, a full disk or a failing ffmpeg leave none.
+"""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from itertools import chain
+from pathlib import Path
+from typing import IO
+
+import numpy as np
+from PIL import Image as PillowImage
+
+from longwave.reports.pictures.film import Film, Image
+from longwave.support.atomic_file import write_atomically
+
+SUFFIXES = (".mp4", ".gif")
+"""Of films."""
+
+COLOURS = 64
+"""Of a GIF: lines in four colours and what smooths their edges, or a map."""
+
+NEARLY_WHITE = 246
+"""Of 255."""
+
+PALETTE_FRAMES = 5
+"""Frames from which the colours of a GIF are taken."""
+
+MOST_GIF_PIXELS = 4e8
+"""Of all frames of a GIF, which are in memory together, a byte each."""
+
+Show = Callable[[float], object]
+"""Told the share of the frames that is written."""
+
+
+def has_ffmpeg() -> bool:
+    """Whether there is an ffmpeg to write MP4."""
+    return shutil.which("ffmpeg") is not None
+
+
+def film_path(output: str | Path) -> Path:
+    """The path of a film that can be written here; ValueError says what to write instead."""
+    path = Path(output)
+    if path.suffix.lower() not in SUFFIXES:
+        raise ValueError(
+            f"output must be a path ending in {', '.join(SUFFIXES)}, got {path.name!r} "
+            "(such as 'run.gif')"
+        )
+    if path.suffix.lower() == ".mp4" and not has_ffmpeg():
+        raise ValueError(
+            f"output must end in .gif where there is no ffmpeg, got {path.name!r} "
+            f"(take '{path.with_suffix('.gif').name}', or install ffmpeg)"
+        )
+    return path
+
+
+def save_film(film: Film, path: Path, fps: float, show: Show = lambda _: None) -> None:
+    """Write a film to a path, MP4 or GIF by its suffix, ``show`` being told the share written.
+
+    Raises OSError if it cannot be written, ValueError for a GIF that does not fit the memory.
+    """
+    write = _write_gif if path.suffix.lower() == ".gif" else _write_mp4
+    write_atomically(path, lambda draft: write(film, draft, fps, show))
+
+
+def _frames(film: Film, show: Show) -> Iterator[Image]:
+    for place in range(len(film)):
+        yield film.frame(place)
+        show((place + 1) / len(film))
+
+
+def _write_gif(film: Film, path: Path, fps: float, show: Show) -> None:
+    samples = [film.frame(p) for p in np.linspace(0, len(film) - 1, PALETTE_FRAMES).astype(int)]
+    pixels = len(film) * samples[0].shape[0] * samples[0].shape[1]
+    if pixels > MOST_GIF_PIXELS:
+        raise ValueError(
+            f"a GIF must have at most {MOST_GIF_PIXELS:.0e} pixels in all frames, got {pixels:.1e} "
+            "(take fewer dpi, frames a second or seconds, or write MP4)"
+        )
+    colours = _palette(np.concatenate(samples))
+    none = PillowImage.Dither.NONE
+    images = (
+        PillowImage.fromarray(image).quantize(palette=colours, dither=none)
+        for image in _frames(film, show)
+    )
+    first = next(images)
+    first.save(
+        path, "GIF", save_all=True, append_images=images, loop=0, disposal=1,
+        duration=frame_milliseconds(len(film), fps),
+    )  # fmt: skip
+
+
+def _palette(pixels: Image) -> PillowImage.Image:
+    """An image with the colours of a GIF: those of these pixels, and what is nearly white white.
+
+    Pillow looks colours up to a few units: paper would have any of them.
+    """
+    found = PillowImage.fromarray(pixels).quantize(COLOURS)
+    colours = np.array(found.getpalette()).reshape(-1, 3)
+    colours[colours.min(axis=1) >= NEARLY_WHITE] = 255
+    found.putpalette(colours.ravel().tolist())
+    return found
+
+
+def frame_milliseconds(count: int, fps: float) -> list[int]:
+    """How long each frame of a GIF stays, in the hundredths of a second that its format has.
+
+    Rounding does not add up over the film.
+
+    >>> frame_milliseconds(4, 30.0)
+    [30, 40, 30, 30]
+    """
+    ends = np.rint(100.0 * np.arange(count + 1) / fps).astype(int)
+    return [10 * max(1, int(part)) for part in np.diff(ends)]
+
+
+def _write_mp4(film: Film, path: Path, fps: float, show: Show) -> None:
+    frames = _frames(film, show)
+    first = next(frames)
+    height, width, _ = first.shape
+    words = [
+        "ffmpeg", "-loglevel", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24",
+        "-s", f"{width}x{height}", "-r", f"{fps:.6g}", "-i", "-", "-an",
+        "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2:color=white", "-pix_fmt", "yuv420p",
+        "-fflags", "+bitexact", "-flags:v", "+bitexact", "-movflags", "+faststart",
+        "-f", "mp4", str(path),
+    ]  # fmt: skip
+    with tempfile.TemporaryFile() as said, ThreadPoolExecutor(1) as pool:
+        begun: list[subprocess.Popen[bytes]] = []
+
+        def begin() -> None:  # in a session of its own: Ctrl-C is this process's, which ends ffmpeg
+            encoder = subprocess.Popen(
+                words, stdin=subprocess.PIPE, stdout=said, stderr=said, start_new_session=True
+            )
+            begun.append(encoder)
+
+        try:
+            # In a thread, as Ctrl-C within Popen would lose ffmpeg, which then makes the file.
+            pool.submit(begin).result()
+            _feed(begun[0], chain([first], frames))
+            status = begun[0].wait()
+        except BaseException:
+            pool.shutdown()
+            for encoder in begun:
+                encoder.kill()
+                encoder.communicate()
+            raise
+        if status != 0:
+            raise OSError(f"ffmpeg could not write it: {_last_line(said)}")
+
+
+def _feed(encoder: subprocess.Popen[bytes], frames: Iterator[Image]) -> None:
+    """Give ffmpeg the frames; where it has ended early its own words say why."""
+    assert encoder.stdin is not None
+    try:
+        with encoder.stdin as pipe:
+            for image in frames:
+                pipe.write(image.tobytes())
+    except BrokenPipeError:
+        return
+
+
+def _last_line(said: IO[bytes]) -> str:
+    said.seek(0)
+    lines = said.read().decode(errors="replace").split("\n")
+    return next((line for line in reversed(lines) if line.strip()), "it ended without a word")

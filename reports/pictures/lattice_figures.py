@@ -1,0 +1,173 @@
+"""Figures of other lattices: waves against the lattice, rates, and where plane carriers grow."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import ListedColormap
+from matplotlib.figure import Figure, FigureBase
+from numpy.typing import NDArray
+
+from longwave.reports.pictures.drawing import CURVES, TEXT_WIDTH, Snapshot, even_places
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from longwave.scenes.convergence import ErrorAt
+    from longwave.scenes.modulation import ModulationGrid
+
+Array = NDArray[np.float64]
+
+ACROSS = 3
+"""Times of a scene side by side."""
+
+
+def lattice_snapshots(
+    run: xr.Dataset,
+    eps: float,
+    half_width: int,
+    places: Iterable[int],
+    speed: float | None = None,
+) -> list[Snapshot]:
+    """A scene's run at some of its times, ``half_width`` cells to either side of c t.
+
+    ``speed`` is the frame's, where the run does not say it.
+    """
+    shown = run.sel(site=slice(-half_width, half_width))
+    speed = run.attrs["frame_speed"] if speed is None else speed
+    return [
+        Snapshot(
+            float(at["time"]),
+            eps,
+            at["n"].values - speed * float(at["time"]),
+            at["strain"].values,
+            at["analytic"].values,
+        )
+        for at in (shown.isel(time=place) for place in places)
+    ]
+
+
+def even_times(run: xr.Dataset) -> list[int]:
+    """The places of ``ACROSS`` times from the first to the last."""
+    return even_places(run.sizes["time"], ACROSS)
+
+
+MAP_HEIGHT = 2.2
+"""Height of a row of maps, in inches."""
+
+
+def maps_height() -> float:
+    """Height in inches of `map_figure`."""
+    return 2 * MAP_HEIGHT + 0.2
+
+
+def map_figure(run: xr.Dataset) -> Figure:
+    """Heat maps of a run on two axes: the lattice's strain, and its difference from the theory."""
+    figure = Figure((TEXT_WIDTH, maps_height()), layout="constrained")
+    draw_maps(figure, run)
+    return figure
+
+
+def draw_maps(figure: FigureBase, run: xr.Dataset) -> None:
+    """Draw the maps of `map_figure` into a figure."""
+    places = even_times(run)
+    panels = figure.subplots(2, len(places), squeeze=False, sharey=True)
+    apart = abs(run["strain"] - run["analytic"])
+    for axes, values, words, colours in (
+        (panels[0], run["strain"], "strain", "viridis"),
+        (panels[1], apart, "|lattice $-$ theory|", "cividis"),
+    ):
+        least, most = float(values.min()), float(values.max())
+        for place, ax in zip(places, axes, strict=True):
+            at = values.isel(time=place)
+            drawn = ax.pcolormesh(
+                run["site"], run["row"], at.values.T,
+                cmap=colours, vmin=least, vmax=most, rasterized=True,
+            )  # fmt: skip
+            ax.set_title(f"$T={float(run['slow_time'][place]):.3g}$", loc="left")
+        axes[0].set_ylabel("$m$")
+        figure.colorbar(drawn, ax=list(axes), label=words)
+    for ax in panels[-1]:
+        ax.set_xlabel("$n - c\\,t$  (cells)")
+
+
+RATE_HEIGHT, RATES_ACROSS = 2.3, 2
+"""Height of a row of panels of errors over eps, in inches, and panels in it."""
+
+
+def rate_figure(panels: Mapping[float, Mapping[str, Sequence[ErrorAt]]]) -> Figure:
+    """Errors over eps, both in logarithms, with the runs' own errors as bars.
+
+    A panel is that of a power of eps, which a dotted line has, and of the curves by their labels.
+    """
+    down = -(-len(panels) // RATES_ACROSS)
+    figure = Figure((TEXT_WIDTH, RATE_HEIGHT * down), layout="constrained")
+    grid = figure.subplots(down, RATES_ACROSS, squeeze=False)
+    for ax, (power, curves) in zip(grid.flat, panels.items(), strict=False):
+        for place, (label, errors) in enumerate(curves.items()):
+            _draw_errors(ax, label, errors, CURVES[place % len(CURVES)])
+        _draw_power(ax, [point for errors in curves.values() for point in errors], power)
+        ax.legend(fontsize=7.5, labelspacing=0.3, loc="center left", bbox_to_anchor=(1.0, 0.5))
+    for ax in list(grid.flat)[len(panels) :]:
+        ax.set_visible(False)
+    for ax in grid[:, 0]:
+        ax.set_ylabel("sup error of the strain")
+    for ax in grid[-1]:
+        ax.set_xlabel(r"$\epsilon$")
+    return figure
+
+
+def _draw_errors(ax: Axes, label: str, errors: Sequence[ErrorAt], look: Mapping[str, Any]) -> None:
+    eps = [point.eps for point in errors]
+    own = [min(point.discretisation, 0.99 * point.error) for point in errors]
+    ax.errorbar(
+        eps,
+        [point.error for point in errors],
+        own,
+        label=label,
+        capsize=2.0,
+        **{**look, "linewidth": 1.0},
+    )
+
+
+def _draw_power(ax: Axes, points: Sequence[ErrorAt], power: float) -> None:
+    """The line of slope ``power`` below all points, and ticks at round values of eps."""
+    ax.set_xscale("log")
+    ax.set_yscale("log")
+    factor = 0.5 * min(point.error / point.eps**power for point in points)
+    ends = np.array([min(p.eps for p in points), max(p.eps for p in points)])
+    words = rf"$\propto\epsilon^{{{power:g}}}$"
+    ax.plot(ends, factor * ends**power, color="black", linestyle=":", linewidth=1.0, label=words)
+    ticks = [tick for tick in (0.02, 0.05, 0.1, 0.2, 0.3, 0.5) if ends[0] <= tick <= ends[1]]
+    ax.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
+    ax.set_xticks([], minor=True)
+
+
+DEFOCUSING = "#d9d9d9"
+"""The colour of where plane waves are stable."""
+
+
+def modulation_figure(grid: ModulationGrid, quadratic: Array) -> Figure:
+    """Growth rate over wavenumber and K3; grey where p q < 0, a black line between."""
+    figure = Figure((0.8 * TEXT_WIDTH, 3.0), layout="constrained")
+    ax = figure.subplots()
+    unstable = grid.product > 0
+    stable = np.where(unstable, np.nan, 1.0)
+    ax.pcolormesh(grid.k, quadratic, stable, cmap=ListedColormap([DEFOCUSING]), rasterized=True)
+    growth = np.where(unstable, grid.growth_rate, np.nan)
+    drawn = ax.pcolormesh(grid.k, quadratic, growth, vmin=0.0, rasterized=True)
+    ax.contour(grid.k, quadratic, grid.product, [0.0], colors="black", linewidths=1.0)
+    for words, inside, colour in (
+        ("focusing, $pq>0$", unstable, "white"),
+        ("defocusing, $pq<0$", ~unstable, "black"),
+    ):
+        x, y = (float(np.mean(axis[inside])) for axis in (grid.k, quadratic))
+        ax.text(x, y, words, color=colour, ha="center", va="center")
+    ax.set_xlabel("carrier wavenumber $k$")
+    ax.set_ylabel("$K_3$")
+    ax.set_xticks([0, np.pi / 2, np.pi], ["0", r"$\pi/2$", r"$\pi$"])
+    figure.colorbar(drawn, ax=ax, label=r"growth rate in $T$ of $|A|=1$")
+    return figure

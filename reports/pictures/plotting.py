@@ -1,0 +1,434 @@
+"""Pictures of a run: snapshots against the wave, space-time map, spectra, errors, crest track.
+
+`PICTURES` says which pictures there are, and which observable and variables each is drawn from.
+`plot` draws a run, or a scene that is run first; `draw` is the work of `longwave plot`.
+"""
+
+import textwrap
+import warnings
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure, FigureBase
+
+from longwave.lattice.refine import Announce
+from longwave.lattice.trial import Progress
+from longwave.reports.pictures.drawing import (
+    CREST_HEIGHT,
+    ERROR_HEIGHT,
+    MAP_HEIGHT,
+    TEXT_WIDTH,
+    ErrorCurve,
+    draw_crest,
+    draw_error_panels,
+    draw_snapshot_panels,
+    draw_space_time,
+    even_places,
+    save,
+    snapshot_height,
+    styled,
+)
+from longwave.reports.pictures.growth_figures import SIZES_HEIGHT, draw_sideband_sizes
+from longwave.reports.pictures.lattice_figures import draw_maps, lattice_snapshots, maps_height
+from longwave.reports.pictures.run_figures import MOST_SPECTRA, draw_spectra, spectra_height
+from longwave.reports.pictures.run_quantities import (
+    LEAST_LOOKS,
+    RunFrame,
+    frame_of,
+    own_relative_error,
+    spectrum_panel,
+    with_looks,
+)
+from longwave.reports.pictures.sweep_plotting import SWEEP_PICTURES, Choice, is_sweep, sweep_parts
+from longwave.runs import load_run
+from longwave.runs.run_file import REMEDY, names_a_run
+from longwave.scenes.chain import Scene, run
+from longwave.scenes.chain.observables import MEASURED
+from longwave.scenes.chain.stated_run import UnfinishedRun
+from longwave.scenes.lattice_scene import MOST_TIMES, LatticeScene, find_any_scene
+from longwave.support.command_line import fail, fail_for_memory, interrupted, one_line
+from longwave.support.console import check_output, picture_path, plain_console, progress_bar
+from longwave.support.request_limits import Announcer
+from longwave.support.user_files import shown
+
+ALL, GROWTH = "all", "growth"
+
+ACROSS, MOST_PANELS = 3, 12
+"""Snapshots side by side, and most of them; of more snapshots some are taken, evenly."""
+
+SHOWN, LEAST_SHOWN = 0.02, 20
+"""Share of the wave's largest deviation from its background that is still seen; fewest sites."""
+
+WIDTH, MOST = 90, 270
+"""Characters in a line of a figure's title, and most of them altogether."""
+
+LOOKS, LATTICE_LOOKS = 201, 101
+"""Times of map and crest track where the scene does not state any; of a scene on any lattice, whose
+snapshots they are."""
+
+Source = xr.Dataset | Scene | LatticeScene | str | Path
+
+
+@dataclass(frozen=True)
+class Picture:
+    """One kind of picture: the observable ("" if no scene can ask for it) and the variables (with
+    their number of dimensions) that it is drawn from, its height in inches, and what draws it."""
+
+    observable: str
+    variables: Mapping[str, int]
+    height: Callable[[xr.Dataset], float]
+    draw: Callable[[FigureBase, xr.Dataset, RunFrame], None]
+
+
+def plot(
+    source: Source,
+    output: str | Path | None = None,
+    kind: str = ALL,
+    progress: Progress | None = None,
+    announce: Announce | None = None,
+    at: Choice | None = None,
+    variable: str = "error",
+) -> Figure:
+    """Draw a run; write the figure to ``output`` (PNG, PDF or SVG by its suffix) if it is given.
+
+    ``source`` is a run, the path of a file that holds one (`save_run`), or a scene, its TOML file
+    or its name: a scene is run first, for what the pictures need and nothing else, ``progress``
+    and ``announce`` being told as `run` tells them. ``kind`` is one of `PICTURES`, or "all": what
+    the run holds of them, one below the other.
+
+    It may be a sweep's data set or file as well: a ``variable`` of its cells is drawn over the
+    swept dimensions, and work against precision (`SWEEP_PICTURES`), where the fields of ``at`` have
+    these values.
+
+    Raises ValueError in one line: source, kind and suffix; a run without the variables. OSError
+    if ``output`` cannot be written.
+    """
+    path = None if output is None else picture_path(output)
+    if kind not in (ALL, *PICTURES, *SWEEP_PICTURES):
+        known = ", ".join((ALL, *PICTURES, *SWEEP_PICTURES))
+        raise ValueError(f"kind must be a known one, got {kind!r} (one of {known})")
+    found = read_source(source)
+    of_sweep = isinstance(found, xr.Dataset) and is_sweep(found)
+    _check_words(of_sweep, kind, at or {}, variable)
+    if isinstance(found, Scene):
+        data = run(_for_pictures(found, kind), progress, announce)
+    elif isinstance(found, LatticeScene):
+        data = _run_of_lattice(found, kind, progress, announce)
+    else:
+        data = found
+    with styled(), warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Glyph .* missing from font")
+        figure = _draw_sweep(data, kind, at or {}, variable) if of_sweep else _draw(data, kind)
+        if path is not None:
+            save(figure, path)
+    return figure
+
+
+def _check_words(of_sweep: bool, kind: str, at: Choice, variable: str) -> None:
+    """Refuse, before anything is run, what belongs to sweeps alone or to all but them."""
+    given = {"at": at, "variable": variable != "error", "kind": kind in SWEEP_PICTURES}
+    wrong = [name for name, value in given.items() if value and not of_sweep]
+    if wrong:
+        raise ValueError(
+            f"{wrong[0]} must not be given for a run or a scene, got it (it belongs to sweeps: "
+            "`longwave sweep` writes one)"
+        )
+    if of_sweep and kind in PICTURES:
+        raise ValueError(
+            f"kind must be {', '.join((ALL, *SWEEP_PICTURES))} for a sweep, got {kind!r} "
+            "(a cell's run has the others)"
+        )
+
+
+def _run_of_lattice(
+    scene: LatticeScene, kind: str, progress: Progress | None, announce: Announce | None
+) -> xr.Dataset:
+    """Run a scene on any lattice at its own times and, where curves are drawn, between them."""
+    from longwave.scenes.lattice_run import lattice_scene_dataset, run_lattice_scene
+
+    if scene.is_growth:
+        return lattice_scene_dataset(scene, progress, announce)
+    named = "slow_times" if scene.slow_times else "times"
+    own: tuple[float, ...] = getattr(scene, named)
+    times = own
+    if kind not in ("snapshots", "spectra") and len(own) + LATTICE_LOOKS <= MOST_TIMES:
+        times = tuple(sorted({*own, *np.linspace(own[0], own[-1], LATTICE_LOOKS).tolist()}))
+    run = run_lattice_scene(scene.changed(**{named: times}), progress, announce).dataset
+    return with_looks(run, frame_of(run)).isel(time=[times.index(t) for t in own])
+
+
+def read_source(source: Source) -> xr.Dataset | Scene | LatticeScene:
+    """The run or the scene that is meant; ValueError if it is neither, or cannot be read."""
+    if isinstance(source, xr.Dataset | Scene | LatticeScene):
+        return source
+    if not isinstance(source, str | Path):
+        raise ValueError(
+            f"source must be a run, a scene, or the path or name of one, got {shown(source)} "
+            "(such as 'run.nc')"
+        )
+    if names_a_run(source):
+        return _read_run(Path(source))
+    return find_any_scene(str(source))
+
+
+def _read_run(path: Path) -> xr.Dataset:
+    try:
+        return load_run(path)
+    except OSError as error:
+        reason = f"{path}: {error.strerror}"
+        raise ValueError(f"source must be a run, got {reason} ({REMEDY})") from None
+
+
+def _for_pictures(scene: Scene, kind: str) -> Scene:
+    """The scene with the observables that are drawn.
+
+    Of all pictures the error curve is drawn only if the scene asks for it: a run that is asked for
+    it ends in an error where the wave cannot be told from its background. With it come the run's
+    own errors, if the scene asks for them.
+    """
+    if kind == ALL:
+        kinds = [
+            name for name in PICTURES if name != "errors" or "error_curve" in scene.observables
+        ]
+        kinds.remove(GROWTH)
+    elif kind == GROWTH:
+        raise ValueError(
+            f'kind must not be {GROWTH} for the scene of a wave, got it (wave = "perturbed_plane" '
+            "has its growth measured)"
+        )
+    else:
+        kinds = [kind]
+    wanted = [PICTURES[name].observable for name in kinds]
+    if "errors" in kinds:
+        wanted += [name for name in MEASURED if name in scene.observables]
+    asked = tuple(dict.fromkeys(wanted))
+    return replace(scene, observables=asked, look_points=scene.look_points or LOOKS)
+
+
+def _draw(data: xr.Dataset, kind: str) -> Figure:
+    """Draw the pictures of that kind, one below the other, the run's title above them."""
+    frame = frame_of(data)
+    if "lattice_scene" in data.attrs:
+        data = with_looks(data, frame, LEAST_LOOKS if kind == ALL else 2)
+    drawn = _pictures(data, kind)
+    figure, parts = _stacked(_title(data), [picture.height(data) for picture in drawn])
+    for part, picture in zip(parts, drawn, strict=True):
+        picture.draw(part, data, frame)
+    return figure
+
+
+def _draw_sweep(data: xr.Dataset, kind: str, at: Choice, variable: str) -> Figure:
+    """Draw the pictures of a sweep, what was chosen of it in the title."""
+    drawn = sweep_parts(data, None if kind == ALL else kind, at, variable)
+    where = ", ".join(f"{name} = {value}" for name, value in at.items())
+    title = "\n".join(line for line in (_title(data), one_line(where)[:WIDTH]) if line)
+    figure, parts = _stacked(title, [part.height for part in drawn])
+    for part, picture in zip(parts, drawn, strict=True):
+        picture.draw(part)
+    return figure
+
+
+def _stacked(title: str, heights: Sequence[float]) -> tuple[Figure, Sequence[FigureBase]]:
+    """A figure with a title and a part of each height below it."""
+    head = 0.25 * (1 + title.count("\n"))
+    figure = Figure((TEXT_WIDTH, sum(heights) + head), layout="constrained")
+    figure.suptitle(title, parse_math=False, fontsize="medium")
+    parts = figure.subfigures(len(heights), 1, height_ratios=heights, squeeze=False)[:, 0]
+    return figure, list(parts)
+
+
+def _title(data: xr.Dataset) -> str:
+    """The run's title, and a line on how it ended if it ended early, each cut and wrapped."""
+    lines = [data.attrs.get("title", ""), data.attrs.get("blow_up"), data.attrs.get("unfinished")]
+    short = (textwrap.shorten(one_line(line), MOST, placeholder=" ...") for line in lines if line)
+    return "\n".join(textwrap.fill(line, WIDTH) for line in short)
+
+
+def _pictures(data: xr.Dataset, kind: str) -> Sequence[Picture]:
+    """The pictures that can be drawn of the run; ValueError if there is none."""
+    wanted = PICTURES.values() if kind == ALL else [PICTURES[kind]]
+    found = [picture for picture in wanted if _has(data, picture)]
+    if not found:
+        missing = ", ".join(dict.fromkeys(name for picture in wanted for name in picture.variables))
+        asked = ", ".join(dict.fromkeys(p.observable for p in wanted if p.observable))
+        held = ", ".join(map(str, data)) or "nothing"
+        raise ValueError(
+            f"source must hold what is drawn ({missing}), got {held} "
+            f"(the scene must ask for {asked})"
+        )
+    return found
+
+
+def _has(data: xr.Dataset, picture: Picture) -> bool:
+    """Whether the run has the picture's variables, and numbers in them."""
+    return all(
+        name in data
+        and data[name].ndim == dimensions + ("row" in data[name].dims)
+        and data[name].dtype.kind in "fiu"
+        and bool(np.isfinite(data[name]).any())
+        for name, dimensions in picture.variables.items()
+    )
+
+
+def _shown_snapshots(data: xr.Dataset) -> list[list[int]]:
+    """Which snapshots are shown, row by row."""
+    places = even_places(data.sizes["time"], MOST_PANELS)
+    return [places[first : first + ACROSS] for first in range(0, len(places), ACROSS)]
+
+
+def _snapshot_height(data: xr.Dataset) -> float:
+    return maps_height() if "row" in data.dims else snapshot_height(len(_shown_snapshots(data)))
+
+
+def _draw_snapshots(figure: FigureBase, data: xr.Dataset, frame: RunFrame) -> None:
+    """Lattice against wave on a chain; on two axes maps of the strain and of the difference."""
+    if "row" in data.dims:
+        draw_maps(figure, data)
+        return
+    half_width, rows = shown_half_width(data), _shown_snapshots(data)
+    panels = [lattice_snapshots(data, frame.eps, half_width, row, frame.speed) for row in rows]
+    draw_snapshot_panels(figure, panels, "wave" if "sup_error" in data else "mKdV wave")
+
+
+def _shown_spectra(data: xr.Dataset) -> list[int]:
+    return even_places(data.sizes["time"], MOST_SPECTRA)
+
+
+def _draw_spectra(figure: FigureBase, data: xr.Dataset, frame: RunFrame) -> None:
+    draw_spectra(figure, [spectrum_panel(data, frame, place) for place in _shown_spectra(data)])
+
+
+def shown_half_width(data: xr.Dataset) -> int:
+    """Half-width in sites of what is shown: the wave as far as it differs from its background.
+
+    Every site that is compared, where the wave is its background, and without one.
+    """
+    sites = np.abs(data["site"].values)
+    if "background" not in data:
+        return int(sites.max())
+    deviation = np.abs((data["analytic"] - data["background"]).values)
+    others = tuple(axis for axis, name in enumerate(data["analytic"].dims) if name != "site")
+    deviation = np.nan_to_num(deviation, posinf=0.0).max(axis=others)
+    seen = sites[deviation > SHOWN * deviation.max()]
+    return int(max(1.25 * seen.max(), LEAST_SHOWN)) if seen.size else int(sites.max())
+
+
+def _draw_map(figure: FigureBase, data: xr.Dataset, _: RunFrame) -> None:
+    """Draw the map about the sites that the snapshots show, if there are snapshots."""
+    shown = shown_half_width(data) if _has(data, PICTURES["snapshots"]) else None
+    draw_space_time(figure, data["space_time"], shown)
+
+
+def _draw_crest(figure: FigureBase, data: xr.Dataset, _: RunFrame) -> None:
+    draw_crest(figure, data)
+
+
+def _draw_errors(figure: FigureBase, data: xr.Dataset, frame: RunFrame) -> None:
+    """Draw the error against the bare background, and against the far field if that is there."""
+    names = {"error_curve": "over background", "error_curve_far_field": "over far field"}
+    curves = []
+    for name, label in names.items():
+        if name in data:
+            times = data[name]["curve_time"].values
+            own = own_relative_error(data, frame, times, far_field=name != "error_curve")
+            curves.append(ErrorCurve(label, times, data[name].values, own))
+    draw_error_panels(figure, [(rf"$\epsilon={frame.eps:g}$", curves)])
+
+
+def _draw_sizes(figure: FigureBase, data: xr.Dataset, _: RunFrame) -> None:
+    names = ("slow_time", "sideband_size", "sideband_theory")
+    T, sizes, theory = (np.asarray(data[name], dtype=float) for name in names)
+    draw_sideband_sizes(figure, T, sizes, theory, one_line(data.attrs.get("verdict", ""))[:MOST])
+
+
+PICTURES: Mapping[str, Picture] = {
+    "snapshots": Picture(
+        "strain",
+        {"strain": 2, "analytic": 2, "n": 2},
+        _snapshot_height,
+        _draw_snapshots,
+    ),
+    "space_time": Picture("space_time", {"space_time": 2}, lambda _: MAP_HEIGHT, _draw_map),
+    "spectra": Picture(
+        "strain",
+        {"strain": 2, "analytic": 2},
+        lambda data: spectra_height(len(_shown_spectra(data))),
+        _draw_spectra,
+    ),
+    "errors": Picture("error_curve", {"error_curve": 1}, lambda _: ERROR_HEIGHT, _draw_errors),
+    "crest": Picture(
+        "crest_track",
+        {"crest_position": 1, "crest_strain": 1},
+        lambda _: CREST_HEIGHT,
+        _draw_crest,
+    ),
+    GROWTH: Picture(
+        "",
+        {"sideband_size": 1, "sideband_theory": 1, "slow_time": 1},
+        lambda _: SIZES_HEIGHT,
+        _draw_sizes,
+    ),
+}
+"""The kinds of pictures, in the order in which they are drawn."""
+
+
+@dataclass(frozen=True)
+class PlotWords:
+    """What the command line says of a picture."""
+
+    kind: str = ALL
+    variable: str = "error"
+    at: Sequence[str] = ()
+
+    @property
+    def choice(self) -> Choice:
+        """The values of ``at`` by name; ValueError for what is no NAME=VALUE."""
+        found: dict[str, str] = {}
+        for text in self.at:
+            name, sign, value = text.partition("=")
+            if not (name and sign and value):
+                raise ValueError(f"--at must be NAME=VALUE, got {shown(text)} (such as eps=0.1)")
+            found[name.strip()] = value.strip()
+        return found
+
+
+def draw(
+    source: str, output: str | None, words: PlotWords, program: str, force: bool = False
+) -> int:
+    """Draw and print the picture's path; return the exit status.
+
+    0, 2 for wrong input, 130 after Ctrl-C, which ``program`` tells: what was run is drawn.
+    """
+    path = default_output(source) if output is None else output
+    errors = plain_console(stderr=True, soft_wrap=True)
+    try:
+        check_output(path, "run.png", force=force)
+        chosen = words.choice
+        with progress_bar(Path(source).name, source, errors) as (advance, tell):
+            plot(source, path, words.kind, advance, Announcer(tell), chosen, words.variable)
+    except UnfinishedRun as stop:
+        with suppress(ValueError, OSError):
+            plot(stop.run, path, words.kind)
+            return interrupted(program, f"what was run until then is in {path}")
+        return interrupted(program, "too little was run to be drawn")
+    except KeyboardInterrupt:
+        return interrupted(program, "nothing was drawn yet")
+    except (ValueError, OSError) as error:
+        return fail(error)
+    except MemoryError as error:
+        return fail_for_memory(error)
+    print(path)
+    return 0
+
+
+def default_output(source: str, suffix: str = ".png") -> str:
+    """The picture's file in the working folder, named after the run or scene.
+
+    >>> default_output("runs/rogue_cn_k_0.5.nc"), default_output("rogue_cn_k_0.5")
+    ('rogue_cn_k_0.5.png', 'rogue_cn_k_0.5.png')
+    """
+    return Path(source).name.removesuffix(".nc").removesuffix(".toml") + suffix

@@ -1,0 +1,366 @@
+"""The paper's quantitative and comparative statements, with what was measured for them.
+
+Adding one is one function. Texts hold mathematics between
+dollars, in plain names ($eps = 0.05$), for whoever prints them.
+"""
+
+import enum
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from functools import cache, wraps
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+import sympy as sp
+
+from longwave.derive import mkdv_normal_form
+from longwave.reports.studies.measured_runs import PARTS, RK4_STEP, SPLIT, MeasuredRuns, rk4_name
+from longwave.scenes.chain.trust import USUAL_TOLERANCE, trust_in
+from longwave.solutions import Wave, closed_form, rational
+from longwave.verify.proof.rational_proofs import RationalFacts, rational_facts
+
+
+class Ruling(enum.StrEnum):
+    """What the measured numbers say of a statement."""
+
+    CONFIRMED = "confirmed"
+    NOT_CONFIRMED = "not confirmed"
+    DEPENDS = "depends"
+
+
+class Measurement(NamedTuple):
+    """A number: of what, its value, and its discretisation error (0 if it is exact)."""
+
+    of: str
+    value: float
+    error: float = 0.0
+
+
+@dataclass(frozen=True)
+class Claim:
+    """One statement of the paper.
+
+    ``depends_on`` names the parameters on which the verdict rests, with the reading of words that
+    the paper leaves open.
+    """
+
+    name: str
+    statement: str
+    measurements: tuple[Measurement, ...]
+    ruling: Ruling
+    depends_on: str
+
+
+def ruling(*holds: bool) -> Ruling:
+    """All hold, none does, or it depends.
+
+    >>> str(ruling(True, False))
+    'depends'
+    """
+    if all(holds):
+        return Ruling.CONFIRMED
+    return Ruling.DEPENDS if any(holds) else Ruling.NOT_CONFIRMED
+
+
+Found = tuple[Iterable[Measurement], Iterable[bool]]
+"""What was measured for a statement, and what must hold for it to be confirmed."""
+
+CLAIMS: list[Callable[[MeasuredRuns], Claim]] = []
+"""Every statement, in the order in which they are declared below."""
+
+
+def claim(
+    statement: str, depends_on: str
+) -> Callable[[Callable[[MeasuredRuns], Found]], Callable[[MeasuredRuns], Claim]]:
+    """Declare the function below as what is measured for a statement of its name."""
+
+    def declare(measure: Callable[[MeasuredRuns], Found]) -> Callable[[MeasuredRuns], Claim]:
+        @wraps(measure)
+        def made(evidence: MeasuredRuns) -> Claim:
+            found, holds = measure(evidence)
+            name = measure.__name__
+            return Claim(name, statement, tuple(found), ruling(*holds), depends_on)
+
+        CLAIMS.append(made)
+        return made
+
+    return declare
+
+
+ORDERS = range(2, 9)
+ROGUE_MODULI = (0.1, 0.3, 0.5, 0.7, 0.9, 0.99)
+LATE = 1e4
+"""The slow time at which the rational waves are looked at again."""
+
+SEARCH = 401
+"""Points along each axis of a search."""
+
+
+@cache
+def facts(order: int) -> RationalFacts:
+    """The exact facts about the rational solution of that order."""
+    return rational_facts(order)
+
+
+@claim(
+    "$Y_2$ and $Y_3$ have the maximum 5 and 7, $Y_j$ in general $2j+1$, at the origin",
+    f"nothing: exact, for $j$ from {ORDERS[0]} to {ORDERS[-1]}",
+)
+def peaks(_: MeasuredRuns) -> Found:
+    """The value 2j + 1 at the origin, exactly."""
+    found = tuple(Measurement(f"$Y_{j}$", float(facts(j).peak)) for j in ORDERS)
+    return found, (facts(j).peak == 2 * j + 1 for j in ORDERS)
+
+
+@claim(
+    "The denominator has two powers more than the numerator",
+    "nothing: exact, in $X$, for the wave less its background",
+)
+def degrees(_: MeasuredRuns) -> Found:
+    """Two powers more in the denominator than in the numerator, over the background."""
+    excess = {j: _excess(j) for j in (2, 3)}
+    found = tuple(
+        Measurement(f"$Y_{j}$: degree {facts(j).degree} over {facts(j).degree - excess[j]}, by", e)
+        for j, e in excess.items()
+    )
+    return found, (e == 2 for e in excess.values())
+
+
+def _excess(order: int) -> int:
+    """How much faster the denominator grows in xi than the numerator of U - background."""
+    form = closed_form(f"rational_{order}")
+    x = form.equation.xi
+    above, below = sp.fraction(sp.cancel(form.expression - form.background))
+    return int(sp.degree(below, x) - sp.degree(above, x))
+
+
+@claim(
+    "The rational waves are localised on the backgrounds $+1$ and $-1$: in space",
+    "nothing: exact, at every fixed time",
+)
+def localised_in_space(_: MeasuredRuns) -> Found:
+    """The same limit on both sides at every time."""
+    found = tuple(Measurement(f"$Y_{j}$, background", float(facts(j).background)) for j in (2, 3))
+    return found, [facts(2).background == 1, facts(3).background == -1]
+
+
+@claim(
+    "The rational waves are localised (rogue waves): in time too",
+    "nothing: extrema at distance 4 from the background persist and separate like $t^{1/3}$",
+)
+def localised_in_time(_: MeasuredRuns) -> Found:
+    """The largest distance from the background long after the peak."""
+    found = tuple(
+        Measurement(f"$Y_{j}$, largest distance at $T={LATE:g}$", _late_amplitude(j))
+        for j in (2, 3)
+    )
+    return found, (item.value < 0.1 for item in found)
+
+
+def _late_amplitude(order: int) -> float:
+    """max |Y - background| at the time LATE, searched where the extrema have gone."""
+    wave = Wave(closed_form(f"rational_{order}"), mkdv_normal_form(K2=4, K4=1))
+    a, b = (float(getattr(wave.normal_form, name)) for name in ("a", "b"))
+    tau = b * LATE
+    reach = 4.0 * (12.0 * tau) ** (1.0 / 3.0)
+    x = np.linspace(-reach, reach, 100 * SEARCH)
+    distance = wave((x + 6.0 * tau) / a, LATE).Y - (wave.constant_background or 0.0)
+    return float(np.max(np.abs(distance)))
+
+
+@claim("Higher-order rational solutions have larger maximum amplitudes", "nothing: exact")
+def higher_orders(_: MeasuredRuns) -> Found:
+    """Higher orders exist, with larger peaks."""
+    j = ORDERS[-1]
+    wave = Wave(rational(j), mkdv_normal_form(K2=4, K4=1))
+    return (Measurement(f"$Y_{j}$ at the origin", float(wave(0.0, 0.0).Y)),), [
+        all(facts(j).peak < facts(j + 1).peak for j in ORDERS[:-1])
+    ]
+
+
+@claim(
+    "The cn rogue wave has its global maximum at $(X,T)=(0,0)$",
+    f"$k$; a search over {SEARCH} by {SEARCH} points of 8 wavelengths and $|tau|$ to 40, and "
+    "closer to the origin, finds nothing larger",
+)
+def rogue_maximum(_: MeasuredRuns) -> Found:
+    """No value of the cn rogue wave exceeds that at the origin."""
+    found, holds = [], []
+    for k in ROGUE_MODULI:
+        peak, elsewhere = _rogue_search(k)
+        found.append(Measurement(f"$k={k}$: at the origin, in units of $k$", peak / k))
+        holds.append(elsewhere <= peak * (1 + 1e-12))
+    return found, holds
+
+
+def _rogue_search(k: float) -> tuple[float, float]:
+    """The value at the origin, and the largest modulus found."""
+    wave = Wave(closed_form("rogue_cn"), mkdv_normal_form(K2=4, K4=1), k=k)
+    a, b = (float(getattr(wave.normal_form, name)) for name in ("a", "b"))
+    far = 4.0 * (wave.wavelength or 1.0)
+    line = np.linspace(-1.0, 1.0, SEARCH)
+    largest = 0.0
+    for x, t in ((far, 40.0 / b), (1.0 / a, 1.0 / b)):
+        X, T = np.meshgrid(x * line, t * line)
+        largest = max(largest, float(np.max(np.abs(wave(X, T).Y))))
+    return float(wave(0.0, 0.0).Y), largest
+
+
+TWENTY_PERCENT = 0.2
+RUN_ORDERS = (2, 3)
+EPSILONS = ("0.05", "0.075")
+
+
+@claim(
+    "$Y_2$ fits reasonably well at $eps=0.05$",
+    "the time step, the crest's place in its cell (here on site 0); 'reasonably' is read as "
+    "below 20 %",
+)
+def second_order_crest(evidence: MeasuredRuns) -> Found:
+    """Second order at t = 0, with an accurate scheme and with RK4's step."""
+    names = {"": "rational_2_eps_0.05", f"RK4, $dt={RK4_STEP}$, ": rk4_name(2)}
+    tops = {words: evidence.relative_error(name, 0.0) for words, name in names.items()}
+    return (Measurement(f"{words}$t=0$", *top) for words, top in tops.items()), [
+        tops[""].value < TWENTY_PERCENT
+    ]
+
+
+@claim(
+    "The error is largest around the time of the largest amplitude ($t=0$)",
+    "$t_0$, $eps$; 'around' is read as within 10 % of the time shown",
+)
+def peak_of_the_error(evidence: MeasuredRuns) -> Found:
+    """The time of the largest error of each rational run, and what it is at the peak of one."""
+    found, near = [], []
+    for j in RUN_ORDERS:
+        for eps in EPSILONS:
+            name = f"rational_{j}_eps_{eps}"
+            largest, time = evidence.largest_error(name)
+            scene = evidence.scenes[name]
+            near.append(abs(time) < 0.1 * (scene.end - scene.t0))
+            found.append(Measurement(f"$Y_{j}$, $eps={eps}$, at $t={time:.0f}$", *largest))
+    found += _split(evidence)
+    return found, near
+
+
+def _split(evidence: MeasuredRuns) -> list[Measurement]:
+    """The error of one run at its peak, taken apart: where the lattice's crest is, and the rest."""
+    parts = evidence.split(SPLIT, 0.0)
+    words = "$Y_2$, $eps=0.05$, $t=0$, the lattice's wave is shifted by sites"
+    shares = (Measurement(f"there, part by {name}", *parts[name]) for name in PARTS)
+    return [Measurement(words, *parts["shift"]), *shares]
+
+
+@claim(
+    "The error is higher, the higher the order",
+    "the time: it may hold for the largest error and not at every moment",
+)
+def error_against_order(evidence: MeasuredRuns) -> Found:
+    """Third-order against second-order error, at all times and at their largest."""
+    found, always = [], []
+    for eps in EPSILONS:
+        names = [f"rational_{j}_eps_{eps}" for j in RUN_ORDERS]
+        second, third = (evidence.runs[name]["error_curve"].values for name in names)
+        higher = second < third
+        tops = [evidence.largest_error(name)[0] for name in names]
+        always += [tops[0].value < tops[1].value, bool(higher.all())]
+        found += [
+            Measurement(f"$eps={eps}$, $Y_{j}$, largest", *top)
+            for j, top in zip(RUN_ORDERS, tops, strict=True)
+        ]
+        share = 100 * float(higher.mean())
+        found.append(Measurement(f"$eps={eps}$, % of the times at which $Y_3$ is higher", share))
+    return found, always
+
+
+@claim(
+    "The error of $Y_3$ does not exceed 20 % at $eps=0.05$",
+    "the time step, of which the paper states none",
+)
+def twenty_percent(evidence: MeasuredRuns) -> Found:
+    """Third order at eps = 0.05, with an accurate scheme and with RK4's step."""
+    names = {"": "rational_3_eps_0.05", f"RK4, $dt={RK4_STEP}$, ": rk4_name(3)}
+    tops = {words: evidence.largest_error(name)[0] for words, name in names.items()}
+    return (Measurement(f"{words}largest", *top) for words, top in tops.items()), (
+        top.value < TWENTY_PERCENT for top in tops.values()
+    )
+
+
+@claim(
+    "Very good agreement of $Y_3$, at $eps=0.05$ and also at $0.075$",
+    "$eps$, and what 'very good' means; here read as below 20 %",
+)
+def third_order_agreement(evidence: MeasuredRuns) -> Found:
+    """Third order at both eps."""
+    found, good = [], []
+    for eps in EPSILONS:
+        largest, time = evidence.largest_error(f"rational_3_eps_{eps}")
+        found.append(Measurement(f"$eps={eps}$, largest, at $t={time:.0f}$", *largest))
+        good.append(largest.value < TWENTY_PERCENT)
+    return found, good
+
+
+BREATHER_MODULI = ("0.5", "0.6", "0.7")
+ROGUE, SOLITON = "rogue_cn_k_0.5", "soliton_dn_k_0.7"
+
+
+@claim(
+    "On the sn background the agreement is better for larger $k$",
+    "$alpha$ (here $K/2$), the time step",
+)
+def breather_and_modulus(evidence: MeasuredRuns) -> Found:
+    """The dark breather's largest error at the three moduli."""
+    tops = {k: evidence.largest_error(f"breather_sn_k_{k}")[0] for k in BREATHER_MODULI}
+    falls = all(a.value > b.value for a, b in pairwise(tops.values()))
+    return (Measurement(f"$k={k}$, largest", *top) for k, top in tops.items()), [falls]
+
+
+@claim("The dn soliton fits very well", "$|t| <= 100$; 'very well' is read as below 20 %")
+def dn_fit(evidence: MeasuredRuns) -> Found:
+    """The dn soliton's errors, with both denominators."""
+    last = evidence.scenes[SOLITON].end
+    bare = evidence.relative_error(SOLITON, last)
+    far = evidence.relative_error(SOLITON, last, "error_far_field")
+    return (
+        Measurement(f"$t={last:g}$, over the bare wave", *bare),
+        Measurement(f"$t={last:g}$, over the far field", *far),
+    ), [bare.value < TWENTY_PERCENT]
+
+
+@claim(
+    "On the cn background the lattice's maximum of $y_n/eps$ is always below the wave's",
+    "the time; at $t_0$ the two are equal",
+)
+def cn_maximum(evidence: MeasuredRuns) -> Found:
+    """The largest strain of lattice and wave on the cn background at the later snapshots."""
+    found, below = [], []
+    for time in evidence.scenes[ROGUE].snapshots[1:]:
+        lattice, wave = evidence.peaks(ROGUE, time)
+        below.append(lattice.value + lattice.error < wave)
+        found += [
+            Measurement(f"$t={time:g}$, lattice", *lattice),
+            Measurement(f"$t={time:g}$, wave", wave),
+        ]
+    return found, below
+
+
+@claim(
+    "The deviations on the cn background can result from its modulational instability, the "
+    "good fits on sn and dn from their stability",
+    "the time shown, 200 units: read as a growth of the fastest perturbation by more than 2",
+)
+def modulational_instability(evidence: MeasuredRuns) -> Found:
+    """By how much the fastest perturbation of each background grows within the time shown."""
+    found = []
+    for name in (ROGUE, SOLITON, "breather_sn_k_0.7"):
+        scene = evidence.scenes[name]
+        growth = math.exp(trust_in(scene, USUAL_TOLERANCE).rate * (scene.end - scene.t0))
+        found.append(Measurement(f"{name.split('_')[1]} background, growth", growth))
+    return found, [found[0].value > 2.0]
+
+
+def all_claims(evidence: MeasuredRuns) -> list[Claim]:
+    """Every statement with the numbers of these runs."""
+    return [made(evidence) for made in CLAIMS]

@@ -1,0 +1,444 @@
+"""The hard cases that must stay stable. Adding one is one function.
+
+The periodic waves are the lattice's own travelling waves, so that nothing but the seed is a
+perturbation.
+"""
+
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from longwave.lattice.model import Model, State, ring_energy
+from longwave.lattice.schemes import (
+    KAHAN_LI_8,
+    SCHEMES,
+    STOERMER_VERLET,
+    SUZUKI_UMENO_8,
+    Composition,
+    Scheme,
+    check_step,
+    stability_limit,
+)
+from longwave.lattice.stepper import Stepper, advance
+from longwave.reports.studies.doubledouble_ring import advance_doubled, doubled
+from longwave.reports.studies.travelling_waves import TravellingWave, fastest_mode, travelling_wave
+from longwave.scenes.chain import Scene, load_scene, resume, run
+from longwave.scenes.chain.domain import SiteRing, Window
+from longwave.scenes.chain.trust import UNIT_ROUNDOFF, horizon
+from longwave.support.processes import Job, Key
+
+Array = NDArray[np.float64]
+
+LINEAR, HARD = Model(4.0, 0.0, 0.0), Model(1.0, 0.0, 1.0)
+NOISE = 1e-12
+
+CN = ("wave_cn", 0.8, 20, 1, 1)
+"""Form, k, period in sites, K2, K4 of the unstable background."""
+
+CN_WAVELENGTHS = 16
+CN_SITES = np.arange(float(CN_WAVELENGTHS * CN[2]))
+CN_STEP = 0.25
+
+
+class Reading(NamedTuple):
+    """The number that a hard case is judged by, what else was seen, and what the program said."""
+
+    value: float
+    detail: str
+    message: str = ""
+
+
+@dataclass(frozen=True)
+class HardCaseResult:
+    """What was measured in a hard case, and what the program told its user, if it is about that."""
+
+    what: str
+    criterion: str
+    bound: float
+    measured: float
+    detail: str
+    message: str = ""
+
+    @property
+    def passed(self) -> bool:
+        """Whether the number is within its bound; NaN is not."""
+        return self.measured <= self.bound
+
+
+@dataclass(frozen=True)
+class HardCase:
+    """A hard case to run: ``what`` is done, and the ``criterion``, a number to be bounded.
+
+    Texts hold mathematics between dollars, as claims do. ``slow`` ones take more than about two
+    seconds.
+    """
+
+    what: str
+    criterion: str
+    bound: float
+    measure: Callable[[], Reading]
+    slow: bool = False
+
+
+HARD_CASES: dict[str, HardCase] = {}
+"""The cases by name, in the order in which they are declared."""
+
+
+def hard_case(
+    what: str, criterion: str, bound: float, slow: bool = False
+) -> Callable[[Callable[[], Reading]], Callable[[], Reading]]:
+    """Declare the function below as the measurement of a hard case of its name."""
+
+    def declare(measure: Callable[[], Reading]) -> Callable[[], Reading]:
+        name = measure.__name__.lstrip("_")
+        HARD_CASES[name] = HardCase(what, criterion, bound, measure, slow)
+        return measure
+
+    return declare
+
+
+@hard_case(
+    "each scheme with a step $10^{-6}$ past its linear stability limit",
+    "relative difference of the limit told and the one observed (infinite unless refused)",
+    1e-3,
+)
+def _step_limit() -> Reading:
+    """Refusal just past the limit, none just below, and the limit against the kernels' own."""
+    worst, told = 0.0, []
+    for scheme in SCHEMES:
+        limit = stability_limit(scheme) / LINEAR.highest_frequency(np.zeros(1))
+        check_step(limit * (1.0 - 1e-6), scheme, LINEAR.highest_frequency(np.zeros(1)))
+        try:
+            check_step(limit * (1.0 + 1e-6), scheme, LINEAR.highest_frequency(np.zeros(1)))
+        except ValueError as error:
+            told.append(str(error))
+        worst = max(worst, abs(_observed_limit(scheme, limit) / limit - 1.0))
+    refused = f"{len(told)} of {len(SCHEMES)} schemes refused"
+    return Reading(worst if len(told) == len(SCHEMES) else math.inf, refused, *told[:1])
+
+
+def _observed_limit(scheme: Scheme, limit: float) -> float:
+    """The step at which zone-boundary noise starts to grow in the kernels, by bisection.
+
+    Past its limit a scheme may be unstable in a narrow resonance only, so the search ends close
+    above the limit; infinity if the noise does not grow there.
+    """
+    low, high = 0.98 * limit, 1.0002 * limit
+    if not _noise_grows(scheme, high):
+        return math.inf
+    for _ in range(12):
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if _noise_grows(scheme, middle) else (middle, high)
+    return low
+
+
+def _noise_grows(scheme: Scheme, step: float) -> bool:
+    y, s = np.tile([NOISE, -NOISE], 4), np.zeros(8)
+    advance(scheme, y, s, step, 40_000, LINEAR)
+    return not np.max(np.abs(y)) < 1e3 * NOISE
+
+
+def soft_scene() -> Scene:
+    """A steep sn wave, 7 sites long, whose strains come near 1/sqrt(3), where V'' = 0."""
+    scene = Scene.of(
+        name="soft",
+        wave="wave_sn",
+        parameters=(("k", 0.9),),
+        eps=0.1,
+        t0=-20.0,
+        snapshots=(-20.0, -10.0, 200.0),
+        K2=1.0,
+        K4=-1.0,
+        step=0.5,
+        domain="ring",
+        sites=1680,
+        compared=50,
+        observables=("strain",),
+    )
+    return replace(scene, eps=float(scene.moving_wave.wave.wavelength or math.nan) / 7.0)
+
+
+@hard_case(
+    "a wave that crosses $V''=0$: the lattice goes soft",
+    "steps between the time told and a double-double run's",
+    1.0,
+)
+def _soft_lattice() -> Reading:
+    scene = soft_scene()
+    measured = run(scene)
+    text = str(measured.attrs["blow_up"]).partition(" (")[0]
+    kept = measured.time.values.tolist() == [-20.0, -10.0] and np.isfinite(measured.strain).all()
+    t, site = _first_soft_site(scene)
+    expected = f"blow-up: K2 + 2 K3 y + 3 K4 y^2 <= 0 at t = {t:g}, site {site}"
+    reported = float(text.split("t = ")[1].split(",")[0]) if "t = " in text else math.nan
+    sound = kept and f"site {site}," in f"{text}," and text[:30] == expected[:30]
+    steps = abs(reported - t) / scene.discretisation.step
+    return Reading(steps if sound else math.inf, expected, text)
+
+
+def _first_soft_site(scene: Scene) -> tuple[float, int]:
+    """When and where V'' <= 0 is first met, in double-double arithmetic and step by step."""
+    state = SiteRing(scene.moving_wave, scene.discretisation.sites).start()
+    y, s = doubled(state.y), doubled(state.s)
+    h = scene.discretisation.step
+    for step in range(1, round((scene.end - scene.t0) / h) + 1):
+        advance_doubled(KAHAN_LI_8, y, s, h, 1, scene.constants)
+        state.y[:] = y[:, 0]
+        soft = scene.constants.stiffness(state.y) <= 0.0
+        if soft.any():
+            sites = state.sites
+            return scene.t0 + step * h, int(sites[soft[sites % state.size]][0])
+    return math.nan, 0
+
+
+@hard_case(
+    "noise at the zone boundary on a dn wave, 0.99 of the step limit, to $t=10^4$",
+    "factor by which it grows",
+    10.0,
+)
+def _zone_boundary_noise() -> Reading:
+    wave = travelling_wave("wave_dn", 0.5, 27, 1, 1)
+    n = np.arange(float(8 * wave.period))
+    alternating = np.where(n % 2 == 0, 1.0, -1.0)
+    grown = []
+    for scheme in (found for found in SCHEMES if isinstance(found, Composition)):
+        y, s = wave.strain(n) + NOISE * alternating, wave.velocity(n)
+        h = 0.99 * stability_limit(scheme) / wave.constants.highest_frequency(y)
+        for _ in range(20):
+            advance(scheme, y, s, h, math.ceil(500.0 / h), wave.constants)
+            grown.append(abs(float(np.mean(alternating * y))) / NOISE)
+    return Reading(max(grown), f"growth {max(grown):.2g} of {NOISE:g}")
+
+
+@hard_case(
+    "a window fed with a far field that is wrong by 0.1 %",
+    "moves of the window until the run stops",
+    1.0,
+)
+def _wrong_feed() -> Reading:
+    scene = replace(load_scene("rational_2_eps_0.05"), t0=-400.0, snapshots=(0.0,))
+    scene = scene.changed(sites=2048, compared=500)
+    found, stated = [], scene.discretisation
+    for factor in (1.0, 1.001):
+        window = Window(scene.moving_wave, stated.sites)
+        state = window.start()
+        amplitude = float(np.max(np.abs(state.y)))
+        window.moving = replace(window.moving, eps=factor * scene.eps)
+        run = Stepper(state, stated.table, scene.constants, window, stated.step, amplitude)
+        found.append((sum(1 for _ in run.through([0.0])), run.blow_up, window.mismatch))
+    (sound_moves, sound_end, mismatch), (moves, end, _) = found
+    stopped = end is not None and sound_end is None and sound_moves > 1
+    detail = f"a sound feed misses by {mismatch:.1g} eps"
+    return Reading(float(moves + 1) if stopped else math.inf, detail, str(end))
+
+
+def deviations(wave: TravellingWave, y: Array, s: Array, h: float, times: Array) -> Array:
+    """sup |y_n(t) - f(n - v t)| / eps at the times (multiples of h) of a run from (y, s)."""
+    n, t, found = np.arange(float(y.size)), 0.0, []
+    for later in times:
+        advance(KAHAN_LI_8, y, s, h, round((later - t) / h), wave.constants)
+        t = float(later)
+        found.append(float(np.max(np.abs(y - wave.strain(n - wave.speed * t)))) / wave.eps)
+    return np.array(found)
+
+
+@hard_case(
+    "unstable cn wave, its fastest mode seeded",
+    "relative difference of its growth rate and Floquet theory's",
+    0.01,
+)
+def _cn_growth() -> Reading:
+    wave, n = travelling_wave(*CN), CN_SITES
+    mode = fastest_mode(wave, CN_WAVELENGTHS)
+    y, s = (1e-9 * wave.eps * part for part in mode.at(n))
+    times = np.linspace(25.0, 5500.0, 220)
+    found = deviations(wave, wave.strain(n) + y, wave.velocity(n) + s, CN_STEP, times)
+    window = (found > 1e-8) & (found < 1e-5)
+    rate = float(np.polyfit(times[window], np.log(found[window]), 1)[0])
+    predicted = mode.rate.real
+    detail = f"{rate:.5g} per unit time, predicted {predicted:.5g}"
+    return Reading(abs(rate / predicted - 1.0), detail)
+
+
+@hard_case(
+    "unstable cn wave, rounding alone",
+    "relative difference of the time at which $10^{-4}eps$ is lost and the horizon told",
+    0.35,
+    slow=True,
+)
+def _cn_horizon() -> Reading:
+    wave, n = travelling_wave(*CN), CN_SITES
+    rate = fastest_mode(wave, CN_WAVELENGTHS).rate.real
+    predicted = horizon(rate, 1e-4, UNIT_ROUNDOFF)
+    times = 50.0 * np.arange(1.0, math.ceil(1.6 * predicted / 50.0))
+    found = deviations(wave, wave.strain(n), wave.velocity(n), CN_STEP, times)
+    passed = np.flatnonzero(found > 1e-4)
+    reached = float(times[passed[0]]) if passed.size else math.inf
+    detail = f"lost at t = {reached:.0f}, predicted horizon {predicted:.0f}"
+    return Reading(abs(reached / predicted - 1.0), detail)
+
+
+@hard_case(
+    "stable sn wave with noise, to $t=10^4$", "factor by which it grows, shifts removed", 2.0
+)
+def _stable_sn() -> Reading:
+    return _growth("wave_sn", -1)
+
+
+@hard_case(
+    "stable dn wave with noise, to $t=10^4$", "factor by which it grows, shifts removed", 2.0
+)
+def _stable_dn() -> Reading:
+    return _growth("wave_dn", 1)
+
+
+def _growth(form: str, K4: int) -> Reading:
+    wave = travelling_wave(form, 0.7, 27, 1, K4)
+    rate = fastest_mode(wave, 8).rate.real
+    n = np.arange(float(8 * wave.period))
+    noise = 1e-6 * wave.eps * np.random.default_rng(7).standard_normal(n.size)
+    y, s = wave.strain(n) + noise - np.mean(noise), wave.velocity(n)
+    first, _ = wave.shape_deviation(y, 0.0)
+    worst, shift = first, 0.0
+    for t in 100.0 * np.arange(1, 101):
+        advance(KAHAN_LI_8, y, s, 0.5, 200, wave.constants)
+        deviation, shift = wave.shape_deviation(y, float(t))
+        worst = max(worst, deviation)
+    detail = f"shift {shift:.1g} sites at t = 10^4, largest eigenvalue {rate:.1g}"
+    return Reading(worst / first, detail)
+
+
+def energy_errors(
+    scheme: Scheme, h: float, steps: Iterable[int], model: Model, y: Array, s: Array
+) -> Array:
+    """Relative energy errors of the ring (y, s), advanced in place, after so many steps each."""
+    initial, found = ring_energy(State(0.0, 0, y, s), model), []
+    for count in steps:
+        advance(scheme, y, s, h, int(count), model)
+        found.append(ring_energy(State(0.0, 0, y, s), model) / initial - 1.0)
+    return np.array(found)
+
+
+def drift(scheme: Scheme, h: float, steps: int, sites: int = 32) -> float:
+    """Root mean square energy error of the last tenth of a noisy ring's run over that of the first.
+
+    About 1 if the error stays bounded, about 16 if it grows linearly.
+    """
+    y, s = 0.1 * np.random.default_rng(11).standard_normal((2, sites))
+    s -= np.mean(s)
+    squares = energy_errors(scheme, h, [steps // 1000] * 1000, HARD, y, s) ** 2
+    return float(np.sqrt(np.mean(squares[-100:]) / np.mean(squares[:100])))
+
+
+@hard_case(
+    "Stoermer-Verlet, $10^6$ steps",
+    "energy error of the last tenth over that of the first (16 for a drift)",
+    3.0,
+)
+def _energy_drift_short() -> Reading:
+    found = drift(STOERMER_VERLET, 0.2, 1_000_000)
+    return Reading(found, f"stoermer_verlet {found:.3g}")
+
+
+@hard_case(
+    "every symplectic scheme, $10^6$ steps",
+    "energy error of the last tenth over that of the first (16 for a drift)",
+    3.0,
+    slow=True,
+)
+def _energy_drift() -> Reading:
+    steps = {STOERMER_VERLET: 0.2, SUZUKI_UMENO_8: 0.4, KAHAN_LI_8: 0.4}
+    found = {scheme.name: drift(scheme, h, 1_000_000) for scheme, h in steps.items()}
+    text = ", ".join(f"{name} {value:.3g}" for name, value in found.items())
+    return Reading(max(found.values()), text)
+
+
+@hard_case(
+    "rounding of the energy, 30000 steps",
+    "exponent of its growth in $t$ (1/2 unbiased, 1 biased)",
+    0.75,
+)
+def _rounding_growth() -> Reading:
+    """Exponent p of the energy's rounding error, t^p: 1/2 if unbiased, 1 if biased.
+
+    Root mean square over 12 runs of an sn wave that differ in phase; the step is so small that
+    nothing but rounding is left.
+    """
+    wave = travelling_wave("wave_sn", 0.5, 27, 1, -1)
+    marks = np.array([300, 1000, 3000, 10_000, 30_000])
+    rows = []
+    for phase in np.arange(12) * 0.77:
+        x = np.arange(float(2 * wave.period)) + phase
+        y, s = wave.strain(x), wave.velocity(x)
+        s -= np.mean(s)
+        steps = np.diff(marks, prepend=0)
+        rows.append(energy_errors(KAHAN_LI_8, 0.1, steps, wave.constants, y, s))
+    size = np.sqrt(np.mean(np.square(rows), axis=0))
+    exponent = float(np.polyfit(np.log(marks), np.log(size), 1)[0])
+    return Reading(exponent, f"{size[-1]:.1g} after {marks[-1]} steps of {KAHAN_LI_8.name}")
+
+
+@hard_case("double against double-double, to $t=500$", "largest difference of $y/eps$", 1e-12)
+def _rounding_floor() -> Reading:
+    wave = travelling_wave("wave_dn", 0.7, 27, 1, 1)
+    n = np.arange(float(4 * wave.period))
+    y, s = wave.strain(n), wave.velocity(n)
+    exact_y, exact_s = doubled(y), doubled(s)
+    floors = []
+    for _ in range(5):
+        advance(KAHAN_LI_8, y, s, 0.5, 200, wave.constants)
+        advance_doubled(KAHAN_LI_8, exact_y, exact_s, 0.5, 200, wave.constants)
+        floors.append(float(np.max(np.abs((y - exact_y[:, 0]) - exact_y[:, 1]))) / wave.eps)
+    text = ", ".join(f"{floor:.1e}" for floor in floors)
+    return Reading(floors[-1], f"at t = 100, 200, .. 500: {text}")
+
+
+@hard_case(
+    "a run forwards, velocities turned, and again",
+    "largest difference of $y/eps$ to the start",
+    1e-12,
+)
+def _time_reversal() -> Reading:
+    scene = load_scene("rogue_cn_k_0.5")
+    measured = run(replace(scene, observables=("state",), snapshots=(0.0,)))
+    y, s = measured.state_y.values[0].copy(), measured.state_s.values[0].copy()
+    before = y.copy()
+    for _ in range(2):
+        advance(KAHAN_LI_8, y, s, 0.5, 400, scene.constants)
+        s *= -1.0
+    return Reading(float(np.max(np.abs(y - before))) / scene.eps, "kahan_li_8, 800 steps")
+
+
+@hard_case("a restart from a snapshot", "values that differ by a bit", 0.0)
+def _restart() -> Reading:
+    ring = replace(load_scene("soliton_dn_k_0.7"), snapshots=(-33.3, 33.3))
+    window = replace(load_scene("rational_2_eps_0.05"), t0=-300.0, snapshots=(-123.4, 0.0))
+    differing, compared = 0, 0
+    for scene in (ring, window):
+        scene = replace(scene, observables=("state", "strain"))
+        whole = run(scene)
+        resumed = resume(whole, at=scene.snapshots[0])
+        for name in ("state_y", "state_s", "strain"):
+            unequal = resumed[name].values[-1] != whole[name].values[-1]
+            differing += int(np.sum(unequal))
+            compared += unequal.size
+    return Reading(float(differing) if compared else math.inf, f"of {compared} values")
+
+
+def run_hard_case(name: str) -> HardCaseResult:
+    """Run the case of that name."""
+    case = HARD_CASES[name]
+    return HardCaseResult(case.what, case.criterion, case.bound, *case.measure())
+
+
+def hard_case_jobs(full: bool) -> dict[Key, Job]:
+    """The cases, the slow ones if ``full``."""
+    return {
+        ("hard", name): Job(run_hard_case, (name,), 2.0 if case.slow else 1.0)
+        for name, case in HARD_CASES.items()
+        if full or not case.slow
+    }

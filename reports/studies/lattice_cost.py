@@ -1,0 +1,366 @@
+"""What accuracy costs on the lattice: by scheme and engine, by eps, by sites, by RK4's step.
+
+Errors are sup errors of y/eps over the compared sites at the scene's end. The stencil is judged by
+the spectral ring, the ring by the stencil: never a method by itself. Seconds are those of the march
+from data that are there already; what making them takes a ring, whose circumference closes them, is
+told beside. The error of the reduction itself is that of Y_j at its peak against eps.
+"""
+
+import math
+import time
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+from itertools import product
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from longwave.lattice.spectral.evolution import SpectralRing
+from longwave.scenes.chain import (
+    SCHEMES,
+    Scene,
+    load_scene,
+    rational_family_scenes,
+    run,
+    scheme_named,
+    stability_limit,
+)
+from longwave.scenes.chain.scene import EPS, ORDERS, Tolerance
+from longwave.scenes.chain.spectral_data import RingPlace, ring_data
+from longwave.support.processes import Job, Key
+
+Array = NDArray[np.float64]
+
+SHARES = (0.95, 0.6, 0.4, 0.25, 0.15)
+"""Steps, as shares of the largest stable one."""
+
+RING_TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
+FINEST_TOLERANCE = 1e-7
+FINEST_SHARE = 0.1
+SPECTRAL = "spectral"
+COMPARED = 200
+SITES = 3072
+
+
+@dataclass(frozen=True)
+class CostPoint:
+    """One run: its series, its sup error of y/eps, the seconds of its march.
+
+    ``data_seconds`` is what making the initial data took, if that counts (the spectral ring).
+    """
+
+    problem: str
+    series: str
+    error: float
+    seconds: float
+    data_seconds: float = 0.0
+
+
+PROBLEMS = {
+    "smooth": ("rational_2_eps_0.05", -10000.0, -9750.0),
+    "crest": ("rational_2_eps_0.05", -125.0, 125.0),
+    "periodic": ("rogue_cn_k_0.5", -400.0, 400.0),
+}
+"""Y2 long before its peak, a weak, wide wave, and through it; the cn rogue wave through its peak:
+the shipped scene, and the times between which it is run."""
+
+
+def problem_scene(problem: str) -> Scene:
+    """One of the problems on a ring whose seam no compared site hears of."""
+    name, t0, end = PROBLEMS[problem]
+    return load_scene(name).changed(
+        t0=t0,
+        snapshots=(end,),
+        domain="ring",
+        sites=SITES,
+        compared=COMPARED,
+        observables=("strain",),
+    )
+
+
+def work_precision(problem: str) -> list[CostPoint]:
+    """All schemes and the spectral engine on one problem."""
+    scene = problem_scene(problem)
+    by_stencil = _strain(_timed(by_scheme(scene, "kahan_li_8", FINEST_SHARE)))
+    by_ring = _strain(_timed(spectral(scene, FINEST_TOLERANCE)))
+    points = []
+    series = {s.name: [by_scheme(scene, s.name, share) for share in SHARES] for s in SCHEMES}
+    series[SPECTRAL] = [spectral(scene, tolerance) for tolerance in RING_TOLERANCES]
+    for name, variants in series.items():
+        reference = by_stencil if name == SPECTRAL else by_ring
+        for variant in variants:
+            found = _timed(variant)
+            error = float(np.max(np.abs(_strain(found) - reference))) / scene.eps
+            whole = float(found.attrs["seconds"])
+            march = march_seconds(variant, found) if name == SPECTRAL else whole
+            points.append(CostPoint(problem, name, error, march, max(0.0, whole - march)))
+    return points
+
+
+def by_scheme(scene: Scene, name: str, share: float) -> Scene:
+    """The scene with a scheme at a share of its largest stable step."""
+    fastest = 2.0 * scene.constants.sound_speed(scene.eps * 5.0)
+    return scene.changed(scheme=name, step=share * stability_limit(scheme_named(name)) / fastest)
+
+
+def spectral(scene: Scene, tolerance: float) -> Scene:
+    """The scene by the spectral engine, which finds its own step, sampling and circumference."""
+    return replace(scene, numerics=Tolerance(tolerance, "spectral"), observables=("strain",))
+
+
+@cache
+def warmed(scheme: str) -> None:
+    """Compile a scheme's kernel (or the ring's), so that no run is charged for it."""
+    scene = problem_scene("smooth")
+    short = replace(scene, snapshots=(scene.t0 + 1.0,))
+    run(by_scheme(short, scheme, SHARES[0]) if scheme else spectral(short, RING_TOLERANCES[0]))
+
+
+def march_seconds(scene: Scene, found: xr.Dataset) -> float:
+    """Seconds of a ring's last march, done once more from data that are there already."""
+    data = ring_data(scene.moving_wave, scene.tolerance or FINEST_TOLERANCE)
+    ring = RingPlace(float(found.attrs["circumference"]))
+    state, step = data.state(ring, int(found.attrs["sites"])), float(found.attrs["step"])
+    begun = time.perf_counter()
+    SpectralRing(scene.constants, state, step, absorbed=data.absorbed).at(scene.end)
+    return time.perf_counter() - begun
+
+
+def _timed(scene: Scene) -> xr.Dataset:
+    """The run, compiled beforehand."""
+    warmed("" if scene.tolerance else scene.discretisation.scheme)
+    return run(scene)
+
+
+def _strain(found: xr.Dataset) -> Array:
+    """The strains at the end."""
+    return np.asarray(found["strain"].values[-1])
+
+
+SLOW_TIME = 1.25
+"""T runs from minus this to 0, the peak."""
+
+SPECTRAL_TOLERANCE, FINER_SPECTRAL_TOLERANCE = 1e-3, 1e-4
+WINDOW_SCHEME = "reduced_phase_6"
+WINDOW_STEP, RK4_STEP = 1.0, 0.1
+STEPS = 400
+"""Steps of a run that is timed, where the whole is too long."""
+
+WINDOW_COMPARED = 400
+COMPARED_X = 10.0
+WINDOW_X = 200.0
+"""Half-width compared, and width of a window, in X."""
+
+FITTED = 3
+"""Points at the small-eps end through which a law is fitted."""
+
+REDUCTION, TRUE_ERROR = "error of the reduction", "error of the spectral run"
+
+
+@dataclass(frozen=True)
+class ScalingPoint:
+    """A quantity at one abscissa; ``scaled`` if only a fraction of the run was timed."""
+
+    series: str
+    x: float
+    value: float
+    scaled: bool = False
+
+
+class PowerLaw(NamedTuple):
+    """value = factor * x^exponent, fitted to a series."""
+
+    factor: float
+    exponent: float
+
+
+def fit_law(points: Iterable[tuple[float, float]]) -> PowerLaw:
+    """The power law through the points (x, value).
+
+    >>> fit_law([(1.0, 3.0), (2.0, 12.0)]).exponent
+    2.0
+    """
+    x, value = np.log(list(points)).T
+    exponent, level = np.polyfit(x, value, 1)
+    return PowerLaw(float(np.exp(level)), round(float(exponent), 12))
+
+
+def scaling_laws(points: Iterable[ScalingPoint]) -> dict[str, PowerLaw]:
+    """The law of each series, fitted where eps is smallest; what a tolerance sets has none."""
+    series: dict[str, list[tuple[float, float]]] = {}
+    for point in points:
+        if point.series != TRUE_ERROR:
+            series.setdefault(point.series, []).append((point.x, point.value))
+    return {
+        name: fit_law(sorted(found, key=lambda pair: max(pair[0], 1 / pair[0]))[-FITTED:])
+        for name, found in series.items()
+    }
+
+
+def at_eps(eps: float, judged: bool) -> list[ScalingPoint]:
+    """Seconds of each way, and the reduction's error, for Y2 to its peak at one eps.
+
+    From one to the next a way changes one thing: RK4 on as many sites as sound travels (the
+    paper's), RK4 in a window, a scheme of order 6 in that window, the exponential method on the
+    spectral ring. All but the last are timed for a number of steps and scaled. If ``judged``, the
+    last one's distance to a run with a tenth of its tolerance is measured, too.
+    """
+    for scheme in ("", WINDOW_SCHEME, "rk4"):
+        warmed(scheme)
+    end = SLOW_TIME / eps**3
+    base = replace(to_peak(-end), eps=eps, compared=round(COMPARED_X / eps))
+    found = run(spectral(base, SPECTRAL_TOLERANCE))
+    whole = float(found.attrs["seconds"] + found.attrs["planning_seconds"])
+    wide = 2 * round(base.constants.sound_speed() * (base.end - base.t0)) + 2 * base.compared
+    sites = max(2048, round(WINDOW_X / eps))
+    rk4 = _scaled(base, "rk4", RK4_STEP, sites)
+    points = [
+        ScalingPoint("RK4, wide lattice", 1 / eps, rk4 * wide / sites, scaled=True),
+        ScalingPoint("RK4, window", 1 / eps, rk4, scaled=True),
+        ScalingPoint(
+            "order 6, window", 1 / eps, _scaled(base, WINDOW_SCHEME, WINDOW_STEP, sites), True
+        ),
+        ScalingPoint("spectral", 1 / eps, whole),
+        ScalingPoint(REDUCTION, eps, float(found["error"][-1])),
+    ]
+    if judged:
+        finer = run(spectral(base, FINER_SPECTRAL_TOLERANCE))["strain"] - found["strain"]
+        points.append(ScalingPoint(TRUE_ERROR, eps, float(abs(finer).max()) / eps))
+    return points
+
+
+def _scaled(base: Scene, scheme: str, step: float, sites: int) -> float:
+    """Seconds of the whole run in a window of ``sites``, from STEPS steps of it."""
+    part = base.changed(
+        scheme=scheme,
+        step=step,
+        sites=sites,
+        compared=min(base.compared, 200),
+        snapshots=(base.t0 + STEPS * step,),
+    )
+    seconds = float(run(part).attrs["seconds"])
+    return seconds * (base.end - base.t0) / (STEPS * step)
+
+
+def to_peak(t0: float) -> Scene:
+    """Y2 at eps = 0.05 up to its peak."""
+    scene = load_scene("rational_2_eps_0.05")
+    return replace(scene, t0=t0, snapshots=(0.0,), observables=("strain",))
+
+
+def window_error(sites: Sequence[int], t0: float = -10000.0) -> list[ScalingPoint]:
+    """Sup error of y/eps at the peak of Y2 by the window's size, against the largest of them."""
+    scene = replace(to_peak(t0), compared=WINDOW_COMPARED)
+    strains = [run(scene.changed(sites=count))["strain"].values[-1] for count in sites]
+    return [
+        ScalingPoint("window", count, float(np.max(np.abs(strain - strains[-1]))) / scene.eps)
+        for count, strain in zip(sites[:-1], strains[:-1], strict=True)
+    ]
+
+
+def rk4_share(steps: Sequence[float], t0: float = -10000.0) -> list[ScalingPoint]:
+    """The paper's error figure of Y2 at t = 0 by RK4's step; x = 0 stands for an exact flow."""
+    scene = to_peak(t0)
+    variants = {step: scene.changed(scheme="rk4", step=step) for step in steps}
+    return [
+        ScalingPoint("error figure", step, float(run(variant)["error"][-1]))
+        for step, variant in {**variants, 0.0: scene}.items()
+    ]
+
+
+HALF_WIDTH = 25.0
+"""Half-width compared, in X: all extrema of Y_2 .. Y_5 from the family's first slow time on."""
+
+PEAK_TOLERANCES = {2: 1e-4, 3: 2e-4, 4: 1e-3, 5: 2e-3}
+"""Sup error of y/eps allowed, by order: the higher the order, the larger the error to be shown."""
+
+RESOLVED = 0.1
+"""Most of a value that its discretisation error may be."""
+
+
+@dataclass(frozen=True)
+class PeakError:
+    """The relative sup error of one member of the family at T = 0.
+
+    ``own`` is the estimated discretisation error over the same denominator, ``seconds`` the run
+    with its planning. ``fault`` tells why there is no value, if there is none.
+    """
+
+    order: int
+    eps: float
+    value: float = math.nan
+    own: float = math.nan
+    seconds: float = math.nan
+    engine: str = ""
+    fault: str = ""
+
+    @property
+    def resolved(self) -> bool:
+        """Whether the value is the reduction's and not the discretisation's.
+
+        >>> PeakError(2, 0.1, 0.35, 1e-4).resolved, PeakError(2, 0.1, fault="blow-up").resolved
+        (True, False)
+        """
+        return self.own <= RESOLVED * self.value
+
+
+def peak_scene(order: int, eps: float) -> Scene:
+    """The member of the family up to its peak, by whichever engine is cheaper."""
+    (scene,) = rational_family_scenes((order,), (eps,), PEAK_TOLERANCES[order]).values()
+    return replace(scene, snapshots=(0.0,), compared=round(HALF_WIDTH / eps))
+
+
+def peak_error(order: int, eps: float) -> PeakError:
+    """Run one member; a run that does not come to its end is a record, too."""
+    scene = peak_scene(order, eps)
+    try:
+        found = run(scene)
+    except ValueError as error:
+        return PeakError(order, eps, fault=str(error))
+    seconds = float(found.attrs["seconds"] + found.attrs["planning_seconds"])
+    engine, fault = str(found.attrs["engine"]), str(found.attrs["blow_up"])
+    if fault:
+        return PeakError(order, eps, seconds=seconds, engine=engine, fault=fault)
+    height = float(np.max(np.abs(found["analytic"] - found["background"]))) / eps
+    own = float(found.attrs["error_estimate"]) / height
+    return PeakError(order, eps, float(found["error"][-1]), own, seconds, engine)
+
+
+def peak_laws(points: Iterable[PeakError]) -> dict[int, PowerLaw | None]:
+    """For each order the power of eps through its smallest resolved eps; None below two points."""
+    orders: dict[int, list[tuple[float, float]]] = {}
+    for point in points:
+        orders.setdefault(point.order, []).extend([(point.eps, point.value)] * point.resolved)
+    return {
+        order: fit_law(sorted(found)[:FITTED]) if len(found) > 1 else None
+        for order, found in sorted(orders.items())
+    }
+
+
+EPSILONS, MORE_EPSILONS = (0.1, 0.05, 0.025, 0.0125), (0.00625,)
+RK4_STEPS, MORE_RK4_STEPS = (0.4, 0.25, 0.125), (0.0625,)
+WINDOWS, MORE_WINDOWS = (2048, 4096, 8192), (16384, 32768)
+"""What the short report shows, and what the full one adds."""
+
+PEAK_SECONDS, WIDE_PEAK_SECONDS = {2: 5.0, 3: 20.0, 4: 45.0, 5: 75.0}, 3.0
+"""About what a member of the family takes: by its order below ``NARROW``, and from there on."""
+
+NARROW = 0.02
+
+
+def lattice_cost_jobs(full: bool) -> dict[Key, Job]:
+    """Work and precision, scaling, RK4's share, windows; the error of the reduction if ``full``."""
+    jobs: dict[Key, Job] = {}
+    for problem in PROBLEMS:
+        jobs["precision", problem] = Job(work_precision, (problem,), 5.0)
+    for eps in EPSILONS + MORE_EPSILONS * full:
+        jobs["scaling", eps] = Job(at_eps, (eps, full), 3.0)
+    jobs["rk4", ""] = Job(rk4_share, (RK4_STEPS + MORE_RK4_STEPS * full,), 10.0)
+    jobs["windows", ""] = Job(window_error, (WINDOWS + MORE_WINDOWS * full,), 7.0)
+    for order, eps in product(ORDERS, EPS) if full else ():
+        seconds = PEAK_SECONDS[order] if eps < NARROW else WIDE_PEAK_SECONDS
+        jobs["peak", (order, eps)] = Job(peak_error, (order, eps), seconds)
+    return jobs

@@ -1,0 +1,121 @@
+"""Which lattices the tables of long waves and envelopes hold: the catalogue, and cases of it.
+
+A case is a lattice of the catalogue with constants that are small or tied to each other, about a
+mean strain, or with further springs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from sympy import Expr, Integer, S, Symbol, pi
+
+from longwave.derive import LATTICES, Envelope, Lattice, Reduction, envelope, find_scaling, spring
+from longwave.derive.models.lattices import L2, L3, L4, cubic
+from longwave.derive.symbols import eps, ybar
+from longwave.scenes.modulation import ModulationGrid, modulation_grid
+from longwave.solutions import CATALOGUE
+
+C2, D2, SMALL = Symbol("C2", positive=True), Symbol("d2", real=True), Symbol("k3", real=True)
+
+
+@dataclass(frozen=True)
+class LatticeModel:
+    """A lattice whose long waves are derived: ``values`` of constants put in, about a ``mean``.
+
+    ``case`` says in words what is special about it.
+    """
+
+    lattice: Lattice
+    case: str = ""
+    values: tuple[tuple[str, Expr], ...] = ()
+    mean: Expr = S.Zero
+
+    def reductions(self) -> tuple[Reduction, ...]:
+        """The balances of nonlinearity and dispersion with a normal form.
+
+        None where there is no long wave, and none whose condition its constants cannot meet.
+        """
+        try:
+            found = find_scaling(self.lattice.with_values(dict(self.values)), self.mean)
+        except ValueError:
+            return ()
+        return tuple(r for r in found if r.has_normal_form and _can_be_met(r))
+
+
+def _can_be_met(reduction: Reduction) -> bool:
+    """Whether no condition asks what cannot vanish to vanish."""
+    defined = dict(reduction.lattice.definitions)
+    return not any(
+        condition.expression.xreplace(defined).is_zero is False
+        for condition in reduction.conditions
+    )
+
+
+def lattice_models() -> Iterator[LatticeModel]:
+    """The catalogue, then the cases."""
+    for lattice in LATTICES.values():
+        yield LatticeModel(lattice)
+    chain, far, square = (LATTICES[name] for name in ("fput_strain", "next_nearest", "square"))
+    yield LatticeModel(chain, "with a small quadratic force", (("K3", eps * SMALL),))
+    yield LatticeModel(chain, "about a mean strain", mean=ybar)
+    vanishing = (("K2", (4 * C2 - eps**2 * D2) / 3), ("L2", (eps**2 * D2 - C2) / 12))
+    odd = (("K3", Integer(0)), ("L3", Integer(0)))
+    yield LatticeModel(far, "nearly without dispersion", vanishing)
+    yield LatticeModel(far, "nearly without dispersion, odd forces", (*vanishing, *odd))
+    further = spring(cubic(L2, L3, L4), ((0, 0), 0), ((2, 0), 0))
+    yield LatticeModel(
+        replace(square, bonds=(*square.bonds, further)), "with springs to the next but one along n"
+    )
+
+
+def closed_waves(reduction: Reduction) -> tuple[str, ...]:
+    """The names of the closed forms that solve the reduced equation, with signs where it has any.
+
+    >>> from longwave.derive import LATTICES, find_scaling
+    >>> closed_waves(find_scaling(LATTICES["toda"])[0])
+    ('kdv_soliton', 'kdv_two_soliton', 'kdv_cnoidal')
+    """
+    normal = reduction.normal_form()
+    return tuple(
+        form.name
+        for form in CATALOGUE.of(normal.equation)
+        if all(
+            own == there or not (isinstance(own, int) and S(there).is_number)
+            for own, there in ((form.equation.s, normal.s), (form.equation.r, normal.r))
+        )
+    )
+
+
+ENVELOPES: tuple[tuple[str, Expr | None], ...] = (
+    ("fput_strain", None),
+    ("toda", None),
+    ("granular", None),
+    ("next_nearest", pi),
+    ("klein_gordon", pi),
+    ("mass_dimer", pi),
+)
+"""Lattices and wavenumbers, or None for all, whose envelope coefficients are short."""
+
+
+def tabled_envelope(name: str, wavenumber: Expr | None) -> Envelope:
+    """The envelope equation of one of `ENVELOPES`; its coefficients hold on every branch."""
+    return envelope(LATTICES[name], k=wavenumber)
+
+
+LARGEST_K3, POINTS = 1.5, 240
+"""Of the map of plane carrier waves, and its points along each axis."""
+
+
+def modulation_plane(points: int = POINTS) -> tuple[ModulationGrid, np.ndarray]:
+    """The alpha+beta FPUT lattice over k (second axis) and K3 (first axis), K2 = K4 = 1; and K3.
+
+    >>> grid, quadratic = modulation_plane(4)
+    >>> grid.product.shape, quadratic.shape
+    ((4, 4), (4, 4))
+    """
+    middles = (np.arange(points) + 0.5) / points
+    k, K3 = np.meshgrid(np.pi * middles, LARGEST_K3 * middles)
+    return modulation_grid(LATTICES["fput_strain"], k, K2=1, K3=K3, K4=1), K3

@@ -1,0 +1,122 @@
+"""Numbers read off runs, each with its own discretisation error."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from longwave.scenes.chain import Scene, load_scene, run, shipped_scenes
+from longwave.scenes.chain.observables import measured_error
+from longwave.scenes.chain.stated_run import stated_seconds
+from longwave.support.processes import Job
+
+RK4_STEP = 0.25
+"""A time step at which the paper's scheme is stable and yet part of the error shown."""
+
+SPLIT = "rational_2_eps_0.05"
+"""The run whose error is split."""
+
+PARTS = ("position", "amplitude", "shape")
+
+
+class UncertainNumber(NamedTuple):
+    """A measured number and the largest change that step and domain could make to it."""
+
+    value: float
+    error: float
+
+
+@dataclass(frozen=True)
+class MeasuredRuns:
+    """The runs of a report and their scenes, under the same names."""
+
+    runs: Mapping[str, xr.Dataset]
+    scenes: Mapping[str, Scene]
+
+    @property
+    def blown_up(self) -> list[str]:
+        """The names of the runs that did not come to their end."""
+        return [name for name, run in self.runs.items() if run.attrs["blow_up"]]
+
+    def discretisation(self, name: str) -> xr.DataArray:
+        """Return what y/eps may be off by step and domain together, at each snapshot.
+
+        A run that measured only one of the two counts that one.
+        """
+        found = measured_error(self.runs[name])
+        assert found is not None, f"{name} measured no error"
+        return found
+
+    def relative_error(self, name: str, time: float, variable: str = "error") -> UncertainNumber:
+        """Return the relative sup error at a snapshot.
+
+        Its denominator is exact, so its own error is that of y over the same denominator.
+        """
+        value = float(self.runs[name][variable].sel(time=time))
+        own = self.discretisation(name).sel(time=time) / self.amplitude(name).sel(time=time)
+        return UncertainNumber(value, float(own))
+
+    def largest_error(self, name: str) -> tuple[UncertainNumber, float]:
+        """Return the largest relative error of the run's error curve and its time."""
+        curve = self.runs[name]["error_curve"]
+        own = (self.discretisation(name) / self.amplitude(name)).max()
+        time = float(curve["curve_time"].values[np.argmax(curve.values)])
+        return UncertainNumber(float(curve.max()), float(own)), time
+
+    def split(self, name: str, time: float) -> dict[str, UncertainNumber]:
+        """Return the shift in sites, and the error's parts by position, amplitude and shape.
+
+        The parts have the error's denominator and so its own error. A change of y/eps by at most d
+        moves a least-squares shift by at most d sum |Y_n| / sum Y_n^2, Y_n the slope in n.
+        """
+        at = self.runs[name].sel(time=time)
+        own = float(self.discretisation(name).sel(time=time))
+        slope = np.gradient(at["analytic"].values / self.scenes[name].eps)
+        shift = own * float(np.sum(np.abs(slope)) / np.sum(slope**2))
+        share = own / float(self.amplitude(name).sel(time=time))
+        parts = {part: UncertainNumber(float(at[f"error_{part}"]), share) for part in PARTS}
+        return {"shift": UncertainNumber(float(at["shift"]), shift)} | parts
+
+    def amplitude(self, name: str) -> xr.DataArray:
+        """Return the largest distance of Y from its bare background, at each snapshot."""
+        run = self.runs[name]
+        distance: xr.DataArray = abs(run["analytic"] - run["background"])
+        return distance.max("site") / self.scenes[name].eps
+
+    def peaks(self, name: str, time: float) -> tuple[UncertainNumber, float]:
+        """Return the largest y/eps of the lattice and of the wave on the sites at a snapshot."""
+        at, eps = self.runs[name].sel(time=time), self.scenes[name].eps
+        lattice = UncertainNumber(
+            float(at["strain"].max()) / eps, float(self.discretisation(name).sel(time=time))
+        )
+        return lattice, float(at["analytic"].max()) / eps
+
+
+def report_scenes() -> dict[str, Scene]:
+    """Return all shipped scenes, and those that show what RK4's step does to the error figure.
+
+    One of them splits its error into shift, amplitude and shape.
+    """
+    scenes = {name: load_scene(name) for name in shipped_scenes()}
+    for order in (2, 3):
+        base = scenes[f"rational_{order}_eps_0.05"]
+        scenes[rk4_name(order)] = base.changed(
+            scheme="rk4",
+            step=RK4_STEP,
+            observables=("strain", "error_curve", "time_step_error"),
+        )
+    asked = (*scenes[SPLIT].observables, "error_split")
+    scenes[SPLIT] = replace(scenes[SPLIT], observables=asked)
+    return scenes
+
+
+def rk4_name(order: int) -> str:
+    """Return the name of the RK4 variant of the scene of the rational solution of that order."""
+    return f"rational_{order}_eps_0.05_rk4"
+
+
+def scene_job(scene: Scene) -> Job:
+    """The run of a scene that states its step."""
+    return Job(run, (scene,), stated_seconds(scene), tells=True)

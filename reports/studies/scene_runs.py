@@ -1,0 +1,56 @@
+"""The shipped scenes of further lattices, run for a report; what fails says why."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from longwave.scenes.lattice_scene import (
+    LatticeScene,
+    load_lattice_scene,
+    shipped_lattice_scenes,
+)
+from longwave.support.processes import Job, Key, Progress
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+SECONDS = {"alpha_beta_rogue": 4.0, "dimer_rogue": 6.0}
+"""Processor seconds of the long scenes, with rings of 40 000 and 30 000 cells; others `USUAL`."""
+
+USUAL = 1.0
+
+
+@dataclass(frozen=True)
+class SceneRun:
+    """A scene's run as `LatticeRun.dataset`, or in words why there is none."""
+
+    scene: LatticeScene
+    run: xr.Dataset | None
+    fault: str = ""
+
+    @property
+    def kept(self) -> bool:
+        """Whether it came to its end within its tolerance, by its own estimate."""
+        if self.run is None:
+            return False
+        return float(self.run.attrs["error_estimate"]) <= self.scene.tolerance
+
+
+def scene_run(name: str, progress: Progress = lambda _: None) -> SceneRun:
+    """Run the shipped scene of that name; what it refuses is kept as the fault."""
+    from longwave.scenes.lattice_run import run_lattice_scene
+
+    scene = load_lattice_scene(name)
+    try:
+        return SceneRun(scene, run_lattice_scene(scene, progress).dataset)
+    except ValueError as error:
+        return SceneRun(scene, None, str(error))
+
+
+def scene_run_jobs() -> dict[Key, Job]:
+    """A job a scene."""
+    return {
+        ("scene", name): Job(scene_run, (name,), SECONDS.get(name, USUAL), tells=True)
+        for name in shipped_lattice_scenes()
+    }

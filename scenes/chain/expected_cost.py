@@ -1,0 +1,166 @@
+"""What a scene is expected to cost, before it is run: steps, seconds, and the most bytes at once.
+
+First from the scene alone, which takes no time whatever it says; then, for one with a tolerance,
+from its wave, by the models of the two engines. The numbers were measured in processor time on one
+core of a 3 GHz server; `benchmarks/costs.py` compares the estimates with what scenes take.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+from longwave.scenes.chain.observables import MAP_CELLS, Observable, observable_named
+from longwave.scenes.chain.scene import Scene
+from longwave.scenes.chain.stated_run import SECONDS_PER_UPDATE, refinements, stated_seconds
+from longwave.support.request_limits import ExpectedCost, check_request
+
+PROCESS_BYTES = 2.8e8
+"""Of a process that has run something small and made its data set."""
+
+PROCESS_SECONDS = 1.0
+"""For imports, what is loaded and what is written."""
+
+SITE_BYTES = 280.0
+"""Of a run, for each site: 130 with a soliton, 280 with a rational wave."""
+
+POINT_BYTES = 530.0
+"""Of a ring's run, for each point."""
+
+VALUE_BYTES = 20.0
+"""For each number that is kept: in rows, in an array, and as a file's content."""
+
+MOMENT_BYTES = 1000.0
+"""For each time at which something is seen, beside what is kept of it."""
+
+MOVE_BYTES = 250.0
+"""For each move of a window."""
+
+TRIALS = 8.0
+"""Runs of a search of which what is compared is kept."""
+
+RUNS = 4.0
+"""Runs of a search, in units of the engine's first: seconds."""
+
+VIEW_SECONDS = 4e-4
+"""To see the wave beside the lattice once."""
+
+SEEN_SECONDS = {False: 5e-7, True: 1.6e-6}
+"""For each compared site that is seen, by whether the wave is periodic."""
+
+STOP_SECONDS = 4e-5
+"""To stop once."""
+
+CHEAPER = "end earlier, compare fewer sites or see fewer times"
+CHEAPER_STATED = "take a larger step or fewer sites, or see fewer times"
+
+
+def check_cost(scene: Scene) -> ExpectedCost:
+    """What the scene is expected to cost; TooMuchError if that is more than the limits allow.
+
+    Raises ValueError as making its wave does.
+    """
+    cheaper = CHEAPER if scene.tolerance is not None else CHEAPER_STATED
+    check_request(scene.name, least_cost(scene), cheaper)
+    found = expected_cost(scene)
+    check_request(scene.name, found, cheaper)
+    return found
+
+
+def expected_cost(scene: Scene) -> ExpectedCost:
+    """What the scene is expected to cost; ValueError as making its wave raises it."""
+    least = least_cost(scene)
+    if scene.tolerance is None:
+        return least
+    from longwave.scenes.chain.spectral_run import spectral_points, spectral_seconds
+    from longwave.scenes.chain.stencil_search import most_stencil_sites, stencil_seconds
+
+    engine = scene.target.engine
+    found = []
+    if engine != "spectral":
+        found.append((stencil_seconds(scene), SITE_BYTES * 2.0 * most_stencil_sites(scene)))
+    if engine != "stencil":
+        found.append((spectral_seconds(scene), POINT_BYTES * spectral_points(scene)))
+    seconds, held = min(found)
+    return replace(
+        least,
+        seconds=least.seconds + RUNS * seconds,
+        memory_bytes=least.memory_bytes + held,
+    )
+
+
+def least_cost(scene: Scene) -> ExpectedCost:
+    """What is known from the scene alone: all of it, if its step and its sites are stated."""
+    seen = _Seen.of(scene)
+    if scene.tolerance is not None:
+        kept = seen.values + TRIALS * seen.exact * (2 * scene.compared + 1)
+        return ExpectedCost(
+            seen.seconds,
+            PROCESS_BYTES + VALUE_BYTES * kept + MOMENT_BYTES * seen.times,
+        )
+    stated, measures = scene.discretisation, refinements(scene)
+    sites = stated.sites * (2 if "domain_error" in measures else 1)
+    steps = (scene.end - scene.t0) / stated.step + seen.exact
+    extra = SECONDS_PER_UPDATE * seen.exact * stated.table.stages * stated.sites
+    moves = 0.0
+    if stated.domain == "window":
+        moves = (scene.end - scene.t0) * scene.constants.sound_speed() / 64.0
+    kept = seen.values + (2 * scene.compared + 1) * len(scene.snapshots) * len(measures)
+    return ExpectedCost(
+        stated_seconds(scene)
+        + extra
+        + seen.seconds
+        + SITE_SECONDS * sites
+        + STOP_SECONDS * (steps / 64.0 + moves) * (1 + 2 * len(measures)),
+        PROCESS_BYTES
+        + SITE_BYTES * sites
+        + VALUE_BYTES * kept
+        + MOMENT_BYTES * seen.times
+        + MOVE_BYTES * moves,
+        steps * (1 + 2 * len(measures)),
+    )
+
+
+SITE_SECONDS = 3e-6
+"""For the data of a site at the beginning."""
+
+
+@dataclass(frozen=True)
+class _Seen:
+    """How often a scene is looked at, how often exactly, and the numbers that are kept of it."""
+
+    times: float
+    exact: float
+    values: float
+    seconds: float
+
+    @classmethod
+    def of(cls, scene: Scene) -> _Seen:
+        entries = [observable_named(name) for name in scene.observables]
+        looks = scene.look_points or scene.curve_points
+        counts = {"snapshots": len(scene.snapshots), "curve": scene.curve_points, "looks": looks}
+        counts["refinement"] = 0
+        kinds = {entry.seen for entry in entries}
+        exact = len(scene.snapshots)
+        exact += scene.curve_points if "curve" in kinds else 0
+        exact += looks if "looks" in kinds and scene.look_points is not None else 0
+        width = 2 * scene.compared + 1
+        a_point = SEEN_SECONDS["k" in dict(scene.parameters)]
+        return cls(
+            sum(counts[kind] for kind in kinds) + exact,
+            exact,
+            sum(counts[entry.seen] * _values(entry, scene) for entry in entries),
+            PROCESS_SECONDS
+            + sum(counts[kind] * (VIEW_SECONDS + a_point * width) for kind in kinds),
+        )
+
+
+def _values(entry: Observable, scene: Scene) -> float:
+    """Numbers that an observable keeps of one time."""
+    width = 2 * scene.compared + 1
+    sites = 0 if scene.tolerance is not None else scene.discretisation.sites
+    sizes = {"site": width, "wavenumber": width / 2, "map_site": MAP_CELLS, "cell": sites}
+    return sum(
+        math.prod(sizes.get(name, 1) for name in variable.dimensions)
+        for variable in entry.variables
+    )

@@ -1,0 +1,384 @@
+"""A run by the spectral engine, with the step, the sampling and the ring that a tolerance needs.
+
+The choices are judged by `refine.py`: a control run has a shorter step, more points, a wider ring
+with its seam elsewhere, and an absorber of half the strength. At all times the tail of the spectrum
+is watched; where it rises above its bound, the run is begun again with more points. A ring that is
+taken for causal is checked against the strains that were met on it.
+"""
+
+import math
+import time
+from collections.abc import Collection
+from dataclasses import replace
+from functools import partial
+
+import ducc0  # type: ignore[import-not-found]
+import numpy as np
+from numpy.typing import NDArray
+
+from longwave.lattice.refine import Announce, Refined, refine
+from longwave.lattice.spectral.absorber import ABSORBER_STRENGTH
+from longwave.lattice.spectral.evolution import (
+    WATCH,
+    NotHyperbolicError,
+    SamplingError,
+    SpectralRing,
+)
+from longwave.lattice.spectral.exponential import ORDER
+from longwave.lattice.spectral.ring import ALIKE, DENSITY, RingState, energy_spread, telling_step
+from longwave.lattice.trial import (
+    NUDGE,
+    Choices,
+    Engine,
+    Kind,
+    Progress,
+    StoppedTrial,
+    Trial,
+    clock_error,
+    rounding_error,
+)
+from longwave.scenes.chain.moving_wave import MovingWave
+from longwave.scenes.chain.ring_march import MakeRing, MarchPhase, RingMarch
+from longwave.scenes.chain.spectral_data import (
+    RingPlace,
+    SpectralCost,
+    first_density,
+    first_step,
+    ring_data,
+    turning_time,
+    typical_number,
+)
+from longwave.support.checkpoint import begin_loop
+
+Array = NDArray[np.float64]
+
+STEP_RATIO, DENSITY_RATIO, SIZE_RATIO = 0.6, 1.25, 1.5
+"""Step, density and circumference of a control run, in units of those of the run before it. Where
+the control's ring would be causal, so is the first; a kink's always is. With 1.15 for the density,
+two samplings about two points a site agreed on an error above their estimate."""
+
+SHIFT = 0.07
+"""By how much its middle moves, in circumferences."""
+
+WEAKER = 0.5
+"""Strength of its absorber, in units of that of the run before it."""
+
+REACHES = (0.3, 3.0)
+"""Least factor on a step, and largest factor on a size, from one choice to the next."""
+
+TAIL_SHARE = 0.1
+"""Bound of the spectrum's tail, in units of the tolerance."""
+
+SOFTENED = 0.01
+"""If the times at which waves cease to exist in three runs differ less, in units of the time since
+the beginning, and beside what the watch resolves, it is not the step that does it."""
+
+STARTED = 15.0
+"""A start ends when sound has gone so many times 1/k, k the data's typical wave number."""
+
+START = 0.1
+"""Step of the start, in units of the time in which sound goes 1/k."""
+
+STEEPEST = 0.65
+"""Largest a |y|: beyond, a wave is as short as the distance of sites, and no step is long enough to
+pay (a soliton's width in sites is 1/(a |y|))."""
+
+SLENDER = 0.2
+"""Up to this a |y| the energies of the ring's lattices differ by less than rounding."""
+
+RESOLVED = 2.5
+"""Points per site that a steep wave takes."""
+
+MOST_WORK = 4e9
+"""Most work of a run with such steps, some ten seconds on the ring where no seam is felt: what a
+steep wave radiates without end does not let a smaller one do."""
+
+SHORTEST = 0.02
+"""Shortest step, in units of the time in which sound goes a site: below it a run site by site takes
+less."""
+
+LEAST_POINTS = 256
+"""Points on the smallest ring: the numbers that transform fast then lie so close that a control run
+never has as many."""
+
+MOST_POINTS = 2**20
+"""Points on the largest ring: a run takes 510 bytes a point (measured)."""
+
+
+class RingTooLargeError(ValueError):
+    """A tolerance that needs more points than a ring may have."""
+
+
+class StepTooShortError(ValueError):
+    """A tolerance, or a wave, that needs shorter steps than the engine should take."""
+
+
+def solve_on_rings(
+    moving: MovingWave,
+    tolerance: float,
+    progress: Progress = lambda _: None,
+    announce: Announce = lambda _: None,
+    most_work: float = math.inf,
+) -> Refined:
+    """Run the wave to a sup error of y/eps on the compared sites at its times after t0.
+
+    ``most_work`` is the most that the next runs may ever take, in points times their log2 times
+    evaluations. ``progress`` and ``announce`` are as in `refine`. Raises RingTooLargeError if the
+    tolerance needs too many points, ValueError if it is below what rounding leaves, and
+    FloatingPointError if the lattice blows up.
+    """
+    if not tolerance > 0:
+        raise ValueError(f"tolerance must satisfy tolerance > 0, got {tolerance:g} (1e-4 is usual)")
+    engine = SpectralEngine(moving, tolerance, most_work)
+    found = refine(engine, tolerance, progress, announce)
+    if found.trial.values is None:
+        step = found.trial.choices.step
+        raise FloatingPointError(f"blow-up: steps down to {step:.3g} do not change it")
+    progress(1.0)
+    return found
+
+
+class SpectralEngine:
+    """Runs of a wave on rings, its initial data kept."""
+
+    kinds: tuple[Kind, ...] = ("step", "sampling", "domain")
+    threads = 1
+    safety = 4.0
+    """What still comes round the ring was measured to fall as slowly as L^-1/2; what long steps
+    average away, as step^1/2."""
+    order = ORDER
+    unstable = 10
+    fragile = False
+    """Waves so steep that rounding grows soon are refused."""
+
+    def __init__(self, moving: MovingWave, tolerance: float, most_work: float) -> None:
+        self._moving, self._tolerance, self.most_work = moving, tolerance, most_work
+        self._duration = moving.duration
+        self._data = ring_data(moving, tolerance)
+        self.decay = 2.0 if self._data.periodic else 3.0
+        steepness = self._steepness(self._data.bounds.strain)
+        if steepness > STEEPEST:
+            raise StepTooShortError(f"a wave longer than {1.0 / steepness:.2g} sites")
+        self._density = first_density(moving)
+        self._started = moving.t0
+        self._rings: dict[tuple[float, float, bool], RingPlace] = {}
+        self._states: dict[tuple[RingPlace, int], RingState] = {}
+        self._alike = 0.0
+        self._softened: list[float] = []
+        self._soft: NotHyperbolicError | None = None
+
+    def first(self) -> Choices:
+        """The smallest ring, sampled by the wave's own scale, with a step of that scale."""
+        choices = self._sized(Choices(1.0, 0.0, density=self._density), self._data.smallest)
+        state, c = self._state(choices), self._moving.speed
+        k = typical_number(state)
+        turning = turning_time(self._moving.constants, state, k)
+        step = first_step(c, self._duration, k, turning)
+        self._alike = self._apart(self._duration / turning)
+        if self._alike > ALIKE * self._tolerance:
+            step = min(step, telling_step(c))
+            self._refuse_toil(step)
+        length = 1.0 / (c * k)
+        start = START * length if STARTED * length < self._duration else 0.0
+        if not start:
+            step = min(step, START * length)
+        absorber = ABSORBER_STRENGTH if self._data.absorbed and not choices.causal else 0.0
+        self._started = self._moving.t0 + STARTED * length
+        return replace(choices, step=step, absorber=absorber, start=start)
+
+    def _refuse_toil(self, step: float) -> None:
+        """Refuse so short steps where a run site by site takes much less."""
+        limit = self._data.causal
+        widest = replace(Choices(step, limit.circumference), density=RESOLVED)
+        if self.work(widest) > MOST_WORK:
+            raise StepTooShortError(f"steps below {step:.2g} for so long")
+
+    def _steepness(self, strain: Array) -> float:
+        return self._moving.wave.numbers.a * float(np.max(np.abs(strain)))
+
+    def _apart(self, turns: float) -> float:
+        """Bound of y/eps by which the ring's lattices part in time (`sublattices.py`)."""
+        data, bounds = self._data, self._data.bounds
+        if self._steepness(bounds.strain) <= SLENDER:
+            return 0.0
+        ring = data.ring(data.smallest)
+        state = data.state(ring, _points(DENSITY * ring.circumference))
+        spread = energy_spread(data.moving.constants, state, data.seam(ring.circumference))
+        return (1.0 + turns) * spread * float(np.max(np.abs(bounds.strain))) / data.moving.eps
+
+    def scout(self) -> Engine:
+        """None: a ring must hold what it holds."""
+        return self
+
+    def run(self, choices: Choices, shown: bool, progress: Progress) -> Trial:
+        """A run, with more points if the spectrum's tail calls for them.
+
+        A step that is too long lets short waves grow, however densely they are sampled. A lattice
+        on which waves cease to exist is told from it by losing them at the same time with another
+        step, or by its initial data.
+        """
+        kept = self._density
+        while True:
+            dense = replace(choices, density=self._dense(choices), finer=1.0)
+            try:
+                trial = self._run(dense, progress)
+            except SamplingError:
+                self._density = 1.5 * dense.density / choices.finer
+                continue
+            except FloatingPointError as error:
+                if isinstance(error, NotHyperbolicError) and self._by_itself(error, dense.step):
+                    raise
+                if not isinstance(error, NotHyperbolicError):
+                    self._soft = None
+                self._density = kept
+                return Trial(choices, None, self.work(choices), 0.0, 0.0, None)
+            self._soft = None
+            wider = self._outrun(dense, trial.payload.strain)
+            if wider is None:
+                return trial
+            choices = wider
+
+    def varied(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
+        """A shorter step, more points, a wider ring with its seam elsewhere."""
+        if "step" in kinds:
+            step, start = STEP_RATIO * choices.step, STEP_RATIO * choices.start
+            choices = replace(choices, step=step, start=start)
+        if "sampling" in kinds:
+            choices = replace(choices, finer=DENSITY_RATIO * choices.finer)
+        if "domain" in kinds and not choices.causal:
+            weaker = replace(choices, absorber=WEAKER * choices.absorber)
+            wider = self._sized(weaker, SIZE_RATIO * choices.size)
+            choices = replace(wider, shift=choices.shift + SHIFT)
+        return choices
+
+    def better(self, choices: Choices, kind: Kind, excess: float) -> Choices:
+        """By the laws of the method's order and of the ring's size."""
+        if kind == "step":
+            factor = max(REACHES[0], 0.9 * excess ** (-1.0 / ORDER))
+            start = factor * choices.start if math.isfinite(excess) else choices.start
+            shorter = replace(choices, step=factor * choices.step, start=start)
+            if shorter.step * self._moving.speed < SHORTEST < self._duration:
+                raise self._soft or StepTooShortError(f"steps below {choices.step:.2g}")
+            return shorter
+        if kind == "sampling":
+            return replace(choices, density=1.4 * self._dense(choices))
+        if choices.causal:
+            return choices
+        factor = min(REACHES[1], max(1.3, excess ** (1.0 / self.decay)))
+        return self._sized(choices, factor * choices.size)
+
+    def taken(self, choices: Choices) -> float:
+        """The step that was chosen."""
+        return choices.step
+
+    def work(self, choices: Choices) -> float:
+        """Evaluations times points times their logarithm."""
+        points = choices.size * self._dense(choices)
+        return self._duration / choices.step * points * math.log2(points + 2.0)
+
+    def _dense(self, choices: Choices) -> float:
+        """Points per site that the choices mean, by what is known of the spectrum now."""
+        least = LEAST_POINTS / choices.size
+        return choices.finer * max(choices.density, self._density, least)
+
+    def _sized(self, choices: Choices, size: float) -> Choices:
+        limit = self._data.causal
+        if self._data.kink or SIZE_RATIO * size >= limit.circumference:
+            return replace(choices, size=limit.circumference, causal=True, absorber=0.0)
+        return replace(choices, size=size)
+
+    def _by_itself(self, error: NotHyperbolicError, step: float) -> bool:
+        """Whether waves cease to exist whatever the step: at first, or when they did before."""
+        passed, self._soft = error.t - self._moving.t0, error
+        apart = SOFTENED * passed + WATCH * step
+        alike = [abs(t - passed) <= apart for t in self._softened]
+        self._softened = [*self._softened[-1:], passed]
+        return passed == 0.0 or (passed > 2 * WATCH * step and alike == [True, True])
+
+    def _outrun(self, choices: Choices, met: tuple[float, float]) -> Choices | None:
+        """The choices on a wider causal ring, if the strains met were too fast for this one."""
+        data, constants = self._data, self._moving.constants
+        strain = np.array([*met, *data.bounds.strain])
+        if not choices.causal or constants.highest_frequency(strain) <= 2.0 * data.fastest:
+            return None
+        self._data = replace(data, bounds=replace(data.bounds, strain=strain))
+        self._rings.clear()
+        return self._sized(choices, math.inf)
+
+    def _run(self, choices: Choices, progress: Progress) -> Trial:
+        moving = self._moving
+        loop = begin_loop(f"spectral {choices}")
+        state = self._state(choices)
+        if choices.nudged:
+            state = replace(state, y=(1.0 + NUDGE) * state.y)
+        march = RingMarch(moving, state, self._phases(choices), self._maker(choices, state))
+        stopped = False
+        try:
+            march.run(progress, loop)
+        except KeyboardInterrupt:
+            if not march.rows:
+                raise
+            stopped = True
+        values = np.array(march.rows)
+        strain, steps, evaluations = march.tally
+        points = state.y.size
+        cost = SpectralCost(steps, points, evaluations, state.circumference, strain)
+        rounding = rounding_error(max(map(abs, strain)) / moving.eps, evaluations)
+        rounding += clock_error(values, moving.speed, (moving.t0, moving.end))
+        work = evaluations * points * math.log2(points)
+        told = choices.step <= telling_step(moving.speed)
+        alike = 0.0 if told else self._alike
+        seconds = time.perf_counter() - loop.begun
+        trial = Trial(choices, values, work, seconds, rounding, cost, alike=alike)
+        if stopped:
+            raise StoppedTrial(trial)
+        return trial
+
+    def _maker(self, choices: Choices, state: RingState) -> MakeRing:
+        """What makes the rings of a run that begins with that state."""
+        cutoff = short = 0.0
+        if choices.absorber:
+            cutoff, short = self._data.absorbed, self._data.short(state.circumference)
+        return partial(
+            SpectralRing,
+            self._moving.constants,
+            tail=TAIL_SHARE * self._tolerance * self._moving.eps,
+            absorbed=cutoff,
+            strength=choices.absorber,
+            short=short,
+        )
+
+    def _phases(self, choices: Choices) -> list[MarchPhase]:
+        """The start, if it has a step of its own, and what follows.
+
+        The ansatz is not quite a right-going wave. Steps that do not resolve how the rest of it
+        leaves the wave would replace it by its mean, whatever their length.
+        """
+        t0, times, began = self._moving.t0, list(self._moving.times[1:]), self._started
+        if not 0.0 < choices.start < choices.step:
+            return [MarchPhase(t0, times, choices.step)]
+        return [
+            MarchPhase(t0, [t for t in times if t < began], choices.start),
+            MarchPhase(began, [t for t in times if t >= began], choices.step),
+        ]
+
+    def _ring(self, choices: Choices) -> RingPlace:
+        key = (choices.size, choices.shift, choices.causal)
+        if key not in self._rings:
+            size = math.inf if choices.causal else choices.size
+            self._rings[key] = self._data.ring(size, choices.shift)
+        return self._rings[key]
+
+    def _state(self, choices: Choices) -> RingState:
+        ring = self._ring(choices)
+        points = _points(ring.circumference * choices.density)
+        if (ring, points) not in self._states:
+            self._states[ring, points] = self._data.state(ring, points)
+        return self._states[ring, points]
+
+
+def _points(wanted: float) -> int:
+    """The next larger number of points that transforms fast."""
+    if wanted > MOST_POINTS:
+        raise RingTooLargeError(f"a ring of more than {MOST_POINTS} points")
+    return 2 * int(ducc0.fft.good_size(math.ceil(wanted / 2.0), True))

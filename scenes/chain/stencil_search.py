@@ -1,0 +1,315 @@
+"""A scene with a tolerance, site by site: in a window that holds the wave, or on a causal ring."""
+
+import math
+from collections.abc import Collection, Sequence
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+
+from longwave.lattice.model import Model
+from longwave.lattice.refine import Announce, Refined, StoppedSearch, refine
+from longwave.lattice.schemes import Scheme, scheme_named, stability_limit
+from longwave.lattice.trial import (
+    NUDGE,
+    SAFETY,
+    Choices,
+    Engine,
+    Kind,
+    Progress,
+    StoppedTrial,
+    Trial,
+    clock_error,
+    lawful_step,
+    mean_step,
+    rounding_error,
+    shorter_step,
+    step_between,
+)
+from longwave.scenes.chain.domain import (
+    Array,
+    creeping,
+    least_ring,
+    least_window,
+    seam_room,
+    window_moves,
+)
+from longwave.scenes.chain.moving_wave import MovingWave, WaveBounds, find_bounds
+from longwave.scenes.chain.observables import observable_named
+from longwave.scenes.chain.recorders import StrainSamples, moments_of
+from longwave.scenes.chain.scene import Discretisation, Scene
+from longwave.scenes.chain.stated_run import (
+    SECONDS_PER_UPDATE,
+    START_SECONDS,
+    RunRecord,
+    UnfinishedRun,
+    run_from,
+    unfinished,
+)
+
+PREFERRED = "reduced_phase_6"
+"""Fewest force evaluations for sup errors from 1e-2 to 1e-9 of those in the table."""
+
+LIMIT_SHARE = 0.9
+"""Longest step tried, in units of the stability limit at the largest strain of the wave."""
+
+SITE_MULTIPLE = 64
+"""Sizes are multiples of this, which suits the kernels."""
+
+SEEN = 16
+"""Moves of a window at which runs are compared, beside the times that are asked for."""
+
+
+def domain_kind(scene: Scene, moving: MovingWave) -> str:
+    """A window on a constant background, unless something asked for needs a ring."""
+    background = moving.wave.constant_background
+    needs_ring = any(observable_named(name).needs_ring for name in scene.observables)
+    return "ring" if needs_ring or background is None else "window"
+
+
+def longest_step(model: Model, scheme: Scheme, bounds: WaveBounds) -> float:
+    """A step that is stable about the wave's largest strain."""
+    limit = stability_limit(scheme) / model.highest_frequency(bounds.strain)
+    return LIMIT_SHARE * limit
+
+
+def least_sites(moving: MovingWave, domain: str, bounds: WaveBounds) -> int:
+    """Fewest sites that hold the wave and the compared sites, in a multiple that suits kernels.
+
+    A window's also keep off the rear's signals, which are faster than it on some backgrounds.
+    """
+    if domain == "ring":
+        return round_up(least_ring(moving, bounds.strain) + seam_room(moving))
+    return round_up(least_window(bounds.reach + creeping(moving)))
+
+
+def round_up(sites: float) -> int:
+    """The next multiple of ``SITE_MULTIPLE``."""
+    return SITE_MULTIPLE * math.ceil(sites / SITE_MULTIPLE)
+
+
+def exact_times(scene: Scene) -> tuple[float, ...]:
+    """The times that the scene's observables want exactly."""
+    entries = map(observable_named, scene.observables)
+    times = {t for entry in entries for t in moments_of(scene, entry.seen).times}
+    return tuple(sorted(times.union(scene.snapshots)))
+
+
+def judged_times(moving: MovingWave, exact: Sequence[float], domain: str) -> tuple[float, ...]:
+    """The exact times and, in a window, some of the stops that its moves make anyway."""
+    if domain == "ring":
+        return tuple(exact)
+    moves = [t for t in window_moves(moving) if t < moving.end]
+    return tuple(sorted({*moves[:: max(1, len(moves) // SEEN)], *exact}))
+
+
+STEP_RATIO = 0.85
+"""Step of a control run, in units of the one before it."""
+
+SIZE_RATIO = 1.3
+"""Size of a control run's window."""
+
+WINDOW_SAFETY = 3.0
+"""Factor on the difference of two windows, enough where the error falls like 1/size^1.1. That of a
+small one fell by a fifth only where it grew by 1.25: it had hardly left the wave, a rational one of
+order 5."""
+
+WIDER = 256
+"""Sites by which the control run's ring is wider, which is causal as it is."""
+
+CLEARANCE = 128
+"""Sites beyond the wave on which runs of a scout are compared."""
+
+LARGEST_GROWTH = 4.0
+"""Largest factor on a size from one choice to the next."""
+
+MOST_SITES = 2**20
+"""Sites of the largest domain: a run takes 230 bytes a site (measured); two are done at once."""
+
+RUNAWAY = 4.0
+"""A causal ring whose strains ask for one so many times wider has run away: the step is at fault,
+or the lattice."""
+
+
+def run_stencil(scene: Scene, progress: Progress, announce: Announce) -> tuple[RunRecord, Refined]:
+    """The run of a scene to its tolerance, and how its error was estimated.
+
+    The error is infinite if the lattice blows up by itself; what came before is kept. Raises
+    ValueError for what wave or lattice do not admit and for a tolerance below what rounding leaves,
+    UnfinishedRun on Ctrl-C.
+    """
+    engine = StencilEngine(scene, scene.moving_wave)
+    try:
+        found = refine(engine, scene.target.tolerance, progress, announce)
+    except StoppedSearch as stop:
+        run = None if stop.trial is None else stop.trial.payload
+        raise unfinished(run, stop.error, stop.before) from None
+    run = found.trial.payload
+    if math.isinf(found.error) and not run.attrs["blow_up"]:
+        raise ValueError(
+            f"snapshots must end before strains run away, got {scene.end:g} (they grew beyond "
+            f"{run.attrs['most_strain']:.3g} whatever the step; end earlier or take a smaller eps)"
+        )
+    return run, found
+
+
+class StencilEngine:
+    """Runs of a scene in windows or, where the background is not constant, on causal rings."""
+
+    threads = 2
+    decay = 5.0
+    """Measured: between 5.8 and 7.4."""
+    unstable = 1
+    most_work = math.inf
+
+    def __init__(self, scene: Scene, moving: MovingWave) -> None:
+        scheme = scheme_named(scene.target.scheme or PREFERRED)
+        self.order: int = scheme.order
+        self._scene, self._moving = scene, moving
+        self._bounds = find_bounds(moving, scene.target.tolerance)
+        self._met: list[Array] = []  # on rings that were too narrow, of runs done at once
+        self.fragile = moving.wave.wavelength is not None
+        self._domain = domain_kind(scene, moving)
+        self.kinds: tuple[Kind, ...] = ("step", "domain") if self._domain == "window" else ("step",)
+        self.safety = WINDOW_SAFETY if self._domain == "window" else SAFETY
+        self._least = self._ring = _checked(least_sites(moving, self._domain, self._bounds))
+        self._longest = longest_step(scene.constants, scheme, self._bounds)
+        stated = Discretisation(self._longest, self._domain, self._least, scheme.name)
+        self._base = replace(scene, numerics=stated)
+        exact = exact_times(self._base)
+        self._times = judged_times(moving, exact, self._domain)
+        moves = window_moves(moving) if self._domain == "window" else ()
+        self._stops = np.array(sorted({scene.t0, *exact, *(t for t in moves if t < scene.end)}))
+
+    def first(self) -> Choices:
+        """The longest step and the smallest domain."""
+        return Choices(self._longest, self._least, self._domain == "ring")
+
+    def scout(self) -> Engine:
+        """The same about the wave alone, if that saves sites."""
+        bounds = find_bounds(replace(self._moving, compared=1), self._scene.target.tolerance)
+        compared = min(self._scene.compared, bounds.reach + CLEARANCE)
+        if self._domain == "ring" or compared == self._scene.compared:
+            return self
+        scene = replace(self._scene, compared=compared, observables=())
+        return StencilEngine(scene, replace(self._moving, compared=compared))
+
+    def run(self, choices: Choices, shown: bool, progress: Progress) -> Trial:
+        """A run; on a ring that proves not to be causal, another one on a wider ring."""
+        while True:
+            trial = self._run(choices, shown, progress)
+            strain = np.array([trial.payload.attrs[key] for key in ("least_strain", "most_strain")])
+            if trial.values is None or not choices.causal:
+                return trial
+            bounds = replace(self._bounds, strain=strain)
+            least = least_sites(self._moving, "ring", bounds)
+            if choices.size >= least:
+                return trial
+            if least > RUNAWAY * choices.size:
+                return replace(trial, values=None)
+            choices = replace(choices, size=_checked(least))
+            self._met.append(strain)
+
+    def varied(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
+        """A shorter step, a wider window; a ring, which is causal anyway, varies with the step.
+
+        The ring is wider than it must be, or as it must be if it was wider before.
+        """
+        if "step" in kinds:
+            step = shorter_step(self._stops, choices.step, self.order, STEP_RATIO)
+            choices = replace(choices, step=step)
+            if choices.causal:
+                wider = WIDER if choices.size == self._ring else 0
+                choices = replace(choices, size=self._ring + wider)
+        if "domain" in kinds and not choices.causal:
+            choices = self._sized(choices, SIZE_RATIO * choices.size)
+        return choices
+
+    def better(self, choices: Choices, kind: Kind, excess: float) -> Choices:
+        """By the laws of the scheme's order and of the window's size."""
+        if kind == "step":
+            step = step_between(self._stops, choices.step)
+            return replace(choices, step=lawful_step(step, self.order, excess))
+        if choices.causal:
+            return choices
+        factor = min(LARGEST_GROWTH, max(1.2, 1.05 * excess ** (1.0 / self.decay)))
+        return self._sized(choices, factor * choices.size)
+
+    def taken(self, choices: Choices) -> float:
+        """The mean of the steps between the stops."""
+        return mean_step(self._stops, choices.step, self.order)
+
+    def work(self, choices: Choices) -> float:
+        """Site updates."""
+        steps = self._moving.duration / choices.step
+        return steps * self._base.discretisation.table.stages * choices.size
+
+    def _sized(self, choices: Choices, sites: float) -> Choices:
+        """With that many sites, or a causal ring if that takes fewer."""
+        strain = np.concatenate([self._bounds.strain, *self._met])
+        bounds = replace(self._bounds, strain=strain)
+        causal = least_sites(self._moving, "ring", bounds)
+        if not choices.causal and sites >= causal:
+            self._ring = _checked(causal)
+            return replace(choices, size=self._ring, causal=True)
+        return replace(choices, size=_checked(round_up(sites)))
+
+    def _run(self, choices: Choices, shown: bool, progress: Progress) -> Trial:
+        samples = StrainSamples(self._times)
+        looked = (shown or choices.causal) and not choices.nudged
+        domain = "closed_ring" if choices.causal else "window"
+        scheme = self._base.discretisation.scheme
+        eps = self._scene.eps * (1.0 + NUDGE * choices.nudged)
+        stated = replace(
+            self._base,
+            eps=eps,
+            numerics=Discretisation(choices.step, domain, int(choices.size), scheme),
+            observables=self._base.observables if looked else (),
+        )
+        stopped = False
+        try:
+            run = run_from(stated, replace(self._moving, eps=eps), None, progress, [samples])
+        except UnfinishedRun as stop:
+            run, stopped = stop.record, True
+        steps, size = run.attrs["force_evaluations"], run.attrs["sites"]
+        values = None
+        if not run.attrs["blow_up"]:
+            values = np.array(samples.samples) / self._scene.eps
+        largest = max(abs(run.attrs["least_strain"]), abs(run.attrs["most_strain"]))
+        rounding = rounding_error(largest / self._scene.eps, steps)
+        if values is not None:
+            rounding += clock_error(values, self._moving.speed, (stated.t0, stated.end))
+        seconds = float(run.attrs["seconds"])
+        seen = bool(stated.observables)
+        trial = Trial(choices, values, float(steps) * size, seconds, rounding, run, seen)
+        if stopped:
+            raise StoppedTrial(trial)
+        return trial
+
+
+def _checked(sites: int) -> int:
+    if sites <= MOST_SITES:
+        return sites
+    raise ValueError(
+        f"snapshots, compared and tolerance must ask for at most {MOST_SITES} sites with engine "
+        f"'stencil', got {sites} (end earlier, compare fewer or take engine 'spectral')"
+    )
+
+
+@lru_cache(maxsize=4)
+def stencil_seconds(scene: Scene) -> float:
+    """What a window would take, or on a periodic background a ring."""
+    moving = scene.moving_wave
+    scheme, bounds = scheme_named(PREFERRED), find_bounds(moving, scene.target.tolerance)
+    steps = moving.duration / longest_step(scene.constants, scheme, bounds)
+    sites = least_sites(moving, domain_kind(scene, moving), bounds)
+    return START_SECONDS + SECONDS_PER_UPDATE * steps * scheme.stages * sites
+
+
+def most_stencil_sites(scene: Scene) -> int:
+    """About the sites of the widest run, as far as the wave tells."""
+    moving = scene.moving_wave
+    bounds = find_bounds(moving, scene.target.tolerance)
+    kind = domain_kind(scene, moving)
+    sites = least_sites(moving, kind, bounds)
+    return min(MOST_SITES, sites + WIDER if kind == "ring" else round(4.0 * SIZE_RATIO * sites))

@@ -1,0 +1,289 @@
+"""Carrier waves on a lattice: data from an envelope A(X, T), and what the lattice is compared with.
+
+With ``X = eps (n - v t)`` and ``T = eps^2 t`` the fields are ``eps (e_j A exp(i theta) + c.c.)``
+with the polarisation e_j, then what follows A: second harmonic, mean, the other branches.  Time
+derivatives are whole ones: theta and X move, and A_T is that of the envelope equation.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from longwave.derive import CarrierTerms, Envelope, Lattice, carrier_fields
+from longwave.derive.algebra.exact_numbers import Number
+from longwave.lattice.numeric_lattice import NumericLattice, numeric_lattice
+from longwave.scenes.envelope_flow import EnvelopeFlow
+from longwave.scenes.lattice_wave import ORDERS, CellRing, LatticeWave
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+POWERS = {"leading": 1, "slaved": 2, "corrected": 3}
+"""The highest power of eps in the fields."""
+
+
+FLAT = 1e-9
+"""A wave has ended where it is below that share of its largest value."""
+
+FARTHEST = 400.0
+"""A wave that has not ended so far in X fills the line."""
+
+WIDER = 2.0
+"""The interval on which the next order is solved, in units of the wave's width."""
+
+
+class EnvelopeWave(Protocol):
+    """A solution A of the envelope equation, or of that with the next order."""
+
+    def jets(self, X: Array, T: float, highest: int) -> Any:
+        """A and its X-derivatives, complex, (highest + 1, *points)."""
+
+
+class EnvelopeData(LatticeWave):
+    """The wave ``wave`` of an envelope equation, on the lattice of that envelope.
+
+    ``numbers`` are the lattice's constants; ``k`` and ``branch`` those of the envelope unless they
+    are given.  The order "leading" is the carrier with its amplitude alone; "slaved" has the terms
+    in eps^2 too; "corrected" has those in eps^3, and from `start` on its amplitude follows the
+    equation with the next order (`EnvelopeFlow`), on an ``interval`` of X which that repeats: whole
+    periods, or many times the width of what there is.  A wave that ends needs none.
+
+    Slaved data hold the mean strain that belongs to the wave.  Leading data hold none but a uniform
+    one: that of ``mean_square``, the mean of |A|^2 over the ring, or far away on an infinite chain.
+    Without it a wave on a background turns at another frequency, by a part of order eps^2.
+
+    ``lattice`` is what is run, where the envelope is that of its expansion; its constants are among
+    those numbers.  Cells must be consecutive on a lattice of displacements, which are told up to a
+    common constant.
+    """
+
+    power = 1
+    slow = 2
+
+    def __init__(
+        self,
+        envelope: Envelope,
+        numbers: Mapping[str, Number],
+        wave: EnvelopeWave,
+        eps: float,
+        order: str = "slaved",
+        *,
+        k: Number | None = None,
+        branch: str | int | None = None,
+        mean_square: float = 0.0,
+        interval: tuple[float, float] | None = None,
+        lattice: Lattice | None = None,
+    ) -> None:
+        if order not in ORDERS:
+            raise ValueError(f"order must be one of {', '.join(ORDERS)}, got {order!r}")
+        if not 0.0 < eps < np.inf:
+            raise ValueError(f"eps must satisfy 0 < eps < inf, got {eps} (0.05 is usual)")
+        self.eps, self.order, self.wave = float(eps), order, wave
+        self._interval, self._flow = interval, wave if order != "corrected" else None
+        self.carrier = carrier_fields(envelope, k, branch, **numbers)
+        self.speed = self.carrier.v
+        self._declared = lattice or envelope.lattice
+        names = {str(symbol) for symbol in self._declared.constants}
+        self._numbers = {name: value for name, value in numbers.items() if name in names}
+        self._strained: dict[tuple[float, ...], NumericLattice] = {}
+        self.lattice = self.strained((0.0,))
+        background = sum(term.value.real for term in self.carrier.mean if term.power == 2)
+        self._uniform = self.eps**2 * background * mean_square if order == "leading" else 0.0
+
+    def strained(self, mean_strain: tuple[float, ...]) -> NumericLattice:
+        """The lattice about this uniform strain."""
+        if mean_strain not in self._strained:
+            used = mean_strain if any(mean_strain) else ()
+            found = numeric_lattice(self._declared, self._numbers, used, self.growth_shares)
+            self._strained[mean_strain] = found
+        return self._strained[mean_strain]
+
+    @property
+    def frequency(self) -> float:
+        """The carrier's."""
+        return abs(float(self.carrier.omega))
+
+    @property
+    def growth_shares(self) -> tuple[float, ...]:
+        """The shares of the fields in the mean."""
+        return self.carrier.shares
+
+    def support(self, t: float) -> tuple[float, float]:
+        """The cells between which there is a wave."""
+        first, last = _ends(self.wave, self.eps**2 * t)
+        return first / self.eps + self.speed * t, last / self.eps + self.speed * t
+
+    def start(self, t: float) -> None:
+        """Let the amplitude of corrected data begin as the wave at this time."""
+        if self.order != "corrected":
+            return
+        T = self.eps**2 * t
+        first, last = self._interval or _ends(self.wave, T, WIDER)
+        if not np.isfinite(last - first):
+            raise ValueError(
+                "interval must be given for a wave that does not end, got None (two ends in X that "
+                "hold whole periods of |A|, or many times the width of what there is)"
+            )
+        ends = self.wave.jets(np.array([first, last]), T, 0)[0]
+        self._flow = EnvelopeFlow(
+            self.carrier,
+            self.eps,
+            lambda X: self.wave.jets(X, T, 0)[0],
+            first=first,
+            length=last - first,
+            points=2 ** int(np.log2((last - first) / self.eps)),
+            T0=T,
+            turn=float(np.angle(ends[1] * np.conj(ends[0]))),
+        )
+
+    @property
+    def amplitude(self) -> EnvelopeWave:
+        """A: the wave, or of corrected data what it becomes; ValueError before `start`."""
+        if self._flow is None:
+            raise ValueError(
+                "start must be called for corrected data, got no time yet (the amplitude follows "
+                "the next order from there)"
+            )
+        return self._flow
+
+    def state(self, cells: ArrayLike, t: float) -> tuple[Array, Array]:
+        """Fields and their time derivatives, (fields, *sites)."""
+        n, form = np.asarray(cells, dtype=np.float64), self.carrier
+        jets = _Jets(self, n, t)
+        mean, flow = self._mean(jets, n)
+        found = []
+        for terms, share in zip(form.parts, form.shares, strict=True):
+            f, v = self._field(terms, jets, form.k * n - form.omega * t)
+            found.append((f + share * mean, v + share * flow))
+        f, v = (np.stack(part) for part in zip(*found, strict=True))
+        return f, v
+
+    def mean_strain(self, cells: Array, t: float) -> tuple[float, ...]:
+        """What displacements grow by in a cell, on average over a ring of these cells."""
+        if not self.carrier.is_displacement:
+            return (0.0,)
+        if self.order == "leading":
+            return (self._uniform,)
+        strain, _ = _Jets(self, cells, t).sums(self._kept(self.carrier.mean))
+        return (float(np.mean(strain.real)),)
+
+    def rest_slopes(self, ring: CellRing) -> list[float]:
+        """The slope of each bond's force at the ring's mean strain, about which the carrier swings.
+
+        No cell within a carrier is at rest: its bonds at one time say nothing of the next.
+        """
+        return ring.lattice.rest_slopes()
+
+    def strain(self, cells: ArrayLike, t: float) -> Array:
+        """What is compared: the stretch of each bond in displacements, otherwise the fields."""
+        n = np.asarray(cells, dtype=np.float64)
+        if not self.carrier.is_displacement:
+            return self.state(n, t)[0]
+        beyond = 1.0 + np.arange(self.lattice.reach)
+        wide = np.concatenate([n[0] - beyond[::-1], n, n[-1] + beyond])
+        inner = slice(beyond.size, -beyond.size)
+        return np.stack(self.lattice.stretches(self.state(wide, t)[0]))[:, inner]
+
+    def measured(self, f: ArrayLike, mean_strain: tuple[float, ...]) -> Array:
+        """The same from the fields of a ring."""
+        fields = np.asarray(f, dtype=np.float64)
+        if not self.carrier.is_displacement:
+            return fields
+        return np.stack(self.strained(mean_strain).stretches(fields))
+
+    # the parts of the ansatz
+
+    def _kept(self, terms: CarrierTerms) -> CarrierTerms:
+        return tuple(term for term in terms if term.power <= POWERS[self.order])
+
+    def _field(self, terms: CarrierTerms, jets: _Jets, theta: Array) -> tuple[Array, Array]:
+        """A field without the mean, and its time derivative."""
+        f, v = np.zeros_like(theta), np.zeros_like(theta)
+        kept = self._kept(terms)
+        for j in sorted({term.harmonic for term in kept}):
+            value, rate = jets.sums([term for term in kept if term.harmonic == j])
+            turn = (2.0 if j else 1.0) * np.exp(1j * j * theta)
+            f += (turn * value).real
+            v += (turn * (rate - 1j * j * self.carrier.omega * value)).real
+        return f, v
+
+    def _mean(self, jets: _Jets, n: Array) -> tuple[Array, Array]:
+        """The mean and its time derivative; of displacements, its integral over the cells."""
+        form, eps = self.carrier, self.eps
+        if self.order == "leading":
+            grown = n if form.is_displacement else np.ones_like(n)
+            return self._uniform * grown, np.zeros_like(n)
+        strain, rate = (part.real for part in jets.sums(self._kept(form.mean)))
+        if not form.is_displacement:
+            return strain, rate
+        slope = jets.sums(self._kept(form.mean_slope))[0].real
+        flow = jets.sums(form.mean_flow)[0].real
+        return _integral(strain, eps * slope, n), -form.v * strain + eps * flow
+
+
+def _integral(values: Array, slopes: Array, n: Array) -> Array:
+    """The integral from the first of consecutive cells, by the trapezoidal rule with its end term.
+
+    Its error is values'''/720, whatever the number of cells.
+    """
+    if n.ndim != 1 or not np.all(np.diff(n) == 1.0):
+        raise ValueError(
+            f"cells must be consecutive, got {n.size} others (displacements are summed over them)"
+        )
+    steps = np.concatenate([[0.0], (values[1:] + values[:-1]) / 2])
+    return np.asarray(np.cumsum(steps) - (slopes - slopes[0]) / 12)
+
+
+def _ends(wave: EnvelopeWave, T: float, wider: float = 1.0) -> tuple[float, float]:
+    """The X between which there is a wave, stretched about their middle; or all X."""
+    X = np.linspace(-FARTHEST, FARTHEST, 8001)
+    size = np.abs(wave.jets(X, T, 0)[0])
+    inside = X[size > FLAT * np.max(size)]
+    if abs(inside[0]) == FARTHEST or abs(inside[-1]) == FARTHEST:
+        return -np.inf, np.inf
+    middle, half = (inside[0] + inside[-1]) / 2, (inside[-1] - inside[0]) / 2
+    return float(middle - wider * half), float(middle + wider * half)
+
+
+class _Jets:
+    """A, its conjugate and their X-derivatives at cells and a time, with their time derivatives."""
+
+    def __init__(self, data: EnvelopeData, n: Array, t: float) -> None:
+        form, self.eps = data.carrier, data.eps
+        most = 1 if data.order == "corrected" else 0
+        flows = [[term for term in terms if term.power <= most] for terms in form.flow]
+        found = data.amplitude.jets(self.eps * (n - form.v * t), self.eps**2 * t, form.highest_jet)
+        self.values = np.asarray(found, dtype=np.complex128)
+        self.rates = [
+            self.eps**2 * self._sum(flow) - self.eps * form.v * self.values[m + 1]
+            for m, flow in enumerate(flows)
+        ]
+
+    def _sum(self, terms: Sequence[Any]) -> Complex:
+        total = np.zeros_like(self.values[0])
+        for term in terms:
+            product = np.full_like(total, self.eps**term.power * term.value)
+            for jet in term.jets:
+                product *= _of(self.values, jet)
+            total += product
+        return total
+
+    def sums(self, terms: Sequence[Any]) -> tuple[Complex, Complex]:
+        """A polynomial in the jets, and its time derivative at a fixed phase."""
+        rate = np.zeros_like(self.values[0])
+        for term in terms:
+            for i, jet in enumerate(term.jets):
+                product = self.eps**term.power * term.value * _of(self.rates, jet)
+                for other in (*term.jets[:i], *term.jets[i + 1 :]):
+                    product = product * _of(self.values, other)
+                rate += product
+        return self._sum(terms), rate
+
+
+def _of(values: Any, jet: tuple[int, ...]) -> Complex:
+    count, conjugated = jet
+    return np.conj(values[count]) if conjugated else np.asarray(values[count])

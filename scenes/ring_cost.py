@@ -1,0 +1,87 @@
+"""What runs on a ring are expected to take, known from the lattice's data alone.
+
+Measured in processor time on one core of a 3 GHz server, with rings that fit its cache. Of the
+shipped scenes the estimate is 0.8 to 5 times (median 1.6) what a run takes: what a tolerance takes
+is known only when its search has ended.
+"""
+
+from __future__ import annotations
+
+from longwave.lattice.force_program import UNARY, ForceProgram
+from longwave.lattice.numeric_lattice import NumericLattice
+from longwave.support.request_limits import ExpectedCost
+
+USUAL_RUNS = 4.0
+"""Runs of a search, in units of the first: 2.3 where its step is short enough, else 7 to 9."""
+
+BEGIN_SECONDS = 0.3
+"""To derive the equation and to have its wave as a program."""
+
+CELL_SECONDS = 5e-6
+"""To form the data of a cell in all runs: 1e-6 to 2e-5, by the wave."""
+
+SECONDS_PER_FIELD = {1: 2e-10, 2: 2e-9}
+"""To advance a field of a cell by a stage, by the number of axes; what deviates is a field, too."""
+
+SECONDS_PER_ROOT = 4.5e-10
+"""For a root or a quotient in a force."""
+
+SECONDS_PER_FUNCTION = dict.fromkeys(UNARY, 9e-9) | {"exp": 5e-9, "log": 5.5e-9}
+"""For a function in a force, which is called for each cell: 5 to 50 times a polynomial's work."""
+
+SECONDS_PER_POWER = 1.3e-8
+"""For a power whose exponent is neither whole nor half."""
+
+PROCESS_BYTES = 3e8
+"""Of a process that has run something small."""
+
+BYTES_PER_VALUE = 100.0
+"""Of what is compared at a time, by all runs of a search and in what is made of them."""
+
+BYTES_PER_CELL = 160.0
+"""Of a run, for each field of a cell: state, data, and what is compared."""
+
+
+def cell_seconds(lattice: NumericLattice) -> float:
+    """Seconds to advance all fields of a cell by a stage.
+
+    >>> from longwave.derive import LATTICES
+    >>> from longwave.lattice.numeric_lattice import numeric_lattice
+    >>> cell_seconds(numeric_lattice(LATTICES["fput"], {"K2": 1, "K3": 0, "K4": 1}))
+    2e-10
+    >>> cell_seconds(numeric_lattice(LATTICES["toda"], {"a": 1, "b": 1}))
+    5.2e-09
+    """
+    each = SECONDS_PER_FIELD[min(lattice.dimension, 2)]
+    forces = sum(_force_seconds(bond.force) for bond in lattice.bonds)
+    resting = lattice.cellwise[2].shape[0]
+    return each * (len(lattice.fields) + resting) + forces
+
+
+def _force_seconds(force: ForceProgram) -> float:
+    total = 0.0
+    for word, value in force.instructions:
+        if word == "power":
+            if 2.0 * value != round(2.0 * value):
+                total += SECONDS_PER_POWER
+            elif value < 0.0 or value != round(value):
+                total += SECONDS_PER_ROOT
+        else:
+            total += SECONDS_PER_FUNCTION.get(word, 0.0)
+    return total
+
+
+def search_cost(
+    lattice: NumericLattice, cells: float, steps: float, stages: int, kept: float
+) -> ExpectedCost:
+    """Of a search on rings of so many ``cells``, ``kept`` of which are compared at all times.
+
+    ``steps`` are those of the first run.
+    """
+    fields = len(lattice.fields)
+    first = steps * stages * cells * cell_seconds(lattice)
+    return ExpectedCost(
+        BEGIN_SECONDS + CELL_SECONDS * cells + USUAL_RUNS * first,
+        PROCESS_BYTES + (BYTES_PER_CELL * cells + BYTES_PER_VALUE * kept) * fields,
+        steps,
+    )

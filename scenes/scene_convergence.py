@@ -1,0 +1,147 @@
+"""A scene at several eps: how fast its lattice comes near its wave, at fixed slow times."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from longwave.lattice.refine import Announce
+from longwave.scenes.chain.scene_fields import finite, positive
+from longwave.scenes.convergence import FEWEST, FittedRate, fitted_rate
+from longwave.scenes.lattice_derivation import derivation
+from longwave.scenes.lattice_run import LatticeRun, run_lattice_scene
+from longwave.scenes.lattice_scene import LatticeScene
+from longwave.scenes.theory_rate import scene_rate
+from longwave.support.user_files import shown
+
+MOST = 20
+"""Values of eps."""
+
+SHARE = 0.05
+"""Of an error, what its run may add to it."""
+
+USUAL = (2.0, 1.4, 1.0, 0.7)
+"""Values of eps in units of the scene's, unless they are given."""
+
+
+@dataclass(frozen=True)
+class ConvergencePoint:
+    """One eps: the sup error over the cells and the times after the first, of what is compared.
+
+    ``relative`` is the same in units of the wave's largest deviation from its background at these
+    times; ``discretisation`` is what the run itself is estimated to add to the error.
+    """
+
+    eps: float
+    error: float
+    relative: float
+    discretisation: float
+    sites: int
+    seconds: float
+
+
+@dataclass(frozen=True)
+class SceneConvergence:
+    """The errors of a scene at several eps, and the power of eps that fits them.
+
+    Errors are of what is compared, as it stands; ``power`` is that of eps with which it is small.
+    ``theory`` is the power that the expansion has for the errors, None where it names none.
+    """
+
+    scene: LatticeScene
+    equation: str
+    power: int
+    points: tuple[ConvergencePoint, ...]
+    rate: FittedRate
+    theory: int | None
+
+    def data(self) -> dict[str, Any]:
+        """All of it as numbers, text and lists."""
+        return {
+            "scene": self.scene.name,
+            "lattice": self.scene.lattice,
+            "equation": self.equation,
+            "order": self.scene.order,
+            "power": self.power,
+            "rate": self.rate.value,
+            "interval": [self.rate.low, self.rate.high],
+            "theory": self.theory,
+            "points": [vars(point) for point in self.points],
+        }
+
+
+def scene_convergence(
+    scene: LatticeScene,
+    eps: Sequence[float] = (),
+    progress: Callable[[float], None] = lambda _: None,
+    announce: Announce = lambda _: None,
+) -> SceneConvergence:
+    """Run the scene at each eps, from the largest on, and fit the rate.
+
+    A run whose own error is not small beside what it measures is done again, to a smaller
+    tolerance. Raises ValueError for values that are too few or wrong, and as `run_lattice_scene`.
+    """
+    values = _checked(scene, eps)
+    still = at_slow_times(scene)
+    points: list[ConvergencePoint] = []
+    power = 0
+    for place, value in enumerate(values):
+
+        def share(done: float, place: int = place) -> None:
+            progress((place + done) / len(values))
+
+        run = _run(still.changed(eps=value), share, announce)
+        power = run.power
+        points.append(_point(run))
+    errors, own = [p.error for p in points], [p.discretisation for p in points]
+    rate, equation = fitted_rate(values, errors, own), derivation(scene).equation
+    return SceneConvergence(scene, equation, power, tuple(points), rate, scene_rate(scene))
+
+
+def _checked(scene: LatticeScene, given: Sequence[float]) -> list[float]:
+    values = [finite("eps", value) for value in given or [f * scene.eps for f in USUAL]]
+    for value in values:
+        positive("eps", value)
+    if not FEWEST <= len(set(values)) == len(values) <= MOST:
+        raise ValueError(
+            f"eps must be {FEWEST} to {MOST} different values, got {shown(values)} (such as "
+            "0.1,0.07,0.05,0.035)"
+        )
+    return sorted(values, reverse=True)
+
+
+def at_slow_times(scene: LatticeScene) -> LatticeScene:
+    """The scene with its times and its region in the wave's own units, which eps leaves alone."""
+    changes: dict[str, Any] = {}
+    if scene.times:
+        slow = derivation(scene).slow
+        changes |= {"times": (), "slow_times": tuple(t * scene.eps**slow for t in scene.times)}
+    if scene.compared is not None:
+        changes |= {"compared": None, "half_width": scene.compared * scene.eps}
+    return scene.changed(**changes) if changes else scene
+
+
+def _run(scene: LatticeScene, progress: Callable[[float], None], announce: Announce) -> LatticeRun:
+    run = run_lattice_scene(scene, progress, announce)
+    wanted = SHARE * float(max(run.errors[1:]))
+    if run.error_estimate <= wanted or wanted == 0.0:
+        return run
+    return run_lattice_scene(scene.changed(tolerance=wanted), progress, announce)
+
+
+def _point(run: LatticeRun) -> ConvergencePoint:
+    size = max(run.sizes[1:])
+    if size == 0.0:
+        raise ValueError(
+            f"half_width must leave some of the wave in the region at the later times, got 0 there "
+            f"with eps = {run.scene.eps:g} (take a wider region or earlier times)"
+        )
+    return ConvergencePoint(
+        run.scene.eps,
+        float(max(run.errors[1:])) * run.scale,
+        float(max(run.errors[1:]) * run.scale / size),
+        run.error_estimate * run.scale,
+        int(run.cost["sites"]),
+        float(run.cost["seconds"] + run.cost["planning_seconds"]),
+    )

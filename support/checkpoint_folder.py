@@ -1,0 +1,148 @@
+"""Checkpoints: the memories of an unfinished run's loops, as files of a folder.
+
+A file has the digest of what follows it, and then the stamp of its run, the loop's task and memory.
+One that is damaged, of another run, another machine or another task is not read.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import logging
+import os
+import pickle
+from contextlib import suppress
+from pathlib import Path
+from threading import Lock
+from typing import Any
+
+from longwave.support.atomic_file import write_atomically
+from longwave.support.checkpoint import Memory
+from longwave.support.compiled.kernel_folder import read_whole
+
+LOG = logging.getLogger("longwave.store")
+
+ANEW = "%s: begins anew: %s holds nothing of this scene, code and machine"
+
+LEAST = 5.0
+"""Seconds between two checkpoints of a loop: what a kill loses at most."""
+
+SHARE = 0.01
+"""The most of a run's time that its checkpoints take."""
+
+PATIENCE = 60.0
+"""Seconds until it is tried again where a checkpoint could not be written."""
+
+PLAIN = {
+    ("numpy", "dtype"),
+    ("numpy", "ndarray"),
+    ("numpy._core.multiarray", "_reconstruct"),
+    ("numpy._core.multiarray", "scalar"),
+    ("numpy._core.numeric", "_frombuffer"),
+}
+"""What may stand in a checkpoint beside numbers, texts, lists and dictionaries: arrays."""
+
+
+def run_stamp(key: str) -> str:
+    """What the bits of the run of that key follow from: another machine's may be others."""
+    from longwave.support.compiled.entry_point import processor
+
+    settings = [f"{k}={v}" for k, v in sorted(os.environ.items()) if k.startswith("NUMBA_")]
+    return "\n".join([key, processor(), *settings])
+
+
+class CheckpointFolder:
+    """Keeps the memories of one run's loops in a folder, which is made for the first of them.
+
+    ``stamp`` is all that the run's bits follow from. ``least`` and ``share`` are a `Keeper`'s. A
+    disk that is full stops no run: that is told, and tried again later.
+    """
+
+    def __init__(
+        self, folder: Path, stamp: str, least: float = LEAST, share: float = SHARE
+    ) -> None:
+        self.least, self.share = least, share
+        self._folder, self._stamp = folder, stamp
+        self._usual, self._lock = least, Lock()
+        self._spared = 0.0
+
+    def read(self, name: str, task: str) -> Memory | None:
+        """What was kept of the loop of that name; None if nothing that fits was."""
+        path = self._path(name)
+        data = read_whole(path)
+        if data is None:
+            if path in self._loops():
+                LOG.warning("%s is damaged: that part of the run is done again", path)
+            return None
+        stamp, kept_task, memory = _read(data)
+        return memory if (stamp, kept_task) == (self._stamp, task) else None
+
+    def write(self, name: str, task: str, memory: Memory) -> None:
+        """Keep it at once, in the place of what was kept before."""
+        data = pickle.dumps((self._stamp, task, memory), protocol=5)
+        whole = hashlib.sha256(data).digest() + data
+        try:
+            self._folder.mkdir(parents=True, exist_ok=True)
+            write_atomically(self._path(name), lambda draft: draft.write_bytes(whole))
+        except OSError as error:
+            if self.least != PATIENCE:
+                LOG.warning("%s: the run goes on without a checkpoint", error)
+            self.least = PATIENCE
+        else:
+            self.least = self._usual
+
+    @property
+    def is_begun(self) -> bool:
+        """Whether anything was kept that this run can go on with."""
+        return any(_read(read_whole(path) or b"")[0] == self._stamp for path in self._loops())
+
+    def tell(self, name: str) -> None:
+        """Tell whether the run of that name goes on with what was kept, or can not."""
+        if self.is_begun:
+            LOG.info("%s: goes on where it was broken off", name)
+        elif self._loops():
+            LOG.info(ANEW, name, self._folder)
+
+    def spared(self, seconds: float) -> None:
+        """Count what need not be done again."""
+        with self._lock:
+            self._spared += seconds
+
+    @property
+    def spared_seconds(self) -> float:
+        """All that was counted."""
+        return self._spared
+
+    def clear(self) -> None:
+        """Remove what was kept: the run is finished. A folder that holds other files stays."""
+        with suppress(OSError):
+            for path in (*self._loops(), *self._folder.glob(".*.draft.loop")):
+                path.unlink(missing_ok=True)
+            self._folder.rmdir()
+
+    def _loops(self) -> list[Path]:
+        try:
+            return sorted(self._folder.glob("*.loop"))
+        except OSError:  # a name that is too long, say
+            return []
+
+    def _path(self, name: str) -> Path:
+        return self._folder / f"{name}.loop"
+
+
+def _read(data: bytes) -> tuple[Any, Any, Any]:
+    """Stamp, task and memory; none of them in what this process cannot read."""
+    try:
+        stamp, task, memory = _Reader(io.BytesIO(data)).load()
+    except Exception:  # of another version of NumPy, say
+        return None, None, None
+    return stamp, task, memory
+
+
+class _Reader(pickle.Unpickler):
+    """Reads numbers, texts and arrays, and calls nothing else that a file may name."""
+
+    def find_class(self, module: str, name: str) -> Any:
+        if (module, name) in PLAIN:
+            return super().find_class(module, name)
+        raise pickle.UnpicklingError(f"{module}.{name} has no place in a checkpoint")

@@ -1,0 +1,272 @@
+"""What the commands of all rooms share: errors, long work and Ctrl-C, each told in one line.
+
+A room declares its words with click, next to what they do; `run_words` is the way into any of them.
+"""
+
+import os
+import re
+import sys
+from collections.abc import Callable, Iterable, Sequence
+from contextlib import AbstractContextManager, nullcontext
+from typing import Any, TypeVar
+
+import click
+
+from longwave.support.interruption import (
+    INTERRUPTED,
+    call_it,
+    interrupted,
+    interruptible,
+    was_interrupted,
+)
+from longwave.support.open_end import speaking_up, spoke
+from longwave.support.request_limits import (
+    LONG,
+    USUAL_SECONDS,
+    ExpectedCost,
+    RequestLimits,
+    check_request,
+    duration,
+    request_limits,
+)
+from longwave.support.user_files import printable
+
+__all__ = [
+    "INTERRUPTED",
+    "LONG",
+    "NO_READER",
+    "WRONG",
+    "Words",
+    "announce",
+    "called_by",
+    "check_and_announce",
+    "duration",
+    "example",
+    "fail",
+    "force_option",
+    "interrupted",
+    "json_option",
+    "limit_options",
+    "limits_of_each",
+    "one_line",
+    "run_words",
+]
+
+WRONG = 2
+"""Exit status after wrong input."""
+
+NO_READER = 141
+"""Exit status where the reader of the output has gone: 128 + the signal."""
+
+QUOTED, LONGEST = 200, 4000
+"""Most characters of the input that an error quotes, and of an error with all that it lists."""
+
+_WORDS = "longwave.words"
+
+Wrapped = TypeVar("Wrapped", bound=Callable[..., Any])
+
+force_option = click.option(
+    "--force", is_flag=True, help="Overwrite what is written, if it is there."
+)
+json_option = click.option("--json", "json_wanted", is_flag=True, help="Print JSON.")
+
+
+class Words(click.Group):
+    """A group whose unknown word is told together with the known ones."""
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """Find the command of the first word; a UsageError lists the words if it is none."""
+        if self.get_command(ctx, args[0]) is None and not args[0].startswith("-"):
+            known = ", ".join(self.commands)
+            raise click.UsageError(f"COMMAND must be a known one, got {args[0]} (one of {known})")
+        return super().resolve_command(ctx, args)
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """The words in the order in which they are declared."""
+        return list(self.commands)
+
+
+def example(line: str) -> str:
+    """The end of a command's help: an example."""
+    return f"\b\nExample:\n  {line}"
+
+
+def _limit_memory(context: click.Context, _: click.Parameter, given: str | None) -> None:
+    """Let the limit hold for the command; half of the machine's unless one is given."""
+    _hold(context, lambda: request_limits(memory=given))
+
+
+def _limit_time(context: click.Context, _: click.Parameter, given: str | None) -> None:
+    _hold(context, lambda: request_limits(seconds=USUAL_SECONDS if given is None else given))
+
+
+def _hold(
+    context: click.Context, limits: Callable[[], AbstractContextManager[RequestLimits]]
+) -> None:
+    try:
+        context.with_resource(limits())
+    except ValueError as error:
+        raise click.BadParameter(str(error).partition(" ")[2]) from None
+
+
+def limit_options(command: Wrapped) -> Wrapped:
+    """Give a command `--max-memory` and `--max-time`; both hold while it runs."""
+    return _limit_option(_limit_option(command, *_MEMORY), *_TIME)
+
+
+def limits_of_each(memory: str, time: str) -> Callable[[Wrapped], Wrapped]:
+    """The same with other values unless told, for a command that has many runs in turn."""
+    return lambda command: _limit_option(_limit_option(command, *_MEMORY, memory), *_TIME, time)
+
+
+def _limit_option(
+    command: Wrapped, name: str, metavar: str, said: str, usual: str, hold: Any, own: str = ""
+) -> Wrapped:
+    option = click.option(
+        name,
+        metavar=metavar,
+        default=own or None,
+        help=f"{said} (default {own or usual}).",
+        callback=hold,
+        expose_value=False,
+    )
+    return option(command)
+
+
+_MEMORY = (
+    "--max-memory", "SIZE", "Refuse what takes more, as 4G", "half of the machine's", _limit_memory
+)  # fmt: skip
+_TIME = "--max-time", "TIME", "Refuse what takes longer, as 30min", "1h", _limit_time
+
+
+def called_by() -> str:
+    """What the running command was called by, as in `longwave verify mutations`."""
+    return click.get_current_context().command_path
+
+
+def run_words(command: click.Command, program: str, argv: Sequence[str] | None = None) -> int:
+    """Run a command (by default on the words of the command line); return its exit status.
+
+    0 if all is well; 1 if something is refuted, undecided, rejected, missing or did not come to its
+    end; 2 for wrong input, told in one line; 130 after Ctrl-C; 141 if the reader of the output has
+    gone. The process is watched for silence and Ctrl-C as a whole if the words are its own.
+    """
+    words = list(sys.argv[1:] if argv is None else argv)
+    known = command.commands if isinstance(command, click.Group) else ()
+    called = f"{program} {words[0]}" if words and words[0] in known else program
+    call_it(called)
+    whole = argv is None
+    with speaking_up(called) if whole else nullcontext():
+        return interruptible(called, lambda: _run(command, program, called, words), whole)
+
+
+def _run(command: click.Command, program: str, called: str, words: Sequence[str]) -> int:
+    try:
+        with command.make_context(program, [*words], help_option_names=["-h", "--help"]) as context:
+            context.meta[_WORDS] = words
+            status = command.invoke(context)
+        sys.stdout.flush()
+    except click.exceptions.Exit as stop:
+        return stop.exit_code
+    except click.ClickException as error:
+        return _wrong(error, called, words)
+    except (click.Abort, KeyboardInterrupt):
+        return interrupted(called)
+    except BrokenPipeError:
+        _drop_output()
+        return NO_READER
+    except OSError as error:
+        _drop_output()
+        return fail(error)
+    except MemoryError:
+        return fail("the request must fit the memory, got one that does not (make it smaller)")
+    return int(status or 0)
+
+
+def _drop_output() -> None:
+    """Let what is still to be written to the standard output go nowhere."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def _wrong(error: click.ClickException, called: str, words: Sequence[str]) -> int:
+    """Tell a wrong word or option in one line, with the command whose help explains it."""
+    line = " ".join(_quoting_little(error.format_message(), words).split()).removesuffix(".")
+    context = error.ctx if isinstance(error, click.UsageError) else None
+    if not line.startswith("COMMAND"):
+        line = f"{line[0].lower()}{line[1:]}" if line[1:2].islower() else line
+        line += f" (see {context.command_path if context else called} --help)"
+    return fail(line)
+
+
+def fail(message: object) -> int:
+    """Print ``error: message`` in one line on stderr; return the exit status 2.
+
+    An error of a file says which file, and what is wrong with it. What the command line holds is
+    quoted in at most ``QUOTED`` characters. After Ctrl-C that is told instead: what it breaks off
+    may raise anything. That the reader of the output has gone is no error: it is raised again.
+    """
+    if was_interrupted():
+        return interrupted()
+    if isinstance(message, BrokenPipeError):
+        raise message
+    if isinstance(message, OSError) and message.strerror:
+        message = f"{message.filename or 'output'}: {message.strerror}"
+    context = click.get_current_context(silent=True)
+    words = context.meta.get(_WORDS, ()) if context is not None else ()
+    print(f"error: {one_line(_quoting_little(str(message), words))}", file=sys.stderr)
+    return WRONG
+
+
+def _quoting_little(message: str, words: Iterable[str]) -> str:
+    """The message with long words of the command line cut, as they are or as Python writes them,
+    and whatever else is long without a space."""
+    if len(message) <= QUOTED:
+        return message
+    for part in {part for word in words for part in (word, word.partition("=")[2])}:
+        for text in (part, repr(part)[1:-1]):
+            if len(text) > QUOTED // 2:
+                message = message.replace(text, cut(text, QUOTED // 2))
+    return re.sub(rf"\S{{{QUOTED},}}", lambda found: cut(found[0], QUOTED // 2), message)
+
+
+def cut(text: str, most: int) -> str:
+    """The text, of at most so many characters: from a longer one the end is left out.
+
+    >>> cut("a long text", 8)
+    'a lon...'
+    """
+    return text if len(text) <= most else f"{text[: most - 3]}..."
+
+
+def fail_for_memory(error: MemoryError, what: str = "sites") -> int:
+    """`fail` for a scene with too many ``what``."""
+    return fail(f"{what} must fit the memory, got a scene that does not: {error} (take fewer)")
+
+
+def one_line(message: object) -> str:
+    r"""The message in one line of at most ``LONGEST``, what would steer the terminal written out.
+
+    >>> print(one_line("two\nlines, \x1b[31mred"))
+    two lines, \x1b[31mred
+    """
+    return printable(cut(" ".join(str(message).split()), LONGEST))
+
+
+def check_and_announce(
+    work: str, seconds: float, memory: float = 0.0, cheaper: str = "take less at once"
+) -> None:
+    """`announce` the work; TooMuchError if it takes more than the limits allow."""
+    check_request(work, ExpectedCost(seconds, memory), cheaper)
+    announce(work, seconds)
+
+
+def announce(work: str, seconds: float) -> None:
+    """Say on stderr, before it begins, how long ``work`` will take, if that is ``LONG`` or more.
+
+    >>> announce("rational_9", 0.5)
+    """
+    if seconds >= LONG:
+        spoke()
+        print(f"{work}: about {duration(seconds)} (Ctrl-C stops it)", file=sys.stderr, flush=True)

@@ -1,0 +1,1 @@
+"""Compiled code and its cache on disk, which follows the sources."""

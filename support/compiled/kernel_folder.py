@@ -1,0 +1,123 @@
+"""Where compiled kernels are kept from one process to the next, under keys that follow the sources.
+
+A kernel's machine code lies in a folder that is named by a digest of all that it is built from: the
+text of every file of the project that its module imports, directly or through others; the byte
+code and the constants that these modules hold in memory (Python's own cache of byte code can be
+stale as well); the versions of Python, numba, llvmlite, NumPy and of what else these files import;
+numba's settings.  So nothing old is ever found, and going back to an earlier source finds what was
+compiled from that.
+
+The folder is the first that can be written of ``NUMBA_CACHE_DIR``, the module's ``__pycache__`` and
+the user's cache.  Where there is none, every process compiles anew, and a warning says so once.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import shutil
+import sys
+import tempfile
+import warnings
+from collections.abc import Iterator
+from contextlib import suppress
+from functools import lru_cache
+from pathlib import Path
+
+__all__ = ["cache_folder", "read_whole", "write_whole"]
+
+KEPT = 8
+"""Versions of a module's kernels that a cache keeps; the least lately used ones go first."""
+
+
+@lru_cache
+def cache_folder(module: str, sources: str) -> Path | None:
+    """The folder for the kernels of an imported module, made if need be; None if none can be.
+
+    ``sources`` is the digest of what they are built from (`support.compiled.source_digest`).
+    """
+    name = f"{module}-{_digest(sources)[:20]}"
+    for base in _bases(Path(str(sys.modules[module].__file__))):
+        folder = base / name
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            tempfile.TemporaryFile(dir=folder).close()
+            os.utime(folder)
+        except OSError:
+            continue
+        _prune(base, module)
+        return folder
+    _tell_once()
+    return None
+
+
+def write_whole(path: Path, data: bytes) -> None:
+    """Write a file of a cache; readers see the whole file or none.
+
+    A cache can only save time: a full disk or a folder that is gone is no error.
+    """
+    from longwave.support.atomic_file import write_atomically
+
+    with suppress(OSError):
+        held = hashlib.sha256(data).digest() + data
+        write_atomically(path, lambda draft: draft.write_bytes(held), durable=False)
+
+
+def read_whole(path: Path) -> bytes | None:
+    """What `write_whole` wrote; None if it is not there, or damaged."""
+    try:
+        held = path.read_bytes()
+    except OSError:
+        return None
+    digest, data = held[:32], held[32:]
+    return data if hashlib.sha256(data).digest() == digest else None
+
+
+def _digest(sources: str) -> str:
+    """What the machine code depends on: the sources and numba's settings."""
+    settings = [
+        f"{name}={value}"
+        for name, value in sorted(os.environ.items())
+        if name.startswith("NUMBA_") and name != "NUMBA_CACHE_DIR"
+    ]
+    with suppress(OSError):
+        settings.append(Path(".numba_config.yaml").read_text(encoding="utf-8"))
+    return hashlib.sha256("\n".join([sources, *settings]).encode()).hexdigest()
+
+
+def _bases(file: Path) -> Iterator[Path]:
+    chosen = os.environ.get("NUMBA_CACHE_DIR", "")
+    if chosen:
+        yield Path(chosen)
+    yield file.parent / "__pycache__"
+    with suppress(RuntimeError):  # no home
+        yield _users_cache() / "longwave" / "kernels"
+
+
+def _users_cache() -> Path:
+    """The platform's folder for the caches of this user."""
+    if sys.platform == "win32":
+        return Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local")
+    if sys.platform == "darwin":
+        return Path.home() / "Library" / "Caches"
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+
+
+def _prune(base: Path, module: str) -> None:
+    """Remove the least lately used versions of the module's kernels."""
+    try:
+        versions = sorted(base.glob(f"{module}-*"), key=lambda path: path.stat().st_mtime)
+    except OSError:  # another process has just removed one
+        return
+    for folder in versions[:-KEPT]:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+@lru_cache
+def _tell_once() -> None:
+    warnings.warn(
+        "no folder for compiled kernels can be written: this process compiles them anew, which "
+        "takes some seconds (set NUMBA_CACHE_DIR to a folder that can be written)",
+        RuntimeWarning,
+        stacklevel=1,
+    )

@@ -1,0 +1,208 @@
+"""What the subcommands share: consoles, progress, files to be written, Ctrl-C between two items."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+import threading
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from time import process_time
+from typing import Any, NoReturn, TypeVar
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn, track
+from rich.text import Text
+
+from longwave.support.command_line import LONG, announce
+from longwave.support.open_end import say_open_end, spoke
+from longwave.support.user_files import printable, shown
+
+PIPE_WIDTH = 120
+"""Columns of a table where stdout is no terminal."""
+
+T = TypeVar("T")
+Tell = Callable[[float], None]
+
+
+def table_console() -> Console:
+    """The console for tables: as wide as the terminal, and wide enough for one row in a pipe."""
+    console = Console()
+    return console if console.is_terminal else Console(width=PIPE_WIDTH)
+
+
+def tracked(items: Iterable[T], count: int, words: str) -> Iterator[T]:
+    """``items`` as they come, with a progress bar on stderr if that is a terminal."""
+    console = Console(stderr=True)
+    if console.is_terminal:
+        spoke()
+        items = track(items, words, count, console=console, transient=True)
+    yield from items
+
+
+def finished(items: Iterable[T]) -> tuple[list[T], bool]:
+    """The items that came until the end or until Ctrl-C, and whether it was the end."""
+    found: list[T] = []
+    try:
+        for item in items:
+            found.append(item)
+    except KeyboardInterrupt:
+        return found, False
+    return found, True
+
+
+def print_lines(console: Console, lines: Sequence[str]) -> None:
+    """Print lines as they are, without markup and without breaking them."""
+    for line in lines:
+        console.print(line, markup=False, highlight=False, soft_wrap=True)
+
+
+def plain_console(stderr: bool = False, soft_wrap: bool = False) -> Console:
+    """A console that prints text as it is: a scene's title and name are no markup."""
+    return PlainConsole(
+        stderr=stderr, soft_wrap=soft_wrap, highlight=False, markup=False, emoji=False
+    )
+
+
+class PlainConsole(Console):
+    """One on which texts of a file cannot steer the terminal: such signs are written out."""
+
+    def render_str(self, text: str, *words: Any, **options: Any) -> Text:
+        """The text of what is printed, or of a table's cell."""
+        return super().render_str(printable(text), *words, **options)
+
+    def on_broken_pipe(self) -> NoReturn:
+        """Leave it to the command that the reader of the output has gone: Rich would exit here."""
+        raise BrokenPipeError
+
+
+def check_output(
+    text: str | None,
+    example: str = "run.nc",
+    *,
+    suffixes: Sequence[str] = (),
+    force: bool = False,
+    option: str = "--output",
+    read: Sequence[str | Path] = (),
+) -> None:
+    """Raise ValueError before anything is computed if no file can be written at ``text``.
+
+    It must end in one of the ``suffixes``, if there are any, lie in a folder that can be written,
+    be no folder or device, and none of what is ``read``; without ``force`` it must not be there
+    yet. ``option`` names it.
+    """
+    if text is None:
+        return
+    path = Path(text)
+    if text.endswith("/") or path.is_dir():
+        raise ValueError(
+            f"{option} must name a file, got the folder {text} (such as {example} in it)"
+        )
+    if suffixes and path.suffix.lower() not in suffixes:
+        raise ValueError(
+            f"{option} must end in {' or '.join(suffixes)}, got {shown(path.name)} (such as "
+            f"{example})"
+        )
+    if not path.parent.is_dir():
+        raise ValueError(f"{option} must lie in an existing folder, got {text} (make it first)")
+    if path.exists() and not path.is_file():
+        raise ValueError(
+            f"{option} must name a file, got {text}, which is none (such as {example})"
+        )
+    if os.path.realpath(path) in {os.path.realpath(name) for name in read}:
+        raise ValueError(
+            f"{option} must be a file of its own, got {text}, which is read (such as {example})"
+        )
+    if path.exists() and not force:
+        raise ValueError(
+            f"{option} must name a new file, got {text}, which is there (--force overwrites it)"
+        )
+    _check_folder(Path(os.path.realpath(path)).parent, option)
+
+
+def _check_folder(folder: Path, option: str) -> None:
+    """Raise ValueError if no file can be made in the folder: whether one can, only that says."""
+    try:
+        tempfile.TemporaryFile(dir=folder).close()
+    except OSError as error:
+        raise ValueError(
+            f"{option} must lie in a folder that can be written, got {folder}: {error.strerror} "
+            "(name a file elsewhere)"
+        ) from None
+
+
+SUFFIXES = (".png", ".pdf", ".svg")
+"""Of pictures."""
+
+
+def picture_path(output: str | Path) -> Path:
+    """The path of a picture; ValueError for a suffix that cannot be drawn."""
+    path = Path(output) if isinstance(output, str | Path) else None
+    if path is None or path.suffix.lower() not in SUFFIXES:
+        got = shown(output if path is None else path.name)
+        raise ValueError(
+            f"output must be a path ending in {', '.join(SUFFIXES)}, got {got} (such as 'run.png')"
+        )
+    return path
+
+
+QUIET = 2.0
+"""Seconds after which work that was not announced is: how long it takes was not foreseen."""
+
+
+class _Quiet:
+    """Says of work where no bar is seen how long it will take, or after `QUIET` that it goes on.
+
+    A thread looks at the ``clock``: what is slow may not come to tell its progress.
+    """
+
+    def __init__(self, work: str, clock: Callable[[], float]) -> None:
+        self._work, self._clock, self._end = work, clock, clock() + QUIET
+        self._over = threading.Event()
+        threading.Thread(target=self._watch, daemon=True).start()
+
+    def _watch(self) -> None:
+        while not self._over.wait(0.1):
+            if self._clock() > self._end:
+                say_open_end(self._work)
+                return
+
+    def tell(self, seconds: float) -> None:
+        """Announce work to come."""
+        if seconds >= LONG:
+            self.stop()
+        announce(self._work, seconds)
+
+    def stop(self) -> None:
+        """Say nothing from here on."""
+        self._over.set()
+
+
+@contextmanager
+def progress_bar(
+    name: str, work: str, console: Console, clock: Callable[[], float] = process_time
+) -> Iterator[tuple[Tell, Tell]]:
+    """A bar, where the console is a terminal, as `run` takes it.
+
+    Yields what the share done is told to, and what the seconds of long ``work`` are told to. Where
+    there is no bar, what takes `QUIET` seconds of the ``clock`` without a word gets one.
+    """
+    if not console.is_terminal:
+        quiet = _Quiet(work, clock)
+        try:
+            yield lambda _: None, quiet.tell
+        finally:
+            quiet.stop()
+        return
+    spoke()
+    columns = (TextColumn("{task.description}", markup=False), BarColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=console, transient=True) as bar:
+        task = bar.add_task(name, total=1.0)
+
+        def tell(seconds: float) -> None:
+            bar.stop()
+            announce(work, seconds)
+            bar.start()
+
+        yield lambda share: bar.update(task, completed=share), tell

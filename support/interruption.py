@@ -1,0 +1,205 @@
+"""Ctrl-C ends a command in one line within two seconds, whatever the command is doing.
+
+The first Ctrl-C is a KeyboardInterrupt, from which a command unwinds and tells what it keeps. One
+that is in compiled code, waits for workers or has lost the interrupt in a finalizer is ended by a
+watching thread, which the signal wakes without Python's help. A second Ctrl-C ends it at once.
+"""
+
+from __future__ import annotations
+
+import atexit
+import os
+import signal
+import sys
+import threading
+import time
+from collections import namedtuple
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from typing import NoReturn
+
+from longwave.support.user_files import on_one_line
+
+INTERRUPTED = 130
+"""Exit status after Ctrl-C: 128 + the signal."""
+
+PATIENCE = 1.5
+"""Seconds in which a command may end by itself."""
+
+KEEPING = 15.0
+"""Seconds more in which it may write what is finished, where it does."""
+
+SAME_PRESS = 0.3
+"""Seconds in which a second signal is taken for the first: some programs pass on what a terminal
+has sent already."""
+
+LOOK = 0.05
+"""Seconds between two looks at whether the time is over."""
+
+SHOW_CURSOR = "\x1b[?25h"
+
+
+class _Watch:
+    """A running command: what it is called by, what it keeps, and since when it is to end."""
+
+    def __init__(self, called: str) -> None:
+        self.called, self.kept = called, ""
+        self.since: float | None = None
+        self.patience = PATIENCE
+        self.told = self.over = self.left = False
+
+    def press(self, *_: object) -> None:
+        """The handler of the signal: interrupt the main thread, or end if that was done before."""
+        now = time.monotonic()
+        if self.over or (self.since is not None and now > self.since + SAME_PRESS):
+            self.end()
+        if self.since is None:
+            self.since = now
+            raise KeyboardInterrupt
+
+    def watch(self, reading: int) -> None:
+        """In a thread: end the command a while after the signal's number has come."""
+        byte = os.read(reading, 1)
+        begun = time.monotonic()
+        while byte and not self.left:
+            if time.monotonic() > begun + self.patience:
+                self.end()
+            time.sleep(LOOK)
+        os.close(reading)
+
+    def tell(self, kept: str) -> None:
+        """Say in one line that the command was interrupted, once."""
+        if not self.told:
+            self.told = True
+            print(f"{self.called}: interrupted{kept}", file=sys.stderr, flush=True)
+
+    def end(self) -> NoReturn:
+        """End the process here and now, its workers too."""
+        with suppress(Exception):
+            processes = sys.modules.get("multiprocessing")
+            for child in processes.active_children() if processes else ():
+                child.kill()
+        if self.told:
+            time.sleep(LOOK)  # the line may be on its way
+        else:
+            shown = SHOW_CURSOR if os.isatty(2) else ""
+            kept = f" ({self.kept})" if self.kept else ""
+            os.write(2, f"{shown}{self.called}: interrupted{kept}\n".encode())
+        os._exit(INTERRUPTED)
+
+
+_watch: _Watch | None = None
+
+
+def interruptible(called: str, work: Callable[[], int], whole_process: bool) -> int:
+    """What ``work`` returns, an exit status; 130 after Ctrl-C, told in one line.
+
+    ``called`` is what the command is called by. With ``whole_process`` there is nothing but the
+    command, and Ctrl-C stays in these hands until the process has ended. Inside another one, and
+    where the signal is ignored, this only tells.
+    """
+    main = threading.current_thread() is threading.main_thread()
+    if _watch is not None or not main or signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        return _told(called, work)
+
+    def watched() -> int:
+        with _watched(_Watch(called), whole_process):
+            return _told(called, work)
+
+    return _told(called, watched)
+
+
+def _told(called: str, work: Callable[[], int]) -> int:
+    try:
+        return work()
+    except BaseException as error:
+        if not (isinstance(error, KeyboardInterrupt) or was_interrupted()):
+            raise  # an interrupted import raises whatever it likes
+        return interrupted(called)
+    finally:
+        # What runs a text, as this does, makes CPython forget that it ran one that was interrupted:
+        # else it ends by the signal and not with a status.
+        namedtuple("Forget", ())
+
+
+@contextmanager
+def _watched(watch: _Watch, whole_process: bool) -> Iterator[None]:
+    global _watch
+    handler = signal.signal(signal.SIGINT, watch.press)
+    reading, writing = os.pipe()
+    os.set_blocking(writing, False)
+    threading.Thread(target=watch.watch, args=(reading,), daemon=True).start()
+    if whole_process:
+        atexit.register(_ignore_from_here)
+    _watch, hook = watch, sys.unraisablehook
+    sys.unraisablehook = lambda lost: None if watch.since else hook(lost)
+    woken = signal.set_wakeup_fd(writing, warn_on_full_buffer=False)
+    try:
+        yield
+    finally:
+        watch.over = whole_process
+        if not whole_process:
+            signal.set_wakeup_fd(woken)
+            signal.signal(signal.SIGINT, handler)
+            _watch, sys.unraisablehook, watch.left = None, hook, True
+            os.close(writing)
+
+
+def _ignore_from_here() -> None:
+    """The last step of a process that has done its work: it ends with its own status.
+
+    Python forgets handlers as it ends, and the signal would kill it; one to ignore it leaves.
+    """
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+def _leave_to_parent() -> None:
+    """In a forked process: it is the parent that is interrupted, and that ends its children."""
+    global _watch
+    if _watch is not None:
+        _watch = None
+        signal.set_wakeup_fd(-1)
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_leave_to_parent)
+
+
+def was_interrupted() -> bool:
+    """Whether Ctrl-C has been pressed in this command."""
+    return _watch is not None and _watch.since is not None
+
+
+def call_it(called: str) -> None:
+    """Say what the running command is called by, once that is known."""
+    if _watch is not None:
+        _watch.called = called
+
+
+def interrupted(called: str = "", kept: str = "") -> int:
+    """Print one line on stderr after Ctrl-C, with what is ``kept``; return the exit status 130."""
+    watch = _watch or _Watch(called)
+    watch.called = called or watch.called
+    watch.tell(f" ({on_one_line(kept)})" if kept else "")
+    return INTERRUPTED
+
+
+def will_keep(kept: str) -> None:
+    """Say what of the work there is by now, for the line that ends it from outside."""
+    if _watch is not None:
+        _watch.kept = on_one_line(kept)
+
+
+@contextmanager
+def keeping() -> Iterator[None]:
+    """In the body, what is finished is written: after Ctrl-C there is time for it."""
+    if _watch is None:
+        yield
+        return
+    _watch.patience += KEEPING
+    try:
+        yield
+    finally:
+        if _watch is not None:
+            _watch.patience -= KEEPING

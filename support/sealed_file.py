@@ -1,0 +1,62 @@
+"""HDF5 files that end with their checksum: whole, or as good as missing.
+
+HDF5 passes over the line after a file's end. Files appear whole or not at all; that line tells of
+one that was damaged since.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, BinaryIO
+
+from longwave.support.atomic_file import write_atomically
+from longwave.support.checkpoint_folder import LOG
+
+if TYPE_CHECKING:
+    from hashlib import _Hash as Hash
+
+SEAL = b"\nlongwave run, sha256 of all before this line: "
+"""How the line after a file's end begins; the digest, in hexadecimal, and a line's end follow."""
+
+SEAL_LENGTH = len(SEAL) + 64 + 1
+
+PART = 2**20
+"""Bytes that are read at once."""
+
+
+def write_sealed(path: Path, content: bytes, force: bool = True) -> None:
+    """Write the content and its seal, whole or not at all; raises as `write_atomically`."""
+
+    def write(draft: Path) -> None:
+        with draft.open("wb") as stream:
+            stream.write(content)
+            stream.write(_seal(hashlib.sha256(content)))
+
+    write_atomically(path, write, force)
+
+
+def is_whole(path: Path) -> bool:
+    """Whether there is a run's file as it was written; one that is damaged is told."""
+    try:
+        with path.open("rb") as stream:
+            whole = _is_sealed(stream, os.fstat(stream.fileno()).st_size - SEAL_LENGTH)
+    except FileNotFoundError:
+        return False
+    if not whole:
+        LOG.warning("%s is damaged: it counts as missing, and is made anew", path)
+    return whole
+
+
+def _is_sealed(stream: BinaryIO, left: int) -> bool:
+    """Whether the seal after so many bytes is theirs."""
+    total = hashlib.sha256()
+    while left > 0 and (part := stream.read(min(left, PART))):
+        total.update(part)
+        left -= len(part)
+    return left == 0 and stream.read() == _seal(total)
+
+
+def _seal(total: Hash) -> bytes:
+    return SEAL + total.hexdigest().encode() + b"\n"

@@ -1,0 +1,207 @@
+"""Files that a user names: every reader of the house takes them from here.
+
+Only regular files are read, up to a size, as UTF-8 with or without a byte order mark; ``-`` is the
+standard input. What is nested or dotted too deep for its parser is refused before it costs time.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import stat
+import sys
+import tomllib
+from pathlib import Path
+from typing import Any
+
+STANDARD_INPUT = "-"
+
+DEEPEST = 100
+"""Tables and lists inside each other."""
+
+QUOTED = 200
+"""Most characters of a file's name in an error."""
+
+DEEP_KEY = re.compile(
+    rb"""(?:^|[\[{,])[ \t]*(?:(?:[\w-]{1,99}|"[^"\n]{0,99}"|'[^'\n]{0,99}')[ \t]*\.[ \t]*){20}""",
+    re.MULTILINE,
+)
+"""A key that tomllib takes time and memory for with the square of its dots: 1.2 GB for 50 000."""
+
+KINDS = {
+    stat.S_IFDIR: "a folder",
+    stat.S_IFIFO: "a pipe",
+    stat.S_IFSOCK: "a socket",
+    stat.S_IFCHR: "a device",
+    stat.S_IFBLK: "a device",
+}
+
+
+def shown(value: object) -> str:
+    """The value as a message shows it: on one short line, whatever a file holds.
+
+    >>> shown(10**5000)
+    'an integer of 16610 bits'
+    """
+    if isinstance(value, int) and value.bit_length() > 1000:
+        return f"an integer of {value.bit_length()} bits"
+    try:
+        line = " ".join(repr(value).split())
+    except RecursionError:
+        return f"a {type(value).__name__} that is nested too deep"
+    return line if len(line) <= 60 else f"{line[:57]}..."
+
+
+def shown_path(path: str | Path) -> str:
+    r"""The path as an error shows it: short, what would steer the terminal written out.
+
+    >>> print(shown_path("a\x1b[31m\n.toml"))
+    a\x1b[31m\n.toml
+    """
+    text = str(path)
+    if len(text) > QUOTED:
+        text = f"{text[: QUOTED // 2]}...{text[3 - QUOTED // 2 :]}"
+    return on_one_line(text)
+
+
+def on_one_line(text: str) -> str:
+    r"""The text, with the ends of its lines and what would steer the terminal written out.
+
+    >>> print(on_one_line("kept in a\n.nc"))
+    kept in a\n.nc
+    """
+    return printable(text).replace("\n", "\\n")
+
+
+def printable(text: str) -> str:
+    r"""The text with what would steer the terminal written out, but for the ends of its lines.
+
+    >>> print(printable("red: \x1b[31m"))
+    red: \x1b[31m
+    """
+    return "".join(
+        sign if sign.isprintable() or sign == "\n" else ascii(sign)[1:-1] for sign in text
+    )
+
+
+def file_stem(path: str | Path) -> str:
+    """What is called after a file: its name without folder and ending; "stdin" for ``-``."""
+    return "stdin" if str(path) == STANDARD_INPUT else Path(path).stem
+
+
+def check_file(path: str | Path, what: str, most: float) -> None:
+    """Raise ValueError unless the path is a regular file of at most ``most`` bytes.
+
+    ``what`` is what the file is to be, such as "scene". Raises OSError as opening does.
+    """
+    _check(os.stat(_without_zeros(path, what)), path, what, most)
+
+
+def read_bytes(path: str | Path, what: str, most: int) -> bytes:
+    """The content of a regular file, or of the standard input for ``-``.
+
+    Raises ValueError for another kind of file and for more than ``most`` bytes, OSError as opening
+    does.
+    """
+    if str(path) == STANDARD_INPUT:
+        content = sys.stdin.buffer.read(most + 1)
+    else:
+        # a pipe without a writer would be waited for; what it is can be asked once it is open
+        handle = os.open(_without_zeros(path, what), os.O_RDONLY | getattr(os, "O_NONBLOCK", 0))
+        try:
+            _check(os.fstat(handle), path, what, most)
+            with open(handle, "rb", closefd=False) as file:
+                content = file.read(most + 1)
+        finally:
+            os.close(handle)
+    if len(content) > most:
+        raise ValueError(_too_long(path, what, most))
+    return content
+
+
+def read_text(path: str | Path, what: str, most: int) -> str:
+    """The text of such a file; ValueError also for what is no UTF-8."""
+    return _text(read_bytes(path, what, most), path, what)
+
+
+def read_toml(path: str | Path, what: str, most: int) -> dict[str, Any]:
+    """The tables of such a file; ValueError also for what is no TOML, or nested too deep."""
+    return parse_toml(read_bytes(path, what, most), path, what)
+
+
+def parse_toml(content: bytes, path: str | Path, what: str) -> dict[str, Any]:
+    """The tables of a file's content; raises as `read_toml` does."""
+    if DEEP_KEY.search(content):
+        raise ValueError(
+            f"{what} must have plain keys, got one with dots upon dots in {shown_path(path)}"
+        )
+    text = _text(content, path, what)
+    try:
+        document = tomllib.loads(text)
+        deep = is_deep(document)
+    except RecursionError:
+        deep = True
+    except tomllib.TOMLDecodeError as error:
+        words = " ".join(str(error).split())
+        reason = words if len(words) <= QUOTED else f"{words[: QUOTED - 3]}..."
+        raise ValueError(
+            f"{what} must be a TOML file, got {shown_path(path)}: {reason} (mend it)"
+        ) from None
+    except ValueError:
+        raise ValueError(
+            f"{what} must have numbers of some digits, got one of thousands in {shown_path(path)}"
+        ) from None
+    if deep:
+        raise ValueError(
+            f"{what} must be nested at most {DEEPEST} deep, got {shown_path(path)} with more"
+        )
+    return document
+
+
+def is_deep(data: object) -> bool:
+    """Whether mappings and lists lie inside each other more than ``DEEPEST`` deep.
+
+    >>> is_deep({"a": [1, {"b": []}]})
+    False
+    """
+    level = [data]
+    for _ in range(DEEPEST):
+        inner: list[object] = []
+        for entry in level:
+            if isinstance(entry, dict):
+                inner += entry.values()
+            elif isinstance(entry, list | tuple):
+                inner += entry
+        level = inner
+    return bool(level)
+
+
+def _text(content: bytes, path: str | Path, what: str) -> str:
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise ValueError(
+            f"{what} must be a text in UTF-8, got {shown_path(path)} with the byte "
+            f"0x{content[error.start]:02x} at {error.start} (save it as UTF-8)"
+        ) from None
+
+
+def _without_zeros(path: str | Path, what: str) -> str:
+    if "\0" in str(path):
+        raise ValueError(f"{what} must be a file's name, got {shown_path(path)}")
+    return str(path)
+
+
+def _check(found: os.stat_result, path: str | Path, what: str, most: float) -> None:
+    kind = KINDS.get(stat.S_IFMT(found.st_mode))
+    if kind is not None:
+        raise ValueError(
+            f"{what} must be a regular file, got {shown_path(path)}, {kind} "
+            "(- reads from the standard input)"
+        )
+    if found.st_size > most:
+        raise ValueError(_too_long(path, what, most))
+
+
+def _too_long(path: str | Path, what: str, most: float) -> str:
+    return f"{what} must have at most {most:.0f} bytes, got {shown_path(path)} with more"

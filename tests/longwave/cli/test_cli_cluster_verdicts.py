@@ -1,0 +1,59 @@
+"""Statements decided on a Dask cluster of this machine, one of its workers killed."""
+
+import os
+import signal
+from typing import Any
+
+import pytest
+
+from longwave.cli import cluster_verdicts
+from longwave.cli.cluster_verdicts import decide_apart, decided_on_cluster
+from longwave.verify.problem_file import StatedProblem
+from longwave.verify.proof.statement_text import read_statement
+from longwave.verify.proof.typed_statement import Statement
+from longwave.verify.verdict import Outcome
+
+KDV = "u_t + 6*u*u_x + u_xxx"
+
+
+def soliton(speed: int) -> Statement:
+    solution = f"u = 2*k**2*sech(k*(x - {speed}*k**2*t))**2"
+    return read_statement([KDV], [solution], "k: k>0", "")
+
+
+@pytest.mark.slow
+def test_a_statement_decided_apart_keeps_its_limit() -> None:
+    found = decide_apart(soliton(4), 0.01, 0.0)
+    assert found.outcome is Outcome.UNDECIDED
+    assert "no verdict within 0.01 s" in found.detail
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore::DeprecationWarning:distributed", "ignore::ResourceWarning")
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
+def test_a_cluster_gives_every_verdict_though_a_worker_is_killed(dask_cluster: Any) -> None:
+    speeds = [4, 2, 4, 3, 4, 5]
+    problems = [StatedProblem(soliton(speed)) for speed in speeds]
+    verdicts = decided_on_cluster(problems, 60.0, 0.0, dask_cluster.scheduler_address)
+    found = [next(verdicts)]
+    os.kill(dask_cluster.workers[0].process.process.pid, signal.SIGKILL)
+    found += verdicts
+    assert sorted(place for place, _ in found) == list(range(len(speeds)))
+    for place, verdict in found:
+        assert verdict.outcome is (Outcome.PROVED if speeds[place] == 4 else Outcome.REFUTED)
+    proved = next(verdict for place, verdict in found if place == 0)
+    assert proved.certificates
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore::DeprecationWarning:distributed", "ignore::ResourceWarning")
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
+def test_workers_that_prove_by_another_code_are_refused(
+    dask_cluster: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(cluster_verdicts, "text_digest", lambda sources: "of other sources")
+    verdicts = decided_on_cluster(
+        [StatedProblem(soliton(4))], 60.0, 0.0, dask_cluster.scheduler_address
+    )
+    with pytest.raises(ValueError, match="sources and packages of this machine, got other ones on"):
+        next(verdicts)

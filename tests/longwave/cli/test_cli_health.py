@@ -1,0 +1,99 @@
+"""`longwave doctor`: what is missing is found, and says what it costs."""
+
+import json
+import os
+from collections.abc import Callable
+from importlib import metadata
+from pathlib import Path
+
+import pytest
+from llvmlite import binding  # type: ignore[import-untyped]
+
+import longwave.reports.engine
+import longwave.support.compiled.kernel_folder
+from longwave.__main__ import main
+from longwave.cli import health
+
+Output = pytest.CaptureFixture[str]
+
+
+def found(part: str) -> health.Finding:
+    (finding,) = (finding for finding in health.examine() if finding.part == part)
+    return finding
+
+
+def test_it_names_every_part_in_words_and_in_json(capsys: Output) -> None:
+    assert main(["doctor", "--json"]) == 0
+    findings = json.loads(capsys.readouterr().out)
+    parts = [finding["part"] for finding in findings]
+    assert {"Python", "sympy", "numba", "cores", "vectors", "compiled kernels", "LaTeX"} <= {*parts}
+    assert all(finding["cost"] or finding["state"] == "good" for finding in findings)
+    assert main(["doctor"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert [line[2:].split("  ")[0] for line in lines if line[2] != " "] == parts
+
+
+def test_a_missing_package_is_broken(monkeypatch: pytest.MonkeyPatch, capsys: Output) -> None:
+    monkeypatch.setattr(metadata, "requires", lambda _: ["no-such-thing>=2", 'x; extra == "dev"'])
+    assert found("no-such-thing").state == "broken"
+    assert main(["doctor"]) == 1
+    assert "pip install 'no-such-thing>=2'" in capsys.readouterr().out
+
+
+def raising(error: Exception) -> Callable[[], object]:
+    def fail() -> object:
+        raise error
+
+    return fail
+
+
+@pytest.mark.parametrize(
+    ("features", "parts"),
+    [
+        (lambda: {"avx512f": True, "avx2": True, "sse2": True}, None),
+        (lambda: {"avx512f": False, "avx2": True, "sse2": True}, "in 2 parts"),
+        (lambda: {"sse2": True}, "in 4 parts"),
+        (raising(RuntimeError("unknown")), "in 8 parts"),
+    ],
+)
+def test_narrow_vectors_cost(
+    monkeypatch: pytest.MonkeyPatch, features: Callable[[], object], parts: str | None
+) -> None:
+    monkeypatch.setattr(binding, "get_host_cpu_features", features)
+    finding = found("vectors")
+    assert finding.state == ("good" if parts is None else "costs")
+    assert (parts or "") in finding.cost
+
+
+def test_one_core_costs(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: {3}, raising=False)
+    assert found("cores").state == "costs"
+
+
+def test_kernels_that_cannot_be_kept_cost(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr(longwave.support.compiled.kernel_folder, "cache_folder", lambda *_: None)
+    assert "NUMBA_CACHE_DIR" in found("compiled kernels").cost
+    monkeypatch.setattr(
+        longwave.support.compiled.kernel_folder, "cache_folder", lambda *_: tmp_path
+    )
+    assert "the first run compiles" in found("compiled kernels").cost
+    (tmp_path / "kernel.kernel").touch()
+    assert found("compiled kernels").state == "good"
+    monkeypatch.setenv("NUMBA_DISABLE_JIT", "1")
+    assert "unset NUMBA_DISABLE_JIT" in found("compiled kernels").cost
+
+
+def test_without_latex_the_remedy_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(longwave.reports.engine, "engine_present", lambda: False)
+    monkeypatch.setattr(longwave.reports.engine, "apt_prefix", lambda: None)
+    assert "install latexmk" in found("LaTeX").cost
+    monkeypatch.setattr(longwave.reports.engine, "apt_prefix", list)
+    assert "with apt" in found("LaTeX").cost
+
+
+def test_plain_loops_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    why = "LONGWAVE_PLAIN_KERNELS is set"
+    monkeypatch.setattr("longwave.lattice.kernels.blocked.why_plain", lambda: why)
+    finding = found("vectors")
+    assert (finding.found, finding.state) == ("plain loops", "costs")
+    assert "three times as long: LONGWAVE_PLAIN_KERNELS is set" in finding.cost

@@ -1,0 +1,124 @@
+"""What ``longwave sweep`` overwrites, and what it says before it is done."""
+
+import errno
+import time
+from pathlib import Path
+
+import pytest
+
+from longwave.__main__ import main
+from longwave.cli.sweep_command import SweepOptions, sweep_and_print
+from longwave.runs import sweep_command, sweep_dataset
+from longwave.runs.run_store import RunStore
+from longwave.runs.sweep_file import load_sweep
+from longwave.support import console
+
+TEXT = 'scene = "toda_soliton"\n[grid]\neps = [0.1, 0.2]\n'
+
+
+@pytest.mark.parametrize(
+    ("name", "told"), [("sw.toml", "end in .nc"), ("sw.nc", "which is another file")]
+)
+def test_force_overwrites_nothing_but_results(
+    name: str, told: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "sw.toml"
+    for file in (path, tmp_path / name):
+        file.write_text(TEXT, encoding="utf-8")
+    options = SweepOptions(str(path), 1, output=str(tmp_path / name), force=True)
+    assert sweep_and_print(options, "longwave sweep") == 2
+    assert told in capsys.readouterr().err
+    assert (tmp_path / name).read_text(encoding="utf-8") == TEXT
+
+
+def test_a_store_is_not_the_file_of_its_sweep(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Else all was run before it could not be written."""
+    path, both = tmp_path / "sw.toml", str(tmp_path / "both.nc")
+    path.write_text(TEXT, encoding="utf-8")
+    assert sweep_and_print(SweepOptions(str(path), 1, output=both, store=both), "sweep") == 2
+    assert "--output must not be the --store, a folder, got" in capsys.readouterr().err
+    assert not Path(both).exists()
+
+
+@pytest.mark.slow
+def test_a_disk_that_is_full_at_the_end_is_told_with_what_is_kept(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def full(*_: object) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device", "sw.nc")
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sweep_dataset, "write_sweep", full)
+    Path("sw.toml").write_text(TEXT, encoding="utf-8")
+    for _ in ("run", "found again"):
+        assert sweep_and_print(SweepOptions("sw.toml", 1), "longwave sweep") == 1
+        *_, told = capsys.readouterr().err.splitlines()
+        kept = "2 of 2 cells are kept; again goes on with the rest"
+        assert told == f"error: sw.nc: No space left on device ({kept})"
+
+
+@pytest.mark.slow
+def test_one_damaged_pack_is_told_once_and_one_cell_as_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("sw.toml").write_text(TEXT.replace("0.1, 0.2", "0.2"), encoding="utf-8")
+    for damaged in (0, 1):
+        assert sweep_and_print(SweepOptions("sw.toml", 1), "longwave sweep") == 0
+        told = capsys.readouterr()
+        assert "1 was run now by 1 worker, " in told.out
+        (error,) = (line for line in told.out.splitlines() if line.startswith("relative error"))
+        assert " to " not in error
+        assert told.err.count("is damaged") == damaged
+        for pack in Path("sw.store", "packs").glob("*.h5"):
+            pack.write_bytes(pack.read_bytes()[:-100])
+
+
+def test_a_sweep_is_no_scene(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "sw.toml"
+    path.write_text(TEXT, encoding="utf-8")
+    assert main(["run", str(path)]) == 2
+    told = "a scene must be one, got a sweep, which has [grid] (run it with `longwave sweep`)"
+    assert capsys.readouterr().err == f"error: {path}: {told}\n"
+
+
+def test_a_sweep_that_takes_its_time_says_so(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Before a cell is done: the first worker alone takes seconds to start."""
+    said = ""
+
+    def nothing_yet(*_: object) -> None:
+        nonlocal said
+        end = time.monotonic() + 30.0
+        while "2 cells" not in said and time.monotonic() < end:
+            time.sleep(0.01)
+            said += capsys.readouterr().err
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(console, "QUIET", 0.0)
+    monkeypatch.setattr(sweep_command, "run_sweep", nothing_yet)
+    path = tmp_path / "sw.toml"
+    path.write_text(TEXT, encoding="utf-8")
+    options = SweepOptions(str(path), 1, store=str(tmp_path / "store"))
+    assert sweep_and_print(options, "longwave sweep") == 1
+    assert "sw, 2 cells: takes more than some seconds (Ctrl-C stops it)" in said
+
+
+def test_what_the_store_says_is_told_in_lines(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A run of its own that was damaged, which a sweep looks for as well."""
+    (tmp_path / "sw.toml").write_text(TEXT, encoding="utf-8")
+    store = RunStore(tmp_path / "store")
+    path = store.path(load_sweep(str(tmp_path / "sw.toml")).scene(0))
+    path.parent.mkdir(parents=True)
+    path.write_bytes(b"damaged")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sweep_command, "run_sweep", lambda *_: None)
+    options = SweepOptions("sw.toml", 1, store=str(store.folder))
+    assert sweep_and_print(options, "longwave sweep") == 1
+    told = f"{path} is damaged: it counts as missing, and is made anew"
+    assert told in capsys.readouterr().err.splitlines()

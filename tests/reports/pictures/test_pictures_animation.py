@@ -1,0 +1,208 @@
+"""`longwave animate`: which frames a film has, what it says, wrong input, what Ctrl-C leaves."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from PIL import Image
+
+import longwave
+from longwave.__main__ import main
+from longwave.reports.pictures import animation
+from longwave.reports.pictures.animation import animate, film_of
+from longwave.reports.pictures.drawing import styled
+from longwave.runs import run_any_scene, save_run
+from longwave.scenes.chain import Scene
+from longwave.scenes.lattice_scene import LatticeScene, load_lattice_scene
+
+Output = pytest.CaptureFixture[str]
+
+SCENE = Scene.of(
+    name="soliton",
+    title="One soliton, 100 % [/nope] $x_",
+    wave="soliton_sech",
+    parameters=(("A", 1),),
+    eps=0.2,
+    t0=0,
+    snapshots=(0, 20),
+    K2=1,
+    K4=1,
+    step=0.5,
+    domain="ring",
+    sites=512,
+    compared=150,
+    observables=("strain", "time_step_error"),
+)
+
+
+@pytest.fixture(scope="module")
+def made() -> xr.Dataset:
+    times = tuple(float(t) for t in range(6))
+    return run_any_scene(SCENE.changed(snapshots=times, observables=("strain",)))
+
+
+def frames_of(path: Path) -> int:
+    with Image.open(path) as image:
+        return int(image.n_frames)
+
+
+def test_it_is_a_noun_of_the_face() -> None:
+    assert longwave.animate is animate
+
+
+def test_a_run_is_shown_at_its_snapshots_between_the_times(
+    made: xr.Dataset, tmp_path: Path
+) -> None:
+    path = tmp_path / "film.gif"
+    assert animate(made, path, duration=1.0, dpi=40) == frames_of(path) == 6
+    assert animate(made, path, duration=1.0, dpi=40, times=(1.0, 3.5)) == frames_of(path) == 3
+
+
+def test_a_film_holds_the_runs_numbers_and_says_time_and_error(made: xr.Dataset) -> None:
+    with styled():
+        film = film_of(made, 40.0)
+    half_width = (film._snapshots[0].offset.size - 1) // 2
+    shown = np.asarray(abs(made["site"]) <= half_width)
+    assert 0 < half_width < 60
+    for place, snapshot in enumerate(film._snapshots):
+        assert np.array_equal(
+            snapshot.offset, made.n.values[place][shown] - made.time.values[place]
+        )
+        assert np.array_equal(snapshot.numerical, made.strain.values[place][shown])
+        assert np.array_equal(snapshot.analytical, made.analytic.values[place][shown])
+    assert film._words.clock[3] == f"$t = 3.0$\nerror {float(made.error[3]):.3f}"
+    assert film._canvas.figure.get_suptitle() == SCENE.title
+    assert film._ax.get_xlabel() == "$n - c\\,t$  (sites)"
+
+
+@pytest.mark.parametrize("scene", [SCENE, load_lattice_scene("toda_soliton")])
+def test_a_scene_is_run_for_as_many_snapshots_as_the_film_has(
+    scene: Scene | LatticeScene, made: xr.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[Any] = []
+
+    def noted(scene: Any, *_: object) -> xr.Dataset:
+        asked.append(scene)
+        return made
+
+    monkeypatch.setattr(animation, "run_any_scene", noted)
+    animate(scene, tmp_path / "film.gif", duration=1.0, fps=10.0, dpi=40.0)
+    (run,) = asked
+    if isinstance(scene, Scene):
+        assert run.snapshots == tuple(np.linspace(0.0, 20.0, 10))
+        assert run.observables == ("strain",)
+        animate(scene, tmp_path / "film.gif", 1.0, 10.0, 40.0, times=(2.0, 5.0))
+        assert asked[1].snapshots == tuple(np.linspace(2.0, 5.0, 10))
+    else:
+        ends = scene.slow_times[0], scene.slow_times[-1]
+        assert run.slow_times == tuple(np.linspace(*ends, 10))
+        animate(scene, tmp_path / "film.gif", duration=30.0, fps=10.0, dpi=40.0)
+        assert len(asked[1].slow_times) == 200
+        animate(scene, tmp_path / "film.gif", 1.0, 10.0, 40.0, times=(2.0, 5.0))
+        begin = ends[0] / scene.eps**3
+        assert asked[2].times == pytest.approx((begin, *np.linspace(2.0, 5.0, 10)))
+        assert asked[2].slow_times == ()
+        with pytest.raises(ValueError, match=f"times must begin at {begin:g} or later, got -1e"):
+            animate(scene, tmp_path / "film.gif", 1.0, 10.0, 40.0, times=(-1e9, 5.0))
+        assert len(asked) == 3
+
+
+def test_snapshots_that_blew_up_are_left_out(made: xr.Dataset, tmp_path: Path) -> None:
+    broken = made.copy(deep=True)
+    broken["strain"].values[4, 7] = np.nan
+    broken["strain"].values[5, 7] = np.inf
+    assert animate(broken, tmp_path / "film.gif", dpi=40) == 4
+    broken["strain"].values[:] = np.nan
+    with pytest.raises(ValueError, match=r"^source must hold a finite snapshot .* got 6 snapshots"):
+        animate(broken, tmp_path / "film.gif", dpi=40)
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ({"duration": 0.0}, r"duration must satisfy 0\.2 <= duration <= 600, got 0"),
+        ({"duration": np.nan}, "duration must satisfy"),
+        ({"fps": 60.0}, r"fps must satisfy 1 <= fps <= 50, got 60"),
+        ({"dpi": 1e6}, "dpi must satisfy 30 <= dpi <= 400"),
+        ({"duration": 600.0, "fps": 50.0}, "a film must have at most 3000 frames, got 30000"),
+        ({"times": (5.0, 5.0)}, "times must satisfy first < last, got 5 and 5"),
+        ({"times": (-3.0, 5.0)}, "times must begin at t0 = 0 or later, got -3"),
+        ({"output": "film.png"}, r"output must be a path ending in \.mp4, \.gif, got 'film.png'"),
+    ],
+)
+def test_wrong_input_is_one_line_before_anything_is_run(
+    words: dict[str, Any], said: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(animation, "run_any_scene", None)
+    with pytest.raises(ValueError, match=rf"^{said}[^\n]*$"):
+        animate(SCENE, **{"output": "film.gif"} | words)
+
+
+def test_a_run_without_snapshots_is_one_line(made: xr.Dataset, tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=r"got none of strain \(the scene must ask for strain\)$"):
+        animate(made[["error"]], tmp_path / "film.gif")
+    with pytest.raises(ValueError, match=r"^source must be the run of a scene, got the result of"):
+        animate(made.assign_attrs(sweep="{}"), tmp_path / "film.gif")
+
+
+def test_the_command_says_that_a_run_has_few_snapshots(
+    made: xr.Dataset, tmp_path: Path, capsys: Output, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    save_run(made, "run.nc")
+    assert main(["animate", "run.nc", "--output", "film.gif", "--dpi", "40"]) == 0
+    told = capsys.readouterr()
+    assert told.out == "film.gif\n"
+    assert told.err == "run.nc has 6 snapshots: so many frames (a scene has more)\n"
+
+
+@pytest.mark.parametrize("there", [True, False])
+def test_the_film_is_mp4_where_ffmpeg_is_and_gif_otherwise(
+    there: bool, capsys: Output, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(animation, "has_ffmpeg", lambda: there)
+    monkeypatch.setattr(animation, "animate", lambda *_, **__: 99)
+    assert main(["animate", "rogue_cn_k_0.5"]) == 0
+    assert capsys.readouterr().out == f"rogue_cn_k_0.5.{'mp4' if there else 'gif'}\n"
+
+
+def test_without_ffmpeg_the_remedy_is_said_before_the_run(
+    capsys: Output, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PATH", "/nowhere")
+    monkeypatch.setattr(animation, "run_any_scene", None)
+    assert main(["animate", "rogue_cn_k_0.5", "--output", "x.mp4"]) == 2
+    assert "(take 'x.gif', or install ffmpeg)" in capsys.readouterr().err
+
+
+def test_ctrl_c_is_one_line_and_leaves_nothing(
+    tmp_path: Path, capsys: Output, monkeypatch: pytest.MonkeyPatch, made: xr.Dataset
+) -> None:
+    def stop(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    save_run(made, tmp_path / "run.nc")
+    monkeypatch.setattr("longwave.reports.pictures.film_files.PillowImage.fromarray", stop)
+    path = tmp_path / "film.gif"
+    assert main(["animate", str(tmp_path / "run.nc"), "--output", str(path)]) == 130
+    assert capsys.readouterr().err == f"longwave animate: interrupted ({path} was not written)\n"
+    assert [file.name for file in tmp_path.iterdir()] == ["run.nc"]
+
+
+def test_a_long_film_is_announced(
+    made: xr.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    told: list[float] = []
+    monkeypatch.setattr(animation, "FRAME_SECONDS", 1e9)
+    animate(made, tmp_path / "film.gif", dpi=40, announce=told.append)
+    assert told
+    assert told[-1] > 1e6
+
+
+@pytest.mark.slow
+def test_on_two_axes_a_film_is_made_of_maps(tmp_path: Path) -> None:
+    lump = load_lattice_scene("square_lump").changed(half_width=2.0, tolerance=1e-2)
+    path = tmp_path / "film.gif"
+    assert animate(lump, path, duration=0.4, fps=10.0, dpi=40.0) == frames_of(path) == 4

@@ -1,0 +1,242 @@
+"""`plot`: what is drawn of which source, titles as plain text, and one-line errors."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import longwave
+from longwave.reports.pictures.plotting import MOST_PANELS, PICTURES, plot, shown_half_width
+from longwave.runs import save_run
+from longwave.scenes.chain import Scene, run
+
+SCENE = Scene.of(
+    name="soliton",
+    title="One soliton",
+    wave="soliton_sech",
+    parameters=(("A", 1),),
+    eps=0.2,
+    t0=0,
+    snapshots=(0, 20),
+    K2=1,
+    K4=1,
+    step=0.5,
+    domain="ring",
+    sites=512,
+    compared=150,
+    observables=("strain", "error_curve", "space_time", "crest_track"),
+    curve_points=11,
+    look_points=11,
+)
+
+
+@pytest.fixture(scope="module")
+def made() -> xr.Dataset:
+    return run(SCENE)
+
+
+def labels(figure: object) -> list[str]:
+    return [ax.get_ylabel() for ax in figure.get_axes()]  # type: ignore[attr-defined]
+
+
+def test_it_is_a_noun_of_the_face() -> None:
+    assert longwave.plot is plot
+
+
+@pytest.mark.parametrize(
+    ("suffix", "start"),
+    [(".png", b"\x89PNG"), (".pdf", b"%PDF"), (".svg", b"<?xml"), (".PNG", b"\x89PNG")],
+)
+def test_the_suffix_says_the_format(
+    made: xr.Dataset, tmp_path: Path, suffix: str, start: bytes
+) -> None:
+    path = tmp_path / f"run{suffix}"
+    plot(made[["error_curve"]], path)
+    first = path.read_bytes()
+    plot(made[["error_curve"]], str(path))
+    assert first.startswith(start)
+    assert path.read_bytes() == first
+
+
+def test_all_kinds_are_drawn_in_order_with_the_runs_own_numbers(made: xr.Dataset) -> None:
+    figure = plot(made)
+    assert labels(figure) == [
+        "$y_n$", "", "$n - c\\,t$  (sites)", "$y_n$", "amplitude of $y$", "",
+        r"$L^\infty_\epsilon$",
+        "crest at $n - c\\,t$  (sites)", "$y$ at the crest",
+    ]  # fmt: skip
+    axes = figure.get_axes()
+    assert np.array_equal(axes[6].lines[0].get_ydata(), made["error_curve"])
+    assert np.array_equal(axes[8].lines[0].get_ydata(), made["crest_strain"])
+    mesh = axes[2].collections[0]
+    assert np.array_equal(np.asarray(mesh.get_array()), made["space_time"].values.T)
+
+
+@pytest.mark.parametrize("kind", [kind for kind in PICTURES if kind != "growth"])
+def test_a_kind_is_drawn_alone(made: xr.Dataset, kind: str) -> None:
+    held = set(made.data_vars) & set(PICTURES[kind].variables)
+    assert labels(plot(made[[*held, "n"]], kind=kind)) == labels(plot(made, kind=kind))
+
+
+def test_what_a_run_lacks_is_left_out(made: xr.Dataset) -> None:
+    assert labels(plot(made[["error_curve"]])) == [r"$L^\infty_\epsilon$"]
+
+
+def test_a_saved_run_gives_the_same_picture(made: xr.Dataset, tmp_path: Path) -> None:
+    save_run(made, tmp_path / "run.nc")
+    save_run(made, tmp_path / "renamed")
+    for name in ("run.nc", "renamed"):
+        plot(tmp_path / name, tmp_path / f"{name}.png")
+    plot(made, tmp_path / "direct.png")
+    pictures = {(tmp_path / f"{name}.png").read_bytes() for name in ("run.nc", "renamed", "direct")}
+    assert len(pictures) == 1
+
+
+def test_a_scene_is_run_for_what_is_drawn_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[Scene] = []
+
+    def noted(scene: Scene, *_: object) -> xr.Dataset:
+        asked.append(scene)
+        return run(scene)
+
+    monkeypatch.setattr("longwave.reports.pictures.plotting.run", noted)
+    refined = replace(SCENE, observables=("strain", "time_step_error", "energy"), look_points=None)
+    plot(refined)
+    plot(refined, kind="errors")
+    assert [scene.observables for scene in asked] == [
+        ("strain", "space_time", "crest_track"),
+        ("error_curve", "time_step_error"),
+    ]
+    assert asked[0].look_points is not None
+
+
+def test_a_periodic_wave_is_shown_on_all_compared_sites() -> None:
+    bare = replace(SCENE, wave="wave_cn", parameters=(("k", 0.5),), observables=("strain",))
+    assert plot(bare, kind="snapshots").get_axes()[0].get_xlim() == (-150, 150)
+
+
+def test_the_map_shows_the_wave_and_not_all_of_its_background(made: xr.Dataset) -> None:
+    assert shown_half_width(made) <= plot(made).get_axes()[2].get_ylim()[1] < 60
+
+
+def test_snapshots_show_the_wave_and_not_all_of_its_background(made: xr.Dataset) -> None:
+    half_width = shown_half_width(made)
+    left, right = plot(made, kind="snapshots").get_axes()[0].get_xlim()
+    assert half_width < 60
+    assert (left, right) == (-half_width, half_width)
+    outside = abs(made["site"]) > half_width
+    assert np.abs(made["strain"]).where(outside).max() < 0.02 * np.abs(made["strain"]).max()
+
+
+@pytest.mark.parametrize(("count", "panels"), [(1, 1), (4, 4), (40, MOST_PANELS)])
+def test_many_snapshots_are_thinned_and_the_last_is_kept(
+    made: xr.Dataset, count: int, panels: int
+) -> None:
+    many = made.isel(time=[0] * count).assign_coords(time=range(count))
+    axes = [ax for ax in plot(many, kind="snapshots").get_axes() if ax.get_visible()]
+    assert len(axes) == panels
+    assert axes[-1].get_title(loc="left").endswith(f"$t={count - 1}$")
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize(
+    ("title", "drawn"),
+    [
+        (r"[/nope] 50 % of $x_ \frac{ ^ \ ", r"[/nope] 50 % of $x_ \frac{ ^ \ ".strip()),
+        ("_a_ & # ~ {}", "_a_ & # ~ {}"),
+        ("漢字 \x00\x1b[1m\n\n", r"漢字 \x00\x1b[1m"),
+        ("w" * 4000, "..."),
+        ("w " * 60, "w " * 44 + "w\n" + "w " * 14 + "w"),
+    ],
+)
+@pytest.mark.parametrize("suffix", [".png", ".pdf", ".svg"])
+def test_a_title_is_drawn_as_text(
+    made: xr.Dataset, tmp_path: Path, title: str, drawn: str, suffix: str
+) -> None:
+    figure = plot(made.assign_attrs(title=title), tmp_path / f"run{suffix}", kind="errors")
+    assert figure.get_suptitle() == drawn
+
+
+def test_how_a_run_ended_is_said(made: xr.Dataset) -> None:
+    ended = made.assign_attrs(blow_up="blow-up at t = 3, site 5")
+    assert plot(ended, kind="errors").get_suptitle() == "One soliton\nblow-up at t = 3, site 5"
+
+
+@pytest.mark.parametrize("name", ["run.jpg", "run", "run.png.gz", "run.nc"])
+def test_another_suffix_is_refused_before_the_run(tmp_path: Path, name: str) -> None:
+    with pytest.raises(
+        ValueError, match=r"^output must be a path ending in \.png, \.pdf, \.svg, got '.*\)$"
+    ):
+        plot(SCENE, tmp_path / name)
+    assert not (tmp_path / name).exists()
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (None, "No such file"),
+        (b"", ""),
+        (b"no netCDF", ""),
+        (b"CDF\x01" + b"\xff" * 100, ""),
+        (b"\x89HDF\r\n\x1a\n", ""),
+    ],
+    ids=["missing", "empty", "text", "broken", "netCDF 4"],
+)
+def test_a_file_that_is_no_run_is_one_line(
+    tmp_path: Path, content: bytes | None, said: str
+) -> None:
+    path = tmp_path / "run.nc"
+    if content is not None:
+        path.write_bytes(content)
+    with pytest.raises(ValueError, match=rf"^(source|run) must be a [^\n]*{said}[^\n]*\)$"):
+        plot(path)
+
+
+@pytest.mark.parametrize("kept", [0.02, 0.5, 0.99])
+def test_a_truncated_run_is_one_line(made: xr.Dataset, tmp_path: Path, kept: float) -> None:
+    save_run(made, tmp_path / "whole.nc")
+    content = (tmp_path / "whole.nc").read_bytes()
+    (tmp_path / "cut.nc").write_bytes(content[: int(kept * len(content))])
+    with pytest.raises(ValueError, match=r"^run must be a whole [^\n]*$"):
+        plot(tmp_path / "cut.nc")
+
+
+@pytest.mark.parametrize("source", [3, None, ["run.nc"]])
+def test_a_wrong_type_is_one_line(source: object) -> None:
+    with pytest.raises(ValueError, match=r"^source must be a run, a scene, or the path"):
+        plot(source)  # type: ignore[arg-type]
+
+
+def test_a_wrong_kind_and_a_run_without_the_variables_are_one_line(made: xr.Dataset) -> None:
+    with pytest.raises(ValueError, match=r"^kind must be a known one, got 'film' \(one of all, sn"):
+        plot(made, kind="film")
+    with pytest.raises(ValueError, match=r"\(space_time\), got error_curve .* ask for space_time"):
+        plot(made[["error_curve"]], kind="space_time")
+    with pytest.raises(ValueError, match=r"got nothing \(the scene must ask for strain, space_"):
+        plot(made[[]])
+
+
+@pytest.mark.parametrize("scene", [None, "no JSON", "{}", "[1]", '{"parameters": [], "x": 1}'])
+def test_a_run_without_its_scene_is_one_line(made: xr.Dataset, scene: str | None) -> None:
+    attributes = {} if scene is None else {"scene": scene}
+    foreign = made.copy()
+    foreign.attrs = attributes
+    with pytest.raises(ValueError, match=r"^source must be a run with the scene [^\n]*$"):
+        plot(foreign)
+
+
+def test_a_time_that_is_too_late_for_any_site_is_one_line(made: xr.Dataset) -> None:
+    late = made.assign_coords(curve_time=1e300 * (1.0 + made["curve_time"]))
+    late.attrs["error_estimate"] = 1e-3
+    with pytest.raises(ValueError, match=r"^t must leave c t within 2\^53 sites, got t = "):
+        plot(late, kind="errors")
+    bare = late[["error_curve"]].assign_coords(curve_time=made["curve_time"])
+    plot(bare, kind="errors")
+
+
+def test_a_run_that_is_zero_on_one_site_is_drawn(made: xr.Dataset) -> None:
+    figure = plot(made[["strain", "analytic", "n"]] * 0.0)
+    for ax in figure.get_axes():
+        assert np.isfinite([*ax.get_xlim(), *ax.get_ylim()]).all()

@@ -1,0 +1,71 @@
+"""Catches: a feed interpolated where the wave is not smooth enough, or outside its stretch."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from longwave.scenes.chain import Scene, load_scene
+from longwave.scenes.chain.domain import INTERPOLATION_ERROR, Tail, Window, window_moves
+from longwave.scenes.chain.moving_wave import MovingWave
+
+SCENE = replace(load_scene("rational_2_eps_0.05"), t0=-3000.0, snapshots=(40_000.0,))
+WAVES: dict[str, dict[str, float]] = {
+    "rational_1": {},
+    "rational_3": {},
+    "soliton_sech": {"A": 2.0},
+    "soliton_background": {"U_0": 1.0, "kappa": 2.0},
+    "two_soliton": {"A_1": 2.0, "A_2": 1.0},
+    "breather": {"p": 1.0, "q": 1.0},
+}
+
+
+SCENES = {
+    "drift": SCENE,
+    "steep": SCENE.changed(eps=0.2, snapshots=(0.0,), compared=40, sites=640),
+    "far away": replace(SCENE, t0=-1e6, snapshots=(-1e6 + 5000.0,)),
+}
+
+
+@pytest.mark.parametrize("scene", SCENES.values(), ids=SCENES)
+def test_every_move_feeds_the_transported_wave(scene: Scene) -> None:
+    window = Window(scene.moving_wave, scene.discretisation.sites)
+    state = window.start()
+    for t in window_moves(scene.moving_wave):
+        state.t = t
+        window.follow(state)
+        fed = state.sites[-192:]
+        offsets = window.moving.rigid_offsets(window.background_speed, fed, t)
+        y, s = window.moving.rigid_data(window.background_speed, offsets)
+        assert np.abs(state.strain(fed) - y).max() <= 1e-14 * scene.eps
+        assert np.abs(state.velocity(fed) - s).max() <= 1e-14 * scene.eps
+
+
+@pytest.mark.parametrize("name", WAVES)
+@pytest.mark.parametrize("eps", [0.01, 0.2])
+@pytest.mark.parametrize(("low", "high"), [(900.0, 1200.0), (-150.0, 150.0), (40.0, 4000.0)])
+def test_what_no_degree_resolves_is_not_interpolated(
+    name: str, eps: float, low: float, high: float
+) -> None:
+    """Far in front of the wave, across its crest, and from there to where nothing is left."""
+    scene = replace(SCENE, wave=name, parameters=tuple(WAVES[name].items()), t0=0.0, eps=eps)
+    one = Tail(scene.moving_wave, 2.0, low, high)
+    sites = np.arange(int(low), int(high))
+    found = np.stack(one.at(sites, 0.0))
+    exact = np.stack(scene.moving_wave.rigid_data(2.0, sites.astype(float)))
+    bound = 2.0 * INTERPOLATION_ERROR * max(eps, float(np.abs(exact).max()))
+    assert np.abs(found - exact).max() <= bound
+
+
+def test_a_far_field_is_evaluated_on_a_few_points(monkeypatch: pytest.MonkeyPatch) -> None:
+    evaluated, exact = [], MovingWave.rigid_data
+
+    def counting(*arguments: object) -> tuple[np.ndarray, np.ndarray]:
+        evaluated.append(np.size(arguments[-1]))
+        return exact(*arguments)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(MovingWave, "rigid_data", counting)
+    one = Tail(SCENE.moving_wave, 2.0, 1500.0, 1800.0)
+    for t in SCENE.t0 + np.arange(0.0, 3200.0, 32.0):
+        one.at(np.arange(1550, 1750) + round(2.0 * t), t)
+    assert sum(evaluated) < 100

@@ -1,0 +1,221 @@
+"""Scenes on lattices, run: against an independent integrator, and what the derivation refuses."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from longwave.scenes.lattice_derivation import derivation, lattice_wave
+from longwave.scenes.lattice_run import LatticeRun, lattice_times, run_lattice_scene
+from longwave.scenes.lattice_scene import (
+    LatticeScene,
+    any_scene_of_toml,
+    load_lattice_scene,
+    shipped_lattice_scenes,
+)
+from longwave.scenes.scene_convergence import at_slow_times, scene_convergence
+from longwave.support.request_limits import request_limits
+
+TODA: dict[str, Any] = {
+    "name": "toda",
+    "lattice": "toda",
+    "constants": {"a": 1, "b": 1},
+    "wave": "kdv_soliton",
+    "parameters": {"kappa": 1},
+    "eps": 0.4,
+    "slow_times": [0, 0.5, 1],
+    "half_width": 6,
+    "order": "slaved",
+    "tolerance": 1e-3,
+}
+FPUT = {"K2": 1, "K3": 0, "K4": 1}
+PEREGRINE = TODA | {
+    "lattice": "fput_strain",
+    "constants": FPUT,
+    "wave": "nls_peregrine",
+    "parameters": {"A": 1},
+    "carrier": "pi/2",
+    "eps": 0.1,
+    "slow_times": [-0.5, 0],
+}
+
+
+def reference(scene: LatticeScene) -> list[np.ndarray]:
+    """What is compared at all times, by DOP853 on a ring three times as long as signals need."""
+    wave = lattice_wave(scene)
+    times = np.array(lattice_times(scene, derivation(scene).slow))
+    wave.start(float(times[0]))
+    assert scene.half_width is not None
+    reach = math.ceil(scene.half_width / scene.eps)
+    room = reach + int(3.0 * (times[-1] - times[0])) + 100
+    first = round(wave.speed * times[0])
+    ring = wave.ring(np.arange(first - room, first + room + 1), float(times[0]))
+    shape = (2, *ring.f.shape)
+
+    def rate(_: float, state: np.ndarray) -> np.ndarray:
+        f, v = state.reshape(shape)
+        return np.array([v, ring.lattice.acceleration(f)]).ravel()
+
+    start = np.array([ring.f, ring.v]).ravel()
+    found = solve_ivp(
+        rate, (times[0], times[-1]), start, "DOP853", t_eval=times, rtol=1e-12, atol=1e-13
+    )
+    strains = []
+    for t, state in zip(times, found.y.T, strict=True):
+        middle = round(wave.speed * t) - first + room
+        strain = wave.measured(state.reshape(shape)[0], ring.mean_strain)
+        strains.append(strain[:, middle - reach : middle + reach + 1])
+    return strains
+
+
+@pytest.fixture(scope="module")
+def toda() -> LatticeRun:
+    return run_lattice_scene(LatticeScene.of(**TODA))
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        TODA,
+        PEREGRINE,
+        TODA | {"lattice": "mass_dimer", "constants": FPUT | {"m1": 1, "m2": 3, "K3": "1/4"}},
+    ],
+    ids=["toda", "envelope", "dimer"],
+)
+def test_a_run_is_within_its_estimate_of_another_integrator(given: dict[str, Any]) -> None:
+    run = run_lattice_scene(LatticeScene.of(**given))
+    exact = np.array(reference(run.scene))
+    apart = float(np.max(np.abs(exact - run.measured))) / run.scale
+    assert apart <= run.error_estimate <= run.scene.tolerance
+
+
+def test_errors_begin_at_rounding_and_grow_to_the_size_of_the_next_order(toda: LatticeRun) -> None:
+    assert toda.errors[0] < 1e-12
+    assert toda.errors[2] == pytest.approx(0.003456, rel=0.02)
+    assert toda.relative_errors[2] == pytest.approx(toda.errors[2] / 0.956, rel=0.01)
+    assert toda.slow_times.tolist() == pytest.approx([0.0, 0.5, 1.0])
+    assert toda.cost["energy_drift"] < 1e-8
+
+
+def test_a_run_becomes_a_data_set_with_the_names_of_scenes(toda: LatticeRun) -> None:
+    data = toda.dataset
+    assert data["strain"].dims == ("time", "site")
+    assert any_scene_of_toml(data.attrs["lattice_scene"]) == toda.scene
+    sup = np.abs(data["strain"] - data["analytic"]).max("site") / toda.scale
+    assert sup.values == pytest.approx(toda.errors)
+    assert data["site"].values[[0, -1]].tolist() == [-15, 15]
+    assert data["n"].values[2, 0] == round(15.625) - 15
+
+
+def test_small_constants_and_a_mean_are_formulas() -> None:
+    gardner = LatticeScene.of(
+        **TODA | {"lattice": "fput", "wave": "gardner_soliton", "constants": FPUT | {"K3": "eps/2"}}
+    )
+    assert derivation(gardner).equation == "focusing Gardner"
+    wave = lattice_wave(gardner)
+    assert wave.lattice.bonds[0].force.coefficients == pytest.approx((1.0, 0.2, 1.0))
+    rogue = LatticeScene.of(
+        **TODA
+        | {
+            "lattice": "fput_strain",
+            "wave": "rational_2",
+            "parameters": {},
+            "constants": FPUT | {"K3": "1/2"},
+            "background": "-K3/(3*K4)",
+        }
+    )
+    assert derivation(rogue).text().startswith("focusing mKdV: ")
+    far = lattice_wave(rogue).background(np.array([0.0]), 0.0)
+    assert float(far[0, 0]) == pytest.approx(-1 / 6)
+
+
+UNSTABLE = {
+    "lattice": "chain",
+    "constants": {"K": 1},
+    "declared": '{"fields": ["u"], "spring": [{"between": ["u[n]", "u[n+1]"], "force": '
+    '"-x + K*x**2"}, {"between": ["u[n]", "u[n+2]"], "force": "x"}]}',
+}
+DIMER = {"m1": 1, "m2": 2, "K2": 1, "K3": 1, "K4": 0}
+DARK = {"wave": "nls_dark", "parameters": {"kappa": 1}, "carrier": 1}
+GRANULAR = {"lattice": "granular", "constants": {"A": 1, "d": "1/100"}, "carrier": "pi"}
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"lattice": "todda"}, "lattice must be one of the catalogue or a file, got 'todda'"),
+        ({"wave": "kdv_solitn"}, "wave: name must be a closed form of the catalogue"),
+        ({"wave": "rational_2"}, "wave must solve the KdV equation, which is derived from toda"),
+        ({"wave": "nls_bright"}, "(one of kdv_soliton, kdv_two_soliton, kdv_cnoidal)"),
+        (DARK | {"wave": "nls_bright"}, "wave must solve the defocusing NLS equation"),
+        ({"lattice": "fput", "constants": FPUT | {"K4": 0}}, "no scaling fits fput"),
+        ({"constants": {"a": 1}}, "constant b of toda must be given, got none"),
+        ({"constants": {"a": 1, "b": 1, "c": 1}}, "constants must be among a, b, got 'c'"),
+        ({"constants": {"a": -1, "b": 1}}, "a must satisfy a > 0, got -1"),
+        ({"constants": {"a": "9**9**9**9", "b": 1}}, "a: exponents must be at most 1000"),
+        ({"constants": {"a": "sqrt(-1)", "b": 1}}, "a must be a finite real number"),
+        ({"constants": {"a": "__import__('os')", "b": 1}}, "a: expected a formula"),
+        ({"parameters": {"kapa": 1}}, "parameters must be those of kdv_soliton, got kapa"),
+        ({"parameters": {"kappa": -1}}, "kappa must satisfy 0 < kappa, got -1"),
+        ({"parameters": {"kappa": 1e40}}, "blows up"),
+        ({"amplitude": 3}, "amplitude and time must balance toda"),
+        ({"background": "1/2"}, "background must be 0 on a lattice of displacements"),
+        (DARK | {"carrier": 4}, "k must satisfy 0 < k <= pi, got 4"),
+        (DARK | {"branch": "optical", "carrier": 1, "parameters": {"c": 1}}, "got c (it takes"),
+        (DARK | {"branch": 1}, "branch must be acoustic, optical or a number below 1, got 1"),
+        (
+            DARK | {"lattice": "mass_dimer", "constants": DIMER, "carrier": "pi"},
+            "k must have a carrier that moves u",
+        ),
+        (DARK | GRANULAR | {"eps": 1.0, "slow_times": [0, 9]}, "beyond what its force is for"),
+        (UNSTABLE, "constants must make waves of chain stable"),
+        ({"eps": 1e-9}, "must fit 2 GB"),
+        ({"slow_times": [0, 1e40]}, "must fit 2 GB"),
+        ({"eps": 0.006}, "must take at most 60 min, got about"),
+        ({"half_width": 1e12}, "must fit 2 GB"),
+    ],
+)
+def test_what_cannot_be_run_is_refused_in_one_line(changes: dict[str, Any], message: str) -> None:
+    scene = LatticeScene.of(**(TODA | changes))
+    with request_limits("2G", "1h"), pytest.raises(ValueError, match=r"\w") as raised:
+        run_lattice_scene(scene)
+    assert message in str(raised.value)
+    assert "\n" not in str(raised.value)
+
+
+def test_a_region_that_the_wave_has_left_has_no_rate() -> None:
+    far = TODA | {"lattice": "fput_strain", "constants": FPUT, "wave": "soliton_sech"}
+    far |= {"parameters": {"A": 127}, "slow_times": [0, 0.2], "half_width": 3, "tolerance": 1e-2}
+    with pytest.raises(ValueError, match=r"^half_width must leave some of the wave[^\n]*got 0"):
+        scene_convergence(LatticeScene.of(**far), (0.4, 0.3, 0.2))
+
+
+def test_the_rate_of_a_scene_is_that_of_its_order() -> None:
+    study = scene_convergence(LatticeScene.of(**TODA), (0.4, 0.3, 0.2))
+    assert study.theory == 4
+    assert study.rate.holds(4)
+    assert study.rate.value == pytest.approx(4.0, abs=0.15)
+    assert study.rate.high - study.rate.low < 0.5
+    assert all(point.discretisation < 0.05 * point.error for point in study.points)
+    assert [point.eps for point in study.points] == [0.4, 0.3, 0.2]
+
+
+def test_times_and_cells_are_those_of_the_wave_at_every_eps() -> None:
+    given = TODA | {"times": [0, 8, 16], "compared": 20}
+    scene = LatticeScene.of(**given | {"slow_times": (), "half_width": None})
+    still = at_slow_times(scene)
+    assert still.slow_times == pytest.approx((0.0, 0.512, 1.024))
+    assert still.half_width == pytest.approx(8.0)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", sorted({*shipped_lattice_scenes()} - {"dimer_rogue"}))
+def test_a_shipped_scene_runs_and_its_error_falls_with_eps(name: str) -> None:
+    scene = load_lattice_scene(name)
+    first, second = (
+        float(max(run_lattice_scene(scene.changed(eps=factor * scene.eps)).errors[1:]))
+        for factor in (1.6, 1.0)
+    )
+    assert second < 0.75 * first

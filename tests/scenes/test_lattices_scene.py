@@ -1,0 +1,138 @@
+"""Scenes that name a lattice: what a file may say, what the record refuses, what comes back."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from longwave.scenes.chain.scene import Scene
+from longwave.scenes.lattice_scene import (
+    LatticeScene,
+    find_any_scene,
+    load_lattice_scene,
+    shipped_lattice_scenes,
+)
+from longwave.scenes.ring_runs import ComparedCells
+
+GIVEN: dict[str, Any] = {
+    "name": "short",
+    "lattice": "toda",
+    "wave": "kdv_soliton",
+    "eps": 0.2,
+    "tolerance": 1e-3,
+    "constants": {"a": 1, "b": "1/2"},
+    "parameters": {"kappa": 1},
+    "slow_times": [0, 0.1],
+    "half_width": 4,
+}
+FILE = """
+title = "short"
+lattice = "cell.toml"
+wave = "kdv_soliton"
+eps = 0.2
+times = [0, 10]
+compared = 30
+tolerance = 1e-3
+order = "slaved"
+[constants]
+m = 3
+[parameters]
+kappa = 1
+[long_wave]
+amplitude = 1
+"""
+CELL = """
+fields = ["u", "v"]
+masses = [1, "m"]
+[[spring]]
+between = ["u[n]", "v[n]"]
+force = "x + x**2"
+[[spring]]
+between = ["v[n]", "u[n+1]"]
+force = "x + x**2"
+"""
+
+
+@pytest.mark.parametrize("name", shipped_lattice_scenes())
+def test_a_scene_is_what_its_json_says(name: str) -> None:
+    scene = load_lattice_scene(name)
+    assert LatticeScene.from_json(scene.json()) == scene
+    assert "eps" not in scene.title
+    assert scene.tolerance <= 1e-3
+
+
+def test_a_file_names_the_file_of_a_lattice_beside_it(tmp_path: Path) -> None:
+    (tmp_path / "cell.toml").write_text(CELL, "utf-8")
+    (tmp_path / "short.toml").write_text(FILE, "utf-8")
+    scene = LatticeScene.from_toml(tmp_path / "short.toml")
+    assert (scene.name, scene.lattice, scene.order) == ("short", "cell", "slaved")
+    assert '"between": ["v[n]", "u[n+1]"]' in scene.declared
+    assert (scene.times, scene.compared, scene.amplitude) == ((0.0, 10.0), 30, 1)
+    inline = (
+        FILE.replace('lattice = "cell.toml"\n', "")
+        + "[lattice]\n"
+        + CELL.replace("[[spring", "[[lattice.spring")
+    )
+    (tmp_path / "other.toml").write_text(inline, "utf-8")
+    other = LatticeScene.from_toml(tmp_path / "other.toml")
+    assert other.declared == scene.declared
+
+
+def test_files_of_both_kinds_are_told_apart(tmp_path: Path) -> None:
+    (tmp_path / "cell.toml").write_text(CELL, "utf-8")
+    (tmp_path / "short.toml").write_text(FILE, "utf-8")
+    assert isinstance(find_any_scene(str(tmp_path / "short.toml")), LatticeScene)
+    assert isinstance(find_any_scene("toda_soliton"), LatticeScene)
+    assert isinstance(find_any_scene("Y2_eps_0.05"), Scene)
+    with pytest.raises(ValueError, match=r"one of breather_sn_k_0\.5, .*, toda_soliton"):
+        find_any_scene("nowhere")
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"eps": "small"}, "eps must be a number, got 'small'"),
+        ({"eps": 0}, "eps must satisfy eps > 0, got 0"),
+        ({"eps": 3}, "eps must satisfy eps <= 1, got 3"),
+        ({"eps": float("nan")}, "eps must be finite"),
+        ({"tolerance": 0}, "tolerance must satisfy tolerance > 0"),
+        ({"tolerance": 1e-14}, "tolerance must satisfy tolerance >= 1e-11"),
+        ({"order": "third"}, "order must be a known one, got 'third'"),
+        ({"wave": 3}, "wave must be a text, got 3"),
+        ({"slow_times": [1]}, "slow_times must be a list of 2 to 200 times"),
+        ({"slow_times": [1, 0]}, "slow_times must increase"),
+        ({"slow_times": [0, "b"]}, "slow_times must be a number, got 'b'"),
+        ({"slow_times": []}, "either slow_times or times must be given, got neither"),
+        ({"times": [0, 1]}, "either slow_times or times must be given, got both"),
+        ({"half_width": None}, "either half_width or compared must be given, got neither"),
+        ({"compared": 3}, "either half_width or compared must be given, got both"),
+        ({"half_width": -1}, "half_width must satisfy half_width > 0"),
+        ({"half_width": None, "compared": 0}, "compared must be a whole number"),
+        ({"constants": [1]}, "constants must be pairs of names and values"),
+        ({"constants": {"a": True}}, "a must be a number, got True"),
+        ({"constants": {"a": 10**400}}, "a must be 0 or satisfy 1e-50"),
+        ({"constants": {"a": "1" * 1000}}, "a must be a short formula, got 1000 characters"),
+        ({"amplitude": 1.5}, "amplitude must be a whole number"),
+        ({"carrier": [1]}, "k must be a number"),
+        ({"carrier": 1, "time": 3}, "time must not be given with an envelope, got 3"),
+        ({"branch": 1.5}, "branch must be acoustic, optical or a number, got 1.5"),
+        ({"colour": 3}, "keywords must be known ones, got colour"),
+    ],
+)
+def test_what_is_wrong_is_told_in_one_line(changes: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match="must") as raised:
+        LatticeScene.of(**(GIVEN | changes))
+    assert message in str(raised.value)
+    assert "\n" not in str(raised.value)
+
+
+def test_a_ring_holds_all_that_is_compared_and_what_reaches_it() -> None:
+    compared = ComparedCells(0.5, (10,))
+    times = (0.0, 100.0)
+    [(low, high)] = compared.ring(times, [2.0], 0)
+    assert low <= 50 - 10 - 200
+    assert high >= 50 + 10 + 200
+    [(low_wider, high_wider)] = compared.ring(times, [2.0], 64)
+    assert (high_wider - low_wider) - (high - low) == 64
+    [part] = compared.places([(low, high)], 100.0)
+    assert (part.start + low, part.stop - 1 + low) == (40, 60)

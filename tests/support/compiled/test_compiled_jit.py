@@ -1,0 +1,297 @@
+"""Compiled kernels follow their sources: nothing old is found, nothing is compiled in vain."""
+
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import pytest
+
+from longwave.support.compiled.jit import njit
+
+HOUSE = Path(__file__).parents[3]
+SOLUTIONS = Path("longwave") / "solutions"
+
+RUN_FILES = (
+    *(f"solutions/run/{n}.py" for n in ("jit", "entry_point", "kernel_folder", "source_digest")),
+    "support/atomic_file.py",
+)
+
+FILES = {
+    "kernel.py": """
+from longwave.support.compiled.jit import njit
+from longwave.solutions.helper import SHIFT, cube
+from longwave.solutions import tables
+
+@njit(cache=True)
+def kernel(x):
+    return cube(x) + SHIFT + tables.WEIGHTS[0]
+""",
+    "helper.py": """
+from numba import types
+from numba.extending import intrinsic
+from longwave.support.compiled.jit import njit
+from longwave.solutions.constant import SHIFT
+from longwave.solutions.generate import generate
+
+@intrinsic
+def third_power(context, x):
+    return types.float64(types.float64), generate
+
+@njit()
+def cube(x):
+    return 1.0 * third_power(x)
+""",
+    "constant.py": "SHIFT = 0.0\n",
+    "generate.py": """
+def generate(context, builder, signature, arguments):
+    square = builder.fmul(arguments[0], arguments[0])
+    return builder.fmul(square, arguments[0])
+""",
+    "tables.py": "import numpy as np\nWEIGHTS = np.array([0.0, 1.0])\n",
+    "__init__.py": "",
+}
+
+RUN = """
+from longwave.solutions.kernel import kernel
+print(kernel(3.0), kernel.found)
+"""
+
+
+@pytest.fixture
+def house(tmp_path: Path) -> Path:
+    """A small project whose kernel is built from five files."""
+    package = tmp_path / "house" / "longwave"
+    for name in RUN_FILES:
+        (package / name).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(HOUSE / name, package / name)
+    for name, text in FILES.items():
+        (package / "solutions" / name).write_text(text)
+    return package.parent
+
+
+def call(house: Path, code: str = RUN, **environment: str) -> list[str]:
+    """What the code prints in a process of its own, with warnings on stderr as errors."""
+    inherited = {"NUMBA_CACHE_DIR", "PYTHONDONTWRITEBYTECODE", "PYTHONPYCACHEPREFIX"}
+    settings = {name: value for name, value in os.environ.items() if name not in inherited}
+    settings |= {"PYTHONPATH": str(house), **environment}
+    command = [sys.executable, "-W", "error", "-c", code]
+    done = subprocess.run(
+        command, capture_output=True, text=True, env=settings, cwd=house, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout.split()
+
+
+def change(house: Path, name: str, old: str, new: str) -> Callable[[], None]:
+    """Change a file and keep its size and times; return what changes it back."""
+    path = house / SOLUTIONS / name
+    text, state = path.read_text(), path.stat()
+    assert old in text
+    assert len(old) == len(new)
+
+    def write(content: str) -> None:
+        path.write_text(content)
+        os.utime(path, ns=(state.st_atime_ns, state.st_mtime_ns))
+
+    write(text.replace(old, new))
+    return lambda: write(text)
+
+
+CHANGES = [
+    ("helper.py", "1.0 *", "2.0 *", "54.0"),
+    ("constant.py", "0.0", "5.0", "59.0"),
+    ("tables.py", "[0.0", "[1.0", "60.0"),
+    ("generate.py", "fmul(square, arguments[0])", "fadd(square, arguments[0])", "30.0"),
+    ("kernel.py", "cube(x) + SHIFT", "cube(x) - -x   ", "28.0"),
+]
+
+
+@pytest.mark.slow
+def test_numbers_follow_every_source_there_and_back(house: Path) -> None:
+    """A function, a constant, a table, LLVM code and the kernel's own file; times kept."""
+    plain = {"PYTHONDONTWRITEBYTECODE": "1"}
+    assert call(house, **plain) == ["27.0", "0"]
+    backwards = []
+    for name, old, new, expected in CHANGES:
+        backwards.append(change(house, name, old, new))
+        assert call(house, **plain) == [expected, "0"], name
+    for back in backwards:
+        back()
+    (house / SOLUTIONS / "other.py").write_text("SHIFT = 1.0\n")
+    assert call(house, **plain) == ["27.0", "1"]
+
+
+@pytest.mark.slow
+def test_old_byte_code_spoils_nothing(house: Path) -> None:
+    """Python runs old byte code where a change keeps time and size; that must not stay."""
+    call(house)
+    change(house, "helper.py", "1.0 *", "2.0 *")
+    assert call(house)[0] == "27.0"
+    for path in (house / SOLUTIONS / "__pycache__").glob("*.pyc"):
+        path.unlink()
+    assert call(house) == ["54.0", "0"]
+
+
+def test_read_only_installation_uses_the_users_cache(house: Path, tmp_path: Path) -> None:
+    (house / SOLUTIONS / "__pycache__").write_text("no folder can be made here")
+    for hits in ("0", "1"):
+        assert call(house, XDG_CACHE_HOME=str(tmp_path / "cache")) == ["27.0", hits]
+    assert list((tmp_path / "cache").rglob("*.kernel"))
+
+
+def test_without_any_cache_it_runs_and_says_so_once(house: Path, tmp_path: Path) -> None:
+    (house / SOLUTIONS / "__pycache__").write_text("")
+    (tmp_path / "file").write_text("")
+    code = """
+import warnings
+with warnings.catch_warnings(record=True) as told:
+    warnings.simplefilter("always")
+    from longwave.solutions.kernel import kernel
+    values = kernel(3.0), kernel(3)
+assert [w.category for w in told] == [RuntimeWarning], told
+print(*values)
+"""
+    assert call(house, code, XDG_CACHE_HOME=str(tmp_path / "file")) == ["27.0", "27.0"]
+
+
+@pytest.mark.slow
+def test_old_versions_are_removed_and_damage_costs_a_compilation(house: Path) -> None:
+    for number in range(12):
+        (house / SOLUTIONS / "__pycache__" / f"longwave.solutions.kernel-{number}").mkdir(
+            parents=True
+        )
+    call(house)
+    assert len(list((house / SOLUTIONS / "__pycache__").glob("longwave.solutions.kernel-*"))) == 8
+    [path] = house.rglob("*.kernel")
+    path.write_bytes(path.read_bytes()[:1000])
+    assert call(house) == ["27.0", "0"]
+    assert call(house) == ["27.0", "1"]
+
+
+@pytest.mark.slow
+def test_processes_that_compile_at_once_find_their_own_signatures(house: Path) -> None:
+    """Numba's own index can hand one of them the other's machine code."""
+
+    def told(kind: str) -> list[str]:
+        return call(
+            house, f"from longwave.solutions.kernel import kernel\nprint(kernel({kind}(3)))"
+        )
+
+    kinds = ["int", "float"]
+    with ThreadPoolExecutor(2) as pool:
+        assert list(pool.map(told, kinds)) == [["27.0"], ["27.0"]]
+    hits = "print(kernel(3), kernel(3.0), kernel.found)"
+    assert call(house, f"from longwave.solutions.kernel import kernel\n{hits}") == [
+        "27.0",
+        "27.0",
+        "2",
+    ]
+
+
+@pytest.mark.slow
+def test_vector_code_of_the_lattice_is_compiled_anew(tmp_path: Path) -> None:
+    """The force of the vector code changed from y^3 to y^2 and back."""
+    for name in (
+        *RUN_FILES,
+        "lattice/kernels/vector_code.py",
+        "lattice/kernels/blocked.py",
+        "support/compiled/cores.py",
+    ):
+        (tmp_path / "longwave" / name).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(HOUSE / name, tmp_path / "longwave" / name)
+    code = """
+import numpy as np
+from longwave.lattice.kernels.blocked import advance_blocked
+y, s = np.linspace(0.0, 1.0, 64), np.zeros(64)
+advance_blocked(y, s, np.array([0.05, 0.05]), np.array([0.1]), 3, 1.0, None, 1.0)
+print(y[30], advance_blocked.found)
+"""
+    before = call(tmp_path, code, PYTHONDONTWRITEBYTECODE="1")
+    vector = tmp_path / "longwave" / "lattice" / "kernels" / "vector_code.py"
+    text = vector.read_text()
+    changed = text.replace("_fma(builder, y, found, factor)", "builder.fadd(found, factor)")
+    assert changed != text
+    vector.write_text(changed)
+    after = call(tmp_path, code, PYTHONDONTWRITEBYTECODE="1")
+    assert after[0] != before[0]
+    assert after[1] == "0"
+    vector.write_text(text)
+    assert call(tmp_path, code, PYTHONDONTWRITEBYTECODE="1") == [before[0], "1"]
+
+
+def test_an_inner_function_is_refused_from_python_and_serves_kernels() -> None:
+    @njit(inner=True)
+    def half(x: float) -> float:
+        return 0.5 * x
+
+    @njit()
+    def quarter(x: float) -> float:
+        value: float = half(half(x))
+        return value
+
+    assert quarter(4.0) == 1.0
+    with pytest.raises(TypeError, match="half must be called from compiled code"):
+        half(4.0)
+
+
+ORDER = """
+import numpy as np
+from longwave.support.compiled.jit import njit
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"})
+def summed(a, b, out):
+    for i in range(out.size):
+        out[i] += a[i] * b[i]
+
+@njit(cache=True, error_model="numpy")
+def product(a, b, out):
+    for i in range(out.size):
+        out[i] = a[i] * b[i]
+"""
+
+CALL = """
+import hashlib, sys
+import numpy as np
+from longwave.solutions.order import product, summed
+a, b, c = np.random.default_rng(0).standard_normal((3, 1, 1998)).view(complex)
+out = c.copy()
+{first}
+summed(a[0], b[0], out[0])
+print(hashlib.sha256(out.tobytes()).hexdigest())
+"""
+
+
+def test_an_inner_function_takes_no_flags_from_the_kernel_that_calls_it_first() -> None:
+    @njit(inner=True, error_model="numpy")
+    def inner(a: float, b: float, c: float) -> float:
+        return a * b + c
+
+    @njit(error_model="numpy", fastmath={"contract"})
+    def loose(a: float, b: float, c: float) -> float:
+        return inner(a, b, c)
+
+    @njit(error_model="numpy")
+    def strict(a: float, b: float, c: float) -> float:
+        return inner(a, b, c)
+
+    a = 1.0 + 2.0**-30
+    loose(a, a, -1.0)
+    assert strict(a, a, -1.0) == a * a - 1.0
+
+
+@pytest.mark.slow
+def test_machine_code_does_not_depend_on_what_was_compiled_before(
+    house: Path, tmp_path: Path
+) -> None:
+    """Numba compiles the product of complex numbers with the flags of what needs it first."""
+    (house / SOLUTIONS / "order.py").write_text(ORDER)
+    other = "product(a[0], b[0], c[0])"
+    found = {
+        first: call(house, CALL.format(first=first), NUMBA_CACHE_DIR=str(tmp_path / str(place)))
+        for place, first in enumerate(("", other))
+    }
+    assert found[""] == found[other]

@@ -1,0 +1,212 @@
+"""Catches: a file that is half written, lost or overwritten unasked, and drafts left behind."""
+
+import errno
+import os
+import resource
+import signal
+import stat
+import subprocess
+import sys
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+from longwave.support.atomic_file import write_atomically
+
+OLD, NEW = "the older file", "new " * 1000
+
+KILLED = """
+import os, signal, sys
+from pathlib import Path
+from longwave.support.atomic_file import write_atomically
+
+moment, place = sys.argv[1:]
+
+def die(*_):
+    os.kill(os.getpid(), signal.SIGKILL)
+
+def write(draft):
+    with draft.open("w") as stream:
+        stream.write("new " * 500)
+        stream.flush()
+        if moment == "writing":
+            die()
+        stream.write("new " * 500)
+
+if moment == "flushing":
+    os.fsync = die
+if moment == "naming":
+    Path.replace = die
+if moment == "named":
+    os.open = die
+write_atomically(place, write)
+"""
+
+
+@pytest.mark.parametrize("moment", ["writing", "flushing", "naming", "named"])
+def test_a_process_killed_at_any_step_leaves_a_whole_file(moment: str, tmp_path: Path) -> None:
+    place = tmp_path / "run.nc"
+    place.write_text(OLD)
+    done = subprocess.run([sys.executable, "-c", KILLED, moment, str(place)], timeout=60)
+    assert done.returncode == -signal.SIGKILL
+    assert place.read_text() == (NEW if moment == "named" else OLD)
+
+
+def test_what_is_written_is_flushed_before_it_has_its_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    seen = []
+    place = tmp_path / "run.nc"
+    monkeypatch.setattr(
+        os, "fsync", lambda number: seen.append((stat.S_ISDIR(os.fstat(number).st_mode), *there()))
+    )
+
+    def there() -> list[bool]:
+        return [place.exists()]
+
+    write_atomically(place, lambda draft: draft.write_text(NEW))
+    assert seen == [(False, False), (True, True)]
+    write_atomically(place, lambda draft: draft.write_text(NEW), durable=False)
+    assert len(seen) == 2
+
+
+@contextmanager
+def no_file_larger_than(size: int) -> Iterator[None]:
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
+def test_what_does_not_fit_leaves_the_older_file_and_no_draft(tmp_path: Path) -> None:
+    place = tmp_path / "run.nc"
+    place.write_text(OLD)
+    with no_file_larger_than(1000), pytest.raises(OSError, match=r"run\.nc") as caught:
+        write_atomically(place, lambda draft: draft.write_text(NEW))
+    assert caught.value.errno == errno.EFBIG
+    assert caught.value.filename == str(place)
+    assert place.read_text() == OLD
+    assert list(tmp_path.iterdir()) == [place]
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="only root mounts a disk")
+def test_a_full_disk_and_one_that_is_read_only_are_told(tmp_path: Path) -> None:
+    mount = ["mount", "-t", "tmpfs", "-o", "size=16k", "none", str(tmp_path)]
+    if subprocess.run(mount, capture_output=True).returncode != 0:
+        pytest.skip("root may not mount here")
+    try:
+        place = tmp_path / "run.nc"
+        place.write_text(OLD)
+        with pytest.raises(OSError, match="No space left") as caught:
+            write_atomically(place, lambda draft: draft.write_text(10 * NEW))
+        assert caught.value.filename == str(place)
+        subprocess.run(["mount", "-o", "remount,ro", str(tmp_path)], check=True)
+        with pytest.raises(OSError, match="Read-only") as caught:
+            write_atomically(place, lambda draft: draft.write_text(NEW))
+        assert caught.value.filename == str(place)
+        assert place.read_text() == OLD
+        assert list(tmp_path.iterdir()) == [place]
+    finally:
+        subprocess.run(["umount", str(tmp_path)], check=True)
+
+
+def test_a_folder_that_cannot_be_written_is_told() -> None:
+    """Not even root makes a file in it."""
+    place = Path("/proc/self/run.nc")
+    with pytest.raises(OSError, match=r"/proc/self/run\.nc") as caught:
+        write_atomically(place, lambda draft: draft.write_text(NEW))
+    assert caught.value.filename == str(place)
+
+
+def test_any_error_of_the_writer_leaves_the_older_file_and_no_draft(tmp_path: Path) -> None:
+    place = tmp_path / "run.nc"
+    place.write_text(OLD)
+    for error in (KeyboardInterrupt(), RuntimeError("damaged"), OSError("no number")):
+
+        def write(draft: Path, error: BaseException = error) -> None:
+            draft.write_text(NEW)
+            raise error
+
+        with pytest.raises(type(error)):
+            write_atomically(place, write)
+        assert place.read_text() == OLD
+        assert list(tmp_path.iterdir()) == [place]
+
+
+@pytest.mark.parametrize("links", [True, False])
+def test_of_several_writers_without_force_one_wins(
+    links: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Also on file systems without hard links."""
+    place = tmp_path / "run.nc"
+    if not links:
+
+        def refuse(*_: object) -> None:
+            raise OSError(errno.EPERM, "Operation not permitted")
+
+        monkeypatch.setattr(os, "link", refuse)
+
+    def attempt(number: int) -> int | None:
+        try:
+            write_atomically(place, lambda draft: draft.write_text(f"{number}"), force=False)
+        except FileExistsError as error:
+            return None if error.filename == str(place) else -1
+        return number
+
+    with ThreadPoolExecutor(8) as pool:
+        won = [number for number in pool.map(attempt, range(64)) if number is not None]
+    assert [str(number) for number in won] == [place.read_text()]
+    assert list(tmp_path.iterdir()) == [place]
+
+
+def test_readers_never_see_less_than_a_whole_file(tmp_path: Path) -> None:
+    place = tmp_path / "run.nc"
+    whole = {f"{letter}" * 200_000 for letter in "ab"}
+    write_atomically(place, lambda draft: draft.write_text(min(whole)))
+
+    def writer(text: str) -> None:
+        for _ in range(20):
+            write_atomically(place, lambda draft: draft.write_text(text), durable=False)
+
+    with ThreadPoolExecutor(2) as pool:
+        writing = [pool.submit(writer, text) for text in sorted(whole)]
+        while not all(future.done() for future in writing):
+            assert place.read_text() in whole
+
+
+def test_what_is_no_file_is_not_replaced(tmp_path: Path) -> None:
+    (tmp_path / "folder").mkdir()
+    os.mkfifo(tmp_path / "pipe")
+    for name in ("folder", "pipe"):
+        with pytest.raises(FileExistsError, match="is there, and is no file"):
+            write_atomically(tmp_path / name, lambda draft: draft.write_text(NEW))
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["folder", "pipe"]
+
+
+def test_a_link_and_permissions_stay(tmp_path: Path) -> None:
+    place, link = tmp_path / "run.nc", tmp_path / "last.nc"
+    place.write_text(OLD)
+    place.chmod(0o600)
+    link.symlink_to(place)
+    write_atomically(link, lambda draft: draft.write_text(NEW))
+    assert link.is_symlink()
+    assert place.read_text() == NEW
+    assert stat.S_IMODE(place.stat().st_mode) == 0o600
+
+
+def test_the_longest_name_that_a_file_may_have_has_room_for_its_draft(tmp_path: Path) -> None:
+    seen = []
+
+    def write(draft: Path) -> None:
+        seen.append(draft.suffix)
+        draft.write_text(NEW)
+
+    for name in (252 * "r" + ".nc", "r." + 250 * "n", 84 * "波" + ".nc"):
+        write_atomically(tmp_path / name, write)
+        assert (tmp_path / name).read_text() == NEW
+    assert seen == [".nc", ".draft", ".nc"]

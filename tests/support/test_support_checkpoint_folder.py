@@ -1,0 +1,80 @@
+"""Catches: a checkpoint that is read though it is damaged, of another run or of another task."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import pickle
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from longwave.support.checkpoint import Memory, begin_loop, branches, kept_by
+from longwave.support.checkpoint_folder import CheckpointFolder
+
+MEMORY: Memory = {"seconds": 1.5, "f": np.arange(3.0), "rows": [np.float64(2.0), (1, None, "a")]}
+
+
+def test_what_was_kept_is_read_for_the_same_run_and_task_alone(tmp_path: Path) -> None:
+    CheckpointFolder(tmp_path, "this run").write("1", "this task", MEMORY)
+    found = CheckpointFolder(tmp_path, "this run").read("1", "this task")
+    assert found is not None
+    assert found["f"].tolist() == [0.0, 1.0, 2.0]
+    found["f"][0] = 5.0  # a run changes it in place
+    assert found["rows"] == MEMORY["rows"]
+    assert CheckpointFolder(tmp_path, "this run").read("1", "another task") is None
+    assert CheckpointFolder(tmp_path, "this run").read("2", "this task") is None
+    assert CheckpointFolder(tmp_path, "another run").read("1", "this task") is None
+
+
+def test_a_damaged_checkpoint_is_told_and_not_read(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    keeper = CheckpointFolder(tmp_path, "this run")
+    keeper.write("1", "this task", MEMORY)
+    (path,) = tmp_path.iterdir()
+    held = path.read_bytes()
+    for broken in (b"", held[:40], held[:-1], held[:50] + b"\0" + held[51:]):
+        path.write_bytes(broken)
+        caplog.clear()
+        assert keeper.read("1", "this task") is None
+        assert f"{path} is damaged" in caplog.text
+
+
+def test_a_checkpoint_calls_nothing(tmp_path: Path) -> None:
+    """Whoever may write into the folder may not run a program by it."""
+    data = pickle.dumps(("this run", "this task", os.getcwd), protocol=5)
+    (tmp_path / "1.loop").write_bytes(hashlib.sha256(data).digest() + data)
+    assert CheckpointFolder(tmp_path, "this run").read("1", "this task") is None
+
+
+def test_loops_are_numbered_by_the_order_in_which_they_begin(tmp_path: Path) -> None:
+    """Those of work that is done at once by themselves, whichever is first."""
+    with kept_by(CheckpointFolder(tmp_path, "this run")):
+        first = begin_loop("").name
+        one, other = branches(2)
+        later = [place.run(lambda: begin_loop("").name) for place in (other, one, one)]
+        last = begin_loop("").name
+    assert [first, *later, last] == ["1", "3-1", "2-1", "2-2", "4"]
+    assert begin_loop("").keeper is None
+
+
+def test_keeping_takes_a_small_share_of_the_time(tmp_path: Path) -> None:
+    """Whatever a write costs, it is done so seldom: the clock is the test's."""
+    keeper = CheckpointFolder(tmp_path, "this run", least=0.0, share=0.01)
+    written = []
+    with kept_by(keeper), pytest.MonkeyPatch.context() as patched:
+        clock = [0.0]
+        patched.setattr("longwave.support.checkpoint.perf_counter", lambda: clock[0])
+
+        def write(*_: object) -> None:
+            written.append(clock[0])
+            clock[0] += 0.2
+
+        patched.setattr(keeper, "write", write)
+        loop = begin_loop("")
+        for _ in range(100_000):
+            clock[0] += 0.01
+            loop.offer(dict)
+    assert 0.8 * 0.01 <= 0.2 * len(written) / clock[0] <= 0.0101

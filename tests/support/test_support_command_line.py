@@ -1,0 +1,44 @@
+"""Catches: usage dumps, messages of several lines, a wrong exit status, in any room's command."""
+
+from importlib import import_module
+
+import pytest
+
+from longwave.derive.__main__ import main
+from longwave.support.command_line import fail
+
+COMMANDS = {
+    "longwave.derive.__main__": ("",),
+    "longwave.verify.__main__": ("", "mutations", "accuracy"),
+    "longwave.reports.__main__": ("",),
+    "longwave.reports.bench": ("",),
+    "longwave.reports.pictures.__main__": ("",),
+}
+
+
+@pytest.mark.parametrize(
+    ("module", "word"), [(module, word) for module, words in COMMANDS.items() for word in words]
+)
+def test_an_unknown_option_is_one_line(
+    module: str, word: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert import_module(module).main([*word.split(), "--bogus"]) == 2
+    error = capsys.readouterr().err
+    assert error.startswith("error: ")
+    assert error.count("\n") == 1
+    assert f"{word} --help)" in error
+
+
+def test_a_message_of_several_lines_is_told_in_one(capsys: pytest.CaptureFixture[str]) -> None:
+    assert fail("one\n  two") == 2
+    assert capsys.readouterr().err == "error: one two\n"
+
+
+def test_a_long_word_of_a_file_is_cut(capsys: pytest.CaptureFixture[str]) -> None:
+    assert fail(f"scheme must be a known one, got '{'x' * 3000}' (one of rk4)") == 2
+    assert 150 < len(capsys.readouterr().err) < 250
+
+
+def test_two_dashes_are_no_value(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--k2", "--"]) == 2
+    assert capsys.readouterr().err.startswith("error: K2 must be a rational number, got '--'")

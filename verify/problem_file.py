@@ -1,0 +1,175 @@
+"""Problem files: statements in TOML, as ``longwave prove FILE.toml`` takes them.
+
+[[problem]]
+name = "KdV soliton"
+equation = "u_t + 6*u*u_x + u_xxx"          # or a list
+solution = "u = 2*k**2*sech(k*(x - 4*k**2*t))**2"
+parameters = "k: k>0"
+domain = "t > 0"
+solve = "k"                                 # parameters whose values are asked for
+variables = "x, t"                          # where they are others than x, y, z, t and n
+source = "free text"
+expect = "PROVED"
+
+[[problem]]
+name = "KdV soliton, wrong speed"
+variant_of = "KdV soliton"                  # what is left out is as there
+solution = "u = 2*k**2*sech(k*(x - 2*k**2*t))**2"
+note = "what is wrong"
+expect = "REFUTED"
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from longwave.derive.algebra.formula_text import FormulaError
+from longwave.support.user_files import file_stem, read_toml, shown, shown_path
+from longwave.verify.proof.statement_text import read_statement
+from longwave.verify.proof.typed_statement import Statement
+from longwave.verify.verdict import Outcome
+
+FILE_BYTES, PROBLEMS = 5_000_000, 10_000
+
+NAME_LENGTH = 100
+
+FORMULAS = ("equation", "solution")
+"""The keys of a problem with one text or a list."""
+
+TEXTS = ("name", "parameters", "domain", "solve", "variables", "source", "expect")
+"""The keys of a problem with one text."""
+
+REMARKS = ("equation_name", "looked_up", "variant_of", "misprint_in", "note")
+"""The keys of a problem with one text on which no verdict depends."""
+
+TAKEN = (
+    *("equation", "solution", "parameters", "domain", "variables"),
+    *("source", "equation_name", "looked_up"),
+)
+"""What a variant takes from its original."""
+
+EXPECTED = (Outcome.PROVED, Outcome.REFUTED, Outcome.UNDECIDED)
+
+
+@dataclass(frozen=True)
+class StatedProblem:
+    """A statement with what a file says beside it; ``expect`` is a verdict or empty."""
+
+    statement: Statement
+    expect: str = ""
+    source: str = ""
+
+
+@dataclass(frozen=True)
+class ProblemText:
+    """A problem as a file has it, before its formulas are read.
+
+    ``looked_up`` is the address of a text in which the formula was found, up to the names and the
+    scale of its parameters; empty, where it is written from memory of the source. ``variant_of`` is
+    the name of the problem of which this is a wrong variant, and ``note`` says what is hidden in
+    it; ``misprint_in`` is the publication that has the wrong formula, where it was not made here.
+    """
+
+    where: str
+    name: str
+    equation: tuple[str, ...]
+    solution: tuple[str, ...]
+    parameters: str = ""
+    domain: str = ""
+    solve: str = ""
+    variables: str = ""
+    source: str = ""
+    expect: str = ""
+    equation_name: str = ""
+    looked_up: str = ""
+    variant_of: str = ""
+    misprint_in: str = ""
+    note: str = ""
+
+    def problem(self) -> StatedProblem:
+        """Read the formulas; raises FormulaError with the problem's place and name."""
+        texts = self.equation, self.solution, self.parameters, self.domain
+        try:
+            statement = read_statement(
+                *texts, name=self.name, solve=self.solve, variables=self.variables
+            )
+            return StatedProblem(statement, self.expect, self.source)
+        except FormulaError as error:
+            raise error.within(f"{self.where} ({self.name})") from None
+
+
+def read_problems(path: Path) -> list[StatedProblem]:
+    """The problems of a TOML file, in order.
+
+    Raises ValueError, for a formula FormulaError, with the problem's name, and OSError as opening
+    does.
+    """
+    return [text.problem() for text in problem_texts(path)]
+
+
+def problem_texts(path: Path) -> list[ProblemText]:
+    """The problems of a TOML file, in order, with their formulas not yet read.
+
+    ``-`` is the standard input. Raises ValueError with the problem's number, and OSError as opening
+    does.
+    """
+    name, stem = shown_path(path), file_stem(path)
+    data = read_toml(path, "problem file", FILE_BYTES)
+    tables = data.get("problem")
+    if set(data) != {"problem"} or not isinstance(tables, list) or not tables:
+        got = ", ".join(map(shown, data)) or "nothing"
+        raise ValueError(f"{name} must hold [[problem]] tables and nothing else, got {got}")
+    if len(tables) > PROBLEMS:
+        raise ValueError(f"{name} must have at most {PROBLEMS} problems, got {len(tables)}")
+    found: list[ProblemText] = []
+    for number, table in enumerate(tables, 1):
+        earlier = {text.name: text for text in found}
+        found.append(_problem(f"{name}, problem {number}", f"{stem} {number}", table, earlier))
+    return found
+
+
+def _problem(
+    where: str, unnamed: str, table: Any, earlier: Mapping[str, ProblemText]
+) -> ProblemText:
+    if not isinstance(table, dict):
+        raise ValueError(f"{where} must be a table, got {shown(table)} (begin with [[problem]])")
+    known = (*FORMULAS, *TEXTS, *REMARKS)
+    for key in table:
+        if key not in known:
+            raise ValueError(f"{where}: keys must be among {', '.join(known)}, got {shown(key)}")
+    original = table.get("variant_of")
+    if isinstance(original, str) and original in earlier:
+        taken = {key: getattr(earlier[original], key) for key in TAKEN}
+    elif original is None:
+        taken = {}
+    else:
+        words = "variant_of must be the name of a problem above"
+        raise ValueError(f"{where}: {words}, got {shown(original)}")
+    texts: dict[str, Any] = {**taken, **table}
+    for key in FORMULAS:
+        texts[key] = _formula_texts(where, key, texts.get(key))
+    for key in (*TEXTS, *REMARKS):
+        text = texts.setdefault(key, "")
+        if not isinstance(text, str):
+            raise ValueError(f"{where}: {key} must be text, got {shown(text)} (put it in quotes)")
+    texts["name"] = name = texts["name"] or unnamed
+    if not name.isprintable() or len(name) > NAME_LENGTH:
+        words = f"one printable line of {NAME_LENGTH} characters at most"
+        raise ValueError(f"{where}: name must be {words}, got {shown(name)}")
+    if texts["expect"] not in ("", *EXPECTED):
+        words = ", ".join(EXPECTED)
+        raise ValueError(f"{where}: expect must be one of {words}, got {shown(texts['expect'])}")
+    return ProblemText(where, **texts)
+
+
+def _formula_texts(where: str, key: str, given: Any) -> tuple[str, ...]:
+    texts = [given] if isinstance(given, str) else given
+    if not isinstance(texts, list | tuple) or not texts:
+        texts = [None]
+    if not all(isinstance(text, str) for text in texts):
+        got = "nothing" if given is None else shown(given)
+        raise ValueError(f"{where}: {key} must be text or a list of texts, got {got}")
+    return tuple(texts)

@@ -1,0 +1,94 @@
+"""The library of published solutions: problem files in ``solutions/library``, by equation."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from difflib import get_close_matches
+from functools import cache
+from importlib.resources import as_file, files
+
+from rich.table import Table
+
+from longwave.support.console import table_console
+from longwave.support.user_files import shown
+from longwave.verify.problem_file import ProblemText, problem_texts
+
+FOLDER = files("longwave.solutions.library")
+
+FROM_MEMORY = "not looked up"
+"""Said behind a source of which no text was at hand."""
+
+
+@cache
+def published() -> tuple[ProblemText, ...]:
+    """Every statement of the library, by its equation's name, a variant behind its original.
+
+    >>> "kdv_one_soliton" in {text.name for text in published()}
+    True
+    """
+    found: list[ProblemText] = []
+    for entry in sorted(FOLDER.iterdir(), key=lambda entry: entry.name):
+        if entry.name.endswith(".toml"):
+            with as_file(entry) as path:
+                found += problem_texts(path)
+    return tuple(sorted(found, key=lambda text: text.equation_name.lower()))
+
+
+def chosen(names: Sequence[str] = ()) -> list[ProblemText]:
+    """The statements of these names or of the equations of these names; without names all.
+
+    Raises ValueError for a name that is neither, with those that are like it.
+
+    >>> [text.name for text in chosen(["kdv_one_soliton"])]
+    ['kdv_one_soliton']
+    """
+    known = {word for text in published() for word in (text.name, text.equation_name)}
+    for name in names:
+        if name not in known:
+            like = ", ".join(get_close_matches(name, sorted(known), 5, 0.4))
+            remedy = f"did you mean {like}?" if like else "longwave list --library shows them"
+            words = "name must be of the library, a statement's or an equation's"
+            raise ValueError(f"{words}, got {shown(name)} ({remedy})")
+    return [
+        text
+        for text in published()
+        if not names or text.name in names or text.equation_name in names
+    ]
+
+
+def source_of(text: ProblemText) -> str:
+    """The source, marked where no text of it was at hand; of a wrong variant, whose it is."""
+    if text.misprint_in:
+        return f"misprint in {text.misprint_in}"
+    if text.variant_of:
+        return f"variant of {text.variant_of}"
+    return text.source if text.looked_up else f"{text.source} ({FROM_MEMORY})"
+
+
+def records() -> list[dict[str, object]]:
+    """The library as plain data, what is empty left out."""
+    return [
+        {key: value for key, value in vars(text).items() if value and key != "where"}
+        for text in published()
+    ]
+
+
+def print_library() -> None:
+    """Print name, equation, source and expected verdict of every statement, by equation."""
+    table = Table(title="library", title_justify="left")
+    for heading in ("name", "equation", "source", "expected"):
+        table.add_column(heading, no_wrap=heading == "name")
+    before = ""
+    for text in published():
+        if before and text.equation_name != before:
+            table.add_section()
+        shown_name = text.equation_name if text.equation_name != before else ""
+        table.add_row(text.name, shown_name, source_of(text), text.expect)
+        before = text.equation_name
+    console = table_console()
+    console.print(table)
+    counts = Counter(text.expect for text in published())
+    equations = len({text.equation_name for text in published()})
+    numbers = "; ".join(f"{count} {expect}" for expect, count in counts.items())
+    console.print(f"{len(published())} statements over {equations} equations: {numbers}")
