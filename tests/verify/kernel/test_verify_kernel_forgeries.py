@@ -128,3 +128,14 @@ def test_an_index_of_numbers_is_their_sum() -> None:
     statement = {"variables": ["n"]}
     data = certificate("u[n+3-1] - u[n] - 2", "u[n] = n", ["n"], {"n": "1"}, statement)
     assert "u[n+3-1]" in check_certificate(data)
+
+
+def test_a_multiple_of_a_root_of_unity_does_not_satisfy_its_relation() -> None:
+    """The relation of w**4 has lower powers of w, in which 2*w was put as if it were w."""
+    w, proof = "exp(2*I*pi/5)", Proof()
+    data = proof.data(["x", "I", "pi"], {"x": "1"})
+    form = [proof.place("2")], proof.place("0")
+    data["generators"].append(["forms", [proof.place(w)], [list(form)]])
+    solution = f"u = x*({w}**4 + 8*{w}**3 + 4*{w}**2 + 2*{w} + 1)"
+    statement = {"equations": ["u"], "solutions": [solution]}
+    refused(signed(statement, proof, data), "a multiple of a root of unity is no generator")
