@@ -130,6 +130,19 @@ def test_identities_of_inverse_functions(equation: str, true: str, false: str, d
 
 
 @pytest.mark.parametrize(
+    ("true", "false", "formula", "domain"),
+    [
+        ("u - log(2) - I*pi", "u - log(2) + I*pi", "log(-2)", ""),
+        ("u - log(x) - I*pi", "u - log(x) + I*pi", "log(-x)", "x>0"),
+        ("u - log(x - 1) - I*pi", "u - log(x - 1)", "log(1 - x)", "x>1"),
+    ],
+)
+def test_logarithms_of_what_is_negative(true: str, false: str, formula: str, domain: str) -> None:
+    assert outcome(true, f"u = {formula}", domain=domain) == Outcome.PROVED
+    assert outcome(false, f"u = {formula}", domain=domain) == Outcome.REFUTED
+
+
+@pytest.mark.parametrize(
     ("formula", "domain", "wider"),
     [
         ("x + I*y", "x>0", "x>-1"),
