@@ -56,6 +56,9 @@ VALUES: list[tuple[str, str, str, tuple[str, ...], list[str], Hints]] = [
      (*ATOMS, *(f"jacobi_{n}(x, 1/2)" for n in ("cn", "sn", "dn", "epsilon"))), [],
      {"sums": {"jacobi_sn(-x, 1/2)": {"x": "-1"}}}),
     ("log(1) + x", "x", "x + 1", ATOMS, [], {}),
+    ("log(-x)", "log(x) + I*pi", "log(x) - I*pi", (*ATOMS, "pi", "log(x)"), ["x > 0"], {}),
+    ("log(x)", "log(-x) + I*pi", "log(-x)", (*ATOMS, "pi", "log(-x)"), ["x < 0"], {}),
+    ("log(-2)", "log(2) + I*pi", "log(2) - I*pi", (*ATOMS, "pi", "log(2)"), [], {}),
     ("jacobi_sn(x + x + y, 1/2)", "jacobi_sn(2*x + y, 1/2)", "jacobi_sn(x + y, 1/2)",
      (*ATOMS, *(f"jacobi_{n}({z}, 1/2)" for z in "xy" for n in ("sn", "cn", "dn"))), [], {}),
     ("exp(2*I*pi/5)**4", "-1 - w - w**2 - w**3".replace("w", "exp(2*I*pi/5)"),
@@ -185,6 +188,15 @@ def test_a_denominator_with_a_modulus_has_no_function_that_may_jump(
         assert u in check_certificate(data)
     else:
         refused(data, "both a root and a logarithm that may jump")
+
+
+@pytest.mark.parametrize("domain", ["x < 1", "-1 < x", "y > 0"])
+def test_a_logarithm_is_taken_apart_where_its_argument_is_negative(domain: str) -> None:
+    stated = {"variables": ["x", "y"], "domain": [domain]}
+    data = certificate(
+        "u - log(-x)", "u = log(x) + I*pi", ["x", "y", "I", "pi", "log(x)"], POINT, stated
+    )
+    refused(data, "there is no generator for a log")
 
 
 @pytest.mark.parametrize("log", ["log(x)", "log(-x)"])
