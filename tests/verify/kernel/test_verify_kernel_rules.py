@@ -73,6 +73,8 @@ RULES = [
     ("u - v", "u = jacobi_zeta(x, m) ;; v = jacobi_epsilon(x, m) - x*elliptic_e(m)/elliptic_k(m)",
      "m: 0<m<1", ""),
     ("u[n+4] - u[n]", "u[n] = cos(pi*n/2)", "", ""),
+    ("u[n] - (-1)**n", "u[n] = cos(3*pi*n)", "", ""),
+    ("u[n] - 1", "u[n] = cos(2*pi*n)", "", ""),
 ]  # fmt: skip
 
 
