@@ -123,6 +123,19 @@ def test_conjugates_and_parts_are_continued_by_their_formulas() -> None:
             assert abs(balls.ball(sign) - way * acb(2, 4) / size).upper() < 1e-60
 
 
+def test_a_real_part_is_not_real_on_every_branch() -> None:
+    """For z = x**(1/3) + i x, and x**(1/3) = 2 exp(2 i pi/3) at 8, it is this root."""
+    scope, z = read("x**(1/3) + I*x")
+    mirrored, root = formula(scope, "x**(1/3) - I*x"), formula(scope, "x**(1/3)")
+    turned = Balls(
+        scope.nodes, {scope.node("x"): fmpq(8)}, {root: fmpq(1, 3)}, lambda inner: mirrored
+    )
+    with ctx.workprec(BITS):
+        for name, value in (("re", acb(-1, acb(3).sqrt().real)), ("im", acb(8))):
+            ball = turned.ball(scope.nodes.made(name, z))
+            assert abs(ball - value).upper() < 1e-60
+
+
 def test_a_parity_on_another_branch_is_a_unit() -> None:
     scope = Scope(Nodes())
     n = scope.declare("n", "integer")
