@@ -129,9 +129,8 @@ def elliptic(field: Field, node: int) -> Element | None:
 
 @rule("jacobi_theta")
 def theta(field: Field, node: int) -> Element:
-    """Theta(u - d) by the product theorem."""
+    """Theta(u - d) by the product theorem, from generators of an m in its range."""
     _, z, m = field.nodes.all[node]
-    field.need_parameters(node)
     terms = field.nodes.terms(z)
     for place, term in enumerate(terms):
         times, d = field.nodes.multiple(term)

@@ -69,7 +69,8 @@ VALUES: list[tuple[str, str, str, tuple[str, ...], list[str], Hints]] = [
     ("exp(2*lambert_w(x))", "x**2/lambert_w(x)**2", "x/lambert_w(x)", (*ATOMS, "lambert_w(x)"), [],
      {}),
     ("exp(3*x + y)", "exp(x)**3*exp(y)", "exp(x)*exp(y)", (*ATOMS, "exp(x)", "exp(y)"), [], {}),
-    ("exp(I*pi*6/5)", "-exp(I*pi/5)", "exp(I*pi/5)", (*ATOMS, "pi", "exp(I*pi/5)"), [], {}),
+    *((f"exp(I*pi*{n}/5)", "-exp(I*pi/5)", "exp(I*pi/5)", (*ATOMS, "pi", "exp(I*pi/5)"), [], {})
+      for n in (6, 16, -4)),
     ("sqrt((1 + sqrt(I*x))**2)", "1 + sqrt(I*x)", "-1 - sqrt(I*x)", (*ATOMS, "sqrt(I*x)"), [],
      {"values": {"sqrt((1 + sqrt(I*x))**2)": "1 + sqrt(I*x)"}}),
     ("jacobi_dn(elliptic_k(1/4), 1/4)", "sqrt(3/4)", "-sqrt(3/4)",
