@@ -188,6 +188,20 @@ def test_the_values_of_weierstrass_function_are_sharp() -> None:
             assert all(part.rad() < 1e-90 for part in weierstrass(z, acb(60), acb(0)))
 
 
+@pytest.mark.parametrize(("g2", "g3"), [(60, 0), (0, 84), (60, 84)])
+def test_weierstrass_function_of_large_invariants(g2: int, g3: int) -> None:
+    """With z for 10 z, g2 is 10**4 and g3 10**6 times what it was, p is 100 times."""
+    with ctx.workprec(BITS):
+        z = acb("0.044")
+        large, small = (
+            weierstrass(z, acb(g2 * 10**4), acb(g3 * 10**6)),
+            weierstrass(10 * z, acb(g2), acb(g3)),
+        )
+        for power, value, other in zip((2, 3), large, small, strict=True):
+            assert value.rad() < 1e-80
+            assert value.overlaps(other * acb(10) ** power)
+
+
 def test_weierstrass_function_far_out_and_of_small_invariants() -> None:
     with ctx.workprec(BITS):
         for z in (acb(3e4), acb(1e6), acb(0, 5)):
