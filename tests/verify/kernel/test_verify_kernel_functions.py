@@ -188,6 +188,19 @@ def test_a_denominator_with_a_modulus_has_no_function_that_may_jump(
         refused(data, "both a root and a logarithm that may jump")
 
 
+@pytest.mark.parametrize(
+    ("domain", "shown"),
+    [("-3 < x < 3.14159", True), ("-3 < x < 3.15", False), ("-3.15 < x < 3", False)],
+)
+def test_a_logarithm_of_a_phase_is_its_angle_within_half_a_turn(domain: str, shown: bool) -> None:
+    atoms = ("x", "I", "exp(I*x)")
+    data = certificate("u - I*x", "u = log(exp(I*x))", atoms, {"x": "1"}, {"domain": [domain]})
+    if shown:
+        assert domain in check_certificate(data)
+    else:
+        refused(data, "no generator for a log")
+
+
 @pytest.mark.parametrize("log", ["log(x)", "log(-x)"])
 @pytest.mark.parametrize("wrong", ["", "2*"])
 def test_a_power_of_what_is_negative(log: str, wrong: str) -> None:
