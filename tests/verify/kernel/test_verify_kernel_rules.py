@@ -148,3 +148,4 @@ def test_the_command_prints_what_it_accepts(
     with pytest.warns(RuntimeWarning, match="found in sys.modules"), pytest.raises(SystemExit):
         runpy.run_module("verify.kernel", run_name="__main__")
     assert main([str(tmp_path / "none")]) == 2
+    assert "FILE must be readable: No such file" in capsys.readouterr().err
