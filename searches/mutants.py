@@ -1,9 +1,8 @@
 """Random mutants of the code, and which of them the tests notice.
 
 Each mutant has one small change: a comparison, an operator, a constant, a condition, a statement
-that is gone.  The tests are run on it in a copy of the tree, in a fork of a process that has the
-libraries loaded.  What survives is printed with its line, before and after, to be killed by a new
-test or shown to change nothing.
+that is gone.  The tests are run on it in a copy of the tree.  What survives is printed with its
+line, before and after, to be killed by a new test or shown to change nothing.
 
     python -m searches.mutants verify/kernel --tests tests/verify/kernel
                                  [--count 300] [--seed 0] [--workers 1] [--seconds 120]

@@ -125,7 +125,7 @@ def registered(
 
 
 def _pairs(data: object) -> list[list[Any]]:
-    return [listed(entry, 2, "an entry", 2) for entry in listed(data, NODES, "hints")]
+    return [listed(entry, 2, "an entry", exactly=True) for entry in listed(data, NODES, "hints")]
 
 
 def _places(nodes: Nodes, data: object) -> dict[int, int]:
@@ -141,7 +141,7 @@ def _register(field: Field, entry: object, parts: Sequence[Any], statement: Stat
             forms = [([place(f) for f in factors], place(shift)) for factors, shift in _pairs(rows)]
             field.register_forms([place(p) for p in primitives], forms)
         case ["part", int(number_of)] if 0 <= number_of < len(parts):
-            left, right, proof = listed(parts[number_of], 3, "a part", 3)
+            left, right, proof = listed(parts[number_of], 3, "a part", exactly=True)
             sides = place(left), place(right)
             difference = field.nodes.gap(sides[1], sides[0])
             equality = Statement(

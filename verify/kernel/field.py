@@ -332,6 +332,8 @@ class Field:
 
     def relate(self, place: int, degree: int, value: Element, factor: Element) -> fmpq_mpoly:
         """Enter the power of a root times a factor, and times what makes it a polynomial."""
+        if place in value.places and not (factor - self.one).is_zero:
+            raise CertificateError("a multiple of a root of unity is no generator")
         value = value * factor**degree
         below, power = value.denominator(), value.numerator
         for _ in range(degree - 1):

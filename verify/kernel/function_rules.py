@@ -115,10 +115,9 @@ def elliptic(field: Field, node: int) -> Element | None:
     if len(terms) > 1:
         rest = terms[1] if len(terms) == 2 else nodes.made("Add", *terms[1:])
         return field.read(SUMS[name], u=terms[0], v=rest, m=m, z=z)
-    if times == 0 or u == nodes.made("elliptic_k", m):
-        if times in (0, 1):
-            return field.read(SPECIAL_VALUES[name][int(times.p)], m=m)
-    elif times == 1:
+    if times == 0 or (times == 1 and u == nodes.made("elliptic_k", m)):
+        return field.read(SPECIAL_VALUES[name][int(times.p)], m=m)
+    if times == 1:
         raise CertificateError("there is no generator for a function of a sum")
     if times < 0:
         value = field.made(name, nodes.times(whole(-times), u), m)

@@ -50,10 +50,10 @@ def integer(value: object, least: int, limit: int, what: str) -> int:
     return value
 
 
-def listed(value: object, limit: int, what: str, length: int | None = None) -> list[Any]:
-    """A list of at most ``limit`` entries (exactly ``length`` if given)."""
-    if not isinstance(value, list) or (length is not None and len(value) != length):
-        raise CertificateError(f"{what} must be a list{'' if length is None else f' of {length}'}")
+def listed(value: object, limit: int, what: str, exactly: bool = False) -> list[Any]:
+    """A list of at most ``limit`` entries, or of ``exactly`` so many."""
+    if not isinstance(value, list) or (exactly and len(value) != limit):
+        raise CertificateError(f"{what} must be a list{f' of {limit}' if exactly else ''}")
     within(f"the length of {what}", len(value), limit)
     return value
 

@@ -297,10 +297,7 @@ class TextReader:
         if free or order:
             raise CertificateError(f"no function with derivatives is called {name[:40]}")
         if name == "diff" and 1 < len(arguments) <= ORDER + 1:
-            inner, *variables = arguments
-            if not set(variables) <= set(scope.variables):
-                raise CertificateError("derivatives must be in the statement's variables")
-            return made("diff", inner, *sorted(variables))
+            return made("diff", arguments[0], *sorted(self._steps(arguments[1:])))
         if name == "sqrt" and len(arguments) == 1:
             return self.power(arguments[0], fmpq(1, 2))
         if arity(name) != len(arguments):
@@ -308,6 +305,20 @@ class TextReader:
                 f"no function of {len(arguments)} arguments is called {name[:40]}"
             )
         return made("Abs" if name == "abs" else name, *arguments)
+
+    def _steps(self, listed: Sequence[int]) -> list[int]:
+        """The variables of a derivative; ``x, 3`` is ``x, x, x``."""
+        steps: list[int] = []
+        for node in listed:
+            times = self._nodes.value(node)
+            if steps and times is not None and times.q == 1 and 0 < times <= ORDER:
+                steps += steps[-1:] * (int(times.p) - 1)
+            else:
+                steps.append(node)
+        if not set(steps) <= set(self._scope.variables):
+            raise CertificateError("derivatives must be in the statement's variables")
+        within("the order of a derivative", len(steps), ORDER)
+        return steps
 
     def _unknown(self, name: str) -> int:
         """``u[n+1]``: an index for each integer variable, or for each variable."""

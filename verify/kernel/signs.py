@@ -159,7 +159,7 @@ class Signs:
                 continue
             if multiple is not None:
                 ratio, gap = multiple
-                up, down = Interval(gap, None, not weak), Interval(None, gap, False, not weak)
+                up, down = Interval(gap, None, not weak), -Interval(-gap, None, not weak)
                 found = found & (up if ratio > 0 else down)
         return found
 

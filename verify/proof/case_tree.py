@@ -389,9 +389,8 @@ class CaseTree:
             )
             for powers, _ in terms
         ]
-        difference = sp.Poly(
-            sums[0] - sums[1], *sorted(sums[0].free_symbols | sums[1].free_symbols, key=str)
-        )
-        if not all(c.is_Rational for c in difference.coeffs()):
+        symbols = sorted(sums[0].free_symbols | sums[1].free_symbols, key=str)
+        difference = (sums[0] - sums[1]).as_poly(*symbols)
+        if difference is None or not all(c.is_Rational for c in difference.coeffs()):
             return None
         return self._constants.polynomial(terms_of(difference))

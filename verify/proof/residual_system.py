@@ -370,7 +370,9 @@ class Meanings:
                         for c, powers in terms  # type: ignore[attr-defined]
                     )
                 )
-            case "jet", (*places, (str(label), int(order))):
+            case "parity", (int(exponent),):
+                return sp.S.NegativeOne ** self._node(exponent)
+            case (("jet" | "theta"), (*places, (str(label), int(order)))):
                 values = [self._node(place) for place in places]  # type: ignore[arg-type]
                 return jet_function(label, order)(*values)
         return FUNCTIONS[name](*map(self._node, arguments))  # type: ignore[arg-type]

@@ -177,6 +177,8 @@ def _plain(
             return sp.Pow(expression(inner), sp.S.Half, evaluate=False)
         case Call(name=name, parts=parts):
             arguments = [*map(expression, parts)]
+            if name in ("cos", "sin", "tan") and (arguments[0] / sp.pi).is_integer:
+                return sp.I * sp.S.NegativeOne ** (arguments[0] / sp.pi)  # what the checker needs
             if name not in ("abs", "sign") or arguments != [0]:
                 return words.functions[name][0](*arguments, evaluate=False)
         case Power(parts=parts):
@@ -235,20 +237,33 @@ def _with_values(proof: Data, typed: Sequence[Typed], problem: StatementProblem)
 
 
 def _equal_parts(typed: Sequence[Typed], problem: StatementProblem) -> dict[sp.Expr, sp.Expr]:
-    """Other functions that roots, moduli and inverse functions may be: equal at a point."""
+    """What roots, roots of squares, moduli and inverse functions may be: equal at a point."""
     found: dict[sp.Expr, sp.Expr] = {}
+    for part in typed:
+        match part.plain.as_base_exp():
+            case sp.Pow(args=(base, exponent)), half if (
+                not base.is_real and exponent == 4 * half == 2
+            ):
+                for value in (base, -base):
+                    if _are_equal(part.plain, value, problem):
+                        found[part.plain] = value
     for part, other in product(typed, typed):
         name = part.tree.name if isinstance(part.tree, Call) else ""
         alike = isinstance(other.tree, Call) and other.tree.name == name
         known = part.plain in (*found, *found.values()) or other.plain in found
         if name not in ("sqrt", "abs", *INVERSE) or alike or known or other.plain.is_number:
             continue
-        if part.tree not in other.tree.nodes():
-            values = (ball_value(own.plain, problem.points[0], BITS) for own in (part, other))
-            with suppress(ValueError, ZeroDivisionError):
-                if sub(*values).contains(0):
-                    found[part.plain] = other.plain
+        if part.tree not in other.tree.nodes() and _are_equal(part.plain, other.plain, problem):
+            found[part.plain] = other.plain
     return found
+
+
+def _are_equal(left: sp.Expr, right: sp.Expr, problem: StatementProblem) -> bool:
+    """Whether two formulas have the same value at a point, as far as balls show."""
+    with suppress(ValueError, ZeroDivisionError):
+        values = (ball_value(side, problem.points[0], BITS) for side in (left, right))
+        return bool(sub(*values).contains(0))
+    return False
 
 
 def _written(value: sp.Expr, variables: Sequence[str]) -> str:

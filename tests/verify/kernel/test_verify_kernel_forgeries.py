@@ -1,8 +1,11 @@
 """Forged certificates that the kernel once accepted."""
 
 import pytest
+from flint import ctx
 
 from longwave.verify.kernel import CertificateError, check_certificate
+from longwave.verify.kernel.check import opened, registered
+from longwave.verify.kernel.node_balls import BITS, Balls, value_at
 from searches.forged_proofs import Data, Proof, certificate, signed
 
 
@@ -128,3 +131,51 @@ def test_an_index_of_numbers_is_their_sum() -> None:
     statement = {"variables": ["n"]}
     data = certificate("u[n+3-1] - u[n] - 2", "u[n] = n", ["n"], {"n": "1"}, statement)
     assert "u[n+3-1]" in check_certificate(data)
+
+
+def test_a_multiple_of_a_root_of_unity_does_not_satisfy_its_relation() -> None:
+    """The relation of w**4 has lower powers of w, in which 2*w was put as if it were w."""
+    w, proof = "exp(2*I*pi/5)", Proof()
+    data = proof.data(["x", "I", "pi"], {"x": "1"})
+    form = [proof.place("2")], proof.place("0")
+    data["generators"].append(["forms", [proof.place(w)], [list(form)]])
+    solution = f"u = x*({w}**4 + 8*{w}**3 + 4*{w}**2 + 2*{w} + 1)"
+    statement = {"equations": ["u"], "solutions": [solution]}
+    refused(signed(statement, proof, data), "a multiple of a root of unity is no generator")
+
+
+MULTIPLES = [
+    (["x"], "sqrt(x)"),
+    (["x"], "(1/x)**(1/3)"),
+    (["x"], "abs(x)"),
+    (["I"], "exp(2*I*pi/5)"),
+    (["x", "jacobi_cn(x, 1/2)"], "jacobi_sn(x, 1/2)"),
+    (["x", "weierstrass_p(x, 1, 1)"], "weierstrass_p_prime(x, 1, 1)"),
+    (["n"], "(-1)**n"),
+    ([], "I"),
+]
+
+
+@pytest.mark.parametrize("factor", ["1", "2", "-3/2", "x", "1 + x**2", "pi"])
+@pytest.mark.parametrize(("atoms", "root"), MULTIPLES)
+def test_the_relation_of_a_multiple_holds_at_a_point(
+    atoms: list[str], root: str, factor: str
+) -> None:
+    """Or there is none: a multiple of a root of unity is refused."""
+    proof = Proof()
+    everything = list(dict.fromkeys(["pi", "x", *atoms]))
+    data = proof.data(everything, {"x": "2/3", "n": "3"})
+    form = [[proof.place(factor)], proof.place("0")]
+    data["generators"].append(["forms", [proof.place(root)], [form]])
+    stated = {"variables": ["x", "n"], "equations": ["u"], "solutions": ["u = x"]}
+    statement = opened(signed(stated, proof, data))
+    if root.startswith("exp") and factor != "1":
+        with pytest.raises(CertificateError, match="a multiple of a root of unity"):
+            registered(statement, data)
+        return
+    field = registered(statement, data)
+    values = field.balls(Balls(field.nodes, field.point))
+    with ctx.workprec(BITS):
+        moduli = [value_at(modulus, values) for *_, modulus in field.ring.relations]
+    assert len(moduli) > 0
+    assert all(modulus.contains(0) for modulus in moduli)

@@ -56,6 +56,9 @@ VALUES: list[tuple[str, str, str, tuple[str, ...], list[str], Hints]] = [
      (*ATOMS, *(f"jacobi_{n}(x, 1/2)" for n in ("cn", "sn", "dn", "epsilon"))), [],
      {"sums": {"jacobi_sn(-x, 1/2)": {"x": "-1"}}}),
     ("log(1) + x", "x", "x + 1", ATOMS, [], {}),
+    ("log(-x)", "log(x) + I*pi", "log(x) - I*pi", (*ATOMS, "pi", "log(x)"), ["x > 0"], {}),
+    ("log(x)", "log(-x) + I*pi", "log(-x)", (*ATOMS, "pi", "log(-x)"), ["x < 0"], {}),
+    ("log(-2)", "log(2) + I*pi", "log(2) - I*pi", (*ATOMS, "pi", "log(2)"), [], {}),
     ("jacobi_sn(x + x + y, 1/2)", "jacobi_sn(2*x + y, 1/2)", "jacobi_sn(x + y, 1/2)",
      (*ATOMS, *(f"jacobi_{n}({z}, 1/2)" for z in "xy" for n in ("sn", "cn", "dn"))), [], {}),
     ("exp(2*I*pi/5)**4", "-1 - w - w**2 - w**3".replace("w", "exp(2*I*pi/5)"),
@@ -69,7 +72,8 @@ VALUES: list[tuple[str, str, str, tuple[str, ...], list[str], Hints]] = [
     ("exp(2*lambert_w(x))", "x**2/lambert_w(x)**2", "x/lambert_w(x)", (*ATOMS, "lambert_w(x)"), [],
      {}),
     ("exp(3*x + y)", "exp(x)**3*exp(y)", "exp(x)*exp(y)", (*ATOMS, "exp(x)", "exp(y)"), [], {}),
-    ("exp(I*pi*6/5)", "-exp(I*pi/5)", "exp(I*pi/5)", (*ATOMS, "pi", "exp(I*pi/5)"), [], {}),
+    *((f"exp(I*pi*{n}/5)", "-exp(I*pi/5)", "exp(I*pi/5)", (*ATOMS, "pi", "exp(I*pi/5)"), [], {})
+      for n in (6, 16, -4)),
     ("sqrt((1 + sqrt(I*x))**2)", "1 + sqrt(I*x)", "-1 - sqrt(I*x)", (*ATOMS, "sqrt(I*x)"), [],
      {"values": {"sqrt((1 + sqrt(I*x))**2)": "1 + sqrt(I*x)"}}),
     ("jacobi_dn(elliptic_k(1/4), 1/4)", "sqrt(3/4)", "-sqrt(3/4)",
@@ -185,6 +189,28 @@ def test_a_denominator_with_a_modulus_has_no_function_that_may_jump(
         assert u in check_certificate(data)
     else:
         refused(data, "both a root and a logarithm that may jump")
+
+
+@pytest.mark.parametrize("domain", ["x < 1", "-1 < x", "y > 0"])
+def test_a_logarithm_is_taken_apart_where_its_argument_is_negative(domain: str) -> None:
+    stated = {"variables": ["x", "y"], "domain": [domain]}
+    data = certificate(
+        "u - log(-x)", "u = log(x) + I*pi", ["x", "y", "I", "pi", "log(x)"], POINT, stated
+    )
+    refused(data, "there is no generator for a log")
+
+
+@pytest.mark.parametrize(
+    ("domain", "shown"),
+    [("-3 < x < 3.14159", True), ("-3 < x < 3.15", False), ("-3.15 < x < 3", False)],
+)
+def test_a_logarithm_of_a_phase_is_its_angle_within_half_a_turn(domain: str, shown: bool) -> None:
+    atoms = ("x", "I", "exp(I*x)")
+    data = certificate("u - I*x", "u = log(exp(I*x))", atoms, {"x": "1"}, {"domain": [domain]})
+    if shown:
+        assert domain in check_certificate(data)
+    else:
+        refused(data, "no generator for a log")
 
 
 @pytest.mark.parametrize("log", ["log(x)", "log(-x)"])

@@ -24,6 +24,7 @@ from longwave.verify.kernel.further.turns import share_of_turn
 from longwave.verify.kernel.limits import within
 from longwave.verify.kernel.nodes import Nodes, integer, listed, number
 from longwave.verify.kernel.reading import Scope, axiom, formula, rational
+from longwave.verify.kernel.ring import Ring
 from longwave.verify.kernel.statement import read_statement
 from searches.forged_proofs import Data, Proof, certificate, signed
 
@@ -131,12 +132,12 @@ def test_a_table_of_nodes_at_a_limit(
 
 
 def test_a_list_at_its_limit() -> None:
-    assert listed([1, 2], 2, "it") == listed([1, 2], 2, "it", 2) == [1, 2]
+    assert listed([1, 2], 2, "it") == listed([1, 2], 2, "it", exactly=True) == [1, 2]
     with pytest.raises(CertificateError, match="the length of it must be at most 2, got 3"):
         listed([1, 2, 3], 2, "it")
     for length in (1, 3):
         with pytest.raises(CertificateError, match=f"it must be a list of {length}"):
-            listed([1, 2], 9, "it", length)
+            listed([1, 2], length, "it", exactly=True)
     for value in ((1, 2), {}, "ab"):
         with pytest.raises(CertificateError, match=r"it must be a list$"):
             listed(value, 9, "it")
@@ -169,14 +170,14 @@ def accepted_at(
         check_certificate(data)
 
 
-def with_forms(number_of: int) -> Data:
+def with_forms(number_of: int, names: str = "xyz") -> Data:
     proof = Proof()
     one, zero = proof.place("1"), proof.place("0")
-    letters = [proof.place(letter) for letter in "xyz"[:number_of]]
+    letters = [proof.place(letter) for letter in names[:number_of]]
     rows = [[[one if i == j else zero for j in letters], zero] for i in letters]
-    data = proof.data([], dict.fromkeys("xyz", "1"), more=[["forms", letters, rows]])
-    data["generators"] += [["atom", proof.place(letter)] for letter in "xyz"[number_of:]]
-    statement = {"variables": ["x", "y", "z"], "equations": ["u - x"], "solutions": ["u = x"]}
+    data = proof.data([], dict.fromkeys(names, "1"), more=[["forms", letters, rows]])
+    data["generators"] += [["atom", proof.place(letter)] for letter in names[number_of:]]
+    statement = {"variables": [*names], "equations": ["u - x"], "solutions": ["u = x"]}
     return signed(statement, proof, data)
 
 
@@ -332,3 +333,61 @@ def test_an_equation_may_be_as_deep_as_the_table_allows() -> None:
     more: dict[str, Any] = {"parameters": parameters}
     data = certificate(f"u - x + 0*{names[-1]}", "u = x", ["x"], {"x": "1"}, more)
     assert "equation: u - x" in check_certificate(data)
+
+
+def with_generators(count: int) -> Data:
+    return certificate(*SIMPLE[:2], ["x", *(f"exp({n})" for n in range(1, count))], {"x": "1"})
+
+
+def with_branches(count: int) -> Data:
+    u = f"1/(2 + x**(1/{count}))"
+    return certificate(f"u - {u}", f"u = {u}", ["x", f"x**(1/{count})"], {"x": "1/2"})
+
+
+def filled(count: int) -> object:
+    """A table with so many nodes, all but the last one put there."""
+    table = Nodes()
+    table.all = [("I",)] * (count - 1)
+    return table.rational(1)
+
+
+def of_degree(degree: int) -> object:
+    made = Ring(1)
+    return made.product(made.generators[0] ** degree, made.context.constant(1))
+
+
+ALLOWED: list[tuple[str, int, Callable[[int], object]]] = [
+    ("digits of a number", 2000, lambda n: number("1" * n)),
+    ("exponents", 1000, lambda n: read(f"x**{n}")),
+    ("the length of a name", 60, lambda n: read("k" * n)),
+    ("a shift", 1000, lambda n: read(f"u[n + {n}]")),
+    ("brackets in brackets", 60, lambda n: read("(" * (n - 1) + "x" + ")" * (n - 1))),
+    ("the order of a derivative", 12, lambda n: read("u_" + "x" * n)),
+    ("the depth of a formula", 500, lambda n: deep(n)()),
+    ("the number of nodes", 40_000, filled),
+    ("no generator is written", 4, lambda n: check_certificate(with_forms(n, "vwxyz"))),
+    ("the length of parts", 8, lambda n: check_certificate(with_parts(n))),
+    ("generators", 64, lambda n: check_certificate(with_generators(n))),
+    ("the branches of a denominator", 64, lambda n: check_certificate(with_branches(n))),
+    ("the work of polynomial products", 50_000_000, lambda n: Ring(1).spend(n)),
+    ("the bits of a coefficient", 1_000_000, lambda n: Ring(1).number(2 ** (n - 1)) ** 1),
+    ("degrees", 3_000, of_degree),
+]
+"""What is said beyond a limit, the limit, and what has so much of it."""
+
+
+@pytest.mark.parametrize("case", ALLOWED, ids=lambda case: case[0])
+def test_a_limit_is_what_it_is_said_to_be(case: tuple[str, int, Callable[[int], object]]) -> None:
+    words, limit, take = case
+    take(limit)
+    with pytest.raises(CertificateError, match=words):
+        take(limit + 1)
+
+
+def test_a_denominator_of_400_terms_or_degree_100_is_split() -> None:
+    made = Ring(2)
+    x, y = made.generators
+    terms = [x**i * y**j for j in range(21) for i in range(20)]
+    for count, degree, parts in ((400, 0, 2), (401, 0, 1), (0, 100, 2), (0, 101, 1)):
+        inner = sum(terms[1:count], terms[0]) if count else x ** (degree - 1) + y
+        assert min(len(made.split(y * inner)[1]), 2) == parts

@@ -92,6 +92,7 @@ def test_an_equation_at_a_value_is_a_numerator_over_a_power() -> None:
 
 
 ODD = "+".join(f"{n + 1}*x**{2 * n}*t**{(4 * n) % 6}" for n in range(20))
+THIRD = "+".join(f"{n + 1}*x**{n}*t**{-n % 3}" for n in range(20))
 MIXED = "+".join(f"{n + 1}*x**{n}*t**{(3 * n) % 7}" for n in range(20))
 
 
@@ -104,6 +105,7 @@ MIXED = "+".join(f"{n + 1}*x**{n}*t**{(3 * n) % 7}" for n in range(20))
         (ODD, "u - u", range(3)),  # d = 4, even: from 0
         (ODD, "u_x - u_x", range(5)),
         (ODD, "u_x + u - u_x - u", range(-4, 5)),
+        (THIRD, "u - u", range(-1, 2)),  # d = 2, orders of x and t together 0, 3, 6, ...
         (f"({MIXED})/(1 + t**9)", "u - u", range(-5, 6)),
         (f"({ODD})/(1 + x)", "u - u", range(-2, 3)),
     ],

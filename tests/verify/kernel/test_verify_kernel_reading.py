@@ -72,6 +72,7 @@ def test_a_text_has_its_value(text: str, expected: complex) -> None:
             "u[n*2]",
             "u[n, 1, 2, 3]",
             "diff(u, k)",
+            *("diff(u, 2)", "diff(u, x, 0)", "diff(u, x, 1/2)", "diff(u, x, 12, 2)"),
             "exp",
             "\u0661",
         ),
@@ -102,6 +103,8 @@ def test_numbers_are_exact() -> None:
     ("text", "other"),
     [
         ("u_xt", "diff(u, t, x)"),
+        ("u_txxx", "diff(u, t, x, 3)"),
+        ("u_tt", "diff(u, t, 2, 1)"),
         ("u[n+1]", "u[n+1, x, t]"),
         ("u", "u[n]"),
         ("x*t", "t*x"),

@@ -84,12 +84,12 @@ def test_a_power_is_counted_before_it_is_taken(
     three: Three, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     made, x, y, _ = three
-    monkeypatch.setattr(ring, "HEIGHT", 30)
-    tall = Element(made, 1000 * x + y)  # 10 bits
-    assert (tall**3).numerator == (1000 * x + y) ** 3
-    assert spent(made) == 2 + 4 + 6 + (2 * 24 * 1) // 64 + (3 * 24 * 2) // 64
+    monkeypatch.setattr(ring, "HEIGHT", 42)
+    tall = Element(made, 10_000 * x + y)  # 14 bits, 2 * (14 + 2) in all
+    assert (tall**3).numerator == (10_000 * x + y) ** 3
+    assert spent(made) == 2 + 4 + 6 + (2 * 32 * 1) // 64 + (3 * 32 * 2) // 64
     for exponent in (4, -4):
-        with pytest.raises(CertificateError, match="the bits of a coefficient must be at most 30"):
+        with pytest.raises(CertificateError, match="the bits of a coefficient must be at most 42"):
             tall.inverse() ** exponent if exponent < 0 else tall**exponent
     assert (Element(made, made.context.constant(0)) ** 3).is_zero
     assert (tall**0).numerator == 1

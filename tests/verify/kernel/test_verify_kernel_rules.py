@@ -73,6 +73,8 @@ RULES = [
     ("u - v", "u = jacobi_zeta(x, m) ;; v = jacobi_epsilon(x, m) - x*elliptic_e(m)/elliptic_k(m)",
      "m: 0<m<1", ""),
     ("u[n+4] - u[n]", "u[n] = cos(pi*n/2)", "", ""),
+    ("u[n] - (-1)**n", "u[n] = cos(3*pi*n)", "", ""),
+    ("u[n] - 1", "u[n] = cos(2*pi*n)", "", ""),
 ]  # fmt: skip
 
 
@@ -146,3 +148,4 @@ def test_the_command_prints_what_it_accepts(
     with pytest.warns(RuntimeWarning, match="found in sys.modules"), pytest.raises(SystemExit):
         runpy.run_module("longwave.verify.kernel", run_name="__main__")
     assert main([str(tmp_path / "none")]) == 2
+    assert "FILE must be readable: No such file" in capsys.readouterr().err

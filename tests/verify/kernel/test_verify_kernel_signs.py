@@ -262,6 +262,7 @@ KEPT = [
     (("1 - x", "x + 1"), "acos", "x", "asin(x) - pi/2", False),
     (("1 - x", "x + 1"), "acos", "x", "5*pi/2 - asin(x)", False),
     (("1 - x", "x + 1"), "acos", "x", "pi/2 + asin(x)", True),
+    (("1 - x", "x + 1"), "acos", "x", "0", False),
     (("1 - x", "x + 1"), "asin", "x", "asin(x)", True),
     (("1 - x", "x + 1"), "asin", "x", "pi - asin(x)", False),
     (("1 - x", "x + 1"), "asin", "x", "-pi - asin(x)", False),

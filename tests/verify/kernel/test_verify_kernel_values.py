@@ -123,6 +123,19 @@ def test_conjugates_and_parts_are_continued_by_their_formulas() -> None:
             assert abs(balls.ball(sign) - way * acb(2, 4) / size).upper() < 1e-60
 
 
+def test_a_real_part_is_not_real_on_every_branch() -> None:
+    """For z = x**(1/3) + i x, and x**(1/3) = 2 exp(2 i pi/3) at 8, it is this root."""
+    scope, z = read("x**(1/3) + I*x")
+    mirrored, root = formula(scope, "x**(1/3) - I*x"), formula(scope, "x**(1/3)")
+    turned = Balls(
+        scope.nodes, {scope.node("x"): fmpq(8)}, {root: fmpq(1, 3)}, lambda inner: mirrored
+    )
+    with ctx.workprec(BITS):
+        for name, value in (("re", acb(-1, acb(3).sqrt().real)), ("im", acb(8))):
+            ball = turned.ball(scope.nodes.made(name, z))
+            assert abs(ball - value).upper() < 1e-60
+
+
 def test_a_parity_on_another_branch_is_a_unit() -> None:
     scope = Scope(Nodes())
     n = scope.declare("n", "integer")
@@ -166,6 +179,27 @@ def test_the_rest_of_weierstrass_series_is_within_its_bound(
             part = weierstrass_values._series(z, g2, g3, bound)[place - 1]
             assert part.contains(whole[place - 1])
             assert part.real.rad() < 4 * 16.0 ** (1 - terms) * (1, 16 * terms)[place - 1]
+
+
+def test_the_values_of_weierstrass_function_are_sharp() -> None:
+    """The series is taken where its rest is small: 0.35 is halved before, 0.24 is not."""
+    with ctx.workprec(BITS):
+        for z in (acb("0.24"), acb("0.35")):
+            assert all(part.rad() < 1e-90 for part in weierstrass(z, acb(60), acb(0)))
+
+
+@pytest.mark.parametrize(("g2", "g3"), [(60, 0), (0, 84), (60, 84)])
+def test_weierstrass_function_of_large_invariants(g2: int, g3: int) -> None:
+    """With z for 10 z, g2 is 10**4 and g3 10**6 times what it was, p is 100 times."""
+    with ctx.workprec(BITS):
+        z = acb("0.044")
+        large, small = (
+            weierstrass(z, acb(g2 * 10**4), acb(g3 * 10**6)),
+            weierstrass(10 * z, acb(g2), acb(g3)),
+        )
+        for power, value, other in zip((2, 3), large, small, strict=True):
+            assert value.rad() < 1e-80
+            assert value.overlaps(other * acb(10) ** power)
 
 
 def test_weierstrass_function_far_out_and_of_small_invariants() -> None:

@@ -261,6 +261,25 @@ def test_what_is_left_out_is_not_refuted(equation: str, formula: str, wanted: st
     assert verdict.detail.startswith(f"no value was found of {wanted}, apart from where ")
 
 
+@pytest.mark.parametrize(
+    ("equation", "formula", "parameters", "answer"),
+    [
+        ("u[n+1] - b*u[n]", "u[n] = (-2)**n", "", "holds if and only if b = -2"),
+        ("u[n+2] - b*u[n]", "u[n] = (-2)**n + 2**n", "", "holds if b = 4, others are not excluded"),
+        ("u_t - b*u_xx", "u = jacobi_theta_3(x, exp(-t))", "", "holds if and only if b = 1/4"),
+        ("u_x - b**b", "u = x", "b: b>0", "apart from where exp(b*log(b)) - 1 = 0"),
+    ],
+)
+def test_every_function_has_an_answer(
+    equation: str, formula: str, parameters: str, answer: str
+) -> None:
+    """Powers of -1 and theta functions were no expressions, exp(b*log(b)) no polynomial."""
+    assert (
+        answer
+        in solved(equation, formula, parameters, "b", "t>0" if "_t" in equation else "").detail
+    )
+
+
 def test_functions_of_constants_are_left_out_by_name() -> None:
     verdict = solved("u_x - a*sin(b)", "u = x", "", "a")
     assert verdict.detail == "holds if and only if a = 1/sin(b)"

@@ -129,6 +129,35 @@ def test_identities_of_inverse_functions(equation: str, true: str, false: str, d
     assert outcome(equation, false, domain=domain) == Outcome.REFUTED
 
 
+@pytest.mark.parametrize(
+    ("true", "false", "formula", "domain"),
+    [
+        ("u - log(2) - I*pi", "u - log(2) + I*pi", "log(-2)", ""),
+        ("u - log(x) - I*pi", "u - log(x) + I*pi", "log(-x)", "x>0"),
+        ("u - log(x - 1) - I*pi", "u - log(x - 1)", "log(1 - x)", "x>1"),
+    ],
+)
+def test_logarithms_of_what_is_negative(true: str, false: str, formula: str, domain: str) -> None:
+    assert outcome(true, f"u = {formula}", domain=domain) == Outcome.PROVED
+    assert outcome(false, f"u = {formula}", domain=domain) == Outcome.REFUTED
+
+
+@pytest.mark.parametrize(
+    ("formula", "domain", "wider"),
+    [
+        ("x + I*y", "x>0", "x>-1"),
+        ("-(x + I*y)", "x<0", "x<1"),
+        ("x + I", "x>0", ""),
+    ],
+)
+def test_the_root_of_a_complex_square_has_a_positive_real_part(
+    formula: str, domain: str, wider: str
+) -> None:
+    solution = f"u = sqrt(({formula.removeprefix('-')})**2)"
+    assert outcome(f"u - ({formula})", solution, domain=domain) == Outcome.PROVED
+    assert outcome(f"u - ({formula})", solution, domain=wider) == Outcome.REFUTED
+
+
 def test_an_identity_of_angles_on_a_larger_domain_is_refuted() -> None:
     sums = "atan(x) + atan(y) - atan((x + y)/(1 - x*y))"
     assert outcome("u", f"u = {sums}", domain="0<x<1; 0<y<1") == Outcome.PROVED
@@ -142,6 +171,12 @@ EXACT_VALUES = [
     ("u[n+1] + a*u[n]", "u[n+2] + a**2*u[n]", "u[n] = (-a)**n", "a: a>0"),
     ("u[n+2] + u[n]", "u[n+2] - u[n]", "u[n] = cos(pi*n/2)", ""),
     ("u[n+4] - u[n]", "u[n+3] - u[n]", "u[n] = sin(pi*n/2)", ""),
+    ("u[n] - (-1)**n", "u[n] + (-1)**n", "u[n] = cos(pi*n)", ""),
+    ("u[n] + (-1)**n", "u[n] - (-1)**n", "u[n] = cos(3*pi*(n + 1))", ""),
+    ("u[n] - 1", "u[n] + 1", "u[n] = cos(2*pi*n)", ""),
+    ("u[n]", "u[n] - 1", "u[n] = sin(pi*n)", ""),
+    ("u[n]", "u[n] - 1", "u[n] = tan(pi*n)", ""),
+    ("u[n+2] + u[n] - (-1)**n", "u[n+2] + u[n] - 1", "u[n] = cos(pi*n/2) + (-1)**n/2", ""),
     ("u - 1/2", "u - 1/3", "u = cos(pi/7) - cos(2*pi/7) + cos(3*pi/7)", ""),
     (
         "u - 1/2",

@@ -57,7 +57,7 @@ def logarithm(field: Field, node: int) -> Element | None:
         return field.zero
     value = field.hinted(node)
     if value in (None, node):
-        return _logarithm_of_exponential(field, inner)
+        return _logarithm_of_exponential(field, inner) or _logarithm_of_negative(field, inner)
     terms = [nodes.multiple(term) for term in nodes.terms(value)]
     if any(nodes.all[u][0] != "log" for _, u in terms):
         raise CertificateError("what a logarithm is said to be must be a sum of logarithms")
@@ -82,6 +82,15 @@ def _logarithm_of_exponential(field: Field, f: int) -> Element | None:
             turn = angle is not None and field.signs.is_between(angle, -2 * HALF_PI, 2 * HALF_PI)
             return field.image(z) if turn or field.signs.positive(f) else None
     return None
+
+
+def _logarithm_of_negative(field: Field, f: int) -> Element | None:
+    """log f = log(-f) + i pi for f < 0."""
+    number = field.nodes.value(f)
+    other = field.nodes.negative(f) if number is None else field.nodes.made("number", -number)
+    if not field.signs.positive(other):
+        return None
+    return field.made("log", other) + field.made("I") * field.made("pi")
 
 
 @rule(*PRINCIPAL)

@@ -67,7 +67,7 @@ def _plus(left: Shape, right: Shape) -> Shape:
 
 
 def _times(left: Shape, right: Shape) -> Shape:
-    return left[0] + right[0], frozenset((a + b) % 2 for a in left[1] for b in right[1])
+    return left[0] + right[0], frozenset(a ^ b for a in left[1] for b in right[1])
 
 
 class _Partials:
@@ -123,12 +123,12 @@ class _Partials:
 
 
 def _rows(polynomial: fmpq_mpoly, x: int, t: int) -> Rows:
-    found: list[dict[int, fmpq]] = [{}]
+    found = [fmpq_poly()]
     for exponents, coefficient in polynomial.terms():
         powers = exponents[::-1]
-        found += [{} for _ in range(int(powers[t]) + 1 - len(found))]
+        found += [fmpq_poly() for _ in range(int(powers[t]) + 1 - len(found))]
         found[int(powers[t])][int(powers[x])] = coefficient
-    return [fmpq_poly([row.get(i, 0) for i in range(max(row, default=0) + 1)]) for row in found]
+    return found
 
 
 def _value(rows: Rows, t: int) -> fmpq_poly:

@@ -36,22 +36,29 @@ LARGEST_ORDER = 60
 FUNCTIONS["parity"] = Function("jump")
 
 
-def share_of_turn(nodes: Nodes, z: int) -> fmpq | None:
-    """q if a node is a product i pi q, with a number q of small denominator; else None."""
-    share, names, waiting = fmpq(1), list[str](), [z]
+def turn_of(nodes: Nodes, z: int) -> tuple[fmpq, list[int]] | None:
+    """A number q and factors of a node that is i pi q times these; None for any other node."""
+    share, letters, others, waiting = fmpq(1), list[str](), list[int](), [z]
     while waiting:
-        match nodes.all[waiting.pop()]:
+        factor = waiting.pop()
+        match nodes.all[factor]:
             case ("Mul", *factors):
                 waiting += factors
             case ("number", value):
                 share *= value
             case ("Pow", base, exponent) if exponent == -1 and (below := nodes.value(base)):
                 share /= below
-            case (str(name),):
-                names.append(name)
+            case ("I" | "pi" as letter,):
+                letters.append(letter)
             case _:
-                return None
-    return share if sorted(names) == ["I", "pi"] and share.q <= LARGEST_ORDER else None
+                others.append(factor)
+    return (share, others) if sorted(letters) == ["I", "pi"] else None
+
+
+def share_of_turn(nodes: Nodes, z: int) -> fmpq | None:
+    """q if a node is a product i pi q, with a number q of small denominator; else None."""
+    share, others = turn_of(nodes, z) or (None, [])
+    return share if share is not None and not others and share.q <= LARGEST_ORDER else None
 
 
 def cyclotomic_relation(field: Field, node: int) -> tuple[int, Element] | None:
@@ -78,6 +85,18 @@ def root_of_unity(field: Field, node: int) -> Element | None:
                 return field.image(other) ** times
     first = UNITY.get(int(share.q))
     return None if first is None else field.read(first) ** (int(share.p) % (2 * int(share.q)))
+
+
+@rule("exp", first=True)
+def turns_of_integer(field: Field, node: int) -> Element | None:
+    """exp(i pi n) = (-1)**n for an integer n, if such powers are among the generators."""
+    share, others = turn_of(field.nodes, field.nodes.all[node][1]) or (fmpq(1, 2), [])
+    if share.q != 1 or not others or not all(map(field.nodes.is_integer, others)):
+        return None
+    if share.p % 2 == 0:
+        return field.one
+    power = field.nodes.made("parity", field.nodes.product(*others))
+    return field.image(power) if field.primitives("parity") else None
 
 
 @rule("exp", first=True)
