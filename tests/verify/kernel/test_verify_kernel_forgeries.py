@@ -3,15 +3,11 @@
 import pytest
 from flint import ctx
 
-from benchmarks.forged_proofs import Data, Proof, certificate, signed
+from benchmarks.forged_proofs import Proof, certificate, signed
+from tests.verify.kernel.test_verify_kernel_attacks import refused
 from verify.kernel import CertificateError, check_certificate
 from verify.kernel.check import opened, registered
 from verify.kernel.node_balls import BITS, Balls, value_at
-
-
-def refused(data: Data, message: str) -> None:
-    with pytest.raises(CertificateError, match=message):
-        check_certificate(data)
 
 
 def test_one_number_does_not_stand_for_another() -> None:
