@@ -26,6 +26,8 @@ from typing import Any
 
 import xarray as xr
 
+from longwave.scenes.chain.toml_text import toml_text
+
 HOUSE = Path(__file__).parents[1]
 
 SEEDS = (1, 2, 3, 4)
@@ -85,36 +87,20 @@ def sweeps(folder: Path) -> Golden:
     for name in names("sweeps"):
         (shipped,) = HOUSE.rglob(f"sweeps/{name}.toml")
         sweep = tomllib.loads(shipped.read_text())
-        of_scene, plain = sweep["scene"], isinstance(sweep["scene"], str)
-        lines = [f"scene = {inline(of_scene)}"] if plain else ["[scene]"]
-        lines += [] if plain else [f"{key} = {inline(of_scene[key])}" for key in of_scene]
-        for table in ("list", "grid"):
-            lines.append(f"[{table}]")
-            for field, values in flat(sweep.get(table, {})):
-                first = values["from"] if isinstance(values, dict) else values[0]
-                lines.append(f"{field} = [{inline(first)}]")
-        cell = folder / f"{name}.toml"
-        cell.write_text("\n".join(lines))
-        longwave("sweep", cell.name, "--processes", "1", "--output", f"{name}.nc", folder=folder)
+        cell = sweep | {part: first_values(sweep[part]) for part in sweep.keys() & {"list", "grid"}}
+        (folder / f"{name}.toml").write_text(toml_text(cell))
+        words = (f"{name}.toml", "--processes", "1", "--output", f"{name}.nc")
+        longwave("sweep", *words, folder=folder)
         yield from of_dataset(name, folder / f"{name}.nc")
 
 
-def flat(table: dict[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
-    """Fields with their dots, and values."""
-    for key, value in table.items():
-        if isinstance(value, dict) and "from" not in value:
-            yield from flat(value, f"{above}{key}.")
-        else:
-            yield above + key, value
-
-
-def inline(value: object) -> str:
-    """A value in TOML on one line."""
-    if isinstance(value, dict):
-        return "{ " + ", ".join(f"{key} = {inline(part)}" for key, part in value.items()) + " }"
-    if isinstance(value, list):
-        return "[" + ", ".join(map(inline, value)) + "]"
-    return json.dumps(value)
+def first_values(swept: Any) -> Any:
+    """The first value of a field alone, and so of each field in a table of them."""
+    if isinstance(swept, list):
+        return swept[:1]
+    if "from" in swept:
+        return [swept["from"]]
+    return {field: first_values(inner) for field, inner in swept.items()}
 
 
 def certificates(folder: Path) -> Golden:
@@ -128,7 +114,7 @@ def certificates(folder: Path) -> Golden:
 def library(folder: Path) -> Golden:
     """The verdicts."""
     for row in json.loads(longwave("prove", "--library", "--json")):
-        yield row.get("name", "?"), str(row.get("verdict"))
+        yield row["name"], row["verdict"]
 
 
 def search(folder: Path) -> Golden:

@@ -61,7 +61,7 @@ DENSER = 1.4
 """Points with which a run is begun again whose spectrum's tail rose, or whose control tells so."""
 
 LEAST_POINTS = 8
-"""Points along an axis at least."""
+"""Points along an axis at least; a control run has ``DENSITY_RATIO`` times as many of them."""
 
 MOST_POINTS = 2**22
 """Points on the largest ring; a run takes some 500 bytes a point and field."""
@@ -332,7 +332,7 @@ class FieldSearch:
     def _counts(self, choices: Choices) -> tuple[int, ...]:
         if self._whole:
             return self._state.counts
-        return _fast_counts(self._state, self._density * choices.density * choices.finer)
+        return _fast_counts(self._state, self._density * choices.density, choices.finer)
 
     def _ring(self, choices: Choices, tail: float) -> LatticeRing:
         counts = self._counts(choices)
@@ -364,7 +364,7 @@ class FieldSearch:
         )
 
 
-def _fast_counts(state: FieldRing, density: float) -> tuple[int, ...]:
-    """The next larger even numbers of points that transform fast."""
-    halves = [math.ceil(max(density * count, LEAST_POINTS) / 2.0) for count in state.counts]
+def _fast_counts(state: FieldRing, density: float, finer: float = 1.0) -> tuple[int, ...]:
+    """The next larger even numbers of points that transform fast, ``finer`` than the fewest too."""
+    halves = [math.ceil(finer * max(density * count, LEAST_POINTS) / 2.0) for count in state.counts]
     return tuple(2 * int(ducc0.fft.good_size(half, True)) for half in halves)

@@ -239,7 +239,11 @@ class SpectralEngine:
             choices = wider
 
     def varied(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
-        """A shorter step, more points, a wider ring with its seam elsewhere."""
+        """A shorter step, more points, a wider ring with its seam elsewhere.
+
+        More than the points that the run really has, where the fewest of a ring make them more.
+        """
+        choices = replace(choices, density=self._dense(choices) / choices.finer)
         if "step" in kinds:
             step, start = STEP_RATIO * choices.step, STEP_RATIO * choices.start
             choices = replace(choices, step=step, start=start)

@@ -8,7 +8,7 @@ import pytest
 from longwave.lattice import FieldState, integrate
 from longwave.lattice.spectral.field_ring import FieldRing
 from longwave.lattice.spectral.ring import telling_step
-from longwave.lattice.spectral.spectral_integration import spectral_integrate
+from longwave.lattice.spectral.spectral_integration import FieldSearch, spectral_integrate
 from tests.lattice.random_lattices import random_lattice, reference, smooth_or_rough
 from tests.lattice.test_numeric_lattice import numbers
 
@@ -116,6 +116,18 @@ def test_points_are_as_many_as_the_wave_needs() -> None:
     assert many.states[0].counts[0] < 256
     run = spectral_integrate(CHAIN, packet(32), [10.0], 1e-6, 0.6)
     assert run.states[0].counts[0] > 40
+
+
+def test_a_control_run_has_more_points_than_the_fewest() -> None:
+    """A wave on a quarter of the fewest points that a ring has is sampled more densely, too."""
+    state = packet(16)
+    long = replace(state, f=np.cos(2 * np.pi * np.arange(16) / 16) * np.ones((2, 1)), v=0 * state.v)
+    search = FieldSearch(CHAIN, long.sampled((96,)), np.array([1.0]), (0.6,), 1e-2, None)
+    first = search.run(search.first(), False)
+    control = search.run(search.varied(search.first(), search.kinds), True)
+    fewest, more = (trial.payload[1][0].counts[0] for trial in (first, control))
+    assert fewest == 8
+    assert more == 10
 
 
 def test_a_frame_that_moves_with_the_wave_takes_longer_steps() -> None:

@@ -95,6 +95,16 @@ def test_what_a_step_tries_says_nothing_of_the_waves_modes(
     assert np.all(np.isfinite(wave.strain(np.arange(9.0), times[-1])))
 
 
+@pytest.mark.slow
+def test_a_sharp_wave_has_its_correction() -> None:
+    """It takes 12288 points: at most 6144 were taken, and it was refused."""
+    scene = soak_scene(21, 56)
+    wave = lattice_wave(scene)
+    times = lattice_times(scene, derivation(scene).slow)
+    wave.start(times[0])
+    assert np.all(np.isfinite(wave.strain(np.arange(9.0), times[-1])))
+
+
 def test_a_wave_without_width_is_refused_for_its_correction() -> None:
     scene = find_any_scene("toda_soliton").changed(order="corrected", parameters={"kappa": 1e50})
     with pytest.raises(ValueError, match=r"^wave must be wide enough for its correction"):

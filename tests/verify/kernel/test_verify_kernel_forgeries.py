@@ -6,12 +6,8 @@ from flint import ctx
 from longwave.verify.kernel import CertificateError, check_certificate
 from longwave.verify.kernel.check import opened, registered
 from longwave.verify.kernel.node_balls import BITS, Balls, value_at
-from searches.forged_proofs import Data, Proof, certificate, signed
-
-
-def refused(data: Data, message: str) -> None:
-    with pytest.raises(CertificateError, match=message):
-        check_certificate(data)
+from searches.forged_proofs import Proof, certificate, signed
+from tests.verify.kernel.test_verify_kernel_attacks import refused
 
 
 def test_one_number_does_not_stand_for_another() -> None:
