@@ -119,10 +119,9 @@ def library(folder: Path) -> Golden:
 
 def search(folder: Path) -> Golden:
     """The digests by seed."""
-    (script,) = (path for path in HOUSE.glob("*/verdicts.py"))
     for seed in SEEDS:
         argv = ["--count", str(STATEMENTS), "--seed", str(seed), "--kind", "all", "--workers", "1"]
-        command = [sys.executable, str(script), *argv]
+        command = [sys.executable, "-m", "searches.verdicts", *argv]
         environment = {**os.environ, "PYTHONPATH": str(HOUSE)}
         ended = subprocess.run(command, env=environment, capture_output=True, text=True)
         found = [line for line in ended.stdout.splitlines() if line.startswith("digest ")]

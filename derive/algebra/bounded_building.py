@@ -105,7 +105,7 @@ def power(base: sp.Expr, exponent: sp.Expr) -> sp.Expr:
     >>> power(sp.Integer(9), sp.Integer(9) ** 9)
     Traceback (most recent call last):
     ...
-    derive.algebra.bounded_building.TooLarge: exponents must be at most 1000
+    longwave.derive.algebra.bounded_building.TooLarge: exponents must be at most 1000
     """
     if base.is_zero and exponent.is_negative:
         raise TooLarge("denominators must not be 0")

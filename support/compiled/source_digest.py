@@ -56,8 +56,9 @@ class Sources:
 def source_digest(module: str) -> str:
     """The digest (hexadecimal) of what the kernels of the imported ``module`` are built from.
 
-    >>> run = "longwave.solutions.run"
-    >>> source_digest(f"{run}.linear_phase") == source_digest(f"{run}.source_digest")
+    >>> import longwave.solutions.run.linear_phase
+    >>> names = "longwave.solutions.run.linear_phase", "longwave.support.compiled.source_digest"
+    >>> source_digest(names[0]) == source_digest(names[1])
     False
     """
     sources = imported_sources(module)

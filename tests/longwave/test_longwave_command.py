@@ -19,9 +19,10 @@ import longwave.cli.verdicts
 import longwave.derive.output.printout
 import longwave.reports.build
 from longwave.__main__ import main
+from longwave.cli import run_words
 from longwave.derive.__main__ import CONSTANTS
 from longwave.derive.models.lattices import FPUT_STRAIN
-from longwave.runs import load_run, run_words
+from longwave.runs import load_run
 from longwave.scenes.chain import ENGINES, further_scenes, shipped_scenes
 from longwave.scenes.lattice_scene import shipped_lattice_scenes
 

@@ -40,7 +40,8 @@ def shadowed(tmp_path: Path, request: pytest.FixtureRequest) -> Path:
 def test_both_are_imported(shadowed: Path, code: str) -> None:
     (shadowed / "script.py").write_text(code, encoding="utf-8")
     done = python(shadowed, "script.py")
-    assert sorted(done.stdout.splitlines()) == ["dslvrr", "kink Verdict"], done.stderr
+    own = "".join(room[0] for room in ROOMS[:-1])
+    assert sorted(done.stdout.splitlines()) == sorted([own, "kink Verdict"]), done.stderr
     assert done.stderr == ""
 
 

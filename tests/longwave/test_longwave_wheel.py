@@ -64,7 +64,7 @@ def test_the_wheel_holds_every_source_and_every_file_that_is_read(wheel: Path) -
         for path in (HOUSE / room).rglob("*")
         if path.name.endswith(read) and "build" not in path.parts
     }
-    assert {f"longwave/{room}/py.typed" for room in ROOMS[:-1]} <= expected
+    assert "longwave/py.typed" in expected
     with ZipFile(wheel) as archive:
         held = {name for name in archive.namelist() if ".dist-info/" not in name}
         (top,) = (name for name in archive.namelist() if name.endswith("/top_level.txt"))

@@ -13,8 +13,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from longwave.cli import scene_command
 from longwave.cli.scene_command import RunOptions, run_and_print
-from longwave.runs import run_file, run_pack, run_store, scene_command, sweep_cells
+from longwave.runs import run_file, run_pack, run_store, sweep_cells
 from longwave.runs.run_file import load_run, run_any_scene
 from longwave.runs.run_pack import CellRecord, packed_records, read_pack, write_pack
 from longwave.runs.run_store import RunStore

@@ -148,7 +148,7 @@ import os, sys, time
 from pathlib import Path
 from longwave.support.compiled.source_digest import runs_as_written
 from longwave import derive
-lazy_face = sys.modules["support.lazy_face"]
+lazy_face = sys.modules["longwave.support.lazy_face"]
 path = Path("old.py")
 path.write_text("value = 1\\n")
 os.utime(path, (1e9, 1e9))

@@ -7,8 +7,9 @@ from pathlib import Path
 import pytest
 
 from longwave.__main__ import main
+from longwave.cli import sweep_command
 from longwave.cli.sweep_command import SweepOptions, sweep_and_print
-from longwave.runs import sweep_command, sweep_dataset
+from longwave.runs import sweep_dataset
 from longwave.runs.run_store import RunStore
 from longwave.runs.sweep_file import load_sweep
 from longwave.support import console

@@ -16,7 +16,7 @@ HOUSE = Path(__file__).parents[3]
 SOLUTIONS = Path("longwave") / "solutions"
 
 RUN_FILES = (
-    *(f"solutions/run/{n}.py" for n in ("jit", "entry_point", "kernel_folder", "source_digest")),
+    *(f"support/compiled/{n}.py" for n in ("jit", "entry_point", "kernel_folder", "source_digest")),
     "support/atomic_file.py",
 )
 
@@ -68,6 +68,7 @@ def house(tmp_path: Path) -> Path:
     for name in RUN_FILES:
         (package / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(HOUSE / name, package / name)
+    (package / "solutions").mkdir()
     for name, text in FILES.items():
         (package / "solutions" / name).write_text(text)
     return package.parent
