@@ -84,11 +84,11 @@ def test_the_files_of_a_user_are_theirs_beside_the_installed_package(
         "import longwave\n"
         "import runs, solutions\n"
         "assert lattice.MINE and runs.MINE and solutions.MINE\n"
-        "print(longwave.closed_form('kink').name, longwave.lattice.__name__)\n",
+        "print(longwave.closed_form('kink').name, longwave.solutions.__name__)\n",
         encoding="utf-8",
     )
     done = call(installed / "python", "-W", "error", "script.py", cwd=tmp_path)
-    assert done.stdout == "kink longwave.lattice\n"
+    assert done.stdout == "kink longwave.solutions\n"
 
 
 @pytest.mark.slow
