@@ -8,72 +8,72 @@ how much of a wave packet is left after one passage of the seam.
 import math
 import sys
 import time
-from collections.abc import Callable, Iterator
-from types import FunctionType
-from typing import Any
+from collections.abc import Callable
+from unittest.mock import patch
 
 import numpy as np
 from numpy.typing import NDArray
 
-from longwave.lattice.kernels import blocked
+from longwave.lattice.dynamics import StrainDynamics
+from longwave.lattice.kernels import chain_kernel
+from longwave.lattice.kernels.chain_kernel import ChainKernel
 from longwave.lattice.model import Model
 from longwave.lattice.schemes import REDUCED_PHASE_6
 from longwave.lattice.spectral import absorber
 from longwave.lattice.spectral.evolution import SpectralRing
 from longwave.lattice.spectral.ring import RingState
-from longwave.support.compiled.jit import njit
 
 Array = NDArray[np.float64]
 ROUNDS = 15
 LINEAR, CUBIC = Model(1.0, 0.0, 0.0), Model(1.0, 0.0, 1.0)
 
 
-def variant(**constants: int) -> Callable[..., None]:
-    """The blocked kernel compiled with other constants."""
-    names: dict[str, Any] = {**vars(blocked), **constants}
-
-    def compiled(kernel: Any) -> Any:
-        return njit(error_model="numpy")(FunctionType(kernel.py_func.__code__, names))
-
-    names["_pass"] = compiled(blocked._pass)
-    found: Callable[..., None] = compiled(blocked.advance_blocked)
-    return found
-
-
-def seconds(
-    advance: Callable[..., None], size: int, steps: int, clock: Callable[[], float]
-) -> Iterator[float]:
-    """What each of ``ROUNDS`` runs takes."""
-    y, s = 0.01 * np.random.default_rng(0).standard_normal((2, size))
+def advanced(size: int, steps: int, **constants: int) -> Callable[[], None]:
+    """The steps of a ring of that size, by the kernel with these constants."""
+    kernel = ChainKernel(StrainDynamics(CUBIC).lattice, size)
+    ring = 0.01 * np.random.default_rng(0).standard_normal((2, 1, size))
     work = 0.2 * REDUCED_PHASE_6.drifts, 0.2 * REDUCED_PHASE_6.kicks
-    advance(y, s, *work, 1, *CUBIC.kernel)
+    chain_kernel._machine_code.cache_clear()
+
+    def advance() -> None:
+        with patch.multiple(chain_kernel, **constants):
+            kernel.advance(*ring, *work, steps)
+
+    advance()
+    return advance
+
+
+def seconds(advance: Callable[[], None], clock: Callable[[], float]) -> float:
+    """What the shortest of ``ROUNDS`` runs takes."""
+    taken = []
     for _ in range(ROUNDS):
         begun = clock()
-        advance(y, s, *work, steps, *CUBIC.kernel)
-        yield clock() - begun
+        advance()
+        taken.append(clock() - begun)
+    return min(taken)
 
 
 def print_blocks() -> None:
     """Kernels with other blocks."""
-    whole = min(seconds(blocked.advance_blocked, 4096, 400, time.process_time))
+    whole = seconds(advanced(4096, 400), time.process_time)
     for name, values in (("ROWS", (64, 128, 512)), ("STAGES", (13, 52))):
         shares = [
-            min(seconds(variant(**{name: value}), 4096, 400, time.process_time)) / whole
+            seconds(advanced(4096, 400, **{name: value}), time.process_time) / whole
             for value in values
         ]
         told = ", ".join(f"{v}: {share:.2f}" for v, share in zip(values, shares, strict=True))
-        print(f"{name} = {getattr(blocked, name)} takes 1.00; {told}")
+        print(f"{name} = {getattr(chain_kernel, name)} takes 1.00; {told}")
 
 
 def print_cores() -> None:
     """One core against two."""
-    for size in (8192, blocked.LEAST_SITES, 65_536):
-        steps = 2_000_000 // size
+    for size in (8192, chain_kernel.LEAST_SHARED, 65_536, 10**6, 10**7):
+        steps = max(2, 2_000_000 // size)
         one, two = (
-            min(seconds(advance, size, steps, time.perf_counter))
-            for advance in (blocked.advance_blocked, blocked.advance_on_two_cores)
+            seconds(advanced(size, steps, LEAST_SHARED=least), time.perf_counter)
+            for least in (2 * size, 1)
         )
-        print(f"{size} sites: two cores are {one / two:.2f} times as fast as one")
+        print(f"{size} cells: two cores are {one / two:.2f} times as fast as one")
 
 
 def left_of(wave_number: float, direction: float, **absorbing: float) -> float:

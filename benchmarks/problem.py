@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from longwave import derive
 from longwave.derive import LATTICES
-from longwave.lattice.kernels.blocked import OPERATIONS
+from longwave.lattice.dynamics import dynamics_of
 from longwave.lattice.kernels.streams import flow_of
 from longwave.lattice.model import Model
 from longwave.lattice.numeric_lattice import NumericLattice, numeric_lattice
@@ -84,9 +84,8 @@ class Problem:
     @property
     def operations(self) -> int:
         """Arithmetic instructions of the kernel a cell and stage; 0 where they are not known."""
-        if not isinstance(self.lattice, NumericLattice):
-            return OPERATIONS[self.lattice.K3 != 0, self.lattice.K4 != 0]
-        return flow_of(self.lattice)[0].operations if self.lattice.dimension == 1 else 0
+        chain = dynamics_of(self.lattice).lattice
+        return flow_of(chain)[0].operations if chain.dimension == 1 else 0
 
 
 def initial(eps: float = EPS, t0: float = T0, sites: int = SITES) -> tuple[Array, Array]:

@@ -3,21 +3,30 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, Protocol, overload
 
 import numpy as np
 from numpy.typing import NDArray
 
 from longwave.lattice.field_state import FieldState, field_blow_up
-from longwave.lattice.kernels import blocked, plain, reference
-from longwave.lattice.kernels.chain_kernel import advance_chain
+from longwave.lattice.force_program import ForceProgram
+from longwave.lattice.kernels import nystroem, reference
+from longwave.lattice.kernels.chain_kernel import ChainKernel
 from longwave.lattice.kernels.plane_kernel import advance_plane
 from longwave.lattice.model import BlowUp, Held, Model, State, find_blow_up
-from longwave.lattice.numeric_lattice import NumericLattice
+from longwave.lattice.numeric_lattice import Entry, NumericBond, NumericLattice
 from longwave.lattice.schemes import DriftKick, Scheme
 
 Array = NDArray[np.float64]
+
+NEGLIGIBLE = 1e-200
+"""K3 and K4 in units of the largest constant below which no strain up to 1e90 feels them; quotients
+of the others neither overflow nor underflow."""
+
+CURVATURE = tuple(Entry((shift,), weight, 0) for shift, weight in ((1, 1.0), (0, -2.0), (-1, 1.0)))
+"""D f_n = f_{n+1} - 2 f_n + f_{n-1}."""
 
 SLOPES = 65
 """Stretches, from the least that was met to the most, at which the largest slope is looked for."""
@@ -42,7 +51,7 @@ class Dynamics(Protocol[Held]):
     def advance(self, scheme: Scheme, f: Array, v: Array, h: float, steps: int) -> None:
         """Advance positions and velocities in place by ``steps`` steps of length ``h``."""
 
-    def threads(self, scheme: Scheme, size: int) -> int:
+    def threads(self, scheme: Scheme) -> int:
         """How many states may be advanced at once: 1 where `advance` holds the interpreter."""
 
     def ranges(self, state: Held) -> Array:
@@ -70,7 +79,7 @@ class StrainDynamics:
     @property
     def is_linear(self) -> bool:
         """Whether the force is proportional to the strain."""
-        return self.model.kernel[1:] == (None, None)
+        return self.lattice.is_linear
 
     def checked(self, state: State) -> State:
         """The state with arrays of doubles, at least 3."""
@@ -89,21 +98,36 @@ class StrainDynamics:
         return state.strain(state.sites), state.velocity(state.sites)
 
     def advance(self, scheme: Scheme, f: Array, v: Array, h: float, steps: int) -> None:
-        """By the fastest kernel that scheme and size admit."""
-        constants = self.model.kernel
-        if not isinstance(scheme, DriftKick):
-            plain.advance_nystroem(f, v, *scheme.floats, h, steps, *constants)
+        """By machine code of the scheme's kind."""
+        if isinstance(scheme, DriftKick):
+            self.chain.advance(scheme, f[None], v[None], h, steps)
             return
-        kernel = plain.advance_plain
-        if blocked.fits(f.size, scheme.stages):
-            pays = blocked.pays(f.size)
-            kernel = blocked.advance_on_two_cores if pays else blocked.advance_blocked
-        kernel(f, v, scheme.drifts * h, scheme.kicks * h, steps, *constants)
+        [bond] = self.lattice.bonds
+        K2, K3, K4 = (*bond.force.coefficients, 0.0, 0.0)[:3]
+        nystroem.advance_nystroem(f, v, *scheme.floats, h, steps, K2, K3 or None, K4 or None)
 
-    def threads(self, scheme: Scheme, size: int) -> int:
-        """The blocked kernel leaves the interpreter to others."""
-        is_blocked = isinstance(scheme, DriftKick) and blocked.fits(size, scheme.stages)
-        return 2 if is_blocked else 1
+    @cached_property
+    def chain(self) -> FieldDynamics:
+        """The same chain among all lattices."""
+        return FieldDynamics(self.lattice)
+
+    @cached_property
+    def lattice(self) -> NumericLattice:
+        """The chain with these numbers, without terms that are absent or negligible.
+
+        >>> StrainDynamics(Model(4, 1e-300, 1)).lattice.bonds[0].force.coefficients
+        (4.0, 0.0, 1.0)
+        """
+        K2, *others = (float(value) for value in (self.model.K2, self.model.K3, self.model.K4))
+        least = NEGLIGIBLE * max(K2, *map(abs, others))
+        K3, K4 = (0.0 if abs(value) < least else value for value in others)
+        force = ForceProgram((K2, K3, K4)[: 3 if K4 else 2 if K3 else 1])
+        bond = NumericBond((Entry((0,), 1.0, 0),), CURVATURE, force)
+        return NumericLattice("fput_strain", ("y",), (1.0,), (bond,))
+
+    def threads(self, scheme: Scheme) -> int:
+        """As many as `FieldDynamics` of the chain."""
+        return self.chain.threads(scheme)
 
     def ranges(self, state: State) -> Array:
         """The smallest and the largest strain."""
@@ -137,6 +161,7 @@ class FieldDynamics:
     """Any lattice with numbers."""
 
     lattice: NumericLattice
+    _kernels: dict[int, ChainKernel] = field(default_factory=dict, compare=False, repr=False)
 
     @property
     def is_linear(self) -> bool:
@@ -175,13 +200,20 @@ class FieldDynamics:
             return
         weights = scheme.drifts * h, scheme.kicks * h
         if self.lattice.dimension == 1:
-            advance_chain(self.lattice, f, v, *weights, steps)
+            self._kernel(f.shape[1]).advance(f, v, *weights, steps)
         elif self.lattice.dimension == 2:
             advance_plane(self.lattice, f, v, *weights, steps)
         else:
             reference.advance_splitting(self.lattice.acceleration, f, v, *weights, steps)
 
-    def threads(self, scheme: Scheme, size: int) -> int:
+    def _kernel(self, size: int) -> ChainKernel:
+        """The kernel for rings of so many cells, with the room that the last one took."""
+        if size not in self._kernels:
+            self._kernels.clear()
+            self._kernels[size] = ChainKernel(self.lattice, size)
+        return self._kernels[size]
+
+    def threads(self, scheme: Scheme) -> int:
         """The machine code leaves the interpreter to others, NumPy's many small calls do not."""
         return 2 if isinstance(scheme, DriftKick) and self.lattice.dimension <= 2 else 1
 

@@ -259,7 +259,7 @@ class RingSearch(StepSearch, Generic[Held]):
         self.state: Held = state
         self.dynamics = dynamics_of(model)
         self.fragile = not self.dynamics.is_linear
-        self.threads = self.dynamics.threads(scheme, state.size)
+        self.threads = self.dynamics.threads(scheme)
         self._times = times
         ranges = self.dynamics.ranges(state)
         self.first_frequency = self.dynamics.highest_frequency(ranges)

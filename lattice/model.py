@@ -12,12 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-KernelConstants = tuple[float, float | None, float | None]
-
-
-NEGLIGIBLE = 1e-200
-"""K3 and K4 in units of the largest constant below which no strain up to 1e90 feels them; quotients
-of the others neither overflow nor underflow."""
 
 
 @dataclass(frozen=True)
@@ -36,17 +30,6 @@ class Model:
             raise ValueError(
                 f"K2 must satisfy K2 > 0, got {self.K2:g} (the sound speed is sqrt(K2))"
             )
-
-    @property
-    def kernel(self) -> KernelConstants:
-        """The constants as the kernels take them: ``None`` for an absent or a negligible term.
-
-        >>> Model(4, 1e-300, 1).kernel
-        (4.0, None, 1.0)
-        """
-        least = NEGLIGIBLE * max(self.K2, abs(self.K3), abs(self.K4))
-        K3, K4 = (None if abs(value) < least else float(value) for value in (self.K3, self.K4))
-        return float(self.K2), K3, K4
 
     def stiffness(self, y: Array) -> Array:
         """V''(y) = K2 + 2 K3 y + 3 K4 y^2; waves exist only where it is positive.

@@ -14,7 +14,6 @@ from __future__ import annotations
 import hashlib
 import json
 import logging
-import os
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from functools import lru_cache
@@ -226,8 +225,7 @@ def code_that_matters() -> str:
 
     made = provenance()
     versions = [text for text in made["versions"].split(", ") if not text.startswith(UNMOVED)]
-    plain = os.environ.get("LONGWAVE_PLAIN_KERNELS", "")
-    return hashlib.sha256("\n".join([made["code"], *versions, plain]).encode()).hexdigest()
+    return hashlib.sha256("\n".join([made["code"], *versions]).encode()).hexdigest()
 
 
 @lru_cache

@@ -44,7 +44,7 @@ def _check(asked: Mapping[str, str], there: Mapping[str, str], where: str) -> No
     if there[DIGEST] == asked[DIGEST]:
         return
     lines = [line for name in TOLD for line in changed_parts(name, asked[name], there[name])]
-    told = "; ".join(lines).replace(", was ", ", here ") or "another LONGWAVE_PLAIN_KERNELS"
+    told = "; ".join(lines).replace(", was ", ", here ")
     raise ValueError(
         f"workers must have the longwave and the packages of this machine, whose digest is in the "
         f"keys of runs, got {where} with {told[:LONGEST]} (install the same there, or start again "

@@ -25,7 +25,7 @@ CODE = ("support", "derive", "solutions", "lattice", "scenes")
 """Folders, with those in them, that hold all that a run is computed by: formulas are imported by
 name, so following imports would not do."""
 
-SETTINGS = ("LONGWAVE_PLAIN_KERNELS", "NUMBA_")
+SETTINGS = ("NUMBA_",)
 """How the variables of the environment begin that say how kernels are compiled."""
 
 PROVENANCE = ("versions", "platform", "code")

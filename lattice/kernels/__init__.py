@@ -1,1 +1,1 @@
-"""Compiled loops of the strain FPUT lattice: plain, blocked, as vector code, on two cores."""
+"""Machine code that advances rings: splittings of any chain or plane, Nystroem methods."""

@@ -6,7 +6,7 @@ import ctypes
 import hashlib
 import math
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
 from typing import Any
 
@@ -18,7 +18,7 @@ from longwave.support.compiled.entry_point import processor
 from longwave.support.compiled.kernel_folder import cache_folder, read_whole, write_whole
 from longwave.support.compiled.source_digest import source_digest
 
-__all__ = ["aligned", "native_function"]
+__all__ = ["aligned", "native_functions"]
 
 ALIGNMENT = 8
 """Doubles in a line of the cache."""
@@ -40,14 +40,14 @@ def _machine() -> Any:
     )
 
 
-def native_function(
-    module: str, key: str, written: Callable[[], str], name: str, arguments: Sequence[Any]
-) -> Callable[..., None]:
-    """The function ``name``, which takes ``arguments`` (ctypes) and gives none.
+def native_functions(
+    module: str, key: str, written: Callable[[], str], functions: Mapping[str, Sequence[Any]]
+) -> list[Callable[..., None]]:
+    """The ``functions``, each of which takes its arguments (ctypes) and gives none.
 
-    It is in the LLVM module that ``written`` gives as text. That is asked for once only: the
+    They are in the LLVM module that ``written`` gives as text. That is asked for once only: the
     machine code is kept under the ``key`` and the sources of the project's ``module``. Other
-    threads may run while the function does.
+    threads may run while a function does.
     """
     with _lock:
         code = _object_code(module, key, written)
@@ -58,7 +58,10 @@ def native_function(
         engine.add_object_file(binding.ObjectFileRef.from_data(code))
         engine.finalize_object()
         _engines.append(engine)
-        return ctypes.CFUNCTYPE(None, *arguments)(engine.get_function_address(name))
+        return [
+            ctypes.CFUNCTYPE(None, *arguments)(engine.get_function_address(name))
+            for name, arguments in functions.items()
+        ]
 
 
 def _object_code(module: str, key: str, written: Callable[[], str]) -> bytes:

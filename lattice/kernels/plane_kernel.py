@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from longwave.lattice.kernels.native_code import aligned, native_function
+from longwave.lattice.kernels.native_code import aligned, native_functions
 from longwave.lattice.kernels.plane_flow import PlaneFlow, plane_flow
 from longwave.support.compiled.cores import usable_cores
 
@@ -51,7 +51,9 @@ def _sweep(flow: PlaneFlow, lanes: int, count: int) -> Callable[..., None]:
 
         return sweep_text(flow, lanes, count)
 
-    return native_function(__name__, f"{flow!r} {lanes} {count}", written, "sweep", _ARGUMENTS)
+    key = f"{flow!r} {lanes} {count}"
+    [sweep] = native_functions(__name__, key, written, {"sweep": _ARGUMENTS})
+    return sweep
 
 
 def advance_plane(

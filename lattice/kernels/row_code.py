@@ -17,9 +17,6 @@ from longwave.lattice.kernels.streams import Flow, Law, Tap
 
 __all__ = ["LaneCode", "lane_force", "passage_text"]
 
-ROWS = 256
-"""Rows by which a block moves up, as in `lattice.kernels.blocked`."""
-
 WHOLE = 64
 """Largest whole exponent that is taken by products."""
 
@@ -289,13 +286,16 @@ class _Stage:
 class _Writer:
     """Writes the functions of a chain's module."""
 
-    def __init__(self, flow: Flow, lanes: int, together: int, count: int) -> None:
+    def __init__(self, flow: Flow, lanes: int, together: int, block: int, count: int) -> None:
         self._flow, self._lanes, self._together, self._count = flow, lanes, together, count
+        self._block = block
         self._module = ir.Module("chain")
 
     def text(self) -> str:
         groups = {size: self._group(size) for size in sorted({1, self._together})}
         self._passages(groups)
+        self._move("to_rows")
+        self._move("from_rows")
         return str(self._module)
 
     def _function(self, name: str, kinds: Sequence[Any], internal: bool) -> Any:
@@ -346,6 +346,33 @@ class _Writer:
         builder.ret_void()
         return function
 
+    def _move(self, name: str) -> None:
+        """The function that copies cells of a ring ``to_rows``, or ``from_rows``.
+
+        Row r of lane l holds the cell ``starts[l] + r`` modulo ``size``; it is copied where
+        ``firsts[l] <= r < pasts[l]``. A block of rows at a time, so that each line is met once.
+        """
+        kinds = [*[_DOUBLES] * 2, *[_INDICES] * 3, *[_INDEX] * 2]
+        function, code = self._function(name, kinds, internal=False)
+        ring, rows, starts, firsts, pasts, size, height = function.args
+        builder = code.builder
+        ends = [
+            [builder.load(builder.gep(data, [_INDEX(lane)])) for data in (starts, firsts, pasts)]
+            for lane in range(self._lanes)
+        ]
+        with code.loop(_INDEX(0), height, self._block) as low:
+            high = code.least(builder.add(low, _INDEX(self._block)), height)
+            for lane, (start, first, past) in enumerate(ends):
+                with code.loop(code.most(low, first), code.least(high, past)) as row:
+                    cell = builder.add(start, row)
+                    beyond = builder.icmp_signed(">=", cell, size)
+                    cell = builder.select(beyond, builder.sub(cell, size), cell)
+                    place = builder.add(builder.mul(row, _INDEX(self._lanes)), _INDEX(lane))
+                    ends_at = builder.gep(ring, [cell]), builder.gep(rows, [place])
+                    to, at = reversed(ends_at) if name == "to_rows" else ends_at
+                    builder.store(builder.load(at), to)
+        builder.ret_void()
+
     def _passages(self, groups: dict[int, Any]) -> None:
         """The function that is called: ``passages`` times ``stages`` stages over all rows."""
         kinds = [*[_DOUBLES] * 6, *[_INDICES] * 2, *[_INDEX] * 6]
@@ -381,14 +408,14 @@ class _Writer:
 
         def advance(size: int, level: Any, low: Any, place: Any) -> None:
             behind = builder.mul(level, skew)
-            high = code.least(builder.add(low, _INDEX(ROWS)), rows)
+            high = code.least(builder.add(low, _INDEX(self._block)), rows)
             untrue = builder.mul(level, _INDEX(self._flow.below))
             first = code.most(builder.sub(low, behind), untrue)
             kept = builder.gep(carried, [place])
             past = builder.sub(high, behind)
             builder.call(groups[size], [*data[:2], kept, *data[3:], level, first, past])
 
-        with code.loop(_INDEX(0), rows, ROWS) as low:
+        with code.loop(_INDEX(0), rows, self._block) as low:
             with code.loop(_INDEX(0), paired, together) as level:
                 number = builder.sdiv(level, _INDEX(together))
                 advance(together, level, low, builder.mul(number, _INDEX(sizes[together])))
@@ -399,6 +426,10 @@ class _Writer:
                     advance(1, level, low, place)
 
 
-def passage_text(flow: Flow, lanes: int, together: int, count: int) -> str:
-    """The module of that chain's stages, which take ``count`` numbers, as text."""
-    return _Writer(flow, lanes, together, count).text()
+def passage_text(flow: Flow, lanes: int, together: int, block: int, count: int) -> str:
+    """The module of that chain's stages, which take ``count`` numbers, as text.
+
+    ``lanes`` cells stand in a row, ``together`` stages go up the rows together, ``block`` rows at a
+    time.
+    """
+    return _Writer(flow, lanes, together, block, count).text()

@@ -88,11 +88,6 @@ def _vector() -> Finding:
     """The width of the vectors that the lattice's kernels are lowered to (8 doubles are best)."""
     from llvmlite import binding  # type: ignore[import-untyped]
 
-    from longwave.lattice.kernels import blocked
-
-    if why := blocked.why_plain():
-        cost = f"the lattice's kernels take three times as long: {why}"
-        return Finding("vectors", "plain loops", "costs", cost)
     try:
         features = binding.get_host_cpu_features()
     except RuntimeError:  # LLVM does not know the processor

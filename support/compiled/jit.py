@@ -173,28 +173,18 @@ class Kernel:
 class Intrinsic:
     """``numba.extending.intrinsic``, which numba is told of when it is there.
 
-    ``function`` is as numba takes it: the signature and the code for arguments of some types. Where
-    the module that it ``needs`` cannot be imported, the kernel ``otherwise`` stands for it.
+    ``function`` is as numba takes it: the signature and the code for arguments of some types.
     """
 
-    def __init__(
-        self, function: Callable[..., Any], needs: str = "", otherwise: Kernel | None = None
-    ) -> None:
-        self.__wrapped__ = function
-        self._function, self._needs, self._otherwise = function, needs, otherwise
+    def __init__(self, function: Callable[..., Any]) -> None:
+        self.__wrapped__ = self._function = function
 
     @cached_property
     def kind(self) -> Any:
         """Numba's type of it."""
-        import numba
         from numba.core.registry import cpu_target
         from numba.extending import intrinsic
 
-        if self._otherwise is not None:
-            try:
-                import_module(self._needs)
-            except (ImportError, AttributeError):
-                return numba.types.Dispatcher(self._otherwise.dispatcher)
         typing = cpu_target.typing_context
         made = intrinsic(self._function)
         typing.refresh()

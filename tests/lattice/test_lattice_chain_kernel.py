@@ -4,6 +4,8 @@ Catches: a stencil that is read wrong, a value that is carried too short, rows a
 not true, code that rounds otherwise in lanes than without, terms that are there although absent.
 """
 
+import multiprocessing
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -14,7 +16,7 @@ from hypothesis import strategies as st
 from longwave.derive import LATTICES
 from longwave.lattice.force_program import ForceProgram
 from longwave.lattice.kernels import chain_kernel
-from longwave.lattice.kernels.chain_kernel import advance_chain, advance_stages
+from longwave.lattice.kernels.chain_kernel import LEAST_SHARED, MEETING, ChainKernel
 from longwave.lattice.kernels.reference import advance_splitting
 from longwave.lattice.kernels.row_code import passage_text
 from longwave.lattice.kernels.streams import flow_of
@@ -25,8 +27,16 @@ from longwave.lattice.numeric_lattice import (
     NumericLattice,
     numeric_lattice,
 )
-from longwave.lattice.schemes import BLANES_MOAN_6, STOERMER_VERLET, SUZUKI_UMENO_8
+from longwave.lattice.schemes import (
+    BLANES_MOAN_6,
+    REDUCED_PHASE_6,
+    STOERMER_VERLET,
+    SUZUKI_UMENO_8,
+    Splitting,
+)
+from longwave.support.compiled import cores
 from searches.random_chains import random_chain
+from tests.lattice.test_lattice_disordered import varied
 from tests.lattice.test_numeric_lattice import DISPLACED, numbers
 
 CHAINS = sorted({*DISPLACED, "fput_strain", "next_nearest"} - {"square", "fput", "mass_dimer"})
@@ -35,8 +45,15 @@ CHAINS = sorted({*DISPLACED, "fput_strain", "next_nearest"} - {"square", "fput",
 def accelerations(lattice: NumericLattice, f: Array) -> Array:
     """By the kernel: one kick of 1, no drift, from rest."""
     f, v = f.copy(), np.zeros_like(f)
-    advance_stages(lattice, f, v, np.zeros(1), np.ones(1), 1)
+    ChainKernel(lattice, f.shape[1]).advance_stages(f, v, np.zeros(1), np.ones(1), 1)
     return v
+
+
+def advance_chain(
+    lattice: NumericLattice, f: Array, v: Array, drifts: Array, kicks: Array, steps: int
+) -> None:
+    """By a kernel that is made for it."""
+    ChainKernel(lattice, f.shape[1]).advance(f, v, drifts, kicks, steps)
 
 
 def rounded(lattice: NumericLattice, f: Array) -> float:
@@ -96,6 +113,77 @@ def test_lanes_blocks_and_passages_change_no_bit(
         np.testing.assert_array_equal(other, found[0])
 
 
+@pytest.fixture
+def two_cores(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cores.os, "sched_getaffinity", lambda _: {0, 1}, raising=False)
+    monkeypatch.setattr(cores, "_alone", False)
+
+
+def shared_chains() -> list[NumericLattice]:
+    """Reaches of one and of two cells, two fields, deviations from cell to cell."""
+    chains = [numbers(name) for name in ("fput_strain", "next_nearest", "dimer")]
+    return [*chains, varied(chains[0], "mass", 0.1, LEAST_SHARED + 27)]
+
+
+@pytest.mark.parametrize("lattice", shared_chains(), ids=lambda lattice: lattice.name)
+@pytest.mark.parametrize("scheme", [REDUCED_PHASE_6, STOERMER_VERLET])
+@pytest.mark.parametrize("steps", [0, 1, MEETING, 2 * MEETING + 3])
+def test_two_cores_give_the_bits_of_one(
+    lattice: NumericLattice,
+    scheme: Splitting,
+    steps: int,
+    two_cores: None,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    size, fields = LEAST_SHARED + 27, len(lattice.fields)
+    start = 0.01 * np.random.default_rng(3).standard_normal((2, fields, size))
+    step = 0.3 / lattice.highest_frequency(lattice.rest_slopes())
+    ends = []
+    for least in (LEAST_SHARED, 10 * size):
+        monkeypatch.setattr(chain_kernel, "LEAST_SHARED", least)
+        kernel, ring = ChainKernel(lattice, size), start.copy()
+        kernel.advance(*ring, step * scheme.drifts, step * scheme.kicks, steps)
+        ends.append(ring)
+        assert steps == 0 or len(kernel._arcs) == (2 if least == LEAST_SHARED else 1)
+    np.testing.assert_array_equal(*ends)
+
+
+def test_a_worker_process_leaves_the_other_core_alone(
+    two_cores: None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    kernel, short = (ChainKernel(numbers("fput"), LEAST_SHARED - less) for less in (0, 1))
+    assert kernel._stages_between(14) > 0
+    assert short._stages_between(14) == 0
+    monkeypatch.setattr(multiprocessing, "parent_process", lambda: object())
+    assert kernel._stages_between(14) == 0
+
+
+def test_one_core_is_not_divided(two_cores: None, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cores.os, "sched_getaffinity", lambda _: {0}, raising=False)
+    assert ChainKernel(numbers("fput"), LEAST_SHARED)._stages_between(14) == 0
+
+
+def test_cores_meet_often_enough_that_little_is_done_twice() -> None:
+    """A reach of 4 cells each way in 200 stages a step: at most a fifth of the cells twice."""
+    kernel = ChainKernel(random_chain(np.random.default_rng(0), 1.0, reach=4), LEAST_SHARED)
+    flow = kernel._flow
+    for period in (14, 200, 10**4):
+        doubled = 2 * kernel._stages_between(period) * (flow.skew + flow.below)
+        assert doubled <= 0.2 * LEAST_SHARED
+
+
+def test_room_that_is_used_again_changes_no_bit() -> None:
+    lattice, size = numbers("next_nearest"), 1031
+    kernel = ChainKernel(lattice, size)
+    for seed, scheme in enumerate((BLANES_MOAN_6, STOERMER_VERLET, SUZUKI_UMENO_8, BLANES_MOAN_6)):
+        ring = 0.01 * np.random.default_rng(seed).standard_normal((2, 1, size))
+        anew = ring.copy()
+        weights = 0.1 * scheme.drifts, 0.1 * scheme.kicks
+        kernel.advance(*ring, *weights, 5)
+        advance_chain(lattice, *anew, *weights, 5)
+        np.testing.assert_array_equal(ring, anew)
+
+
 def test_a_wrong_stencil_is_seen() -> None:
     """What the tests above would say of code that is written from another declaration."""
     lattice, f = numbers("dimer"), 0.1 * np.random.default_rng(2).standard_normal((2, 40))
@@ -126,7 +214,7 @@ def test_absent_terms_are_not_computed(name: str, constants: tuple[int, int, int
     )
     flow, values = flow_of(lattice)
     assert flow.operations == COUNTS[name, constants]
-    text = passage_text(flow, 8, 1, len(values))
+    text = passage_text(flow, 8, 1, 256, len(values))
     body = text[text.index('@"stages_1"') : text.index('@"passages"')]
     found = sum(body.count(word) for word in ("fmul ", "fadd ", "fsub ", "call "))
     assert found - len(flow.kicked) == flow.operations  # a kick's factor is no row's work
@@ -165,3 +253,10 @@ def test_a_constant_stretch_is_a_constant_force() -> None:
 def test_a_plane_of_cells_is_refused() -> None:
     with pytest.raises(ValueError, match="lattice must be a chain, got square in 2 dimensions"):
         flow_of(numbers("square"))
+
+
+@pytest.mark.parametrize("spoil", [np.float32, np.asfortranarray])
+def test_rings_that_are_laid_out_otherwise_are_refused(spoil: Callable[[Array], Array]) -> None:
+    ring = spoil(np.zeros((3, 2)))
+    with pytest.raises(ValueError, match="f must be contiguous doubles"):
+        ChainKernel(numbers("beta_fput"), 2).advance(ring, ring, np.zeros(2), np.ones(1), 1)

@@ -7,15 +7,26 @@ import numpy as np
 import pytest
 import sympy as sp
 from numba import float64, njit, none
+from scipy.integrate import solve_ivp
 
 from longwave import derive
 from longwave.derive import symbols
-from longwave.lattice.kernels import plain
+from longwave.lattice.dynamics import StrainDynamics
+from longwave.lattice.kernels import nystroem
 from longwave.lattice.model import Array, Model, State, ring_energy
-from longwave.lattice.schemes import KAHAN_LI_8, RK4, SCHEMES, STOERMER_VERLET, Scheme
+from longwave.lattice.numeric_lattice import numeric_lattice
+from longwave.lattice.schemes import (
+    BLANES_MOAN_6,
+    KAHAN_LI_8,
+    RK4,
+    SCHEMES,
+    STOERMER_VERLET,
+    Scheme,
+)
 from longwave.lattice.stepper import advance
+from longwave.solutions import Wave, closed_form
 
-SIZES = (3, 4, plain.BLOCK - 1, plain.BLOCK, plain.BLOCK + 1, 2 * plain.BLOCK + 2)
+SIZES = (3, 4, 31, 32, 33, 1023, 1024, 2050)
 PRESENT = list(itertools.product((0.0, 0.7), (0.0, -0.4)))
 
 
@@ -70,15 +81,18 @@ def test_rk4_equals_the_textbook_form(K3: float, K4: float, rng: np.random.Gener
 
 @pytest.mark.parametrize(("K3", "K4"), PRESENT)
 def test_force_and_stiffness_are_those_of_the_derivation(K3: float, K4: float) -> None:
-    """The kernel's force is typed; it must be the polynomial that the expansion started from."""
+    """The chain is declared twice; it must be the one that the expansion started from."""
     y = sp.Symbol("y")
     lattice = derive.LATTICES["fput_strain"]
     numbers = {symbols.K2: sp.Rational(13, 10), symbols.K3: K3, symbols.K4: K4}
     polynomial = lattice.bonds[0].force.subs(numbers).subs(symbols.x, y)
     constants = Model(1.3, K3, K4)
+    assert StrainDynamics(constants).lattice == numeric_lattice(
+        lattice, {"K2": 1.3, "K3": K3, "K4": K4 or 0.0}
+    )
     for value in (-0.9, 0.0, 0.35):
         exact = float(polynomial.subs(y, value))
-        assert plain.force(value, *constants.kernel) == pytest.approx(exact, abs=1e-15)
+        assert nystroem.force(value, 1.3, K3 or None, K4 or None) == pytest.approx(exact, abs=1e-15)
         slope = float(sp.diff(polynomial, y).subs(y, value))
         assert constants.stiffness(np.array(value)) == pytest.approx(slope, abs=1e-15)
 
@@ -92,7 +106,7 @@ def test_absent_terms_are_absent_from_the_machine_code(
     K3: object, K4: object, multiplications: int
 ) -> None:
     signature = (float64, float64, K3, K4)
-    fresh = njit(signature, error_model="numpy")(plain.force.py_func)
+    fresh = njit(signature, error_model="numpy")(nystroem.force.py_func)
     code = fresh.overloads[signature].library.get_llvm_str()
     body = code[code.index("define") : code.index("\n}", code.index("define"))]
     assert len(re.findall(r"= fmul", body)) == multiplications
@@ -114,6 +128,23 @@ def test_total_velocity_is_conserved(scheme: Scheme, rng: np.random.Generator) -
     total = s.sum()
     advance(scheme, y, s, 0.1, 50, Model(1, 0.3, 1))
     assert s.sum() == pytest.approx(total, abs=1e-12)
+
+
+def test_engine_agrees_with_dop853() -> None:
+    """Y2 about its crest at eps = 0.05, to 1e-8 eps: an integrator that shares no line with it."""
+    eps, size, duration = 0.05, 512, 40.0
+    wave = Wave(closed_form("rational_2"), derive.mkdv_normal_form(4, 1))
+    value = wave.at(np.arange(size) - size // 2, 0.0, eps)
+    y, s = eps * value.Y, eps**4 * value.Y_T - 2.0 * eps**2 * value.Y_X
+
+    def rate(_: float, state: np.ndarray) -> np.ndarray:
+        strain, velocity = np.split(state, 2)
+        return np.concatenate([velocity, laplacian(force(strain, Model(4.0, 0.0, 1.0)))])
+
+    start = np.concatenate([y, s])
+    solved = solve_ivp(rate, (0.0, duration), start, "DOP853", rtol=1e-13, atol=1e-15)
+    advance(BLANES_MOAN_6, y, s, duration / 200, 200, Model(4.0, 0.0, 1.0))
+    assert np.abs(y - solved.y[:size, -1]).max() < 1e-8 * eps
 
 
 def test_symmetric_schemes_run_backwards(rng: np.random.Generator) -> None:

@@ -89,11 +89,3 @@ def test_without_latex_the_remedy_is_named(monkeypatch: pytest.MonkeyPatch) -> N
     assert "install latexmk" in found("LaTeX").cost
     monkeypatch.setattr(longwave.reports.engine, "apt_prefix", list)
     assert "with apt" in found("LaTeX").cost
-
-
-def test_plain_loops_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    why = "LONGWAVE_PLAIN_KERNELS is set"
-    monkeypatch.setattr("longwave.lattice.kernels.blocked.why_plain", lambda: why)
-    finding = found("vectors")
-    assert (finding.found, finding.state) == ("plain loops", "costs")
-    assert "three times as long: LONGWAVE_PLAIN_KERNELS is set" in finding.cost

@@ -101,7 +101,7 @@ def test_another_interpreter_or_layout_leaves_it_to_numba(monkeypatch: pytest.Mo
 WARM = """
 import sys
 import numpy as np
-from longwave.lattice.kernels.plain import advance_plain
+from longwave.lattice.kernels.nystroem import advance_nystroem
 from longwave.solutions.run.linear_phase import LinearPhase
 found = LinearPhase(2, -6, 3)(np.array([1.0]), np.array([1.0]))
 assert found[0, 0] == -1.0, found

@@ -20,6 +20,8 @@ RUN_FILES = (
     "support/atomic_file.py",
 )
 
+UNCOMPILED = shutil.ignore_patterns("__pycache__")
+
 FILES = {
     "kernel.py": """
 from longwave.support.compiled.jit import njit
@@ -194,34 +196,31 @@ def test_processes_that_compile_at_once_find_their_own_signatures(house: Path) -
 
 
 @pytest.mark.slow
-def test_vector_code_of_the_lattice_is_compiled_anew(tmp_path: Path) -> None:
-    """The force of the vector code changed from y^3 to y^2 and back."""
-    for name in (
-        *RUN_FILES,
-        "lattice/kernels/vector_code.py",
-        "lattice/kernels/blocked.py",
-        "support/compiled/cores.py",
-    ):
-        (tmp_path / "longwave" / name).parent.mkdir(parents=True, exist_ok=True)
-        shutil.copy(HOUSE / name, tmp_path / "longwave" / name)
+def test_machine_code_of_the_lattice_is_compiled_anew(tmp_path: Path) -> None:
+    """The force of the machine code changed from y^3 to y^2 and back."""
+    for room in ("lattice", "support"):
+        shutil.copytree(HOUSE / room, tmp_path / "longwave" / room, ignore=UNCOMPILED)
     code = """
 import numpy as np
-from longwave.lattice.kernels.blocked import advance_blocked
-y, s = np.linspace(0.0, 1.0, 64), np.zeros(64)
-advance_blocked(y, s, np.array([0.05, 0.05]), np.array([0.1]), 3, 1.0, None, 1.0)
-print(y[30], advance_blocked.found)
+from longwave.lattice.dynamics import StrainDynamics
+from longwave.lattice.kernels.chain_kernel import ChainKernel
+from longwave.lattice.model import Model
+y, s = np.linspace(0.0, 1.0, 64)[None], np.zeros((1, 64))
+chain = StrainDynamics(Model(1.0, 0.0, 1.0)).lattice
+ChainKernel(chain, 64).advance(y, s, np.full(2, 0.05), np.full(1, 0.1), 3)
+print(y[0, 30])
 """
-    before = call(tmp_path, code, PYTHONDONTWRITEBYTECODE="1")
-    vector = tmp_path / "longwave" / "lattice" / "kernels" / "vector_code.py"
-    text = vector.read_text()
-    changed = text.replace("_fma(builder, y, found, factor)", "builder.fadd(found, factor)")
+    [before] = call(tmp_path, code, PYTHONDONTWRITEBYTECODE="1")
+    assert len(list(tmp_path.rglob("*.object"))) == 1
+    writer = tmp_path / "longwave" / "lattice" / "kernels" / "row_code.py"
+    text = writer.read_text()
+    changed = text.replace("code.fma(x, found, factor)", "code.builder.fadd(found, factor)")
     assert changed != text
-    vector.write_text(changed)
-    after = call(tmp_path, code, PYTHONDONTWRITEBYTECODE="1")
-    assert after[0] != before[0]
-    assert after[1] == "0"
-    vector.write_text(text)
-    assert call(tmp_path, code, PYTHONDONTWRITEBYTECODE="1") == [before[0], "1"]
+    writer.write_text(changed)
+    assert call(tmp_path, code, PYTHONDONTWRITEBYTECODE="1") != [before]
+    writer.write_text(text)
+    assert call(tmp_path, code, PYTHONDONTWRITEBYTECODE="1") == [before]
+    assert len(list(tmp_path.rglob("*.object"))) == 2
 
 
 def test_an_inner_function_is_refused_from_python_and_serves_kernels() -> None:

@@ -1,0 +1,87 @@
+"""Nystroem methods, such as RK4, on a ring of the strain FPUT lattice, by numba.
+
+    y_n' = s_n,    s_n' = D[K2 y + K3 y^2 + K4 y^3]_n,    D f_n = f_{n+1} - 2 f_n + f_{n-1}
+
+(the paper's eq. (9), for the paper's eq. (4)). Site n is stored at index n mod N, and the kernel
+knows nothing of windows: a domain decides which sites the indices stand for.
+
+A constant that is absent is passed as ``None``. Numba prunes branches on ``None`` by type, so each
+combination of constants is compiled by itself and the absent terms are absent from its machine
+code.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from longwave.support.compiled.jit import njit
+
+Array = NDArray[np.float64]
+
+_jit = njit(cache=True, fastmath={"contract"}, error_model="numpy")
+
+
+@_jit
+def force(y: float, K2: float, K3: float | None, K4: float | None) -> float:
+    """V'(y) = K2 y + K3 y^2 + K4 y^3 of one strain, in Horner form (the paper's eq. (3)).
+
+    Absent terms are ``None``.
+    """
+    if K4 is None:
+        if K3 is None:
+            return K2 * y
+        return y * (K2 + K3 * y)
+    if K3 is None:
+        return y * (K2 + K4 * (y * y))
+    return y * (K2 + y * (K3 + K4 * y))
+
+
+@_jit
+def _acceleration(y: Array, f: Array, g: Array, *constants: float | None) -> None:
+    size = y.size
+    for i in range(size):
+        f[i] = force(y[i], *constants)
+    for i in range(size - 2):
+        g[i + 1] = f[i] - 2.0 * f[i + 1] + f[i + 2]
+    g[0] = f[size - 1] - 2.0 * f[0] + f[1]
+    g[size - 1] = f[size - 2] - 2.0 * f[size - 1] + f[0]
+
+
+@_jit
+def _accumulate(total: Array, weight: float, term: Array) -> None:
+    if weight != 0.0:
+        for i in range(total.size):
+            total[i] += weight * term[i]
+
+
+@_jit
+def advance_nystroem(
+    y: Array,
+    s: Array,
+    nodes: Array,
+    inner: Array,
+    outer: Array,
+    weights: Array,
+    h: float,
+    steps: int,
+    *constants: float | None,
+) -> None:
+    """Advance the ring (y, s) in place by ``steps`` steps h of an explicit Nystroem method.
+
+    Stage i: g_i = D V'(y + nodes_i h s + h^2 sum_j inner_ij g_j); then
+    y += h s + h^2 sum outer_i g_i and s += h sum weights_i g_i. At least 3 sites.
+    """
+    stages = nodes.size
+    g = np.empty((stages, y.size))
+    f = np.empty_like(y)
+    stage = np.empty_like(y)
+    for _ in range(steps):
+        for i in range(stages):
+            stage[:] = y
+            _accumulate(stage, nodes[i] * h, s)
+            for j in range(i):
+                _accumulate(stage, inner[i, j] * h * h, g[j])
+            _acceleration(stage, f, g[i], *constants)
+        _accumulate(y, h, s)
+        for i in range(stages):
+            _accumulate(y, outer[i] * h * h, g[i])
+            _accumulate(s, weights[i] * h, g[i])
