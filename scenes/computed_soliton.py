@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from longwave.derive import Reduction
 from longwave.scenes.fourier_interval import FourierInterval
 from longwave.scenes.jet_polynomial import with_numbers
+from longwave.solutions import WaveValues
 
 Array = NDArray[np.float64]
 
@@ -95,3 +96,7 @@ class ComputedSoliton:
     def antiderivative(self, X: ArrayLike, T: float) -> Array:
         """W with ``W_X = Y``."""
         return self._space.antiderivative(self._modes, np.asarray(X) - self.speed * T)
+
+    def background(self, X: ArrayLike, T: float) -> WaveValues:
+        """None: the soliton deviates from 0."""
+        return WaveValues(*np.zeros((3, *np.shape(X))))

@@ -60,7 +60,7 @@ class DisorderedWave(LatticeWave):
             )
 
     def _background_stretch(self, bond: NumericBond) -> float:
-        uniform = self._wave.background(np.zeros(1), 0.0)[:, 0]
+        uniform = self._wave.uniform()
         if not np.any(uniform):
             return 0.0
         return math.fsum(entry.weight * float(uniform[entry.field]) for entry in bond.stretch)

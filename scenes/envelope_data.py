@@ -8,7 +8,8 @@ derivatives are whole ones: theta and X move, and A_T is that of the envelope eq
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Protocol
+from copy import copy
+from typing import TYPE_CHECKING, Any, Protocol, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,6 +19,9 @@ from longwave.derive.algebra.exact_numbers import Number
 from longwave.lattice.numeric_lattice import NumericLattice, numeric_lattice
 from longwave.scenes.envelope_flow import EnvelopeFlow
 from longwave.scenes.lattice_wave import ORDERS, CellRing, LatticeWave
+
+if TYPE_CHECKING:
+    from longwave.solutions import Wave
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -41,6 +45,21 @@ class EnvelopeWave(Protocol):
 
     def jets(self, X: Array, T: float, highest: int) -> Any:
         """A and its X-derivatives, complex, (highest + 1, *points)."""
+
+
+class PlaneBackground:
+    """The plane wave that a closed form deviates from; 0 for what is a plane wave itself."""
+
+    def __init__(self, wave: Wave) -> None:
+        self._wave = wave
+
+    def jets(self, X: Array, T: float, highest: int) -> Complex:
+        """A and its X-derivatives, each the same multiple of the one before it."""
+        A = self._wave.background(X, T)
+        if np.array_equal(A.Y, self._wave.jets(X, T, 0)[0]):
+            return np.zeros((highest + 1, *A.Y.shape), np.complex128)
+        turn = np.divide(A.Y_X, A.Y, out=np.zeros_like(A.Y), where=A.Y != 0.0)
+        return np.stack([A.Y * turn**order for order in range(highest + 1)])
 
 
 class EnvelopeData(LatticeWave):
@@ -83,7 +102,8 @@ class EnvelopeData(LatticeWave):
         if not 0.0 < eps < np.inf:
             raise ValueError(f"eps must satisfy 0 < eps < inf, got {eps} (0.05 is usual)")
         self.eps, self.order, self.wave = float(eps), order, wave
-        self._interval, self._flow = interval, wave if order != "corrected" else None
+        self._interval = interval
+        self._flow: EnvelopeWave | None = wave if order != "corrected" else None
         self.carrier = carrier_fields(envelope, k, branch, **numbers)
         self.speed = self.carrier.v
         self._declared = lattice or envelope.lattice
@@ -187,6 +207,12 @@ class EnvelopeData(LatticeWave):
         wide = np.concatenate([n[0] - beyond[::-1], n, n[-1] + beyond])
         inner = slice(beyond.size, -beyond.size)
         return np.stack(self.lattice.stretches(self.state(wide, t)[0]))[:, inner]
+
+    def background(self, cells: ArrayLike, t: float) -> Array:
+        """The plane wave that the envelope deviates from, on the lattice; 0 if there is none."""
+        bare = copy(self)
+        bare._flow = PlaneBackground(cast("Wave", self.wave))
+        return bare.strain(cells, t)
 
     def measured(self, f: ArrayLike, mean_strain: tuple[float, ...]) -> Array:
         """The same from the fields of a ring."""

@@ -129,9 +129,13 @@ class LatticeWave(ABC):
         """The carrier's; 0, unless overridden, where the wave itself is long."""
         return 0.0
 
+    @abstractmethod
     def background(self, cells: ArrayLike, t: float) -> Array:
-        """What the wave deviates from, as `strain`; 0 unless overridden."""
-        return np.zeros_like(self.strain(cells, t))
+        """What the wave deviates from, as `strain`: the bare wave on its uniform strain."""
+
+    def uniform(self) -> Array:
+        """The strain of each quantity that the wave is added to; 0 unless overridden."""
+        return np.zeros(len(self.strain(np.arange(3.0), 0.0)))
 
     def mean_strain(self, cells: Array, t: float) -> tuple[float, ...]:
         """What displacements grow by in a cell, on average over a ring of these cells.

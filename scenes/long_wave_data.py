@@ -32,6 +32,8 @@ from longwave.scenes.planar_fields import PlanarFields, PlanarWave
 if TYPE_CHECKING:
     from sympy import Expr, Symbol
 
+    from longwave.solutions import WaveValues
+
 Array = NDArray[np.float64]
 
 FLAT = 1e-9
@@ -49,6 +51,9 @@ class JetWave(Protocol):
 
     def antiderivative(self, X: ArrayLike, T: float) -> Array:
         """W with W_X = Y, up to a constant at each T."""
+
+    def background(self, X: ArrayLike, T: float) -> WaveValues:
+        """The bare wave, or the constant, that the wave deviates from."""
 
 
 class LongWaveData(LatticeWave):
@@ -213,13 +218,24 @@ class LongWaveData(LatticeWave):
         ]
         return np.concatenate(rows)
 
-    def background(self, cells: ArrayLike, t: float) -> Array:
+    def uniform(self) -> Array:
         """The uniform strain that the wave is added to."""
         mean = sum(
             self.eps**power * float(value.xreplace(self._values))
             for power, value in self.reduction.scaling.background
         )
-        return np.full((self._quantities, *self.slow_place(cells, t).shape), mean)
+        return np.full(self._quantities, mean)
+
+    def background(self, cells: ArrayLike, t: float) -> Array:
+        """The uniform strain, with the bare wave that the wave deviates from, to leading order."""
+        X = self.slow_place(cells, t)
+        found = np.add.outer(self.uniform(), np.zeros(X.shape))
+        if self._planar is None:
+            bare = self.eps**self.power * self.wave.background(X, self.slow_time(t)).Y
+            steps = [self._direction[axis] for axis in self._axes] if self._is_displacement else [1]
+            shares = np.multiply.outer(steps, self.growth_shares).ravel()
+            found += np.multiply.outer(shares, bare)
+        return found
 
     def mean_strain(self, cells: Array, t: float) -> tuple[float, ...]:
         """What displacements grow by in a cell, on average over a ring of these cells.

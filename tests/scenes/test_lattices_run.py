@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from longwave.scenes.lattice_derivation import derivation, lattice_wave
+from longwave.scenes.chain import Scene, run
+from longwave.scenes.lattice_derivation import derivation, lattice_wave, wave_of
 from longwave.scenes.lattice_run import LatticeRun, lattice_times, run_lattice_scene
 from longwave.scenes.lattice_scene import (
     LatticeScene,
@@ -127,8 +128,47 @@ def test_small_constants_and_a_mean_are_formulas() -> None:
         }
     )
     assert derivation(rogue).text().startswith("focusing mKdV: ")
-    far = lattice_wave(rogue).background(np.array([0.0]), 0.0)
-    assert float(far[0, 0]) == pytest.approx(-1 / 6)
+    data = lattice_wave(rogue)
+    assert data.uniform() == pytest.approx([-1 / 6])
+    far = data.background(np.array([0.0]), 0.0)
+    assert float(far[0, 0]) == pytest.approx(
+        -1 / 6 + rogue.eps * wave_of(rogue).constant_background
+    )
+
+
+@pytest.mark.parametrize(
+    ("wave", "parameters", "K4"),
+    [("rational_2", {}, 1), ("rogue_cn", {"k": 0.5}, 1), ("soliton_sech", {"A": 1}, 1)],
+)
+def test_errors_of_a_wave_mean_the_same_on_the_chain_and_on_any_lattice(
+    wave: str, parameters: dict[str, float], K4: float
+) -> None:
+    """Over the wave's largest deviation from its own background: it was 0.538 here, there 0.672."""
+    common: dict[str, Any] = {"name": "one", "wave": wave, "parameters": parameters, "eps": 0.1}
+    common |= {"compared": 60, "tolerance": 1e-6}
+    chain = Scene.of(**common, t0=-300.0, snapshots=[0.0], K2=4, K4=K4, observables=["strain"])
+    constants = {"K2": 4, "K3": 0, "K4": K4}
+    any_lattice = LatticeScene.of(
+        **common, lattice="fput_strain", constants=constants, times=[-300.0, 0.0]
+    )
+    one, other = run(chain), run_lattice_scene(any_lattice)
+    assert other.relative_errors[-1] == pytest.approx(float(one["error"][-1]), rel=1e-4)
+    np.testing.assert_allclose(other.background[-1, 0], one["background"][-1], atol=1e-12)
+
+
+def test_an_envelope_deviates_from_its_plane_wave() -> None:
+    """Far from its crest the Peregrine wave is the plane wave; that itself deviates from 0."""
+    given = PEREGRINE | {"eps": 0.05}
+    cells, crest = np.arange(4000.0, 4200.0), np.arange(-100.0, 100.0)
+    peregrine = LatticeScene.of(**given)
+    plane = LatticeScene.of(**given | {"wave": "nls_plane", "parameters": {"A": 1, "q": 0}})
+    data = lattice_wave(peregrine)
+    away, near = (data.strain(x, 0.0) - data.background(x, 0.0) for x in (cells, crest))
+    assert np.abs(away).max() < 1e-3 * np.abs(near).max()
+    np.testing.assert_allclose(
+        data.background(cells, 7.0), lattice_wave(plane).strain(cells, 7.0), atol=1e-10
+    )
+    assert not np.any(lattice_wave(plane).background(cells, 7.0))
 
 
 UNSTABLE = {
