@@ -255,7 +255,7 @@ class _Search:
         return self.engine.taken(choices) <= self._lawful
 
     def lawful_change(self, choices: Choices) -> float:
-        """What the step changes at least, going by itself and the nearest longer one that was tried.
+        """What the step changes at least, going by itself and the nearest longer one tried.
 
         What is next to nothing may be rounding, or what comes round a ring, and obeys no law.
         """
