@@ -74,11 +74,9 @@ LAWFUL = 3.0
 """What a step changes obeys its law if it is at most this much larger than the law has it, and has
 fallen as half of the order would have it."""
 
-LEAST = 1e-5
-"""Least share of the tolerance that an error is told as: no run was looked at more closely."""
-
 NEGLIGIBLE = 0.01
-"""Share of the tolerance below which the change of a step needs obey no law: it may be rounding."""
+"""Share of the tolerance below which the change of a step needs obey no law, for it may be rounding
+or what comes round a ring. So no error is told as less: no run was looked at more closely."""
 
 
 class TooDearError(ValueError):
@@ -143,8 +141,8 @@ def _refined(search: "_Search", engine: Engine, tolerance: float) -> Refined:
         trial, control = search.pair(choices)
         rounding = max(trial.rounding, control.rounding)
         change = engine.safety * difference(trial, control)
-        change = max(change, SAFETY * scouting.lawful_change(choices))
-        error = max(change + rounding + control.alike, LEAST * tolerance)
+        change = max(change, engine.safety * scouting.lawful_change(choices))
+        error = max(change + rounding + control.alike, NEGLIGIBLE * tolerance)
         if error <= tolerance and search.wary:
             grown = search.grown(choices)
             rounding, error = rounding + grown, error + grown
@@ -257,18 +255,19 @@ class _Search:
         return self.engine.taken(choices) <= self._lawful
 
     def lawful_change(self, choices: Choices) -> float:
-        """What the step changes at least, going by the nearest longer one that was tried.
+        """What the step changes at least, going by itself and the nearest longer one tried.
 
-        What is next to nothing may be rounding, which obeys no law.
+        What is next to nothing may be rounding, or what comes round a ring, and obeys no law.
         """
         step = self.engine.taken(choices)
+        seen = self._changes.get(step, 0.0)
         longer = [one for one in self._changes.items() if one[0] > step]
         if not longer:
-            return 0.0
+            return seen
         other, change = min(longer)
-        if change <= self._negligible:
-            return change
-        return float(change * (step / other) ** self.engine.order)
+        if change > self._negligible:
+            change *= (step / other) ** self.engine.order
+        return max(seen, change)
 
     def _note_change(self, choices: Choices, change: float) -> None:
         """Keep what a step changes, and whether it is what the law expects."""
