@@ -16,15 +16,17 @@ __version__: str
 
 _NOUNS = {
     "longwave.derive": "LATTICES Bond Lattice NormalForm Reduction Scaling SlowVariable Stencil "
-    "mkdv_normal_form reduce",
+    "envelope find_scaling mkdv_normal_form reduce",
     "longwave.solutions": "CATALOGUE ClosedForm Equation Parameter Wave closed_form",
     "longwave.verify.proof": "check_certificate prove_equal",
     "longwave.verify.proof.text_prover": "prove",
     "longwave.verify.verdict": "Verdict",
     "longwave.reports.pictures.plotting": "plot",
     "longwave.reports.pictures.animation": "animate",
-    "longwave.scenes.chain": "Discretisation Scene Tolerance load_scene "
-    "relative_sup_error run shipped_scenes",
+    "longwave.runs.run_file": "load_run save_run",
+    "longwave.scenes.any_scene": "load_scene run",
+    "longwave.scenes.chain": "Discretisation Scene Tolerance relative_sup_error shipped_scenes",
+    "longwave.scenes.lattice_scene": "LatticeScene",
 }
 
 __all__ = ["__version__", *sorted(" ".join(_NOUNS.values()).split())]

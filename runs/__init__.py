@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 from longwave.support.lazy_face import lazy_face
 
 if TYPE_CHECKING:
-    from longwave.runs.run_file import load_run, open_run, run_any_scene, save_run, scene_of_run
+    from longwave.runs.run_file import load_run, open_run, save_run, scene_of_run
 
-__all__ = ["load_run", "open_run", "run_any_scene", "save_run", "scene_of_run"]
+__all__ = ["load_run", "open_run", "save_run", "scene_of_run"]
 
 __getattr__, __dir__ = lazy_face(
-    __name__, {"longwave.runs.run_file": "load_run open_run run_any_scene save_run scene_of_run"}
+    __name__, {"longwave.runs.run_file": "load_run open_run save_run scene_of_run"}
 )

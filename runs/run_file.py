@@ -19,16 +19,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from longwave.lattice.refine import Announce
-from longwave.lattice.trial import Progress
-from longwave.scenes.lattice_scene import LatticeScene, any_scene_of_toml
 from longwave.support.atomic_file import write_atomically
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from longwave.scenes.chain import Scene
-    from longwave.scenes.chain.stated_run import RunRecord
+    from longwave.scenes.any_scene import AnyScene
 
 PARTS = "real_imag"
 """The last dimension of what is complex."""
@@ -48,39 +44,6 @@ MOST_SHRUNK = 1100
 
 SMALL = 10**6
 """Bytes that any file may hold."""
-
-
-def run_any_scene(
-    scene: Scene | LatticeScene, progress: Progress | None = None, announce: Announce | None = None
-) -> xr.Dataset:
-    """The run of a scene of either kind as it is kept, with what can be trusted of it.
-
-    ``progress`` is called with the share of the work that is done, ``announce`` with the seconds
-    that are expected to pass. Raises ValueError in one line, and UnfinishedRun on Ctrl-C.
-    """
-    if isinstance(scene, LatticeScene):
-        from longwave.scenes.lattice_run import lattice_scene_dataset
-
-        return lattice_scene_dataset(scene, progress, announce)
-    return record_with_trust(scene, progress, announce).dataset
-
-
-def record_with_trust(
-    scene: Scene, progress: Progress | None = None, announce: Announce | None = None
-) -> RunRecord:
-    """`run_any_scene` of the paper's chain without a data set, of which one can be made."""
-    from longwave.scenes.chain.scene_run import record_scene
-    from longwave.scenes.chain.stated_run import UnfinishedRun
-    from longwave.scenes.chain.trust import trust_attributes
-
-    trust = trust_attributes(scene)
-    try:
-        record = record_scene(scene, progress, announce)
-    except UnfinishedRun as stop:
-        stop.record.attrs |= trust
-        raise
-    record.attrs |= trust
-    return record
 
 
 def save_run(run: xr.Dataset, path: str | Path, force: bool = True) -> None:
@@ -147,17 +110,19 @@ def open_run(path: str | Path) -> xr.Dataset:
         raise _damaged(path, error) from None
 
 
-def scene_of_run(run: xr.Dataset) -> Scene | LatticeScene:
+def scene_of_run(run: xr.Dataset) -> AnyScene:
     """The scene that a run was asked for; ValueError in one line if it carries none."""
     if SWEPT in run.attrs:
         raise ValueError(
             "run must be one of one scene, got the result of a sweep (longwave sweep goes on with "
             "it, longwave plot draws it)"
         )
+    from longwave.scenes.any_scene import scene_of_toml
+
     text = run.attrs.get("lattice_scene", run.attrs.get("scene"))
     if not isinstance(text, str):
         raise ValueError("run must carry the scene that it was made from, got none (run it anew)")
-    return any_scene_of_toml(text)
+    return scene_of_toml(text)
 
 
 def is_run_file(path: Path) -> bool:

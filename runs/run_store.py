@@ -121,7 +121,7 @@ class RunStore:
 
         If another process is making it, that is waited for; one that was begun is gone on with, and
         ends with the bits of one that was not interrupted. ``progress`` and ``announce`` are as in
-        `run_any_scene`. Raises what that raises; OSError before the run if the store cannot be
+        `any_scene.run`. Raises what that raises; OSError before the run if the store cannot be
         written; UnkeptRunError, which holds the run, if it could not be written after it.
         """
         found = self._told_place(scene)
@@ -184,11 +184,11 @@ def _gone_on_with(
     progress: Progress | None,
     announce: Announce | None,
 ) -> xr.Dataset:
-    from longwave.runs.run_file import run_any_scene
+    from longwave.scenes import any_scene
     from longwave.support.checkpoint import kept_by
 
     with kept_by(checkpoint):
-        return run_any_scene(scene, progress, announce)
+        return any_scene.run(scene, progress, announce)
 
 
 def _kept(path: Path, run: xr.Dataset) -> Path:

@@ -37,7 +37,7 @@ from longwave.support.request_limits import RequestLimits, TooMuchError, request
 if TYPE_CHECKING:
     import xarray as xr
 
-    from longwave.runs.sweep_scene import AnyScene
+    from longwave.scenes.any_scene import AnyScene
 
 LONG = 10.0
 """Seconds from which on a cell is a run of its own in the store, with checkpoints."""
@@ -157,7 +157,8 @@ def run_cell(cell: Cell, store: RunStore | None = None) -> CellRecord:
     cannot be written there as a file of its own.
     """
 
-    from longwave.runs.run_file import load_run, run_any_scene
+    from longwave.runs.run_file import load_run
+    from longwave.scenes import any_scene
 
     alone = False
 
@@ -167,7 +168,7 @@ def run_cell(cell: Cell, store: RunStore | None = None) -> CellRecord:
 
     try:
         try:
-            run = run_any_scene(cell.scene, announce=told)
+            run = any_scene.run(cell.scene, announce=told)
         except LongCell:
             assert store is not None
             alone = True

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from random import Random
 from time import process_time
 from typing import TYPE_CHECKING
 
-from longwave.runs.run_cost import expected_cell_cost
 from longwave.support.request_limits import ExpectedCost
 from longwave.support.sealed_file import is_whole
 
 if TYPE_CHECKING:
     from longwave.runs.run_store import RunStore
     from longwave.runs.sweep_file import Sweep
+    from longwave.scenes.any_scene import AnyScene
 
 MOST_LOOKED_AT, FEWEST = 200, 5
 """Cells that are looked at, of sweeps with more. Costs that differ by a factor of 100 are met to
@@ -48,6 +48,16 @@ class SweepCost:
         """The cost with so many workers; of memory that of all ``together`` on this machine."""
         held = min(workers, self.missing) if together else 1
         return ExpectedCost(self.seconds / workers, self.memory_bytes * held)
+
+
+LEAST_SECONDS = 0.02
+"""Of a cell of a sweep, whatever it holds: its plan, its data set, its place in a pack."""
+
+
+def expected_cell_cost(scene: AnyScene) -> ExpectedCost:
+    """The cost of a run as one of many in a process: what that does once is left out."""
+    found = scene.expected_cost()
+    return replace(found, seconds=max(LEAST_SECONDS, found.seconds - scene.process_seconds))
 
 
 def expected_sweep_cost(sweep: Sweep, store: RunStore, settled: Collection[str]) -> SweepCost:

@@ -40,12 +40,12 @@ from typing import Any
 
 from longwave.runs.run_pack import NUMBERS, TEXTS
 from longwave.runs.sweep_scene import (
-    AnyScene,
     base_document,
     changed_document,
     check_field,
     make_scene,
 )
+from longwave.scenes.any_scene import AnyScene
 from longwave.scenes.chain.scene_fields import (
     finite,
     read_document,

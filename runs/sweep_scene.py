@@ -9,16 +9,15 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from longwave.scenes import lattice_scene_file
+from longwave.scenes.any_scene import AnyScene, load_scene
 from longwave.scenes.chain import scene_fields
 from longwave.scenes.chain.observables import OBSERVABLES
 from longwave.scenes.chain.scene import Scene
 from longwave.scenes.chain.scene_fields import read_document
-from longwave.scenes.lattice_scene import LatticeScene, find_any_scene
+from longwave.scenes.lattice_scene import LatticeScene
 from longwave.scenes.lattice_scene_file import lattice_scene_fields, names_a_lattice
 from longwave.scenes.scene_disorder import Disorder
 from longwave.support.user_files import shown
-
-AnyScene: TypeAlias = Scene | LatticeScene
 
 Document: TypeAlias = Mapping[str, Any]
 
@@ -60,7 +59,7 @@ def base_document(given: object, folder: Path) -> tuple[str, Document]:
     if given.endswith(".toml"):
         path = folder / given
         return path.stem, read_document(path)
-    scene = find_any_scene(given)
+    scene = load_scene(given)
     return scene.name, tomllib.loads(scene.toml())
 
 

@@ -178,20 +178,6 @@ def compared_cells(scene: LatticeScene, wave: LatticeWave) -> ComparedCells:
     )
 
 
-def lattice_scene_dataset(
-    scene: LatticeScene, progress: Progress | None = None, announce: Announce | None = None
-) -> xr.Dataset:
-    """The run of a scene, whether its wave is compared or a growth rate measured.
-
-    Arguments and errors are as of `run_lattice_scene`.
-    """
-    if scene.is_growth:
-        from longwave.scenes.sideband_growth import measure_growth
-
-        return measure_growth(scene, progress, announce).dataset
-    return run_lattice_scene(scene, progress, announce).dataset
-
-
 def expected_lattice_cost(scene: LatticeScene) -> ExpectedCost:
     """What the scene is expected to cost, by its lattice's waves about the rest.
 

@@ -12,31 +12,24 @@ from dataclasses import dataclass, fields
 from importlib.resources import as_file, files
 from numbers import Integral
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from longwave.scenes.chain import scene_fields as check
-from longwave.scenes.chain.scene import (
-    Scene,
-    find_scene,
-    further_scenes,
-    rational_family_scenes,
-    shipped_scenes,
-)
-from longwave.scenes.chain.scene_fields import (
-    finite,
-    parse_document,
-    positive,
-    read_document,
-    whole,
-)
+from longwave.scenes.chain.scene_fields import finite, positive, read_document, whole
 from longwave.scenes.chain.toml_text import toml_text
 from longwave.scenes.lattice_scene_file import (
     document_of,
     lattice_scene_fields,
-    names_a_lattice,
 )
 from longwave.scenes.scene_disorder import Stated, disorder_pairs
-from longwave.support.user_files import STANDARD_INPUT, file_stem, shown, shown_path
+from longwave.support.user_files import file_stem, shown, shown_path
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from longwave.lattice.refine import Announce
+    from longwave.lattice.trial import Progress
+    from longwave.support.request_limits import ExpectedCost
 
 ORDERS = ("leading", "slaved", "corrected")
 """What the data hold: the wave alone; the fields that follow it too; the next order as well."""
@@ -279,6 +272,32 @@ class LatticeScene:
             f"{self.order} order, to {self.tolerance:g}>"
         )
 
+    def run(self, progress: Progress | None = None, announce: Announce | None = None) -> xr.Dataset:
+        """The run of the scene, whether its wave is compared or a growth rate measured."""
+        if self.is_growth:
+            from longwave.scenes.sideband_growth import measure_growth
+
+            return measure_growth(self, progress, announce).dataset
+        from longwave.scenes.lattice_run import run_lattice_scene
+
+        return run_lattice_scene(self, progress, announce).dataset
+
+    def expected_cost(self) -> ExpectedCost:
+        """What a run is expected to cost, by the lattice's waves about the rest.
+
+        Raises ValueError as `run` does for what is wrong before anything is run.
+        """
+        from longwave.scenes.lattice_run import expected_lattice_cost
+
+        return expected_lattice_cost(self)
+
+    @property
+    def process_seconds(self) -> float:
+        """The part of the expected seconds that a process takes once."""
+        from longwave.scenes.ring_cost import BEGIN_SECONDS
+
+        return BEGIN_SECONDS
+
     def changed(self, **changes: Any) -> LatticeScene:
         """The scene with other values for some keywords of `of`."""
         return LatticeScene.of(**(self._keywords() | changes))
@@ -368,40 +387,3 @@ def load_lattice_scene(name: str) -> LatticeScene:
         raise ValueError(f"scene must be a shipped one, got {shown(name)} (one of {known})")
     with as_file(FOLDER / f"{name}.toml") as path:
         return LatticeScene.from_toml(path)
-
-
-def find_any_scene(text: str) -> Scene | LatticeScene:
-    """The scene in a TOML file, of either kind, or the shipped one of that name.
-
-    ``-`` is the standard input, a file of a lattice being looked for in the working folder.
-
-    Raises ValueError for a file that cannot be read and a name that is none.
-    """
-    path = Path(text)
-    if text == STANDARD_INPUT or text.endswith(".toml") or path.is_file():
-        return _scene_of_document(read_document(text), path)
-    if text in shipped_lattice_scenes():
-        return load_lattice_scene(text)
-    names = (*shipped_scenes(), *further_scenes())
-    if text in names or text in rational_family_scenes():
-        return find_scene(text)
-    known = ", ".join((*names, *shipped_lattice_scenes()))
-    raise ValueError(
-        f"scene must be a TOML file or a shipped scene, got {shown(text)} (one of {known})"
-    )
-
-
-def any_scene_of_toml(text: str) -> Scene | LatticeScene:
-    """The scene of either kind that ``toml`` wrote; ValueError in one line for what is none."""
-    return _scene_of_document(parse_document(text.encode(), "a text"), Path("scene"))
-
-
-def _scene_of_document(document: Mapping[str, Any], path: Path) -> Scene | LatticeScene:
-    swept = {"grid", "list", "random"} & document.keys()
-    if "scene" in document and swept:
-        raise ValueError(
-            f"{path}: a scene must be one, got a sweep, which has [{min(swept)}] (run it with "
-            "`longwave sweep`)"
-        )
-    kind = LatticeScene if names_a_lattice(document) else Scene
-    return kind.of_document(document, path)

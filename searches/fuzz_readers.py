@@ -30,14 +30,14 @@ with atheris.instrument_imports(
     from longwave.cli.certificates import read_certificates
     from longwave.derive.lattice_file import read_lattice
     from longwave.runs.run_file import load_run, scene_of_run
-    from longwave.scenes.lattice_scene import find_any_scene
+    from longwave.scenes.any_scene import load_scene
     from longwave.verify.problem_file import problem_texts
 
 from searches.fuzz_inputs import KINDS
 
 READERS: dict[str, Callable[[Path], Any]] = {
-    "scene": lambda path: find_any_scene(str(path)),
-    "lattice scene": lambda path: find_any_scene(str(path)),
+    "scene": lambda path: load_scene(str(path)),
+    "lattice scene": lambda path: load_scene(str(path)),
     "lattice": read_lattice,
     "problem": problem_texts,
     "certificate": read_certificates,

@@ -304,14 +304,15 @@ def run_files() -> tuple[bytes, ...]:
     """Files of small runs of both kinds."""
     import tempfile
 
-    from longwave.runs.run_file import run_any_scene, save_run
-    from longwave.scenes.lattice_scene import find_any_scene
+    from longwave.runs.run_file import save_run
+    from longwave.scenes import any_scene
+    from longwave.scenes.any_scene import load_scene
 
     found = []
     with tempfile.TemporaryDirectory() as folder:
         for text in (SMALL_SCENE, STATED_SCENE, SMALL_LATTICE_SCENE):
             path = Path(folder) / "scene.toml"
             path.write_text(text, encoding="utf-8")
-            save_run(run_any_scene(find_any_scene(str(path))), path.with_suffix(".nc"))
+            save_run(any_scene.run(load_scene(str(path))), path.with_suffix(".nc"))
             found.append(path.with_suffix(".nc").read_bytes())
     return tuple(found)

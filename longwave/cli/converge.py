@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 
 from rich.table import Table
 
+from longwave.scenes.any_scene import load_scene
 from longwave.scenes.chain.scene_fields import finite
-from longwave.scenes.lattice_scene import LatticeScene, find_any_scene
+from longwave.scenes.lattice_scene import LatticeScene
 from longwave.support.console import plain_console, progress_bar
 
 if TYPE_CHECKING:
@@ -37,7 +38,7 @@ def measured_convergence(source: str, eps: str | None, tolerance: float | None) 
     from longwave.support.request_limits import Announcer
 
     values = eps_values(eps)
-    scene = find_any_scene(source)
+    scene = load_scene(source)
     if not isinstance(scene, LatticeScene):
         raise ValueError(
             f"scene must name a lattice to be run at several eps, got {scene.name} (write "

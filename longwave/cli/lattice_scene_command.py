@@ -12,7 +12,6 @@ from rich.table import Table
 from longwave.runs.output_checkpoint import OutputCheckpoint
 from longwave.runs.rescue import fail_or_rescue
 from longwave.runs.told_store import fetch_told
-from longwave.scenes.lattice_run import lattice_scene_dataset
 from longwave.scenes.lattice_scene import LatticeScene
 from longwave.support.command_line import fail_for_memory, interrupted
 from longwave.support.console import plain_console, progress_bar
@@ -57,7 +56,7 @@ def run_with_bar(scene: LatticeScene, store: str | None) -> xr.Dataset:
     errors = plain_console(stderr=True, soft_wrap=True)
     with progress_bar(scene.name, f"{scene.name} to {scene.tolerance:g}", errors) as bar:
         if store is None:
-            return lattice_scene_dataset(scene, bar[0], Announcer(bar[1]))
+            return scene.run(bar[0], Announcer(bar[1]))
         return fetch_told(store, scene, bar[0], Announcer(bar[1]))
 
 

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 from longwave.runs.output_checkpoint import OutputCheckpoint
 from longwave.runs.repeated_run import compare_runs
-from longwave.runs.run_file import load_run, run_any_scene, scene_of_run
+from longwave.runs.run_file import load_run, scene_of_run
+from longwave.scenes import any_scene
 from longwave.support.command_line import fail, interrupted
 from longwave.support.console import plain_console, print_lines, progress_bar
 
@@ -65,4 +66,4 @@ def _run_again(scene: Scene | LatticeScene, source: str) -> xr.Dataset:
 
     errors = plain_console(stderr=True, soft_wrap=True)
     with progress_bar(scene.name, f"{source} again", errors) as (advance, tell):
-        return run_any_scene(scene, advance, Announcer(tell))
+        return any_scene.run(scene, advance, Announcer(tell))

@@ -10,14 +10,16 @@ from rich.table import Table
 
 from longwave.runs.output_checkpoint import OutputCheckpoint
 from longwave.runs.rescue import check_run_output, fail_or_rescue, save_or_rescue
-from longwave.runs.run_file import names_a_run, record_with_trust
+from longwave.runs.run_file import names_a_run
 from longwave.runs.told_store import fetch_told
+from longwave.scenes.any_scene import load_scene
 from longwave.scenes.chain.expected_cost import check_cost
 from longwave.scenes.chain.recorders import Variables
 from longwave.scenes.chain.scene import Scene, with_tolerance
+from longwave.scenes.chain.scene_run import record_with_trust
 from longwave.scenes.chain.stated_run import RunRecord, UnfinishedRun
 from longwave.scenes.chain.trust import USUAL_TOLERANCE
-from longwave.scenes.lattice_scene import LatticeScene, find_any_scene
+from longwave.scenes.lattice_scene import LatticeScene
 from longwave.support.command_line import fail, fail_for_memory, interrupted
 from longwave.support.console import plain_console, progress_bar
 from longwave.support.interruption import keeping
@@ -48,7 +50,7 @@ def run_and_print(options: RunOptions, program: str) -> int:
             from longwave.cli.repeat_command import repeat_and_print
 
             return repeat_and_print(options, program)
-        found = find_any_scene(options.scene)
+        found = load_scene(options.scene)
     except (ValueError, OSError) as error:
         return fail(error)
     if isinstance(found, LatticeScene):

@@ -22,7 +22,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from longwave.lattice.trial import Progress
-from longwave.runs.run_cost import expected_run_cost
 from longwave.scenes.chain.scene import Scene
 from longwave.scenes.lattice_scene import LatticeScene
 from longwave.support.command_line import duration, one_line
@@ -163,7 +162,7 @@ def compare(
     _check_cells(scene)
     try:
         with request_limits(limits.memory_bytes, limits.seconds):
-            check_request("the run", expected_run_cost(scene), CHEAPER)
+            check_request("the run", scene.expected_cost(), CHEAPER)
             if isinstance(scene, LatticeScene):
                 return _of_lattice(scene, progress, announce)
             return _of_chain(scene, progress, announce)

@@ -30,10 +30,8 @@ from longwave.reports.pictures.film_files import film_path, has_ffmpeg, save_fil
 from longwave.reports.pictures.lattice_figures import lattice_snapshots
 from longwave.reports.pictures.plotting import Source, default_output, read_source, shown_half_width
 from longwave.reports.pictures.run_quantities import RunFrame, check_run, frame_of
-from longwave.runs import run_any_scene
-from longwave.runs.run_cost import CHEAPER as CHEAPER_RUN
-from longwave.runs.run_cost import expected_run_cost
 from longwave.runs.run_file import SWEPT, names_a_run
+from longwave.scenes import any_scene
 from longwave.scenes.chain import Scene
 from longwave.scenes.lattice_scene import MOST_TIMES, LatticeScene
 from longwave.support.command_line import fail, fail_for_memory, interrupted, one_line
@@ -41,6 +39,9 @@ from longwave.support.console import check_output, plain_console, progress_bar
 from longwave.support.request_limits import Announcer, ExpectedCost, check_request
 
 Array = NDArray[np.float64]
+
+CHEAPER_RUN = "take a larger eps, end earlier or compare fewer sites"
+"""What to change of a run that costs too much."""
 
 BOUNDS = {"duration": (0.2, 600.0), "fps": (1.0, 50.0), "dpi": (30.0, 400.0)}
 """Seconds, frames a second (a GIF's are a whole number of 1/100 s) and pixels an inch."""
@@ -118,8 +119,8 @@ def animate(
         data = found
     else:
         scene = _scene_of_film(found, options)
-        told(_check_cost(scene.name, options, options.count, path, expected_run_cost(scene)))
-        data = run_any_scene(scene, progress, announce)
+        told(_check_cost(scene.name, options, options.count, path, scene.expected_cost()))
+        data = any_scene.run(scene, progress, announce)
     shown = _within(data, options.times)
     count = shown.sizes["time"]
     told(_check_cost("the film", options, count, path, ExpectedCost()))

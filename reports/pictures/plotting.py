@@ -46,10 +46,11 @@ from longwave.reports.pictures.run_quantities import (
 from longwave.reports.pictures.sweep_plotting import SWEEP_PICTURES, Choice, is_sweep, sweep_parts
 from longwave.runs import load_run
 from longwave.runs.run_file import REMEDY, names_a_run
+from longwave.scenes.any_scene import load_scene
 from longwave.scenes.chain import Scene, run
 from longwave.scenes.chain.observables import MEASURED
 from longwave.scenes.chain.stated_run import UnfinishedRun
-from longwave.scenes.lattice_scene import MOST_TIMES, LatticeScene, find_any_scene
+from longwave.scenes.lattice_scene import MOST_TIMES, LatticeScene
 from longwave.support.command_line import fail, fail_for_memory, interrupted, one_line
 from longwave.support.console import check_output, picture_path, plain_console, progress_bar
 from longwave.support.request_limits import Announcer
@@ -148,16 +149,14 @@ def _run_of_lattice(
     scene: LatticeScene, kind: str, progress: Progress | None, announce: Announce | None
 ) -> xr.Dataset:
     """Run a scene on any lattice at its own times and, where curves are drawn, between them."""
-    from longwave.scenes.lattice_run import lattice_scene_dataset, run_lattice_scene
-
     if scene.is_growth:
-        return lattice_scene_dataset(scene, progress, announce)
+        return scene.run(progress, announce)
     named = "slow_times" if scene.slow_times else "times"
     own: tuple[float, ...] = getattr(scene, named)
     times = own
     if kind not in ("snapshots", "spectra") and len(own) + LATTICE_LOOKS <= MOST_TIMES:
         times = tuple(sorted({*own, *np.linspace(own[0], own[-1], LATTICE_LOOKS).tolist()}))
-    run = run_lattice_scene(scene.changed(**{named: times}), progress, announce).dataset
+    run = scene.changed(**{named: times}).run(progress, announce)
     return with_looks(run, frame_of(run)).isel(time=[times.index(t) for t in own])
 
 
@@ -172,7 +171,7 @@ def read_source(source: Source) -> xr.Dataset | Scene | LatticeScene:
         )
     if names_a_run(source):
         return _read_run(Path(source))
-    return find_any_scene(str(source))
+    return load_scene(str(source))
 
 
 def _read_run(path: Path) -> xr.Dataset:

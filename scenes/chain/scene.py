@@ -23,13 +23,17 @@ from longwave.scenes.chain.scene_fields import (
     scene_fields,
 )
 from longwave.scenes.chain.toml_text import toml_text
-from longwave.support.user_files import STANDARD_INPUT, file_stem, shown, shown_path
+from longwave.support.request_limits import is_too_much
+from longwave.support.user_files import file_stem, shown, shown_path
 
 if TYPE_CHECKING:
     import xarray as xr
 
+    from longwave.lattice.refine import Announce
+    from longwave.lattice.trial import Progress
     from longwave.scenes.chain.moving_wave import MovingWave
     from longwave.solutions import ClosedForm
+    from longwave.support.request_limits import ExpectedCost
 
 DOMAINS = ("window", "ring", "closed_ring")
 ENGINES = ("stencil", "spectral")
@@ -288,6 +292,32 @@ class Scene:
         """The last time of the run."""
         return max(self.snapshots)
 
+    def run(
+        self, progress: "Progress | None" = None, announce: "Announce | None" = None
+    ) -> "xr.Dataset":
+        """The run of the scene (`scene_run.run`), with what can be trusted of it."""
+        from longwave.scenes.chain.scene_run import record_with_trust
+
+        return record_with_trust(self, progress, announce).dataset
+
+    def expected_cost(self) -> "ExpectedCost":
+        """What a run is expected to cost, in a process that has just begun.
+
+        What is known to be beyond the limits from the scene alone is not looked at any further.
+        Raises ValueError for what no scene can be run with.
+        """
+        from longwave.scenes.chain.expected_cost import expected_cost, least_cost
+
+        least = least_cost(self)
+        return least if is_too_much(least) else expected_cost(self)
+
+    @property
+    def process_seconds(self) -> float:
+        """The part of the expected seconds that a process takes once."""
+        from longwave.scenes.chain.expected_cost import PROCESS_SECONDS
+
+        return PROCESS_SECONDS
+
     def changed(self, **changes: Any) -> "Scene":
         """The scene with other values for some keywords of `of`."""
         return Scene.of(**(self._keywords() | changes))
@@ -436,14 +466,3 @@ def _member(order: int, eps: float, tolerance: float) -> Scene:
 def _time(T: float, eps: float) -> float:
     """The lattice time of a slow time, rounded to whole units."""
     return float(round(T / eps**3))
-
-
-def find_scene(text: str) -> Scene:
-    """The scene in a TOML file, or the shipped one or member of a family of that name.
-
-    Raises ValueError for a file that cannot be read and a name that is none.
-    """
-    if text == STANDARD_INPUT or text.endswith(".toml") or Path(text).is_file():
-        return Scene.from_toml(text)
-    family = rational_family_scenes()
-    return family[text] if text in family else load_scene(text)

@@ -24,7 +24,7 @@ from longwave.scenes.chain.stated_run import (
     run_from,
 )
 from longwave.scenes.chain.stencil_search import run_stencil, stencil_seconds
-from longwave.scenes.chain.trust import check_trust
+from longwave.scenes.chain.trust import check_trust, trust_attributes
 from longwave.support.checkpoint import spared_seconds
 from longwave.support.request_limits import Announcer
 from longwave.support.user_files import shown
@@ -136,6 +136,20 @@ def record_scene(
         return run_from(scene, scene.moving_wave, None, progress)
     check_trust(scene)
     return run_to_tolerance(scene, progress, announce)
+
+
+def record_with_trust(
+    scene: Scene, progress: Progress | None = None, announce: Announce | None = None
+) -> RunRecord:
+    """`record_scene`, with what can be trusted of the run."""
+    trust = trust_attributes(scene)
+    try:
+        record = record_scene(scene, progress, announce)
+    except UnfinishedRun as stop:
+        stop.record.attrs |= trust
+        raise
+    record.attrs |= trust
+    return record
 
 
 def state_at(run: "xr.Dataset", t: float) -> State:

@@ -8,7 +8,7 @@ from rich.progress import TextColumn
 
 from longwave.__main__ import main
 from longwave.cli import scene_command as cli
-from longwave.scenes.chain.scene import find_scene
+from longwave.scenes.any_scene import load_scene
 from longwave.support import console
 
 SCENE = """
@@ -62,5 +62,5 @@ def test_the_bars_label_is_no_markup(monkeypatch: pytest.MonkeyPatch) -> None:
     terminal = Console(force_terminal=True, stderr=True)
     monkeypatch.setattr(cli, "plain_console", lambda **_: terminal)
     monkeypatch.setattr(cli, "record_with_trust", lambda *_: None)
-    cli._run_with_bar(find_scene("rogue_cn_k_0.5"), None)
+    cli._run_with_bar(load_scene("rogue_cn_k_0.5"), None)
     assert [column.markup for column in columns] == [False]

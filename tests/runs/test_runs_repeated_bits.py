@@ -11,14 +11,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from longwave.scenes.any_scene import load_scene, scene_of_toml
 from longwave.scenes.chain.observables import OBSERVABLES
 from longwave.scenes.chain.scene import Scene, rational_family_scenes, with_tolerance
-from longwave.scenes.lattice_scene import (
-    LatticeScene,
-    any_scene_of_toml,
-    find_any_scene,
-    shipped_lattice_scenes,
-)
+from longwave.scenes.lattice_scene import LatticeScene, shipped_lattice_scenes
 
 HOUSE = Path(__file__).parents[2]
 
@@ -53,7 +49,7 @@ def test_bits_do_not_depend_on_the_number_of_threads() -> None:
 @pytest.mark.parametrize("name", ["soliton_dn_k_0.7", "dimer_peregrine"])
 def test_a_fresh_machine_gives_the_same_bits(name: str, tmp_path: Path) -> None:
     """No kernel is compiled yet, another is compiled first, and one thread does it."""
-    scene, output = find_any_scene(name), str(tmp_path / "run.nc")
+    scene, output = load_scene(name), str(tmp_path / "run.nc")
     if isinstance(scene, Scene):
         scene = with_tolerance(scene, 1e-4).changed(engine="spectral", snapshots=[-100, -50])
     else:
@@ -126,7 +122,7 @@ DISORDERS = st.fixed_dictionaries(
 @st.composite
 def lattice_scenes(draw: st.DrawFn) -> LatticeScene:
     """Scenes on any lattice, from the catalogue or declared, whatever they may say."""
-    scene = draw(st.sampled_from(shipped_lattice_scenes()).map(find_any_scene))
+    scene = draw(st.sampled_from(shipped_lattice_scenes()).map(load_scene))
     assert isinstance(scene, LatticeScene)
     pairs = st.dictionaries(TEXTS, NUMBERS | TEXTS, max_size=3)
     changes: dict[str, Any] = {key: draw(TEXTS) for key in ("name", "title")}
@@ -148,16 +144,16 @@ def lattice_scenes(draw: st.DrawFn) -> LatticeScene:
 @settings(max_examples=100, deadline=None)
 @given(chain_scenes() | lattice_scenes())
 def test_any_scene_is_read_back_from_its_text(scene: Scene | LatticeScene) -> None:
-    found = any_scene_of_toml(scene.toml())
+    found = scene_of_toml(scene.toml())
     assert found == scene
     assert repr(found) == repr(scene)
     assert found.toml() == scene.toml()
 
 
 @pytest.mark.parametrize(
-    "scene", [*rational_family_scenes().values(), *map(find_any_scene, shipped_lattice_scenes())]
+    "scene", [*rational_family_scenes().values(), *map(load_scene, shipped_lattice_scenes())]
 )
 def test_every_shipped_scene_is_read_back(scene: Scene | LatticeScene, tmp_path: Path) -> None:
     path = tmp_path / "other.toml"
     path.write_text(scene.toml(), "utf-8")
-    assert find_any_scene(str(path)) == scene
+    assert load_scene(str(path)) == scene

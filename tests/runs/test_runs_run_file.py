@@ -15,7 +15,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from longwave.runs import load_run, open_run, run_any_scene, save_run, scene_of_run
+from longwave.runs import load_run, open_run, save_run, scene_of_run
+from longwave.scenes import any_scene
 from longwave.scenes.chain import Scene, load_scene
 from longwave.scenes.chain.observables import OBSERVABLES
 from longwave.scenes.lattice_scene import LatticeScene, load_lattice_scene
@@ -54,7 +55,7 @@ DIMER = load_lattice_scene("dimer_peregrine").changed(
 
 @pytest.fixture(scope="module", params=[RING, CHOSEN, DIMER], ids=["stated", "chosen", "lattice"])
 def run(request: pytest.FixtureRequest) -> xr.Dataset:
-    return run_any_scene(request.param)
+    return any_scene.run(request.param)
 
 
 def same_bits(one: xr.Dataset, other: xr.Dataset) -> None:
@@ -96,7 +97,7 @@ def test_plain_xarray_opens_it_with_units_and_names_on_everything(
 
 
 def test_what_a_tolerance_chose_stands_beside_the_scene() -> None:
-    found = run_any_scene(CHOSEN)
+    found = any_scene.run(CHOSEN)
     assert scene_of_run(found) == CHOSEN
     assert "step = " in found.attrs["plan"]
     assert found.attrs["error_estimate"] <= 1e-2

@@ -13,15 +13,18 @@ from typing import Any
 import pytest
 import xarray as xr
 
-import longwave.runs.run_file
 import longwave.runs.run_store
-from longwave.runs.run_file import load_run, run_any_scene
+from longwave.runs.run_file import load_run
 from longwave.runs.run_store import RunStore, UnkeptRunError, code_that_matters
+from longwave.scenes import any_scene
 from longwave.scenes.lattice_scene import load_lattice_scene
 from longwave.support.provenance import provenance
 from tests.runs.unfinished_scenes import bits, chain
 
 SMALL = chain("small", snapshots=[0, 20], domain="window", step=0.5, sites=640)
+
+
+RUN = any_scene.run
 
 
 @pytest.fixture
@@ -36,16 +39,16 @@ def runs_made(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
     def run(scene: Any, *rest: Any) -> xr.Dataset:
         made.append(scene.name)
-        return run_any_scene(scene, *rest)
+        return RUN(scene, *rest)
 
-    monkeypatch.setattr(longwave.runs.run_file, "run_any_scene", run)
+    monkeypatch.setattr(any_scene, "run", run)
     return made
 
 
 def test_a_scene_is_run_once(store: RunStore, runs_made: list[str]) -> None:
     assert store.find(SMALL) is None
     path = store.fetch(SMALL)
-    assert bits(load_run(path)) == bits(run_any_scene(SMALL))
+    assert bits(load_run(path)) == bits(any_scene.run(SMALL))
     assert store.fetch(SMALL) == store.find(SMALL) == path == store.path(SMALL)
     assert RunStore(store.folder).fetch(SMALL.changed(K2=1.0)) == path
     assert runs_made == ["small"]
@@ -130,12 +133,12 @@ def test_a_damaged_file_is_made_anew_and_told(
         caplog.clear()
         assert store.find(SMALL) is None
         assert f"{path} is damaged" in caplog.text
-    assert bits(load_run(store.fetch(SMALL))) == bits(run_any_scene(SMALL))
+    assert bits(load_run(store.fetch(SMALL))) == bits(any_scene.run(SMALL))
     assert runs_made == ["small", "small"]
 
 
 def test_an_unfinished_run_is_not_kept(store: RunStore) -> None:
-    run = run_any_scene(SMALL).assign_attrs(unfinished="Ctrl-C after t = 3")
+    run = any_scene.run(SMALL).assign_attrs(unfinished="Ctrl-C after t = 3")
     with pytest.raises(ValueError, match="come to its end"):
         store.keep(SMALL, run)
     assert store.find(SMALL) is None
@@ -151,7 +154,7 @@ def test_a_finished_run_is_not_lost_where_it_cannot_be_written(
         broken.setattr(longwave.runs.run_store, "write_sealed", full)
         with pytest.raises(UnkeptRunError, match="No space left") as caught:
             store.fetch(SMALL)
-    assert bits(caught.value.run) == bits(run_any_scene(SMALL))
+    assert bits(caught.value.run) == bits(any_scene.run(SMALL))
     assert store.find(SMALL) is None
     assert store.find(SMALL) is None
     assert store.keep(SMALL, caught.value.run) == store.find(SMALL)
@@ -176,17 +179,17 @@ def test_sources_that_changed_keep_no_run(
 
 FETCH = """
 import sys
-from longwave.runs import run_file
+from longwave.scenes import any_scene
 from longwave.runs.run_store import RunStore
 from tests.runs.test_runs_store import SMALL
 
-made = run_file.run_any_scene
+made = any_scene.run
 
 def run(*given):
     print("made", flush=True)
     return made(*given)
 
-run_file.run_any_scene = run
+any_scene.run = run
 RunStore(sys.argv[1]).fetch(SMALL)
 """
 

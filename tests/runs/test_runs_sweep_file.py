@@ -95,10 +95,10 @@ def _eps() -> dict[str, Any]:
 
 
 def test_a_member_of_a_family_and_tables_are_bases() -> None:
-    from longwave.scenes.chain.scene import find_scene
+    from longwave.scenes.any_scene import load_scene
 
     member = sweep_of({"scene": "Y2_eps_0.05", **_eps()}).scene(0)
-    assert member == find_scene("Y2_eps_0.05").changed(eps=0.1)
+    assert member == load_scene("Y2_eps_0.05").changed(eps=0.1)
     tables = {
         "lattice": "toda",
         "wave": "kdv_soliton",

@@ -17,11 +17,12 @@ from longwave.derive.algebra.exact_numbers import exact
 from longwave.lattice.disordered_lattice import disordered
 from longwave.lattice.numeric_lattice import numeric_lattice
 from longwave.runs.run_store import RunStore
+from longwave.scenes.any_scene import scene_of_toml
 from longwave.scenes.chain.scene_fields import scene_fields
 from longwave.scenes.disordered_wave import DisorderedWave, variation_of
 from longwave.scenes.lattice_derivation import lattice_wave
 from longwave.scenes.lattice_run import LatticeRun, run_lattice_scene
-from longwave.scenes.lattice_scene import LatticeScene, any_scene_of_toml
+from longwave.scenes.lattice_scene import LatticeScene
 from longwave.scenes.pulse_meter import PulseMeter, crest
 from longwave.scenes.scene_disorder import Disorder
 
@@ -207,7 +208,7 @@ def test_a_wave_that_does_not_end_has_no_crest(wave: str, parameters: Any, K4: i
 
 def test_a_scene_reads_back_and_its_key_is_its_own(tmp_path: Path) -> None:
     scene = LatticeScene.of(**(SOLITON | {"disorder": MASSES}))
-    assert LatticeScene.from_json(scene.json()) == scene == any_scene_of_toml(scene.toml())
+    assert LatticeScene.from_json(scene.json()) == scene == scene_of_toml(scene.toml())
     assert LatticeScene.of(**(SOLITON | {"disorder": list(MASSES.items())})) == scene
     store = RunStore(tmp_path)
     others = [

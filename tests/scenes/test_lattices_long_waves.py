@@ -14,13 +14,13 @@ from longwave.derive import LATTICES, Scaling, SlowVariable, reduce
 from longwave.derive.symbols import c
 from longwave.lattice.numeric_lattice import numeric_lattice
 from longwave.scenes import first_correction
+from longwave.scenes.any_scene import load_scene
 from longwave.scenes.computed_soliton import ComputedSoliton
 from longwave.scenes.convergence import error_at, fitted_rate
 from longwave.scenes.fourier_interval import FourierInterval
 from longwave.scenes.jet_polynomial import JetPolynomial
 from longwave.scenes.lattice_derivation import derivation, lattice_wave
 from longwave.scenes.lattice_run import lattice_times
-from longwave.scenes.lattice_scene import find_any_scene
 from longwave.scenes.line_chain import LineChain
 from longwave.scenes.long_wave_data import LongWaveData, wave_ends
 from longwave.scenes.rate_cases import RATE_CASES
@@ -106,7 +106,7 @@ def test_a_sharp_wave_has_its_correction() -> None:
 
 
 def test_a_wave_without_width_is_refused_for_its_correction() -> None:
-    scene = find_any_scene("toda_soliton").changed(order="corrected", parameters={"kappa": 1e50})
+    scene = load_scene("toda_soliton").changed(order="corrected", parameters={"kappa": 1e50})
     with pytest.raises(ValueError, match=r"^wave must be wide enough for its correction"):
         lattice_wave(scene)
 

@@ -7,15 +7,11 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from longwave.scenes.any_scene import scene_of_toml
 from longwave.scenes.chain import Scene, run
 from longwave.scenes.lattice_derivation import derivation, lattice_wave, wave_of
 from longwave.scenes.lattice_run import LatticeRun, lattice_times, run_lattice_scene
-from longwave.scenes.lattice_scene import (
-    LatticeScene,
-    any_scene_of_toml,
-    load_lattice_scene,
-    shipped_lattice_scenes,
-)
+from longwave.scenes.lattice_scene import LatticeScene, load_lattice_scene, shipped_lattice_scenes
 from longwave.scenes.scene_convergence import at_slow_times, scene_convergence
 from longwave.support.request_limits import request_limits
 
@@ -103,7 +99,7 @@ def test_errors_begin_at_rounding_and_grow_to_the_size_of_the_next_order(toda: L
 def test_a_run_becomes_a_data_set_with_the_names_of_scenes(toda: LatticeRun) -> None:
     data = toda.dataset
     assert data["strain"].dims == ("time", "site")
-    assert any_scene_of_toml(data.attrs["lattice_scene"]) == toda.scene
+    assert scene_of_toml(data.attrs["lattice_scene"]) == toda.scene
     sup = np.abs(data["strain"] - data["analytic"]).max("site") / toda.scale
     assert sup.values == pytest.approx(toda.errors)
     assert data["site"].values[[0, -1]].tolist() == [-15, 15]

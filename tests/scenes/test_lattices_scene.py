@@ -5,13 +5,9 @@ from typing import Any
 
 import pytest
 
+from longwave.scenes.any_scene import load_scene
 from longwave.scenes.chain.scene import Scene
-from longwave.scenes.lattice_scene import (
-    LatticeScene,
-    find_any_scene,
-    load_lattice_scene,
-    shipped_lattice_scenes,
-)
+from longwave.scenes.lattice_scene import LatticeScene, load_lattice_scene, shipped_lattice_scenes
 from longwave.scenes.ring_runs import ComparedCells
 
 GIVEN: dict[str, Any] = {
@@ -81,11 +77,11 @@ def test_a_file_names_the_file_of_a_lattice_beside_it(tmp_path: Path) -> None:
 def test_files_of_both_kinds_are_told_apart(tmp_path: Path) -> None:
     (tmp_path / "cell.toml").write_text(CELL, "utf-8")
     (tmp_path / "short.toml").write_text(FILE, "utf-8")
-    assert isinstance(find_any_scene(str(tmp_path / "short.toml")), LatticeScene)
-    assert isinstance(find_any_scene("toda_soliton"), LatticeScene)
-    assert isinstance(find_any_scene("Y2_eps_0.05"), Scene)
+    assert isinstance(load_scene(str(tmp_path / "short.toml")), LatticeScene)
+    assert isinstance(load_scene("toda_soliton"), LatticeScene)
+    assert isinstance(load_scene("Y2_eps_0.05"), Scene)
     with pytest.raises(ValueError, match=r"one of breather_sn_k_0\.5, .*, toda_soliton"):
-        find_any_scene("nowhere")
+        load_scene("nowhere")
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from longwave.cli.certificates import read_certificates
 from longwave.derive.lattice_file import read_lattice
 from longwave.runs.run_file import load_run, scene_of_run
-from longwave.scenes.lattice_scene import find_any_scene
+from longwave.scenes.any_scene import load_scene
 from longwave.verify.problem_file import problem_texts
 from searches import fuzz_server
 from searches.fuzz_inputs import KINDS, FuzzCase
@@ -37,8 +37,8 @@ def fuzzed(*words: str) -> subprocess.CompletedProcess[str]:
 
 
 READERS = {
-    "scene": find_any_scene,
-    "lattice scene": find_any_scene,
+    "scene": load_scene,
+    "lattice scene": load_scene,
     "lattice": lambda path: read_lattice(Path(path)),
     "problem": lambda path: problem_texts(Path(path)),
     "certificate": lambda path: read_certificates(Path(path)),

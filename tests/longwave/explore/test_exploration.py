@@ -28,14 +28,10 @@ from longwave.explore.exploration_run import (
     WaveTexts,
     compare,
 )
+from longwave.scenes.any_scene import load_scene
 from longwave.scenes.chain.scene import Scene
 from longwave.scenes.lattice_derivation import derivation
-from longwave.scenes.lattice_scene import (
-    LatticeScene,
-    find_any_scene,
-    load_lattice_scene,
-    shipped_lattice_scenes,
-)
+from longwave.scenes.lattice_scene import LatticeScene, load_lattice_scene, shipped_lattice_scenes
 from longwave.solutions import CATALOGUE, closed_form
 from longwave.support.request_limits import RequestLimits
 
@@ -150,7 +146,7 @@ def test_a_comparison_holds_what_the_run_holds(found: Comparison, tmp_path: Path
 
     path = tmp_path / "explored.toml"
     path.write_text(scene_of_choices(SOLITON).toml(), encoding="utf-8")
-    again = find_any_scene(str(path))
+    again = load_scene(str(path))
     assert isinstance(again, Scene)
     data = run(again)
     np.testing.assert_array_equal(found.lattice, data.strain / again.eps)

@@ -20,7 +20,7 @@ from longwave.__main__ import main
 from longwave.explore import explore_server
 from longwave.explore.exploration import AnyScene
 from longwave.explore.exploration_run import Explorer
-from longwave.scenes.lattice_scene import find_any_scene
+from longwave.scenes.any_scene import load_scene
 
 Output = pytest.CaptureFixture[str]
 
@@ -281,7 +281,7 @@ def test_a_ready_scene_is_run_and_taken_away(opened: Opened, tmp_path: Path) -> 
     path = tmp_path / "taken.toml"
     download.value.save_as(path)
     assert path.read_text(encoding="utf-8") == page.locator(".toml textarea").input_value()
-    scene = find_any_scene(str(path))
+    scene = load_scene(str(path))
     assert scene.title == title
 
 

@@ -13,7 +13,8 @@ from longwave.__main__ import main
 from longwave.reports.pictures import animation
 from longwave.reports.pictures.animation import animate, film_of
 from longwave.reports.pictures.drawing import styled
-from longwave.runs import run_any_scene, save_run
+from longwave.runs import save_run
+from longwave.scenes import any_scene
 from longwave.scenes.chain import Scene
 from longwave.scenes.lattice_scene import LatticeScene, load_lattice_scene
 
@@ -40,7 +41,7 @@ SCENE = Scene.of(
 @pytest.fixture(scope="module")
 def made() -> xr.Dataset:
     times = tuple(float(t) for t in range(6))
-    return run_any_scene(SCENE.changed(snapshots=times, observables=("strain",)))
+    return any_scene.run(SCENE.changed(snapshots=times, observables=("strain",)))
 
 
 def frames_of(path: Path) -> int:
@@ -87,7 +88,7 @@ def test_a_scene_is_run_for_as_many_snapshots_as_the_film_has(
         asked.append(scene)
         return made
 
-    monkeypatch.setattr(animation, "run_any_scene", noted)
+    monkeypatch.setattr(any_scene, "run", noted)
     animate(scene, tmp_path / "film.gif", duration=1.0, fps=10.0, dpi=40.0)
     (run,) = asked
     if isinstance(scene, Scene):
@@ -135,7 +136,7 @@ def test_snapshots_that_blew_up_are_left_out(made: xr.Dataset, tmp_path: Path) -
 def test_wrong_input_is_one_line_before_anything_is_run(
     words: dict[str, Any], said: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(animation, "run_any_scene", None)
+    monkeypatch.setattr(any_scene, "run", None)
     with pytest.raises(ValueError, match=rf"^{said}[^\n]*$"):
         animate(SCENE, **{"output": "film.gif"} | words)
 
@@ -172,7 +173,7 @@ def test_without_ffmpeg_the_remedy_is_said_before_the_run(
     capsys: Output, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("PATH", "/nowhere")
-    monkeypatch.setattr(animation, "run_any_scene", None)
+    monkeypatch.setattr(any_scene, "run", None)
     assert main(["animate", "rogue_cn_k_0.5", "--output", "x.mp4"]) == 2
     assert "(take 'x.gif', or install ffmpeg)" in capsys.readouterr().err
 
