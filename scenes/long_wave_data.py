@@ -28,11 +28,10 @@ from longwave.scenes.first_correction import FirstCorrection
 from longwave.scenes.jet_polynomial import with_numbers
 from longwave.scenes.lattice_wave import ORDERS, LatticeWave
 from longwave.scenes.planar_fields import PlanarFields, PlanarWave
+from longwave.solutions import WaveValues
 
 if TYPE_CHECKING:
     from sympy import Expr, Symbol
-
-    from longwave.solutions import WaveValues
 
 Array = NDArray[np.float64]
 
