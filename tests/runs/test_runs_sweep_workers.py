@@ -196,15 +196,24 @@ def test_a_scheduler_that_is_lost_ends_the_sweep_in_a_line(scheduler: str, tmp_p
     assert list((tmp_path / "packs").iterdir())
 
 
+ANOTHER = """
+from importlib import metadata
+version = metadata.version
+metadata.version = lambda package: "0" if package == "ducc0" else version(package)
+"""
+NONE = "import sys; sys.modules['longwave.runs'] = None\n"
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("has_longwave", [True, False])
+@pytest.mark.parametrize(
+    ("site", "told"), [(ANOTHER, "with versions: ducc0 0, here ducc0"), (NONE, "longwave.runs")]
+)
 def test_workers_of_another_longwave_or_none_are_refused(
-    has_longwave: bool, scheduler: str, tmp_path: Path
+    site: str, told: str, scheduler: str, tmp_path: Path
 ) -> None:
-    (tmp_path / "sitecustomize.py").write_text("import sys; sys.modules['runs'] = None\n")
-    other = {"LONGWAVE_PLAIN_KERNELS": "1"} if has_longwave else {"PYTHONPATH": str(tmp_path)}
-    told = "with another LONGWAVE_PLAIN" if has_longwave else "No module named 'runs"
-    with dask_worker(scheduler, **other):
+    (tmp_path / "sitecustomize.py").write_text(site)
+    path = os.pathsep.join([str(tmp_path), os.environ.get("PYTHONPATH", "")])
+    with dask_worker(scheduler, PYTHONPATH=path):
         wait_for_worker(scheduler)
         with pytest.raises(ValueError, match=rf"^[^\n]*{told}[^\n]*\(install [^\n]*$"):
             DaskWorkers(scheduler)
