@@ -140,8 +140,8 @@ def _refined(search: "_Search", engine: Engine, tolerance: float) -> Refined:
     for _ in range(ATTEMPTS):
         trial, control = search.pair(choices)
         rounding = max(trial.rounding, control.rounding)
-        change = engine.safety * difference(trial, control)
-        change = max(change, engine.safety * scouting.lawful_change(choices))
+        seen = max(difference(trial, control), search.seen_change(choices))
+        change = max(engine.safety * seen, SAFETY * scouting.lawful_change(choices))
         error = max(change + rounding + control.alike, NEGLIGIBLE * tolerance)
         if error <= tolerance and search.wary:
             grown = search.grown(choices)
@@ -255,19 +255,22 @@ class _Search:
         return self.engine.taken(choices) <= self._lawful
 
     def lawful_change(self, choices: Choices) -> float:
-        """What the step changes at least, going by itself and the nearest longer one tried.
+        """What the step changes at least, going by the nearest longer one that was tried.
 
         What is next to nothing may be rounding, or what comes round a ring, and obeys no law.
         """
         step = self.engine.taken(choices)
-        seen = self._changes.get(step, 0.0)
         longer = [one for one in self._changes.items() if one[0] > step]
         if not longer:
-            return seen
+            return 0.0
         other, change = min(longer)
-        if change > self._negligible:
-            change *= (step / other) ** self.engine.order
-        return max(seen, change)
+        if change <= self._negligible:
+            return change
+        return float(change * (step / other) ** self.engine.order)
+
+    def seen_change(self, choices: Choices) -> float:
+        """What this engine has seen that such a step changes; 0 if it has not looked."""
+        return self._changes.get(self.engine.taken(choices), 0.0)
 
     def _note_change(self, choices: Choices, change: float) -> None:
         """Keep what a step changes, and whether it is what the law expects."""

@@ -63,6 +63,11 @@ class LineChain(LatticeWave):
         here = np.asarray(cells, dtype=np.float64)
         return self.state(here + self._along, t)[0] - self.state(here, t)[0]
 
+    def background(self, cells: ArrayLike, t: float) -> Array:
+        """The same of the bare wave that the wave deviates from."""
+        first = np.asarray(cells, dtype=np.float64) / self._along
+        return self._wave.background(np.stack([first, np.zeros_like(first)]), t)[: len(self.lattice.fields)]
+
     def measured(self, f: ArrayLike, mean_strain: tuple[float, ...]) -> Array:
         """The same from the periodic parts on a ring."""
         fields = np.asarray(f, dtype=np.float64)

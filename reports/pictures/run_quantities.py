@@ -189,6 +189,7 @@ def with_looks(data: xr.Dataset, frame: RunFrame, least: int = LEAST_LOOKS) -> x
         np.asarray(line[name], dtype=float) for name in ("strain", "background", "n")
     )
     carried = getattr(frame.scene, "is_envelope", False)
+    background = 0.0 * background if carried else background
     crests = [_crest(*row) for row in zip(strain, background, sites, strict=True)]
     position, height = np.array(crests).T
     times = data["time"].values

@@ -161,7 +161,7 @@ MADE: Mapping[str, tuple[Callable[[], Any], Callable[[Any], Any] | None]] = {
     "Wave": (partial(wave, "rogue_cn", k=0.7), methodcaller("at", SITES, -50.0, 0.05)),
     "NumericWave": (kept_wave, methodcaller("at", SITES, -50.0, 0.05)),
     "WaveValues": (lambda: wave("kink", A=1.2)(SITES, 0.1), None),
-    "Model": (lambda: Model(1.0, 0.5, 2.0), attrgetter("kernel")),
+    "Model": (lambda: Model(1.0, 0.5, 2.0), methodcaller("sound_speed", 0.3)),
     "State": (lambda: START, None),
     "FieldState": (lambda: FIELDS, None),
     "FieldRing": (lambda: RING, methodcaller("at", SITES)),

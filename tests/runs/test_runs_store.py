@@ -48,7 +48,7 @@ def runs_made(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 def test_a_scene_is_run_once(store: RunStore, runs_made: list[str]) -> None:
     assert store.find(SMALL) is None
     path = store.fetch(SMALL)
-    assert bits(load_run(path)) == bits(any_scene.run(SMALL))
+    assert bits(load_run(path)) == bits(RUN(SMALL))
     assert store.fetch(SMALL) == store.find(SMALL) == path == store.path(SMALL)
     assert RunStore(store.folder).fetch(SMALL.changed(K2=1.0)) == path
     assert runs_made == ["small"]
@@ -133,7 +133,7 @@ def test_a_damaged_file_is_made_anew_and_told(
         caplog.clear()
         assert store.find(SMALL) is None
         assert f"{path} is damaged" in caplog.text
-    assert bits(load_run(store.fetch(SMALL))) == bits(any_scene.run(SMALL))
+    assert bits(load_run(store.fetch(SMALL))) == bits(RUN(SMALL))
     assert runs_made == ["small", "small"]
 
 

@@ -128,7 +128,7 @@ def test_an_estimate_that_is_too_small_is_found() -> None:
     assert told_by(SECH, lambda found: found).verdict == "honest"
 
     def boast(found: xr.Dataset) -> xr.Dataset:
-        return found.assign_attrs(error_estimate=found.attrs["error_estimate"] / 100.0)
+        return found.assign_attrs(error_estimate=found.attrs["error_estimate"] / 1e6)
 
     assert told_by(SECH, boast).verdict == "dishonest"
 
