@@ -104,8 +104,12 @@ def judged(kind: str, seed: int, index: int, limit: float = LIMIT) -> Judgement:
     given = any_statement(kind, seed, index)
     if isinstance(given, TextStatement):
         return judge_text(given, limit)
-    found = judge(given, limit)
-    return replace(found, kind=f"{kind}: {found.kind}")
+    return replace(judge(given, limit), kind=full_kind(kind, given))
+
+
+def full_kind(kind: str, given: RandomStatement | TextStatement) -> str:
+    """The kind of `SEARCH_KINDS`, and what there is within it."""
+    return given.kind if isinstance(given, TextStatement) else f"{kind}: {given.kind}"
 
 
 def kind_of(judgement: Judgement) -> str:

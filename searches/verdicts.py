@@ -23,7 +23,7 @@ from rich.console import Console
 from rich.progress import Progress
 from rich.table import Table
 
-from searches.text_search import SEARCH_KINDS, any_statement, digest, judged, kind_of
+from searches.text_search import SEARCH_KINDS, any_statement, digest, full_kind, judged, kind_of
 from searches.verdict_search import HEADINGS, Judgement, Mark, tallies
 
 COUNT = 100_000
@@ -92,9 +92,8 @@ class Worker:
         if self.has_more:
             self.start()
         given = any_statement(kind, self.seed, index)
-        return Judgement(
-            given.kind, given.truth, self.seed, index, Mark.SLOW, True, words, PATIENCE
-        )
+        of = full_kind(kind, given)
+        return Judgement(of, given.truth, self.seed, index, Mark.SLOW, True, words, PATIENCE)
 
     @property
     def has_more(self) -> bool:
