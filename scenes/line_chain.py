@@ -66,7 +66,9 @@ class LineChain(LatticeWave):
     def background(self, cells: ArrayLike, t: float) -> Array:
         """The same of the bare wave that the wave deviates from."""
         first = np.asarray(cells, dtype=np.float64) / self._along
-        return self._wave.background(np.stack([first, np.zeros_like(first)]), t)[: len(self.lattice.fields)]
+        return self._wave.background(np.stack([first, np.zeros_like(first)]), t)[
+            : len(self.lattice.fields)
+        ]
 
     def measured(self, f: ArrayLike, mean_strain: tuple[float, ...]) -> Array:
         """The same from the periodic parts on a ring."""

@@ -67,7 +67,8 @@ def _draw_spectrum(ax: Axes, panel: SpectrumPanel) -> None:
         np.where(np.isfinite(values) & (values > 0.0), values, np.nan)
         for values in (panel.lattice, panel.wave)
     )
-    ax.set_yscale("log")
+    if np.isfinite([lattice, wave]).any():
+        ax.set_yscale("log")
     ax.plot(panel.wavenumber, lattice, label="lattice", **NUMERICAL)
     ax.plot(panel.wavenumber, wave, label="wave", **ANALYTICAL)
     if panel.own is not None and np.isfinite(panel.own):
