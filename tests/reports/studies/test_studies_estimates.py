@@ -199,5 +199,5 @@ def test_no_estimate_is_dishonest(monkeypatch: pytest.MonkeyPatch) -> None:
     assert [(one.index, one.verdict, one.reason) for one in wrong] == []
     assert sum(one.verdict == "undecided" for one in found) <= 1
     ratios = [one.ratio for one in found if one.verdict == "honest"]
-    # 0.0025: no step before its law was seen, on a ring no less than 0.01 of the tolerance
+    # 0.0025: no step before its law is seen, on a ring not less than 0.01 of the tolerance
     assert np.median(ratios) > 0.001
