@@ -61,11 +61,6 @@ def scene_of_toml(text: str) -> AnyScene:
     return _of_document(parse_document(text.encode(), "a text"), Path("scene"))
 
 
-def kind_of(document: Mapping[str, Any]) -> type[Scene] | type[LatticeScene]:
-    """The record of the scene that the tables describe."""
-    return LatticeScene if names_a_lattice(document) else Scene
-
-
 def _of_document(document: Mapping[str, Any], path: Path) -> AnyScene:
     swept = {"grid", "list", "random"} & document.keys()
     if "scene" in document and swept:
@@ -73,7 +68,8 @@ def _of_document(document: Mapping[str, Any], path: Path) -> AnyScene:
             f"{path}: a scene must be one, got a sweep, which has [{min(swept)}] (run it with "
             "`longwave sweep`)"
         )
-    return kind_of(document).of_document(document, path)
+    kind = LatticeScene if names_a_lattice(document) else Scene
+    return kind.of_document(document, path)
 
 
 def run(

@@ -38,9 +38,7 @@ computed alike: the result is that of one core, to the bit.
 from __future__ import annotations
 
 import ctypes
-import os
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
@@ -49,7 +47,7 @@ from numpy.typing import NDArray
 
 from longwave.lattice.kernels.native_code import ALIGNMENT, aligned, native_functions
 from longwave.lattice.kernels.streams import Flow, varied_flow
-from longwave.support.compiled.cores import usable_cores
+from longwave.support.compiled.cores import other_core, usable_cores
 
 if TYPE_CHECKING:
     from longwave.lattice.numeric_lattice import NumericLattice
@@ -207,12 +205,6 @@ class _Arc:
             passages(1, stages % each, stages // each * each % period)
 
 
-@lru_cache(maxsize=1)
-def _other_core(_: int) -> ThreadPoolExecutor:
-    """Of one process: in a fork of it there are no threads."""
-    return ThreadPoolExecutor(1, thread_name_prefix="arc")
-
-
 class ChainKernel:
     """What advances rings of ``size`` cells of a chain, with room that is used again.
 
@@ -286,6 +278,6 @@ class ChainKernel:
     def _on_both(self, do: Callable[..., None], *values: Any) -> None:
         """Have the arcs do the same, each on a core."""
         here, there = self._arcs
-        waiting = _other_core(os.getpid()).submit(do, there, *values)
+        waiting = other_core().submit(do, there, *values)
         do(here, *values)
         waiting.result()

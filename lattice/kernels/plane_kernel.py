@@ -9,9 +9,7 @@ rows on each; what is computed twice is computed alike.
 from __future__ import annotations
 
 import ctypes
-import os
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
@@ -20,7 +18,7 @@ from numpy.typing import NDArray
 
 from longwave.lattice.kernels.native_code import aligned, native_functions
 from longwave.lattice.kernels.plane_flow import PlaneFlow, plane_flow
-from longwave.support.compiled.cores import usable_cores
+from longwave.support.compiled.cores import other_core, usable_cores
 
 if TYPE_CHECKING:
     from longwave.lattice.numeric_lattice import NumericLattice
@@ -82,7 +80,7 @@ def advance_plane(
         for arc in arcs:
             arc.repeat(arcs)
         parts = [np.ascontiguousarray(part[begun : begun + each]) for part in weights]
-        waiting = [_other_core(os.getpid()).submit(arc.sweep, *parts) for arc in arcs[1:]]
+        waiting = [other_core().submit(arc.sweep, *parts) for arc in arcs[1:]]
         arcs[0].sweep(*parts)
         for one in waiting:
             one.result()
@@ -100,12 +98,6 @@ def _together(flow: PlaneFlow, shape: tuple[int, ...], total: int) -> int:
 def _pays(size: int) -> bool:
     """Whether a ring of that size is swept on two cores; not in a worker process."""
     return size >= LEAST_CELLS and usable_cores() > 1
-
-
-@lru_cache(maxsize=1)
-def _other_core(_: int) -> ThreadPoolExecutor:
-    """Of one process: in a fork of it there are no threads."""
-    return ThreadPoolExecutor(1, thread_name_prefix="rows")
 
 
 class _Arc:

@@ -2,8 +2,10 @@
 
 import multiprocessing
 import os
+from concurrent.futures import ThreadPoolExecutor
+from functools import lru_cache
 
-__all__ = ["is_worker", "keep_to_one_core", "usable_cores"]
+__all__ = ["is_worker", "keep_to_one_core", "other_core", "usable_cores"]
 
 _alone = False
 
@@ -30,3 +32,14 @@ def usable_cores() -> int:
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
+
+
+def other_core() -> ThreadPoolExecutor:
+    """The one thread that shares the work of a kernel with its caller."""
+    return _thread_of(os.getpid())
+
+
+@lru_cache(maxsize=1)
+def _thread_of(_: int) -> ThreadPoolExecutor:
+    """Of one process: in a fork of it there are no threads."""
+    return ThreadPoolExecutor(1, thread_name_prefix="core")
