@@ -25,7 +25,7 @@ from longwave.runs.sweep_cells import Cell, run_cells
 from longwave.runs.sweep_dataset import write_sweep
 from longwave.runs.sweep_file import Sweep, sweep_of
 from longwave.runs.sweep_workers import LocalWorkers
-from longwave.scenes import any_scene
+from longwave.scenes import named_scenes
 from longwave.support.compiled.cores import keep_to_one_core
 
 TEN = 10
@@ -117,7 +117,7 @@ def side_by_side(sweep: Sweep) -> tuple[float, float]:
                 run_cells(cells, Path(folder), TOKEN)
             else:
                 for scene in scenes:
-                    any_scene.run(scene)
+                    named_scenes.run(scene)
             if place >= 0:
                 spent[place % 4 in (1, 2)] += time.process_time() - begun
                 number[place % 4 in (1, 2)] += TEN

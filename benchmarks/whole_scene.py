@@ -16,8 +16,8 @@ import xarray as xr
 from contenders import numpy_rk4
 from problem import EPS, PROBLEMS, Array, initial
 
-from longwave.scenes.chain import load_scene, run
-from longwave.scenes.chain.scene import with_tolerance
+from longwave.scenes.chain.scene_run import run
+from longwave.scenes.named_scenes import load_scene
 
 TOLERANCE = 1e-4
 BEGIN, END = -10_000.0, 5_000.0
@@ -36,7 +36,7 @@ LADDER = 0.1 * 2.0 ** (-np.arange(16) / 8)
 def asked() -> tuple[float, xr.Dataset]:
     """Processor seconds of the scene run to the tolerance, pilots included, and the run."""
     begin = time.process_time()
-    found = run(with_tolerance(SCENE, TOLERANCE))
+    found = run(SCENE.with_tolerance(TOLERANCE))
     return time.process_time() - begin, found
 
 

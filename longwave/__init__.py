@@ -24,9 +24,11 @@ _NOUNS = {
     "longwave.reports.pictures.plotting": "plot",
     "longwave.reports.pictures.animation": "animate",
     "longwave.runs.run_file": "load_run save_run",
-    "longwave.scenes.any_scene": "load_scene run",
-    "longwave.scenes.chain": "Discretisation Scene Tolerance relative_sup_error shipped_scenes",
-    "longwave.scenes.lattice_scene": "LatticeScene",
+    "longwave.scenes.chain.scene_run": "resume",
+    "longwave.scenes.chain.view": "relative_sup_error",
+    "longwave.scenes.named_scenes": "load_scene run shipped_scenes",
+    "longwave.scenes.numerics": "Discretisation Tolerance",
+    "longwave.scenes.scene": "Scene",
 }
 
 __all__ = ["__version__", *sorted(" ".join(_NOUNS.values()).split())]

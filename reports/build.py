@@ -46,7 +46,7 @@ from longwave.reports.studies.long_runs import LongRun, long_run_jobs, long_runs
 from longwave.reports.studies.measured_runs import MeasuredRuns, report_scenes, scene_job
 from longwave.reports.studies.proofs import ProofRecord, proof_jobs
 from longwave.reports.studies.published_verdicts import PublishedVerdict, library_jobs
-from longwave.scenes.chain import Scene
+from longwave.scenes.scene import Scene
 from longwave.solutions.catalogue import CATALOGUE, closed_form
 from longwave.support.command_line import announce, fail, interrupted
 from longwave.support.console import check_output, plain_console

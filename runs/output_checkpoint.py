@@ -16,8 +16,7 @@ from longwave.support.checkpoint_folder import LEAST, SHARE, CheckpointFolder, r
 if TYPE_CHECKING:
     import xarray as xr
 
-    from longwave.scenes.chain.scene import Scene
-    from longwave.scenes.lattice_scene import LatticeScene
+    from longwave.scenes.scene import Scene
 
 SUFFIX = ".checkpoint"
 """After the name of the file: the folder beside it."""
@@ -43,7 +42,7 @@ class OutputCheckpoint:
         return Path(f"{self._output}{SUFFIX}")
 
     @contextmanager
-    def kept(self, scene: Scene | LatticeScene) -> Iterator[None]:
+    def kept(self, scene: Scene) -> Iterator[None]:
         """Have the loops of the scene's run in the body kept."""
         if self._output is None or self._store is not None or not runs_its_sources():
             yield

@@ -7,7 +7,7 @@ step and twice the sites change, at the snapshots, if the scene asks for that.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,8 +19,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
 
-    from longwave.scenes.chain.scene import Scene
-    from longwave.scenes.lattice_scene import LatticeScene
+    from longwave.scenes.scene import Scene
 
 
 def scaled_own_error(run: xr.Dataset) -> NDArray[np.float64] | None:
@@ -44,7 +43,7 @@ def _size(wave: NDArray[np.float64], background: NDArray[np.float64]) -> float:
     return float(np.max(np.abs(wave - background))) or math.nan
 
 
-def own_error_at(run: xr.Dataset, scene: Scene | LatticeScene, name: str, place: int) -> float:
+def own_error_at(run: xr.Dataset, scene: Scene, name: str, place: int) -> float:
     """The run's own error in units of its variable ``name``, ``error`` or ``error_curve``, and at
     that place of it; NaN where it was not measured."""
     own, held = scaled_own_error(run), run.variables
@@ -60,4 +59,4 @@ def own_error_at(run: xr.Dataset, scene: Scene | LatticeScene, name: str, place:
     here = own if "error_estimate" in run.attrs else own[held["time"].values == t]
     if not here.size:
         return math.nan
-    return float(here[0]) * scene.eps / wave_size(cast("Scene", scene), t)
+    return float(here[0]) * scene.eps / wave_size(scene, t)

@@ -24,7 +24,7 @@ from longwave.support.atomic_file import write_atomically
 if TYPE_CHECKING:
     import xarray as xr
 
-    from longwave.scenes.any_scene import AnyScene
+    from longwave.scenes.scene import Scene
 
 PARTS = "real_imag"
 """The last dimension of what is complex."""
@@ -110,16 +110,16 @@ def open_run(path: str | Path) -> xr.Dataset:
         raise _damaged(path, error) from None
 
 
-def scene_of_run(run: xr.Dataset) -> AnyScene:
+def scene_of_run(run: xr.Dataset) -> Scene:
     """The scene that a run was asked for; ValueError in one line if it carries none."""
     if SWEPT in run.attrs:
         raise ValueError(
             "run must be one of one scene, got the result of a sweep (longwave sweep goes on with "
             "it, longwave plot draws it)"
         )
-    from longwave.scenes.any_scene import scene_of_toml
+    from longwave.scenes.named_scenes import scene_of_toml
 
-    text = run.attrs.get("lattice_scene", run.attrs.get("scene"))
+    text = run.attrs.get("scene")
     if not isinstance(text, str):
         raise ValueError("run must carry the scene that it was made from, got none (run it anew)")
     return scene_of_toml(text)

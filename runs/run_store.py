@@ -30,8 +30,7 @@ if TYPE_CHECKING:
 
     from longwave.lattice.refine import Announce
     from longwave.lattice.trial import Progress
-    from longwave.scenes.chain.scene import Scene
-    from longwave.scenes.lattice_scene import LatticeScene
+    from longwave.scenes.scene import Scene
 
 LOG = logging.getLogger("longwave.store")
 
@@ -61,11 +60,11 @@ class RunStore:
         self.folder = Path(folder)
         self._pace = least, share
 
-    def key(self, scene: Scene | LatticeScene) -> str:
+    def key(self, scene: Scene) -> str:
         """`run_key` of the scene."""
         return run_key(scene)
 
-    def path(self, scene: Scene | LatticeScene) -> Path:
+    def path(self, scene: Scene) -> Path:
         """Where the scene's run is, or would be."""
         return self.file_of(self.key(scene))
 
@@ -73,14 +72,14 @@ class RunStore:
         """Where the run of that key is, or would be."""
         return self.folder / key[:2] / f"{key}.nc"
 
-    def find(self, scene: Scene | LatticeScene) -> Path | None:
+    def find(self, scene: Scene) -> Path | None:
         """The file of the scene's run; None if there is none of its own, or only a damaged one."""
         path = self.path(scene)
         return path if is_whole(path) else None
 
     def run(
         self,
-        scene: Scene | LatticeScene,
+        scene: Scene,
         progress: Progress | None = None,
         announce: Announce | None = None,
     ) -> xr.Dataset:
@@ -92,7 +91,7 @@ class RunStore:
             return found.load()
         return load_run(found or self._made(scene, progress, announce))
 
-    def _told_place(self, scene: Scene | LatticeScene) -> Path | PackedRun | None:
+    def _told_place(self, scene: Scene) -> Path | PackedRun | None:
         """Where the scene's run is, which is told."""
         path = self.path(scene)
         found = path if is_whole(path) else packed_run(self.folder, path.stem)
@@ -101,7 +100,7 @@ class RunStore:
             LOG.info("%s: found in %s, not run again", scene.name, place)
         return found
 
-    def keep(self, scene: Scene | LatticeScene, run: xr.Dataset) -> Path:
+    def keep(self, scene: Scene, run: xr.Dataset) -> Path:
         """Put the run of a scene that was made elsewhere into the store; return its file.
 
         Raises ValueError for an unfinished run and OSError where it cannot be written.
@@ -112,7 +111,7 @@ class RunStore:
 
     def fetch(
         self,
-        scene: Scene | LatticeScene,
+        scene: Scene,
         progress: Progress | None = None,
         announce: Announce | None = None,
     ) -> Path:
@@ -121,7 +120,7 @@ class RunStore:
 
         If another process is making it, that is waited for; one that was begun is gone on with, and
         ends with the bits of one that was not interrupted. ``progress`` and ``announce`` are as in
-        `any_scene.run`. Raises what that raises; OSError before the run if the store cannot be
+        `named_scenes.run`. Raises what that raises; OSError before the run if the store cannot be
         written; UnkeptRunError, which holds the run, if it could not be written after it.
         """
         found = self._told_place(scene)
@@ -129,9 +128,7 @@ class RunStore:
             return self.keep(scene, found.load())
         return found or self._made(scene, progress, announce)
 
-    def _made(
-        self, scene: Scene | LatticeScene, progress: Progress | None, announce: Announce | None
-    ) -> Path:
+    def _made(self, scene: Scene, progress: Progress | None, announce: Announce | None) -> Path:
         path = self.path(scene)
         with self._alone(path):
             if is_whole(path):
@@ -163,7 +160,7 @@ class RunStore:
             yield
 
 
-def run_key(scene: Scene | LatticeScene) -> str:
+def run_key(scene: Scene) -> str:
     """The key of a scene's run, 40 hexadecimal digits; equal scenes have equal keys.
 
     Raises ValueError for a scene with a wave of one's own, of which only the name is known.
@@ -180,15 +177,15 @@ def run_key(scene: Scene | LatticeScene) -> str:
 
 def _gone_on_with(
     checkpoint: CheckpointFolder,
-    scene: Scene | LatticeScene,
+    scene: Scene,
     progress: Progress | None,
     announce: Announce | None,
 ) -> xr.Dataset:
-    from longwave.scenes import any_scene
+    from longwave.scenes import named_scenes
     from longwave.support.checkpoint import kept_by
 
     with kept_by(checkpoint):
-        return any_scene.run(scene, progress, announce)
+        return named_scenes.run(scene, progress, announce)
 
 
 def _kept(path: Path, run: xr.Dataset) -> Path:

@@ -37,7 +37,7 @@ from longwave.support.request_limits import RequestLimits, TooMuchError, request
 if TYPE_CHECKING:
     import xarray as xr
 
-    from longwave.scenes.any_scene import AnyScene
+    from longwave.scenes.scene import Scene
 
 LONG = 10.0
 """Seconds from which on a cell is a run of its own in the store, with checkpoints."""
@@ -49,7 +49,7 @@ class Cell:
 
     number: int
     key: str
-    scene: AnyScene
+    scene: Scene
 
 
 @dataclass(frozen=True)
@@ -158,7 +158,7 @@ def run_cell(cell: Cell, store: RunStore | None = None) -> CellRecord:
     """
 
     from longwave.runs.run_file import load_run
-    from longwave.scenes import any_scene
+    from longwave.scenes import named_scenes
 
     alone = False
 
@@ -168,7 +168,7 @@ def run_cell(cell: Cell, store: RunStore | None = None) -> CellRecord:
 
     try:
         try:
-            run = any_scene.run(cell.scene, announce=told)
+            run = named_scenes.run(cell.scene, announce=told)
         except LongCell:
             assert store is not None
             alone = True
@@ -186,13 +186,13 @@ def run_cell(cell: Cell, store: RunStore | None = None) -> CellRecord:
     return replace(record, run=None) if alone else record
 
 
-def record_of(key: str, scene: AnyScene, run: xr.Dataset) -> CellRecord:
+def record_of(key: str, scene: Scene, run: xr.Dataset) -> CellRecord:
     """The record of the scene's run, which came to an end."""
     blown = str(run.attrs.get("blow_up", ""))
     return CellRecord(key, BLOWN_UP if blown else DONE, blown, numbers_of(scene, run), run)
 
 
-def numbers_of(scene: AnyScene, run: xr.Dataset) -> Mapping[str, float]:
+def numbers_of(scene: Scene, run: xr.Dataset) -> Mapping[str, float]:
     """What a cell is told by: attributes of its run, and its largest error with its own error."""
     found = {name: run.attrs[name] for name in NUMBERS if name in run.attrs}
     found |= {name: run.variables[name].values for name in OPTIONAL if name in run.variables}

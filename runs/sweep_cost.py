@@ -14,7 +14,7 @@ from longwave.support.sealed_file import is_whole
 if TYPE_CHECKING:
     from longwave.runs.run_store import RunStore
     from longwave.runs.sweep_file import Sweep
-    from longwave.scenes.any_scene import AnyScene
+    from longwave.scenes.scene import Scene
 
 MOST_LOOKED_AT, FEWEST = 200, 5
 """Cells that are looked at, of sweeps with more. Costs that differ by a factor of 100 are met to
@@ -54,7 +54,7 @@ LEAST_SECONDS = 0.02
 """Of a cell of a sweep, whatever it holds: its plan, its data set, its place in a pack."""
 
 
-def expected_cell_cost(scene: AnyScene) -> ExpectedCost:
+def expected_cell_cost(scene: Scene) -> ExpectedCost:
     """The cost of a run as one of many in a process: what that does once is left out."""
     found = scene.expected_cost()
     return replace(found, seconds=max(LEAST_SECONDS, found.seconds - scene.process_seconds))

@@ -43,17 +43,12 @@ from longwave.runs.sweep_scene import (
     base_document,
     changed_document,
     check_field,
+    field_in_one_spelling,
     make_scene,
 )
-from longwave.scenes.any_scene import AnyScene
-from longwave.scenes.chain.scene_fields import (
-    finite,
-    read_document,
-    refuse_unknown,
-    table,
-    text,
-    whole,
-)
+from longwave.scenes.scene import Scene
+from longwave.scenes.scene_checks import finite, text, whole
+from longwave.scenes.scene_file import read_document, refuse_unknown, table
 from longwave.support.user_files import shown
 
 MOST_CELLS = 1_000_000
@@ -99,7 +94,7 @@ class Sweep:
     >>> sweep
     <Sweep of toda_soliton: 2 eps x 1 order = 2 cells>
     >>> sweep.scene(1)
-    <LatticeScene toda_soliton: kdv_soliton with kappa = 1 on toda, eps = 0.2, ...>
+    <Scene toda_soliton: kdv_soliton with kappa = 1 on toda, eps = 0.2, ...>
     """
 
     name: str
@@ -138,7 +133,7 @@ class Sweep:
             found |= zip(dimension.fields, row, strict=True)
         return found
 
-    def scene(self, cell: int) -> AnyScene:
+    def scene(self, cell: int) -> Scene:
         """The cell's scene; ValueError in one line for what no scene may be."""
         document = changed_document(self.document, self.values(cell))
         return make_scene(document, self.base, self.folder)
@@ -190,7 +185,7 @@ def sweep_of(document: Mapping[str, Any], name: str = "sweep", folder: Path = Pa
         raise ValueError("[grid], [list] or [random] must be stated, got none (such as [grid])")
     swept = [field for dimension in dimensions for field in dimension.fields]
     for field in (*fixed, *swept):
-        check_field(field, {**base_tables, **fixed})
+        check_field(field)
     for place, field in enumerate(swept):
         others = {*swept[:place], *fixed}
         if field in others or any(
@@ -232,7 +227,7 @@ def _flat(entries: Mapping[str, Any], where: str, inner: str = "") -> Iterator[t
                 )
             yield from _flat(value, where, f"{name}.")
         else:
-            yield name, value
+            yield field_in_one_spelling(name), value
 
 
 def _dimensions(document: Mapping[str, Any]) -> Iterator[SweptDimension]:

@@ -8,41 +8,38 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from longwave.scenes import lattice_scene_file
-from longwave.scenes.any_scene import AnyScene, load_scene
-from longwave.scenes.chain import scene_fields
 from longwave.scenes.chain.observables import OBSERVABLES
-from longwave.scenes.chain.scene import Scene
-from longwave.scenes.chain.scene_fields import read_document
-from longwave.scenes.lattice_scene import LatticeScene
-from longwave.scenes.lattice_scene_file import lattice_scene_fields, names_a_lattice
+from longwave.scenes.named_scenes import load_scene
+from longwave.scenes.scene import Scene
 from longwave.scenes.scene_disorder import Disorder
+from longwave.scenes.scene_file import (
+    CHAIN_KEYS,
+    PAIRS,
+    TABLES,
+    TOP,
+    in_one_spelling,
+    read_document,
+    scene_fields,
+)
 from longwave.support.user_files import shown
 
 Document: TypeAlias = Mapping[str, Any]
 
-ALTERNATIVES = (("slow_times", "times"), ("half_width", "compared"))
-"""Fields of which a scene has one: who states one leaves the other out."""
-
-OPEN = ("parameters", "constants")
-"""Tables whose keys a wave or a lattice decides."""
+ALTERNATIVES = (
+    (("slow_times",), ("times",), ("t0", "snapshots")),
+    (("half_width",), ("compared",)),
+)
+"""Fields that say one thing in several ways: who states one way leaves the others out."""
 
 LABELS = ("name", "title")
 """Fields on which no run depends."""
 
-CHAIN = {
-    **{key: () for key in scene_fields.TOP if key not in LABELS},
-    **{name: tuple(keys) for name, keys in scene_fields.TABLES.items()},
-}
-"""What may vary of a `Scene`: fields, and tables with their keys."""
-
-ANY_LATTICE = {
-    **{key: () for key in (*lattice_scene_file.TOP, "lattice") if key not in LABELS},
-    "long_wave": lattice_scene_file.LONG_WAVE,
-    "envelope": tuple(lattice_scene_file.ENVELOPE),
+VARIED = {
+    **{key: () for key in TOP if key not in LABELS},
+    **{name: tuple(keys) for name, keys in TABLES.items()},
     "disorder": tuple(field.name for field in fields(Disorder)),
 }
-"""The same of a `LatticeScene`."""
+"""What may vary: fields, and tables with their keys."""
 
 
 def base_document(given: object, folder: Path) -> tuple[str, Document]:
@@ -51,34 +48,44 @@ def base_document(given: object, folder: Path) -> tuple[str, Document]:
     Raises ValueError in one line.
     """
     if isinstance(given, Mapping):
-        return "scene", given
+        return "scene", in_one_spelling(given)
     if not isinstance(given, str):
         raise ValueError(
             f"scene must be a name, a file or a table, got {shown(given)} (such as 'toda_soliton')"
         )
     if given.endswith(".toml"):
         path = folder / given
-        return path.stem, read_document(path)
+        return path.stem, in_one_spelling(read_document(path))
     scene = load_scene(given)
     return scene.name, tomllib.loads(scene.toml())
 
 
-def check_field(field: str, document: Document) -> None:
-    """Refuse a field that no scene of the document's kind has."""
+def field_in_one_spelling(field: str) -> str:
+    """The field's name where the paper's chain is spelled as any lattice.
+
+    >>> field_in_one_spelling("lattice.K4"), field_in_one_spelling("domain.compared")
+    ('constants.K4', 'compared')
+    """
+    if field == "domain.compared":
+        return "compared"
+    table, _, key = field.partition(".")
+    return f"constants.{key}" if table == "lattice" and key in CHAIN_KEYS else field
+
+
+def check_field(field: str) -> None:
+    """Refuse a field that no scene has."""
     top, _, key = field.partition(".")
-    known = ANY_LATTICE if names_a_lattice(document) else CHAIN
-    if top in OPEN and (top == "parameters" or known is ANY_LATTICE):
+    if top in PAIRS:
         return  # a key of the table, or all of it
-    if top in known and (key in known[top] if key else not known[top]):
+    if top in VARIED and (key in VARIED[top] if key else not VARIED[top]):
         return
     names = [
         *(
             f"{name}.{inner}" if inner else name
-            for name, keys in known.items()
+            for name, keys in VARIED.items()
             for inner in keys or [""]
         ),
-        "parameters.NAME",
-        *(["constants.NAME"] if known is ANY_LATTICE else []),
+        *(f"{name}.NAME" for name in PAIRS),
     ]
     raise ValueError(f"fields must be known ones, got {shown(field)} (one of {', '.join(names)})")
 
@@ -93,9 +100,10 @@ def changed_document(document: Document, changes: Mapping[str, Any]) -> Document
     if "tolerance" in changes and "tolerance" not in found:
         _leave_to_tolerance(found)
     for field, value in changes.items():
-        for pair in ALTERNATIVES:
-            if field in pair:
-                found.pop(pair[1 - pair.index(field)], None)
+        for ways in ALTERNATIVES:
+            stated = [way for way in ways if field in way]
+            for other in (key for way in ways if stated and way not in stated for key in way):
+                found.pop(other, None)
         name, _, key = field.partition(".")
         if not key:
             found[name] = value
@@ -110,9 +118,7 @@ def changed_document(document: Document, changes: Mapping[str, Any]) -> Document
 def _leave_to_tolerance(document: dict[str, Any]) -> None:
     """Take away what a tolerance determines: scheme, step, domain, and measured refinements."""
     document.pop("scheme", None)
-    domain = document.get("domain", {})
-    if isinstance(domain, Mapping) and "compared" in domain:
-        document["domain"] = {"compared": domain["compared"]}
+    document.pop("domain", None)
     asked = document.get("observables")
     if isinstance(asked, list | tuple):
         document["observables"] = [
@@ -122,8 +128,6 @@ def _leave_to_tolerance(document: dict[str, Any]) -> None:
         ]
 
 
-def make_scene(document: Document, name: str, folder: Path) -> AnyScene:
-    """The scene, of either kind, that the tables say; ValueError in one line for what is none."""
-    if names_a_lattice(document):
-        return LatticeScene.of(**{"name": name} | lattice_scene_fields(document, folder))
-    return Scene.of(**{"name": name} | scene_fields.scene_fields(document))
+def make_scene(document: Document, name: str, folder: Path) -> Scene:
+    """The scene that the tables say; ValueError in one line for what is none."""
+    return Scene.of(**{"name": name} | scene_fields(document, folder))

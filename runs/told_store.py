@@ -16,8 +16,7 @@ if TYPE_CHECKING:
 
     from longwave.lattice.refine import Announce
     from longwave.lattice.trial import Progress
-    from longwave.scenes.chain.scene import Scene
-    from longwave.scenes.lattice_scene import LatticeScene
+    from longwave.scenes.scene import Scene
 
 
 class _Lines(logging.Handler):
@@ -53,9 +52,7 @@ def kept_in(store: str) -> str:
     return f"what was done is kept in {store}; the same command goes on"
 
 
-def fetch_told(
-    folder: str, scene: Scene | LatticeScene, progress: Progress, announce: Announce
-) -> xr.Dataset:
+def fetch_told(folder: str, scene: Scene, progress: Progress, announce: Announce) -> xr.Dataset:
     """The scene's run from the store in the folder, made if it is not there; raises as `fetch`."""
     with store_told():
         return RunStore(folder).run(scene, progress, announce)

@@ -22,9 +22,10 @@ from longwave.derive.algebra.formula_expression import read_formula
 from longwave.derive.algebra.formula_text import Vocabulary
 from longwave.derive.lattice_file import lattice_of
 from longwave.derive.symbols import eps
-from longwave.scenes.lattice_scene import LatticeScene, Value
 from longwave.scenes.lattice_wave import LatticeWave
 from longwave.scenes.long_wave_data import LongWaveData
+from longwave.scenes.scene import Scene
+from longwave.scenes.scene_checks import Value
 from longwave.scenes.scene_disorder import Disorder
 from longwave.solutions import CATALOGUE, ClosedForm, Wave, closed_form
 from longwave.support.user_files import shown
@@ -85,7 +86,7 @@ def equation_name(name: str, s: Sign, r: Sign = 1) -> str:
     return name + signs.get(name, "")
 
 
-def declared_lattice(scene: LatticeScene) -> Lattice:
+def declared_lattice(scene: Scene) -> Lattice:
     """The scene's lattice in symbols; ValueError for a name or a declaration that is none."""
     if scene.declared:
         return lattice_of(json.loads(scene.declared), scene.lattice)
@@ -97,16 +98,18 @@ def declared_lattice(scene: LatticeScene) -> Lattice:
     return LATTICES[scene.lattice]
 
 
-def derivation(scene: LatticeScene) -> LatticeDerivation:
+def derivation(scene: Scene) -> LatticeDerivation:
     """The equation of the scene's lattice that its wave solves, and how it was derived.
 
     Raises ValueError for constants that are missing or wrong, where there is no equation, and for
     a wave of another one: the line says which is derived and which waves it has.
     """
     form = _form(scene)
-    same = {"eps": 0.1, "tolerance": 1.0, "name": "", "title": "", "wave": "", "parameters": ()}
+    same = {"eps": 0.1, "name": "", "title": "", "wave": "", "parameters": ()}
     ran = {"order": "leading", "disorder": (), "half_width": None, "compared": 1}
-    found = _derivations(scene.changed(**same, **ran, times=(0.0, 1.0), slow_times=()))
+    found = _derivations(
+        scene.with_tolerance(1.0).changed(**same, **ran, times=(0.0, 1.0), slow_times=())
+    )
     for one in found:
         if _fits(form, one.normal_form):
             return one
@@ -120,7 +123,7 @@ def derivation(scene: LatticeScene) -> LatticeDerivation:
 
 
 @lru_cache(maxsize=8)
-def _derivations(scene: LatticeScene) -> tuple[LatticeDerivation, ...]:
+def _derivations(scene: Scene) -> tuple[LatticeDerivation, ...]:
     """All that are found of a scene's lattice, whatever its wave."""
     symbolic = declared_lattice(scene)
     values = _constant_values(scene, symbolic)
@@ -131,10 +134,10 @@ def _derivations(scene: LatticeScene) -> tuple[LatticeDerivation, ...]:
     return (LatticeDerivation(source.lattice, source, source.normal_form(**numbers), numbers),)
 
 
-def _form(scene: LatticeScene) -> ClosedForm:
+def _form(scene: Scene) -> ClosedForm:
     scene.check_compared()
     try:
-        return closed_form(scene.wave, dict(scene.parameters))
+        return closed_form(scene.wave_name, dict(scene.parameters))
     except ValueError as error:
         raise ValueError(f"wave: {error}") from None
 
@@ -153,7 +156,7 @@ def _fits(form: ClosedForm, normal: NormalForm) -> bool:
     )
 
 
-def _reductions(scene: LatticeScene, lattice: Lattice) -> Iterator[LatticeDerivation]:
+def _reductions(scene: Scene, lattice: Lattice) -> Iterator[LatticeDerivation]:
     """Long waves, those first that ask for nothing; ValueError if there are none."""
     names = dict(_formulas(scene.constants, {}, only_plain=True))
     mean = formula("background", scene.background, names)
@@ -181,7 +184,7 @@ def _check_mean(reduction: Reduction, mean: Expr) -> None:
         )
 
 
-def _scalings(scene: LatticeScene, lattice: Lattice, mean: Expr) -> Iterable[Scaling]:
+def _scalings(scene: Scene, lattice: Lattice, mean: Expr) -> Iterable[Scaling]:
     """The ansatz that is stated, or those that balance."""
     if scene.amplitude is not None and scene.time is not None:
         usual = find_scaling(lattice)[0].scaling.space if lattice.dimension > 1 else None
@@ -203,7 +206,7 @@ def _scalings(scene: LatticeScene, lattice: Lattice, mean: Expr) -> Iterable[Sca
     return kept
 
 
-def _constant_values(scene: LatticeScene, lattice: Lattice) -> dict[str, Expr]:
+def _constant_values(scene: Scene, lattice: Lattice) -> dict[str, Expr]:
     """The scene's constants exactly; ValueError for one of the lattice's that is missing."""
     values = dict(_formulas(scene.constants, {"eps": eps} if not scene.is_envelope else {}))
     missing = [str(s) for s in lattice.constants if str(s) not in values]
@@ -216,7 +219,7 @@ def _constant_values(scene: LatticeScene, lattice: Lattice) -> dict[str, Expr]:
 
 
 def _envelope(
-    scene: LatticeScene, lattice: Lattice, numbers: Mapping[str, Expr], k: Expr | None
+    scene: Scene, lattice: Lattice, numbers: Mapping[str, Expr], k: Expr | None
 ) -> tuple[Envelope, Mapping[str, Expr]]:
     from longwave.derive import envelope
 
@@ -229,7 +232,7 @@ def _envelope(
     return envelope(lattice, k=k, branch=scene.branch, **numbers), numbers
 
 
-def scene_envelope(scene: LatticeScene) -> tuple[Envelope, Mapping[str, Expr]]:
+def scene_envelope(scene: Scene) -> tuple[Envelope, Mapping[str, Expr]]:
     """The envelope equation of a scene's lattice and branch at any k, and the lattice's numbers.
 
     It is derived once for all wavenumbers; that of k = pi, where it is shorter, by itself. Raises
@@ -241,7 +244,7 @@ def scene_envelope(scene: LatticeScene) -> tuple[Envelope, Mapping[str, Expr]]:
 
 
 @lru_cache(maxsize=8)
-def _scene_envelope(scene: LatticeScene) -> tuple[Envelope, Mapping[str, Expr]]:
+def _scene_envelope(scene: Scene) -> tuple[Envelope, Mapping[str, Expr]]:
     lattice = declared_lattice(scene)
     values = _constant_values(scene, lattice)
     lattice.with_values(values)  # refuses what is no constant
@@ -275,14 +278,14 @@ def _formulas(
         yield name, formula(name, value, names)
 
 
-def wave_of(scene: LatticeScene) -> Wave:
+def wave_of(scene: Scene) -> Wave:
     """The scene's wave with numbers in; ValueError for parameters that it does not admit."""
     values = dict(_formulas(scene.parameters, {}))
-    form = closed_form(scene.wave, values)
+    form = closed_form(scene.wave_name, values)
     return Wave(form, derivation(scene).normal_form, **values)
 
 
-def lattice_wave(scene: LatticeScene) -> LatticeWave:
+def lattice_wave(scene: Scene) -> LatticeWave:
     """The wave on the scene's lattice: data, theory and what is compared.
 
     Raises ValueError as `derivation` and `wave_of` do, and for a disorder that the lattice cannot
@@ -300,7 +303,7 @@ def lattice_wave(scene: LatticeScene) -> LatticeWave:
     return DisorderedWave(wave, disorder, lattice, values, far)
 
 
-def _ordered_wave(scene: LatticeScene) -> LatticeWave:
+def _ordered_wave(scene: Scene) -> LatticeWave:
     found, wave = derivation(scene), wave_of(scene)
     interval = correction_interval(scene, wave)
     if isinstance(found.source, Reduction):
@@ -326,11 +329,11 @@ and of long waves. With 6 the Peregrine wave's errors change by less than a hund
 a longer one would not resolve the crest of a rogue wave (measured on rational_2, half-width 8)."""
 
 
-def correction_interval(scene: LatticeScene, wave: Wave) -> tuple[float, float] | None:
+def correction_interval(scene: Scene, wave: Wave) -> tuple[float, float] | None:
     """Whole periods of the wave, or many times what is compared; None for a wave that ends."""
     if scene.order != "corrected" or wave.numbers.constant_background == 0.0:
         return None
-    compared = scene.half_width or scene.compared * scene.eps  # type: ignore[operator]
+    compared = scene.half_width or scene.compared * scene.eps
     period = wave.numbers.wavelength
     half = INTERVAL[scene.is_envelope] * compared
     half = half if period is None else math.ceil(half / period) * period

@@ -15,9 +15,9 @@ from longwave.lattice.refine import Announce, refine
 from longwave.lattice.trial import Progress
 from longwave.scenes.chain.observables import RATIO, SITES, STRAIN, TIME
 from longwave.scenes.lattice_derivation import LatticeDerivation, derivation, lattice_wave
-from longwave.scenes.lattice_scene import LatticeScene
 from longwave.scenes.lattice_wave import LatticeWave
 from longwave.scenes.pulse_meter import PULSE_VARIABLES, PulseTrack, crest, pulse_track
+from longwave.scenes.ring_cost import BEGIN_SECONDS
 from longwave.scenes.ring_runs import (
     SCHEME,
     ComparedCells,
@@ -25,6 +25,7 @@ from longwave.scenes.ring_runs import (
     RingRuns,
     expected_rings,
 )
+from longwave.scenes.scene import Scene
 from longwave.support.checkpoint import spared_seconds
 from longwave.support.provenance import provenance
 from longwave.support.request_limits import ExpectedCost
@@ -48,7 +49,7 @@ class LatticeRun:
     infinite one. ``pulse`` is what disorder left of the wave.
     """
 
-    scene: LatticeScene
+    scene: Scene
     derived: LatticeDerivation
     times: tuple[float, ...]
     speed: float
@@ -128,16 +129,17 @@ class LatticeRun:
         axes = {name: told.pop(name) for name in ("site", "row") if name in told}
         attributes = {
             "title": self.scene.title or self.scene.name,
-            "lattice_scene": self.scene.toml(),
+            "scene": self.scene.toml(),
             "equation": self.derived.text(),
             "frame_speed": self.speed,
             "error_estimate": self.error_estimate,
-            "tolerance": self.scene.tolerance,
+            "tolerance": self.scene.target.tolerance,
             **self.cost,
             **({} if self.pulse is None else self.pulse.numbers),
             **provenance(),
         }
-        return xr.Dataset(told, {"time": ("time", list(self.times), TIME), **axes}, attributes)
+        made = xr.Dataset(told, {"time": ("time", list(self.times), TIME), **axes}, attributes)
+        return made if self.scene.keeps_start else made.isel(time=slice(1, None))
 
     def _attributes(self, name: str) -> dict[str, str]:
         """Unit and long name of a variable."""
@@ -161,39 +163,35 @@ VARIABLES = {
 """Unit and long name of each variable; that of ``sup_error`` is a power of eps."""
 
 
-def lattice_times(scene: LatticeScene, slow: int) -> tuple[float, ...]:
-    """The lattice's times of a scene, the first of which is the start."""
-    return scene.times or tuple(T / scene.eps**slow for T in scene.slow_times)
-
-
-def compared_cells(scene: LatticeScene, wave: LatticeWave) -> ComparedCells:
+def compared_cells(scene: Scene, wave: LatticeWave) -> ComparedCells:
     """The cells of a scene's region; a half-width in X is one in Z, too."""
-    axes = wave.lattice.dimension
-    if scene.compared is not None:
-        return ComparedCells(wave.speed, (scene.compared,) * axes)
-    assert scene.half_width is not None
-    powers = (1, *(ACROSS,) * (axes - 1))
-    return ComparedCells(
-        wave.speed, tuple(max(1, math.ceil(scene.half_width / scene.eps**p)) for p in powers)
-    )
+    powers = (1, *(ACROSS,) * (wave.lattice.dimension - 1))
+    return ComparedCells(wave.speed, tuple(map(scene.cells_within, powers)))
 
 
-def expected_lattice_cost(scene: LatticeScene) -> ExpectedCost:
+PROCESS_SECONDS = BEGIN_SECONDS
+"""The part of the expected seconds that a process takes once."""
+
+
+def run_scene(
+    scene: Scene, progress: Progress | None = None, announce: Announce | None = None
+) -> xr.Dataset:
+    """`run_lattice_scene` as a data set."""
+    return run_lattice_scene(scene, progress, announce).dataset
+
+
+def scene_cost(scene: Scene) -> ExpectedCost:
     """What the scene is expected to cost, by its lattice's waves about the rest.
 
     Raises ValueError as `run_lattice_scene` does for what is wrong before anything is run.
     """
-    if scene.is_growth:
-        from longwave.scenes.sideband_growth import expected_growth_cost, growth_plan
-
-        return expected_growth_cost(growth_plan(scene))
     wave = lattice_wave(scene)
-    times = lattice_times(scene, wave.slow)
+    times = scene.lattice_times(wave.slow)
     return expected_rings(wave, compared_cells(scene, wave), times)
 
 
 def run_lattice_scene(
-    scene: LatticeScene, progress: Progress | None = None, announce: Announce | None = None
+    scene: Scene, progress: Progress | None = None, announce: Announce | None = None
 ) -> LatticeRun:
     """Derive the scene's equation, start its lattice from the wave, and compare at all times.
 
@@ -204,13 +202,13 @@ def run_lattice_scene(
     begun = perf_counter()
     derived = derivation(scene)
     wave = lattice_wave(scene)
-    times = lattice_times(scene, derived.slow)
+    times = scene.lattice_times(derived.slow)
     wave.start(times[0])
     compared = compared_cells(scene, wave)
     engine = RingRuns(wave, compared, times)
     announce = announce or (lambda _: None)
     announce(engine.expected.seconds)
-    found = refine(engine, scene.tolerance, progress or (lambda _: None), announce)
+    found = refine(engine, scene.target.tolerance, progress or (lambda _: None), announce)
     if math.isinf(found.error):
         raise ValueError(
             f"times must end before {scene.lattice} blows up, got {times[-1]:g} (no step follows "

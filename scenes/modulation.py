@@ -19,7 +19,7 @@ from longwave.derive.algebra.exact_numbers import exact
 from longwave.derive.algebra.rational_functions import RationalFunction
 
 if TYPE_CHECKING:
-    from longwave.scenes.lattice_scene import LatticeScene
+    from longwave.scenes.scene import Scene
 
 Array = NDArray[np.float64]
 
@@ -74,7 +74,7 @@ def modulation_grid(
     return _grid(found, _values(found, fixed, moving), angle, amplitude)
 
 
-def scene_modulation(scene: LatticeScene, k: Array, amplitude: float) -> ModulationGrid:
+def scene_modulation(scene: Scene, k: Array, amplitude: float) -> ModulationGrid:
     """The same of a scene's lattice, constants and branch, over wavenumbers in 0 < k <= pi.
 
     Raises ValueError as the scene's derivation does.

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from longwave.lattice.refine import Announce
-from longwave.scenes.chain.scene_fields import finite, positive
 from longwave.scenes.convergence import FEWEST, FittedRate, fitted_rate
 from longwave.scenes.lattice_derivation import derivation
 from longwave.scenes.lattice_run import LatticeRun, run_lattice_scene
-from longwave.scenes.lattice_scene import LatticeScene
+from longwave.scenes.scene import Scene
+from longwave.scenes.scene_checks import finite, positive
 from longwave.scenes.theory_rate import scene_rate
 from longwave.support.user_files import shown
 
@@ -49,7 +49,7 @@ class SceneConvergence:
     ``theory`` is the power that the expansion has for the errors, None where it names none.
     """
 
-    scene: LatticeScene
+    scene: Scene
     equation: str
     power: int
     points: tuple[ConvergencePoint, ...]
@@ -72,7 +72,7 @@ class SceneConvergence:
 
 
 def scene_convergence(
-    scene: LatticeScene,
+    scene: Scene,
     eps: Sequence[float] = (),
     progress: Callable[[float], None] = lambda _: None,
     announce: Announce = lambda _: None,
@@ -83,7 +83,6 @@ def scene_convergence(
     tolerance. Raises ValueError for values that are too few or wrong, and as `run_lattice_scene`.
     """
     values = _checked(scene, eps)
-    still = at_slow_times(scene)
     points: list[ConvergencePoint] = []
     power = 0
     for place, value in enumerate(values):
@@ -91,7 +90,7 @@ def scene_convergence(
         def share(done: float, place: int = place) -> None:
             progress((place + done) / len(values))
 
-        run = _run(still.changed(eps=value), share, announce)
+        run = _run(at_eps(scene, value), share, announce)
         power = run.power
         points.append(_point(run))
     errors, own = [p.error for p in points], [p.discretisation for p in points]
@@ -99,7 +98,7 @@ def scene_convergence(
     return SceneConvergence(scene, equation, power, tuple(points), rate, scene_rate(scene))
 
 
-def _checked(scene: LatticeScene, given: Sequence[float]) -> list[float]:
+def _checked(scene: Scene, given: Sequence[float]) -> list[float]:
     values = [finite("eps", value) for value in given or [f * scene.eps for f in USUAL]]
     for value in values:
         positive("eps", value)
@@ -111,18 +110,21 @@ def _checked(scene: LatticeScene, given: Sequence[float]) -> list[float]:
     return sorted(values, reverse=True)
 
 
-def at_slow_times(scene: LatticeScene) -> LatticeScene:
-    """The scene with its times and its region in the wave's own units, which eps leaves alone."""
-    changes: dict[str, Any] = {}
-    if scene.times:
-        slow = derivation(scene).slow
-        changes |= {"times": (), "slow_times": tuple(t * scene.eps**slow for t in scene.times)}
-    if scene.compared is not None:
-        changes |= {"compared": None, "half_width": scene.compared * scene.eps}
-    return scene.changed(**changes) if changes else scene
+def at_eps(scene: Scene, eps: float) -> Scene:
+    """The scene at another eps, its times and its region the same in the wave's own units."""
+    slow = derivation(scene).slow
+    times = tuple(t * scene.eps**slow for t in scene.lattice_times(slow))
+    return scene.changed(
+        eps=eps,
+        t0=None,
+        snapshots=None,
+        slow_times=scene.slow_times or times,
+        compared=None,
+        half_width=scene.half_width or scene.compared * scene.eps,
+    )
 
 
-def _run(scene: LatticeScene, progress: Callable[[float], None], announce: Announce) -> LatticeRun:
+def _run(scene: Scene, progress: Callable[[float], None], announce: Announce) -> LatticeRun:
     run = run_lattice_scene(scene, progress, announce)
     wanted = SHARE * float(max(run.errors[1:]))
     if run.error_estimate <= wanted or wanted == 0.0:

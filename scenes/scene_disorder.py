@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from longwave.lattice.random_sites import DISTRIBUTIONS, site_deviations
-from longwave.scenes.chain.scene_fields import finite, known_fields, one_of, text
+from longwave.scenes.scene_checks import finite, known_fields, one_of, text
 from longwave.support.user_files import shown
 
 Array = NDArray[np.float64]

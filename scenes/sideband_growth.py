@@ -26,7 +26,6 @@ from longwave.lattice.trial import Choices, Progress, StepSearch, Trial, roundin
 from longwave.scenes.chain.observables import TIME
 from longwave.scenes.envelope_data import EnvelopeData
 from longwave.scenes.lattice_derivation import formula, scene_envelope
-from longwave.scenes.lattice_scene import LatticeScene
 from longwave.scenes.perturbed_plane import (
     MOST_WAVES,
     SIZE,
@@ -35,7 +34,7 @@ from longwave.scenes.perturbed_plane import (
     chosen_kappa,
     wave_ring,
 )
-from longwave.scenes.ring_cost import search_cost
+from longwave.scenes.ring_cost import BEGIN_SECONDS, search_cost
 from longwave.scenes.ring_runs import (
     LIMIT_SHARE,
     SCHEME,
@@ -44,6 +43,7 @@ from longwave.scenes.ring_runs import (
     longest_step,
     stiffest_slopes,
 )
+from longwave.scenes.scene import Scene
 from longwave.support.checkpoint import begin_loop, spared_seconds
 from longwave.support.provenance import provenance
 from longwave.support.request_limits import ExpectedCost, check_request
@@ -98,7 +98,7 @@ class SidebandGrowth:
     sizes are on no line.
     """
 
-    scene: LatticeScene
+    scene: Scene
     plan: GrowthPlan
     sizes: Array
     run_error: float
@@ -192,13 +192,13 @@ class SidebandGrowth:
             data[name] = ((), np.float64(value), {"units": unit, "long_name": told})
         attributes = {
             "title": self.scene.title or self.scene.name,
-            "lattice_scene": self.scene.toml(),
+            "scene": self.scene.toml(),
             "equation": f"i A_T + p A_XX + q |A|^2 A = 0, p = {wave.p:.6g}, q = {wave.q:.6g}",
             "verdict": self.verdict(),
             "error": abs(self.difference),
             "own_error": self.error / wave.largest_growth,
             "error_estimate": self.run_error / wave.largest_growth,
-            "tolerance": self.scene.tolerance,
+            "tolerance": self.scene.target.tolerance,
             **self.cost,
             **provenance(),
         }
@@ -208,8 +208,24 @@ class SidebandGrowth:
 RATE = "1/slow time"
 
 
+PROCESS_SECONDS = BEGIN_SECONDS
+"""The part of the expected seconds that a process takes once."""
+
+
+def run_scene(
+    scene: Scene, progress: Progress | None = None, announce: Announce | None = None
+) -> xr.Dataset:
+    """`measure_growth` as a data set."""
+    return measure_growth(scene, progress, announce).dataset
+
+
+def scene_cost(scene: Scene) -> ExpectedCost:
+    """What a scene is expected to cost; ValueError as `measure_growth` raises it before a run."""
+    return expected_growth_cost(growth_plan(scene))
+
+
 def measure_growth(
-    scene: LatticeScene, progress: Progress | None = None, announce: Announce | None = None
+    scene: Scene, progress: Progress | None = None, announce: Announce | None = None
 ) -> SidebandGrowth:
     """Derive the scene's envelope equation and measure how its perturbed plane wave grows.
 
@@ -222,7 +238,7 @@ def measure_growth(
     engine = SidebandRuns(plan, scene)
     announce = announce or (lambda _: None)
     announce(engine.expected.seconds)
-    found = refine(engine, scene.tolerance, progress or (lambda _: None), announce)
+    found = refine(engine, scene.target.tolerance, progress or (lambda _: None), announce)
     if math.isinf(found.error) or found.trial.values is None:
         raise ValueError(
             f"amplitude must leave a plane wave that lasts, got one on {scene.lattice} that blows "
@@ -243,7 +259,7 @@ def measure_growth(
     return SidebandGrowth(scene, plan, np.exp(found.trial.values / engine.scale), run_error, cost)
 
 
-def growth_plan(scene: LatticeScene) -> GrowthPlan:
+def growth_plan(scene: Scene) -> GrowthPlan:
     """What is run for a scene, all but its step; ValueError where there is no such plane wave."""
     found, constants = scene_envelope(scene)
     given = plane_wave_numbers(scene)
@@ -266,7 +282,7 @@ def growth_plan(scene: LatticeScene) -> GrowthPlan:
     return GrowthPlan(ring, wave, data, moments + max(0.0, period - first))
 
 
-def plane_wave_numbers(scene: LatticeScene) -> dict[str, float]:
+def plane_wave_numbers(scene: Scene) -> dict[str, float]:
     """The parameters of a scene's perturbed plane wave; ValueError unless they are positive."""
     return {name: _number(name, value) for name, value in scene.parameters}
 
@@ -324,7 +340,7 @@ class SidebandRuns(StepSearch):
     growth rate is at most, in units of the largest in theory.
     """
 
-    def __init__(self, plan: GrowthPlan, scene: LatticeScene) -> None:
+    def __init__(self, plan: GrowthPlan, scene: Scene) -> None:
         self.plan = plan
         span = float(np.ptp(plan.moments)) * scene.eps**2
         self.scale = LEVER / span / plan.wave.largest_growth

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from longwave.derive import CarrierTerms, Envelope, Lattice, Reduction, carrier_fields, reduce
 from longwave.derive.algebra.exact_numbers import Number
 from longwave.scenes.lattice_derivation import derivation
-from longwave.scenes.lattice_scene import LatticeScene
+from longwave.scenes.scene import Scene
 
 SEEN = 4
 """Orders behind the reduced equation in which the second that does not vanish is looked for: the
@@ -67,7 +67,7 @@ def _has(terms: CarrierTerms, power: int) -> bool:
     return any(term.power == power and abs(term.value) > ZERO for term in terms)
 
 
-def scene_rate(scene: LatticeScene) -> int | None:
+def scene_rate(scene: Scene) -> int | None:
     """The power of eps for the error of a scene; None where theory names none.
 
     So it is, too, where masses or springs deviate: the waves that these scatter are no part of it.

@@ -149,8 +149,7 @@ def _other_attribute(draw: Random, file: Any) -> None:
 
 
 def _other_scene(draw: Random, file: Any) -> None:
-    name = "lattice_scene" if "lattice_scene" in file.attrs else "scene"
-    file.attrs[name] = changed_toml(draw, str(file.attrs[name])).decode("utf-8", "replace")
+    file.attrs["scene"] = changed_toml(draw, str(file.attrs["scene"])).decode("utf-8", "replace")
 
 
 def _without(draw: Random, file: Any) -> None:

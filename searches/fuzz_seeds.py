@@ -246,7 +246,7 @@ solve = "c"
 @cache
 def seeds(kind: str) -> tuple[str, ...]:
     """The files that are changed; what is shipped takes longer than what is made to be small."""
-    folders = {"scene": "scenes/chain/shipped", "lattice scene": "scenes/shipped"}
+    folders = {"scene": "scenes/shipped/paper", "lattice scene": "scenes/shipped/lattices"}
     if kind == "lattice":
         return LATTICES
     if kind == "sweep":
@@ -305,14 +305,14 @@ def run_files() -> tuple[bytes, ...]:
     import tempfile
 
     from longwave.runs.run_file import save_run
-    from longwave.scenes import any_scene
-    from longwave.scenes.any_scene import load_scene
+    from longwave.scenes import named_scenes
+    from longwave.scenes.named_scenes import load_scene
 
     found = []
     with tempfile.TemporaryDirectory() as folder:
         for text in (SMALL_SCENE, STATED_SCENE, SMALL_LATTICE_SCENE):
             path = Path(folder) / "scene.toml"
             path.write_text(text, encoding="utf-8")
-            save_run(any_scene.run(load_scene(str(path))), path.with_suffix(".nc"))
+            save_run(named_scenes.run(load_scene(str(path))), path.with_suffix(".nc"))
             found.append(path.with_suffix(".nc").read_bytes())
     return tuple(found)

@@ -45,11 +45,11 @@ from longwave.lattice.refine import refine
 from longwave.lattice.trial import StepSearch, Trial
 from longwave.reports.studies.estimate_scenes import RandomScene, random_scene
 from longwave.reports.studies.estimates import judge_scene, warm_up
-from longwave.scenes.chain.scene import Scene
 from longwave.scenes.lattice_derivation import lattice_wave
-from longwave.scenes.lattice_run import compared_cells, lattice_times
-from longwave.scenes.lattice_scene import PERTURBED_PLANE, LatticeScene, Pairs
+from longwave.scenes.lattice_run import compared_cells
 from longwave.scenes.ring_runs import RingRecord, RingRuns
+from longwave.scenes.scene import PERTURBED_PLANE, Scene
+from longwave.scenes.scene_checks import Pairs
 from longwave.scenes.sideband_growth import SidebandRuns, growth_plan
 from longwave.support.processes import OutOfTime, time_limit
 from searches.random_chains import random_case
@@ -128,18 +128,18 @@ def compared_values(trial: Trial) -> Array:
     return np.array(trial.payload.measured) if of_ring else np.asarray(trial.values)
 
 
-def of_lattice(scene: LatticeScene) -> Judgement:
+def of_lattice(scene: Scene) -> Judgement:
     """A scene on any lattice, or of a growth rate."""
     if scene.is_growth:
         growing = SidebandRuns(growth_plan(scene), scene)
-        return ratio_of_search(growing, growing, scene.tolerance)
+        return ratio_of_search(growing, growing, scene.target.tolerance)
     wave = lattice_wave(scene)
-    times = lattice_times(scene, wave.slow)
+    times = scene.lattice_times(wave.slow)
     wave.start(times[0])
     compared = compared_cells(scene, wave)
     engine, wider = RingRuns(wave, compared, times), RingRuns(wave, compared, times)
     wider.signals = [FASTER * speed + 1.0 / (times[-1] - times[0]) for speed in engine.signals]
-    return ratio_of_search(engine, wider, scene.tolerance)
+    return ratio_of_search(engine, wider, scene.target.tolerance)
 
 
 def of_chain(scene: Scene) -> Judgement:
@@ -161,7 +161,7 @@ class LatticeFamily:
 
     seed: int
     index: int
-    base: LatticeScene = field(init=False)
+    base: Scene = field(init=False)
 
     def __post_init__(self) -> None:
         for redrawn in range(REDRAWN):
@@ -183,19 +183,25 @@ class LatticeFamily:
     def _sort(self) -> str:
         return SORTS[self.index // len(LATTICES) % len(SORTS)]
 
-    def _drawn(self, redrawn: int) -> LatticeScene:
+    def _drawn(self, redrawn: int) -> Scene:
         """A scene of the family's sort, its times in the lattice's own."""
         names, draw = list(LATTICES), random.Random(f"{self.seed}:{self.index}:{redrawn}")
         on = names[self.index % len(names)]
         scene = soak_scene(self.seed, self.index, redrawn, on, self._sort != "long")
         if scene.carrier and self._sort != "envelope":
             scene = scene.changed(carrier=draw.choice(NEAR_PI))
-        plain = {"tolerance": 1e-3, "slow_times": (), "half_width": None}
+        plain = {
+            "tolerance": 1e-3,
+            "slow_times": (),
+            "t0": None,
+            "snapshots": None,
+            "half_width": None,
+        }
         if self._sort == "growth":
             perturbed = {"amplitude": draw.uniform(0.2, 1.5), "share": draw.uniform(0.3, 1.3)}
             order = draw.choice(["leading", "slaved"])
             changes = {"wave": PERTURBED_PLANE, "parameters": tuple(perturbed.items())}
-            return scene.changed(**plain, **changes, order=order, times=(), disorder=())
+            return scene.changed(**plain, **changes, order=order, disorder=())
         begin, span = draw.choice([0.0, 0.0, -20.0, -100.0]), draw.choice([20.0, 60.0, 200.0])
         compared = draw.choice([1, 1, 3, 12, 40])
         return scene.changed(**plain, times=(begin, begin + span), compared=compared)
@@ -212,20 +218,20 @@ class LatticeFamily:
         constants = len(self.base.constants) if self.index % 2 else 0
         return 6 + len(self.base.parameters) + constants
 
-    def scene(self, genes: Array) -> LatticeScene:
+    def scene(self, genes: Array) -> Scene:
         """The scene of these numbers, each from 0 to 1."""
         base, own = self.base, 6 + len(self.base.parameters)
         changes: dict[str, Any] = {
             "parameters": moved_pairs(base.parameters, genes[6:own], 1.5),
             "eps": min(1.0, moved(base.eps, genes[0], 3.0)),
-            "tolerance": moved(base.tolerance, genes[1], 30.0),
+            "tolerance": moved(base.target.tolerance, genes[1], 30.0),
         }
         if genes.size > own:
             changes["constants"] = moved_pairs(base.constants, genes[own:], 1.4)
         if isinstance(base.carrier, float) and genes.size > own:
             changes["carrier"] = min(3.14159, moved(base.carrier, genes[5], 1.3))
-        if base.times:
-            begin, span = base.times[0], moved(base.times[-1] - base.times[0], genes[2], 3.0)
+        if not base.is_growth:
+            begin, span = base.t0, moved(base.end - base.t0, genes[2], 3.0)
             begin = float(f"{begin + (genes[4] - 0.5) * span:.6g}")
             shares = (1.0,) if genes[3] < 0.6 else (genes[3], 1.0)
             changes["times"] = (begin, *(begin + share * span for share in shares))
@@ -258,8 +264,8 @@ def moved_pairs(pairs: Pairs, genes: Array, factor: float) -> Pairs:
 class KnownFamily(LatticeFamily):
     """The families of waves for which the law of the step is asked."""
 
-    def _drawn(self, redrawn: int) -> LatticeScene:
-        return LatticeScene.of(name="known", **KNOWN[self.index % len(KNOWN)], **SHORT)
+    def _drawn(self, redrawn: int) -> Scene:
+        return Scene.of(name="known", **KNOWN[self.index % len(KNOWN)], **SHORT)
 
 
 SHORT = {"order": "slaved", "compared": 3, "tolerance": 1e-3}
@@ -330,7 +336,7 @@ class ChainFamily:
         return base.changed(
             parameters=tuple(values),
             eps=moved(base.eps, genes[0], 3.0),
-            K4=moved(base.constants.K4, genes[1], 3.0),
+            K4=moved(base.model.K4, genes[1], 3.0),
             tolerance=moved(1e-3, genes[2], 10.0),
             t0=t0,
             snapshots=(t0 + span,),

@@ -30,9 +30,9 @@ from numpy.typing import NDArray
 
 from longwave.reports.studies.estimate_scenes import random_scene
 from longwave.reports.studies.estimates import ANSWER_SECONDS, judge_scene, warm_up
-from longwave.scenes.chain import run
+from longwave.scenes.chain.scene_run import run
 from longwave.scenes.lattice_run import run_lattice_scene
-from longwave.scenes.lattice_scene import LatticeScene
+from longwave.scenes.scene import Scene
 from longwave.scenes.sideband_growth import measure_growth
 from longwave.support.processes import OutOfTime, time_limit
 from searches.soak_scenes import soak_scene
@@ -133,16 +133,16 @@ def _of_lattice(seed: int, index: int, judging: bool) -> tuple[str, str, bool]:
     return "refused", "all that were drawn would take long", False
 
 
-def _run(scene: LatticeScene, found: list[Measured], budget: float) -> tuple[str, str]:
+def _run(scene: Scene, found: list[Measured], budget: float) -> tuple[str, str]:
     def announce(seconds: float) -> None:
         if seconds > budget:
             raise TooDearError
 
     found.append(_measured(scene, announce))
-    return _within(found[-1].estimate, scene.tolerance)
+    return _within(found[-1].estimate, scene.target.tolerance)
 
 
-def _measured(scene: LatticeScene, announce: Callable[[float], None]) -> Measured:
+def _measured(scene: Scene, announce: Callable[[float], None]) -> Measured:
     if not scene.is_growth:
         ran = run_lattice_scene(scene, announce=announce)
         return Measured(ran.measured, ran.scale, ran.error_estimate)
@@ -151,9 +151,9 @@ def _measured(scene: LatticeScene, announce: Callable[[float], None]) -> Measure
     return Measured(np.array(growth.measured), unit, growth.run_error / unit)
 
 
-def _judged(scene: LatticeScene, first: Measured) -> tuple[str, str, bool]:
+def _judged(scene: Scene, first: Measured) -> tuple[str, str, bool]:
     """What a tighter run says of a scene's run."""
-    tighter = scene.changed(tolerance=max(LEAST, TIGHTER * scene.tolerance))
+    tighter = scene.changed(tolerance=max(LEAST, TIGHTER * scene.target.tolerance))
     found: list[Measured] = []
     try:
         ending, _ = _ended(lambda: _run(tighter, found, 10.0 * BUDGET))

@@ -15,7 +15,7 @@ from fractions import Fraction
 from longwave.derive import LATTICES
 from longwave.lattice.random_sites import DISTRIBUTIONS
 from longwave.scenes.lattice_derivation import derivation
-from longwave.scenes.lattice_scene import ORDERS, PERTURBED_PLANE, LatticeScene
+from longwave.scenes.scene import ORDERS, PERTURBED_PLANE, Scene
 from longwave.solutions import CATALOGUE, closed_form
 
 Draw = random.Random
@@ -57,7 +57,7 @@ OWN: Mapping[tuple[str, str], Callable[[Draw], float]] = {
 
 def soak_scene(
     seed: int, index: int, redrawn: int = 0, lattice: str = "", enveloped: bool | None = None
-) -> LatticeScene:
+) -> Scene:
     """The scene of (seed, index), or the one that is drawn in its place after so many others.
 
     It is on that ``lattice``, and ``enveloped`` or a long wave, where that is given.
@@ -77,7 +77,7 @@ def soak_scene(
     return _varied(random.Random(f"{seed}:{index}:{redrawn}:varied"), scene)
 
 
-def _varied(draw: Draw, scene: LatticeScene) -> LatticeScene:
+def _varied(draw: Draw, scene: Scene) -> Scene:
     """The scene, or one in four times with deviations, or of its plane wave's growth rate."""
     chance = draw.random()
     if chance < 0.15:
@@ -100,7 +100,7 @@ def _varied(draw: Draw, scene: LatticeScene) -> LatticeScene:
     return scene
 
 
-def _scene(draw: Draw, name: str, on: str, carried: bool | None) -> LatticeScene:
+def _scene(draw: Draw, name: str, on: str, carried: bool | None) -> Scene:
     drawn, chance = draw.choice(list(LATTICES)), draw.random()
     lattice = LATTICES[on or drawn]
     enveloped = chance < 0.4 if carried is None else carried
@@ -113,7 +113,7 @@ def _scene(draw: Draw, name: str, on: str, carried: bool | None) -> LatticeScene
     carrier = {"carrier": draw.choice(CARRIERS)} if enveloped else {}
     if enveloped and len(lattice.fields) > 1:
         carrier["branch"] = draw.choice(["acoustic", "optical"])
-    return LatticeScene.of(
+    return Scene.of(
         name=name,
         lattice=lattice.name,
         wave=wave,

@@ -3,12 +3,13 @@
 from collections.abc import Iterable, Iterator, Sequence
 
 from house import HOUSE, ROOMS
-from longwave.lattice.schemes import stability_limit
+from longwave.lattice.schemes import SCHEMES, stability_limit
 from longwave.reports.formulas.printing import latex
 from longwave.reports.latex import domain_latex
 from longwave.reports.pictures.paper_figures import ERROR_FIGURES, SNAPSHOT_FIGURES
-from longwave.scenes.chain import SCHEMES, Scene, further_scenes, load_scene, shipped_scenes
 from longwave.scenes.chain.observables import OBSERVABLES
+from longwave.scenes.named_scenes import further_scenes, load_scene, shipped_scenes
+from longwave.scenes.scene import Scene
 from longwave.solutions import CATALOGUE, ClosedForm
 from longwave.verify.problem_file import ProblemText
 from longwave.verify.published import published, source_of

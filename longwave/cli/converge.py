@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING
 
 from rich.table import Table
 
-from longwave.scenes.any_scene import load_scene
-from longwave.scenes.chain.scene_fields import finite
-from longwave.scenes.lattice_scene import LatticeScene
+from longwave.scenes.named_scenes import load_scene
+from longwave.scenes.scene_checks import finite
 from longwave.support.console import plain_console, progress_bar
 
 if TYPE_CHECKING:
@@ -33,19 +32,14 @@ def eps_values(text: str | None) -> tuple[float, ...]:
 
 
 def measured_convergence(source: str, eps: str | None, tolerance: float | None) -> SceneConvergence:
-    """The convergence of the scene that is named; ValueError for one of the paper's chain."""
+    """The convergence of the scene that is named."""
     from longwave.scenes.scene_convergence import scene_convergence
     from longwave.support.request_limits import Announcer
 
     values = eps_values(eps)
     scene = load_scene(source)
-    if not isinstance(scene, LatticeScene):
-        raise ValueError(
-            f"scene must name a lattice to be run at several eps, got {scene.name} (write "
-            'lattice = "fput_strain" and [constants]; see the page on scenes)'
-        )
     if tolerance is not None:
-        scene = scene.changed(tolerance=tolerance)
+        scene = scene.with_tolerance(tolerance)
     errors = plain_console(stderr=True, soft_wrap=True)
     with progress_bar(scene.name, f"{scene.name} at several eps", errors) as bar:
         return scene_convergence(scene, values, bar[0], Announcer(bar[1]))

@@ -99,7 +99,7 @@ def schemes() -> list[Record]:
 
 def scenes() -> list[Record]:
     """The shipped scenes, the paper's first, then the others and the members of families."""
-    from longwave.scenes.chain import (
+    from longwave.scenes.named_scenes import (
         further_scenes,
         load_scene,
         rational_family_scenes,
@@ -131,7 +131,7 @@ def scenes() -> list[Record]:
 def lattice_scenes() -> list[Record]:
     """The shipped scenes that name a lattice: lattice, equation, wave, eps, order, times."""
     from longwave.scenes.lattice_derivation import equation_of_form
-    from longwave.scenes.lattice_scene import load_lattice_scene, shipped_lattice_scenes
+    from longwave.scenes.named_scenes import lattice_scenes, load_scene
     from longwave.solutions import closed_form
 
     return [
@@ -139,7 +139,7 @@ def lattice_scenes() -> list[Record]:
             "name": scene.name,
             "title": scene.title,
             "lattice": scene.lattice,
-            "equation": equation_of_form(closed_form(scene.wave)),
+            "equation": equation_of_form(closed_form(scene.wave_name)),
             "wave": scene.wave,
             "parameters": dict(scene.parameters),
             "constants": dict(scene.constants),
@@ -149,7 +149,7 @@ def lattice_scenes() -> list[Record]:
             "slow_times": list(scene.slow_times),
             "tolerance": scene.tolerance,
         }
-        for scene in map(load_lattice_scene, shipped_lattice_scenes())
+        for scene in map(load_scene, lattice_scenes())
     ]
 
 

@@ -12,7 +12,7 @@ from rich.table import Table
 from longwave.runs.output_checkpoint import OutputCheckpoint
 from longwave.runs.rescue import fail_or_rescue
 from longwave.runs.told_store import fetch_told
-from longwave.scenes.lattice_scene import LatticeScene
+from longwave.scenes.scene import Scene
 from longwave.support.command_line import fail_for_memory, interrupted
 from longwave.support.console import plain_console, progress_bar
 from longwave.support.request_limits import Announcer
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from longwave.cli.scene_command import RunOptions
 
 
-def run_lattice_and_print(scene: LatticeScene, options: RunOptions, program: str) -> int:
+def run_lattice_and_print(scene: Scene, options: RunOptions, program: str) -> int:
     """Run the scene, print its errors and its cost, and write it if asked.
 
     Exit status 0, 1 if it could not be written, 2 for bad input, told in one line, and 130 after
@@ -51,16 +51,16 @@ def run_lattice_and_print(scene: LatticeScene, options: RunOptions, program: str
     return status
 
 
-def run_with_bar(scene: LatticeScene, store: str | None) -> xr.Dataset:
+def run_with_bar(scene: Scene, store: str | None) -> xr.Dataset:
     """Run a scene, or find its run in the store, with a bar where there is a terminal."""
     errors = plain_console(stderr=True, soft_wrap=True)
-    with progress_bar(scene.name, f"{scene.name} to {scene.tolerance:g}", errors) as bar:
+    with progress_bar(scene.name, f"{scene.name} to {scene.target.tolerance:g}", errors) as bar:
         if store is None:
             return scene.run(bar[0], Announcer(bar[1]))
         return fetch_told(store, scene, bar[0], Announcer(bar[1]))
 
 
-def print_lattice_run(run: xr.Dataset, scene: LatticeScene, console: Console) -> None:
+def print_lattice_run(run: xr.Dataset, scene: Scene, console: Console) -> None:
     """Print the errors, or sizes, at each time, what was derived, and the cost."""
     console.print(scene.title or scene.name, markup=False, soft_wrap=True)
     if scene.is_growth:
@@ -76,14 +76,14 @@ def print_lattice_run(run: xr.Dataset, scene: LatticeScene, console: Console) ->
         console.print(line, markup=False, soft_wrap=True)
 
 
-def _lines(told: Mapping[str, Any], scene: LatticeScene) -> Iterator[str]:
+def _lines(told: Mapping[str, Any], scene: Scene) -> Iterator[str]:
     yield f"{scene.lattice}, eps = {scene.eps:g}, {scene.order} order; {told['equation']}"
     if scene.is_growth:
         yield str(told["verdict"])
     line = (
         f"{told['engine']}, {told['scheme']}: {told['steps']} steps, {told['sites']} sites, "
         f"{told['force_evaluations']} force evaluations a site, {told['seconds']:.2f} s; error "
-        f"estimate {told['error_estimate']:.2g} of {scene.tolerance:g} allowed, planned in "
+        f"estimate {told['error_estimate']:.2g} of {scene.target.tolerance:g} allowed, planned in "
         f"{told['planning_seconds']:.2f} s"
     )
     drift = told.get("energy_drift")

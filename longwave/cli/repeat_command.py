@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from longwave.runs.output_checkpoint import OutputCheckpoint
 from longwave.runs.repeated_run import compare_runs
 from longwave.runs.run_file import load_run, scene_of_run
-from longwave.scenes import any_scene
+from longwave.scenes import named_scenes
 from longwave.support.command_line import fail, interrupted
 from longwave.support.console import plain_console, print_lines, progress_bar
 
@@ -15,8 +15,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from longwave.cli.scene_command import RunOptions
-    from longwave.scenes.chain.scene import Scene
-    from longwave.scenes.lattice_scene import LatticeScene
+    from longwave.scenes.scene import Scene
 
 
 def repeat_and_print(options: RunOptions, program: str) -> int:
@@ -61,9 +60,9 @@ def _finished_run(options: RunOptions) -> xr.Dataset:
     return run
 
 
-def _run_again(scene: Scene | LatticeScene, source: str) -> xr.Dataset:
+def _run_again(scene: Scene, source: str) -> xr.Dataset:
     from longwave.support.request_limits import Announcer
 
     errors = plain_console(stderr=True, soft_wrap=True)
     with progress_bar(scene.name, f"{source} again", errors) as (advance, tell):
-        return any_scene.run(scene, advance, Announcer(tell))
+        return named_scenes.run(scene, advance, Announcer(tell))

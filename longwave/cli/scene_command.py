@@ -12,14 +12,13 @@ from longwave.runs.output_checkpoint import OutputCheckpoint
 from longwave.runs.rescue import check_run_output, fail_or_rescue, save_or_rescue
 from longwave.runs.run_file import names_a_run
 from longwave.runs.told_store import fetch_told
-from longwave.scenes.any_scene import load_scene
 from longwave.scenes.chain.expected_cost import check_cost
 from longwave.scenes.chain.recorders import Variables
-from longwave.scenes.chain.scene import Scene, with_tolerance
 from longwave.scenes.chain.scene_run import record_with_trust
 from longwave.scenes.chain.stated_run import RunRecord, UnfinishedRun
 from longwave.scenes.chain.trust import USUAL_TOLERANCE
-from longwave.scenes.lattice_scene import LatticeScene
+from longwave.scenes.named_scenes import load_scene
+from longwave.scenes.scene import Scene
 from longwave.support.command_line import fail, fail_for_memory, interrupted
 from longwave.support.console import plain_console, progress_bar
 from longwave.support.interruption import keeping
@@ -53,7 +52,7 @@ def run_and_print(options: RunOptions, program: str) -> int:
         found = load_scene(options.scene)
     except (ValueError, OSError) as error:
         return fail(error)
-    if isinstance(found, LatticeScene):
+    if not found.has_moving_wave:
         from longwave.cli.lattice_scene_command import run_lattice_and_print
 
         return run_lattice_and_print(found, options, program)
@@ -86,7 +85,7 @@ def run_and_print(options: RunOptions, program: str) -> int:
 def _changed(scene: Scene, tolerance: float | None, engine: str | None) -> Scene:
     """The scene with what the command line says in the place of what the file says."""
     if tolerance is not None:
-        scene = with_tolerance(scene, tolerance)
+        scene = scene.with_tolerance(tolerance)
     return scene if engine is None else scene.changed(engine=engine)
 
 

@@ -12,20 +12,13 @@ from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
-from longwave.scenes.chain.scene import Scene
-from longwave.scenes.chain.scene_fields import finite, positive
-from longwave.scenes.lattice_scene import (
-    LatticeScene,
-    Pairs,
-    load_lattice_scene,
-    shipped_lattice_scenes,
-)
+from longwave.scenes.named_scenes import lattice_scenes, load_scene
+from longwave.scenes.scene import Scene
+from longwave.scenes.scene_checks import finite, positive
 from longwave.support.user_files import shown
 
 if TYPE_CHECKING:
     from longwave.solutions import ClosedForm, Parameter
-
-AnyScene = Scene | LatticeScene
 
 CHAIN = "fput_chain"
 """The setting of mKdV waves that no shipped scene names: the paper's chain itself."""
@@ -60,7 +53,7 @@ class WaveSetting:
 
     name: str
     title: str
-    scene: AnyScene
+    scene: Scene
 
 
 @dataclass(frozen=True)
@@ -71,7 +64,7 @@ class Chosen:
     >>> choices.parameters, choices.constants
     ({'A': '1'}, {'K2': '1', 'K3': '0', 'K4': '1'})
     >>> scene_of_choices(choices.changed(eps="0.2"))
-    <Scene soliton_sech: soliton_sech with A = 1, eps = 0.2, ... 201 sites compared, to 0.001>
+    <Scene soliton_sech: soliton_sech with A = 1 on fput_strain, eps = 0.2, ... to 0.001>
     >>> scene_of_choices(choices.changed(eps="small"))
     Traceback (most recent call last):
     ...
@@ -110,8 +103,8 @@ def waves_by_equation() -> dict[str, dict[str, str]]:
 
 def examples() -> dict[str, tuple[str, str]]:
     """The shipped scenes that name a lattice: title -> wave and setting."""
-    scenes = map(load_lattice_scene, shipped_lattice_scenes())
-    return {scene.title or scene.name: (scene.wave, scene.name) for scene in scenes}
+    scenes = map(load_scene, lattice_scenes())
+    return {scene.title or scene.name: (scene.wave_name, scene.name) for scene in scenes}
 
 
 def settings(wave: str) -> tuple[WaveSetting, ...]:
@@ -127,11 +120,11 @@ def settings(wave: str) -> tuple[WaveSetting, ...]:
         [WaveSetting(CHAIN, "FPUT chain", _chain(form))] if form.equation.normal == "mKdV" else []
     )
     base, constants = OTHER_CONSTANTS.get(wave, ("", {}))
-    for name in shipped_lattice_scenes():
-        scene = load_lattice_scene(name)
+    for name in lattice_scenes():
+        scene = load_scene(name)
         if name == base:
             scene = scene.changed(constants={**dict(scene.constants), **constants})
-        elif not _alike(form, closed_form(scene.wave)):
+        elif not _alike(form, closed_form(scene.wave_name)):
             continue
         if scene.wave != wave:
             scene = scene.changed(
@@ -148,7 +141,7 @@ def _alike(form: ClosedForm, other: ClosedForm) -> bool:
     return one.normal == two.normal and (free or one.s == two.s) and one.r == two.r
 
 
-def _lattice_title(scene: LatticeScene) -> str:
+def _lattice_title(scene: Scene) -> str:
     from longwave.derive import LATTICES
 
     known = LATTICES.get(scene.lattice)
@@ -272,14 +265,8 @@ def plain_value(text: str) -> float | None:
 def first_choices(wave: str, setting: str | None = None) -> Chosen:
     """What is chosen at first for a wave on the lattice of a setting (its first one)."""
     scene = _setting(wave, setting).scene
-    if isinstance(scene, LatticeScene):
-        assert scene.half_width is not None
-        constants: Mapping[str, Any] = dict(scene.constants)
-        times, half_width = scene.slow_times, scene.half_width
-    else:
-        constants = {"K2": scene.K2, "K3": scene.K3, "K4": scene.K4}
-        times = tuple(t * scene.eps**3 for t in (scene.t0, scene.end))
-        half_width = scene.compared * scene.eps
+    times = scene.slow_times or tuple(t * scene.eps**3 for t in (scene.t0, scene.end))
+    half_width = scene.half_width or scene.compared * scene.eps
     return Chosen(
         wave=wave,
         setting=_setting(wave, setting).name,
@@ -289,11 +276,11 @@ def first_choices(wave: str, setting: str | None = None) -> Chosen:
         end=_typed(times[-1]),
         half_width=_typed(half_width),
         parameters=_all_parameters(scene),
-        constants={name: _typed(value) for name, value in constants.items()},
+        constants={name: _typed(value) for name, value in scene.constants},
     )
 
 
-def _all_parameters(scene: AnyScene) -> dict[str, str]:
+def _all_parameters(scene: Scene) -> dict[str, str]:
     """Every parameter of the scene's wave, with its default where the scene says nothing."""
     from longwave.solutions import closed_form
 
@@ -322,7 +309,7 @@ def _setting(wave: str, name: str | None) -> WaveSetting:
     raise ValueError(f"setting must be one of {wave}, got {shown(name)} (one of {known})")
 
 
-def scene_of_choices(choices: Chosen) -> AnyScene:
+def scene_of_choices(choices: Chosen) -> Scene:
     """The scene that is chosen. ValueError, in one line, for what no scene can say."""
     base = _setting(choices.wave, choices.setting).scene
     eps = finite("eps", number(choices.eps))
@@ -338,15 +325,10 @@ def scene_of_choices(choices: Chosen) -> AnyScene:
         "tolerance": number(choices.tolerance),
         "parameters": {name: number(text) for name, text in choices.parameters.items() if text},
     }
-    constants = {name: number(text) for name, text in choices.constants.items()}
-    if isinstance(base, LatticeScene):
-        pairs: Pairs = tuple(constants.items())
-        return base.changed(**given, constants=pairs, slow_times=times, half_width=half_width)
+    typed = {name: number(text) for name, text in choices.constants.items()}
+    constants = {**dict(base.constants), **typed}
+    if base.slow_times:
+        return base.changed(**given, constants=constants, slow_times=times, half_width=half_width)
     moments = [_lattice_time(T, eps) for T in times]
-    return base.changed(
-        **given,
-        **constants,
-        t0=moments[0],
-        snapshots=moments,
-        compared=max(1, round(half_width / eps)),
-    )
+    compared = max(1, round(half_width / eps))
+    return base.changed(**given, constants=constants, times=moments, compared=compared)

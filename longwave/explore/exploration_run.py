@@ -22,8 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from longwave.lattice.trial import Progress
-from longwave.scenes.chain.scene import Scene
-from longwave.scenes.lattice_scene import LatticeScene
+from longwave.scenes.scene import Scene
 from longwave.support.command_line import duration, one_line
 from longwave.support.processes import ignore_interrupt, limit_memory
 from longwave.support.request_limits import (
@@ -37,7 +36,6 @@ from longwave.support.request_limits import (
 if TYPE_CHECKING:
     import xarray as xr
 
-    from longwave.explore.exploration import AnyScene
 
 Array = NDArray[np.float64]
 
@@ -83,7 +81,7 @@ class WaveTexts(NamedTuple):
     formula: str
 
 
-def wave_texts(scene: AnyScene) -> WaveTexts:
+def wave_texts(scene: Scene) -> WaveTexts:
     """The texts of a scene's wave."""
     return _wave_texts(str(scene.wave), tuple(name for name, _ in scene.parameters))
 
@@ -144,7 +142,7 @@ class Comparison:
 
 
 def compare(
-    scene: AnyScene, progress: Progress | None = None, limits: RequestLimits = USUAL_LIMITS
+    scene: Scene, progress: Progress | None = None, limits: RequestLimits = USUAL_LIMITS
 ) -> Comparison:
     """Run a scene and keep what is shown of it.
 
@@ -163,9 +161,8 @@ def compare(
     try:
         with request_limits(limits.memory_bytes, limits.seconds):
             check_request("the run", scene.expected_cost(), CHEAPER)
-            if isinstance(scene, LatticeScene):
-                return _of_lattice(scene, progress, announce)
-            return _of_chain(scene, progress, announce)
+            compared = _of_chain if scene.has_moving_wave else _of_lattice
+            return compared(scene, progress, announce)
     except TooDear as stop:
         raise ValueError(str(stop)) from None
     except MemoryError:
@@ -175,15 +172,11 @@ def compare(
         ) from None
 
 
-def _check_cells(scene: AnyScene) -> None:
-    if isinstance(scene, LatticeScene):
-        from longwave.scenes.lattice_derivation import declared_lattice
+def _check_cells(scene: Scene) -> None:
+    from longwave.scenes.lattice_derivation import declared_lattice
 
-        half_width, axes = scene.half_width or 0.0, declared_lattice(scene).dimension
-        powers = (1, 2)[:axes]
-        cells = int(np.prod([2.0 * half_width / scene.eps**p + 1.0 for p in powers]))
-    else:
-        cells = 2 * scene.compared + 1
+    powers = (1, 2)[: declared_lattice(scene).dimension]
+    cells = math.prod(2 * scene.cells_within(power) + 1 for power in powers)
     if cells > MOST_CELLS:
         raise ValueError(
             f"half_width / eps must ask for at most {MOST_CELLS} cells here, got {cells} for eps = "
@@ -207,7 +200,7 @@ def _of_chain(scene: Scene, progress: Progress | None, announce: Any) -> Compari
     errors = np.max(np.abs(lattice - wave), axis=1)
     heights = np.max(np.abs(wave - background), axis=1)
     return Comparison(
-        X=_distances(scene.eps, run, scene.constants.sound_speed()),
+        X=_distances(scene.eps, run, scene.model.sound_speed()),
         times=run["time"].values,
         slow_times=run["time"].values * scene.eps**3,
         lattice=lattice / scene.eps,
@@ -239,7 +232,7 @@ def _derived_chain_equation() -> list[str]:
     return [pde.text(), pde.latex()]
 
 
-def _of_lattice(scene: LatticeScene, progress: Progress | None, announce: Any) -> Comparison:
+def _of_lattice(scene: Scene, progress: Progress | None, announce: Any) -> Comparison:
     from longwave.derive import Reduction
     from longwave.scenes.lattice_run import run_lattice_scene
 
@@ -302,7 +295,7 @@ class Explorer:
         self._process: Any = None
         self._connection: Connection | None = None
 
-    def ask(self, scene: AnyScene) -> None:
+    def ask(self, scene: Scene) -> None:
         """Have this scene compared, and no other."""
         if self._process is None or not self._process.is_alive():
             self.start()
@@ -395,7 +388,7 @@ def _serve(connection: Connection, limits: RequestLimits) -> None:
                 connection.send((asked, _answer(scene, limits, asked, connection)))
 
 
-def _answer(scene: AnyScene, limits: RequestLimits, asked: int, connection: Connection) -> Answer:
+def _answer(scene: Scene, limits: RequestLimits, asked: int, connection: Connection) -> Answer:
     """The comparison, or why there is none; raises Superseded if something else is asked for."""
     told = time.monotonic()
 

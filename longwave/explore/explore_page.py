@@ -14,7 +14,6 @@ import panel as pn
 from longwave.explore import explore_text as text
 from longwave.explore.exploration import (
     FRAMES,
-    AnyScene,
     Chosen,
     bounds,
     examples,
@@ -28,6 +27,7 @@ from longwave.explore.exploration import (
 from longwave.explore.exploration_run import Comparison, Explorer, Refusal
 from longwave.explore.explore_figures import ErrorPicture, Profile, SpaceTimeMap
 from longwave.explore.explore_style import STYLE, TEXTS_STYLE
+from longwave.scenes.scene import Scene
 
 LOOK = 100
 """Milliseconds between two looks at the run."""
@@ -122,7 +122,7 @@ class ExplorePage:
 
     def __init__(self, explorer: Explorer) -> None:
         self.explorer = explorer
-        self.scene: AnyScene | None = None
+        self.scene: Scene | None = None
         self.found: Comparison | None = None
         self._quiet = False
         self.entries: dict[str, NumberEntry] = {}

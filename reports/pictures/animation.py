@@ -7,6 +7,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -31,9 +32,9 @@ from longwave.reports.pictures.lattice_figures import lattice_snapshots
 from longwave.reports.pictures.plotting import Source, default_output, read_source, shown_half_width
 from longwave.reports.pictures.run_quantities import RunFrame, check_run, frame_of
 from longwave.runs.run_file import SWEPT, names_a_run
-from longwave.scenes import any_scene
-from longwave.scenes.chain import Scene
-from longwave.scenes.lattice_scene import MOST_TIMES, LatticeScene
+from longwave.scenes import named_scenes
+from longwave.scenes.scene import Scene
+from longwave.scenes.scene_checks import MOST_TIMES
 from longwave.support.command_line import fail, fail_for_memory, interrupted, one_line
 from longwave.support.console import check_output, plain_console, progress_bar
 from longwave.support.request_limits import Announcer, ExpectedCost, check_request
@@ -120,7 +121,7 @@ def animate(
     else:
         scene = _scene_of_film(found, options)
         told(_check_cost(scene.name, options, options.count, path, scene.expected_cost()))
-        data = any_scene.run(scene, progress, announce)
+        data = named_scenes.run(scene, progress, announce)
     shown = _within(data, options.times)
     count = shown.sizes["time"]
     told(_check_cost("the film", options, count, path, ExpectedCost()))
@@ -155,47 +156,33 @@ def _check_cost(
     return cost.seconds
 
 
-def _scene_of_film(found: Scene | LatticeScene, options: FilmOptions) -> Scene | LatticeScene:
-    """The scene at the times of the film's frames."""
-    if isinstance(found, LatticeScene):
-        return _lattice_frames(found, options)
-    first, last = options.times or (found.t0, found.end)
-    if first < found.t0:
-        raise ValueError(f"times must begin at t0 = {found.t0:g} or later, got {first:g}")
-    sites = 2 * found.compared + 1
-    if sites * options.count > MOST_NUMBERS:
+def _scene_of_film(scene: Scene, options: FilmOptions) -> Scene:
+    """The scene at the times of the film's frames, as many as it may have."""
+    scene.check_compared()
+    count = options.count if scene.has_moving_wave else min(options.count, MOST_TIMES)
+    sites = 2 * scene.cells_within(1) + 1
+    if sites * count > MOST_NUMBERS:
         raise ValueError(
             f"compared sites in all frames must be at most {MOST_NUMBERS:.0e}, got "
-            f"{sites} x {options.count} (take a shorter duration, fewer fps or fewer sites)"
+            f"{sites} x {count} (take a shorter duration, fewer fps or fewer sites)"
         )
-    moments = _distinct(np.linspace(first, last, options.count))
-    return found.changed(snapshots=moments, observables=("strain",))
+    if scene.slow_times and options.times is None:
+        return scene.changed(slow_times=_frames(scene.slow_times, count))
+    begin, end = scene.t0, scene.snapshots[-1:]
+    if scene.slow_times:
+        from longwave.scenes.lattice_derivation import derivation
 
-
-def _lattice_frames(scene: LatticeScene, options: FilmOptions) -> LatticeScene:
-    """The scene at the times of the film's frames, as many as such a scene may have.
-
-    It begins where it did: frames that begin later come after that moment.
-    """
-    from longwave.scenes.lattice_derivation import derivation
-    from longwave.scenes.lattice_run import lattice_times
-
-    scene.check_compared()
-    if options.times is None:
-        named = "times" if scene.times else "slow_times"
-        own = getattr(scene, named)
-        count = min(options.count, MOST_TIMES)
-        return scene.changed(**{named: _distinct(np.linspace(own[0], own[-1], count))})
-    begin = lattice_times(scene, derivation(scene).slow)[0]
-    first, last = options.times
+        begin = scene.lattice_times(derivation(scene).slow)[0]
+    first, last = options.times or (begin, *end)
     if first < begin:
         raise ValueError(f"times must begin at {begin:g} or later, got {first:g}")
-    moments = np.linspace(first, last, min(options.count, MOST_TIMES - 1))
-    return scene.changed(times=_distinct(np.append(begin, moments)), slow_times=())
+    moments = _frames((first, last), count)
+    return scene.changed(slow_times=(), t0=begin, snapshots=moments, observables=("strain",))
 
 
-def _distinct(times: Array) -> tuple[float, ...]:
-    return tuple(np.unique(times).tolist())
+def _frames(times: Sequence[float], count: int) -> tuple[float, ...]:
+    """Moments, evenly spaced, from the first of the times to the last."""
+    return tuple(np.unique(np.linspace(times[0], times[-1], count)).tolist())
 
 
 def _within(data: xr.Dataset, times: tuple[float, float] | None) -> xr.Dataset:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from longwave.reports.pictures.growth_figures import GrowthCurve, GrowthPanel, ModulationMap
 
 if TYPE_CHECKING:
-    from longwave.scenes.lattice_scene import LatticeScene
+    from longwave.scenes.scene import Scene
 
 Array = NDArray[np.float64]
 
@@ -288,10 +288,9 @@ def _rates(p: Array, q: Array, amplitude: float, kappa: Array | float) -> Array:
         return np.asarray(np.sqrt(np.maximum(squared_rate(p, q, amplitude, kappa), 0.0)))
 
 
-def _scene(cell: xr.Dataset) -> LatticeScene:
+def _scene(cell: xr.Dataset) -> Scene:
     """The scene of one cell; ValueError if the file does not hold it."""
     from longwave.runs.sweep_scene import changed_document, make_scene
-    from longwave.scenes.lattice_scene import LatticeScene
 
     try:
         document = json.loads(cell.attrs["sweep"])["scene"]
@@ -300,12 +299,9 @@ def _scene(cell: xr.Dataset) -> LatticeScene:
             for name in cell.coords
             if "field" in cell[name].attrs
         }
-        scene = make_scene(changed_document(document, changes), "scene", Path())
+        return make_scene(changed_document(document, changes), "scene", Path())
     except (KeyError, TypeError, AttributeError, RecursionError) as error:
         raise ValueError(f"sweep must hold its scene, got {error}") from None
-    if not isinstance(scene, LatticeScene):
-        raise ValueError(f"scene must name a lattice, got {scene.name}")
-    return scene
 
 
 def _value(held: Any) -> Any:

@@ -15,7 +15,7 @@ from longwave.reports.pictures.drawing import (
     snapshot_figure,
     styled,
 )
-from longwave.scenes.chain import Scene
+from longwave.scenes.scene import Scene
 
 Runs = Mapping[str, xr.Dataset]
 
@@ -106,7 +106,7 @@ def draw_snapshots(figure: SnapshotFigure, runs: Runs, scenes: Mapping[str, Scen
 
 def snapshots(run: xr.Dataset, scene: Scene, half_width: int) -> Iterator[Snapshot]:
     """Yield the run's snapshots, cut to the sites shown."""
-    speed = scene.constants.sound_speed()
+    speed = scene.model.sound_speed()
     for time in run["time"].values:
         at = run.sel(time=time, site=slice(-half_width, half_width))
         offset = at["n"].values - speed * time

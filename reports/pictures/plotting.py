@@ -46,11 +46,12 @@ from longwave.reports.pictures.run_quantities import (
 from longwave.reports.pictures.sweep_plotting import SWEEP_PICTURES, Choice, is_sweep, sweep_parts
 from longwave.runs import load_run
 from longwave.runs.run_file import REMEDY, names_a_run
-from longwave.scenes.any_scene import load_scene
-from longwave.scenes.chain import Scene, run
 from longwave.scenes.chain.observables import MEASURED
+from longwave.scenes.chain.scene_run import run
 from longwave.scenes.chain.stated_run import UnfinishedRun
-from longwave.scenes.lattice_scene import MOST_TIMES, LatticeScene
+from longwave.scenes.named_scenes import load_scene
+from longwave.scenes.scene import Scene
+from longwave.scenes.scene_checks import MOST_TIMES
 from longwave.support.command_line import fail, fail_for_memory, interrupted, one_line
 from longwave.support.console import check_output, picture_path, plain_console, progress_bar
 from longwave.support.request_limits import Announcer
@@ -71,7 +72,7 @@ LOOKS, LATTICE_LOOKS = 201, 101
 """Times of map and crest track where the scene does not state any; of a scene on any lattice, whose
 snapshots they are."""
 
-Source = xr.Dataset | Scene | LatticeScene | str | Path
+Source = xr.Dataset | Scene | str | Path
 
 
 @dataclass(frozen=True)
@@ -115,12 +116,7 @@ def plot(
     found = read_source(source)
     of_sweep = isinstance(found, xr.Dataset) and is_sweep(found)
     _check_words(of_sweep, kind, at or {}, variable)
-    if isinstance(found, Scene):
-        data = run(_for_pictures(found, kind), progress, announce)
-    elif isinstance(found, LatticeScene):
-        data = _run_of_lattice(found, kind, progress, announce)
-    else:
-        data = found
+    data = found if isinstance(found, xr.Dataset) else _run(found, kind, progress, announce)
     with styled(), warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Glyph .* missing from font")
         figure = _draw_sweep(data, kind, at or {}, variable) if of_sweep else _draw(data, kind)
@@ -145,24 +141,30 @@ def _check_words(of_sweep: bool, kind: str, at: Choice, variable: str) -> None:
         )
 
 
-def _run_of_lattice(
-    scene: LatticeScene, kind: str, progress: Progress | None, announce: Announce | None
+def _run(
+    scene: Scene, kind: str, progress: Progress | None, announce: Announce | None
 ) -> xr.Dataset:
-    """Run a scene on any lattice at its own times and, where curves are drawn, between them."""
+    """Run a scene for what the pictures need.
+
+    Where it has observables these are asked for; others are run at their own times and, where
+    curves are drawn, between them.
+    """
+    if scene.has_moving_wave:
+        return run(_for_pictures(scene, kind), progress, announce)
     if scene.is_growth:
         return scene.run(progress, announce)
-    named = "slow_times" if scene.slow_times else "times"
+    named = "slow_times" if scene.slow_times else "snapshots"
     own: tuple[float, ...] = getattr(scene, named)
     times = own
     if kind not in ("snapshots", "spectra") and len(own) + LATTICE_LOOKS <= MOST_TIMES:
         times = tuple(sorted({*own, *np.linspace(own[0], own[-1], LATTICE_LOOKS).tolist()}))
-    run = scene.changed(**{named: times}).run(progress, announce)
-    return with_looks(run, frame_of(run)).isel(time=[times.index(t) for t in own])
+    data = scene.changed(**{named: times}).run(progress, announce)
+    return with_looks(data, frame_of(data)).isel(time=[times.index(t) for t in own])
 
 
-def read_source(source: Source) -> xr.Dataset | Scene | LatticeScene:
+def read_source(source: Source) -> xr.Dataset | Scene:
     """The run or the scene that is meant; ValueError if it is neither, or cannot be read."""
-    if isinstance(source, xr.Dataset | Scene | LatticeScene):
+    if isinstance(source, xr.Dataset | Scene):
         return source
     if not isinstance(source, str | Path):
         raise ValueError(
@@ -211,7 +213,7 @@ def _for_pictures(scene: Scene, kind: str) -> Scene:
 def _draw(data: xr.Dataset, kind: str) -> Figure:
     """Draw the pictures of that kind, one below the other, the run's title above them."""
     frame = frame_of(data)
-    if "lattice_scene" in data.attrs:
+    if "sup_error" in data:
         data = with_looks(data, frame, LEAST_LOOKS if kind == ALL else 2)
     drawn = _pictures(data, kind)
     figure, parts = _stacked(_title(data), [picture.height(data) for picture in drawn])

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NoReturn, cast
+from typing import TYPE_CHECKING, NoReturn
 
 import numpy as np
 import xarray as xr
@@ -19,11 +19,11 @@ from longwave.reports.pictures.run_figures import SpectrumPanel
 from longwave.runs import scene_of_run
 from longwave.runs.own_error import scaled_own_error, wave_size
 from longwave.scenes.chain.observables import amplitudes, cell_width, extremum
-from longwave.scenes.lattice_scene import LatticeScene
+from longwave.scenes.scene import Scene
 from longwave.support.user_files import shown
 
 if TYPE_CHECKING:
-    from longwave.scenes.chain import Scene
+    from longwave.scenes.scene import Scene
 
 Array = NDArray[np.float64]
 
@@ -44,7 +44,7 @@ UNIT_ROUNDOFF = 2.0**-53
 class RunFrame:
     """What places a run: ``eps``, the ``speed`` of its frame, and the ``unit`` of its errors."""
 
-    scene: Scene | LatticeScene
+    scene: Scene
     eps: float
     speed: float
     unit: float
@@ -55,14 +55,14 @@ def frame_of(data: xr.Dataset) -> RunFrame:
     check_run(data)
     try:
         scene = scene_of_run(data)
-        if isinstance(scene, LatticeScene) and scene.is_growth:
+        if scene.is_growth:
             return RunFrame(scene, scene.eps, 0.0, 1.0)
-        if isinstance(scene, LatticeScene):
+        if not scene.has_moving_wave:
             power = int(data["sup_error"].attrs["units"].partition("^")[2] or 1)
             if not 0 <= power <= LARGEST_POWER:
                 raise ValueError(f"errors in units of eps^{power}")
             return RunFrame(scene, scene.eps, float(data.attrs["frame_speed"]), scene.eps**power)
-        return RunFrame(scene, scene.eps, scene.constants.sound_speed(), scene.eps)
+        return RunFrame(scene, scene.eps, scene.model.sound_speed(), scene.eps)
     except (KeyError, TypeError, ValueError) as error:
         reason = " ".join(str(error).split())[:150]
         raise ValueError(
@@ -170,7 +170,7 @@ def own_relative_error(
     _, here, there = np.intersect1d(times, data["time"].values, return_indices=True)
     found[here] = own[there]
     known = np.isfinite(found)
-    scene = cast("Scene", frame.scene)
+    scene = frame.scene
     found[known] /= [wave_size(scene, float(t), far_field) for t in times[known]]
     return found
 
@@ -188,7 +188,7 @@ def with_looks(data: xr.Dataset, frame: RunFrame, least: int = LEAST_LOOKS) -> x
     strain, background, sites = (
         np.asarray(line[name], dtype=float) for name in ("strain", "background", "n")
     )
-    carried = getattr(frame.scene, "is_envelope", False)
+    carried = frame.scene.is_envelope
     background = 0.0 * background if carried else background
     crests = [_crest(*row) for row in zip(strain, background, sites, strict=True)]
     position, height = np.array(crests).T

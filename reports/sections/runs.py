@@ -16,7 +16,8 @@ from longwave.reports.paper import cited
 from longwave.reports.pictures.drawing import CostPanel, Snapshot
 from longwave.reports.pictures.paper_figures import ERROR_FIGURES, SNAPSHOT_FIGURES, snapshots
 from longwave.reports.studies.lattice_cost import PeakError, peak_laws
-from longwave.scenes.chain import Scene, load_scene
+from longwave.scenes.named_scenes import load_scene
+from longwave.scenes.scene import Scene
 
 if TYPE_CHECKING:
     from longwave.reports.studies.claims import Claim, Measurement
@@ -117,7 +118,12 @@ def figure_entries(scenes: Mapping[str, Scene]) -> list[dict[str, Any]]:
 
 def caption_part(scene: Scene) -> str:
     """Return the scene's wave, parameters and constants as LaTeX, and the time it starts from."""
-    given = [("K_2", scene.K2), ("K_4", scene.K4), (r"\epsilon", scene.eps), ("t_0", scene.t0)]
+    given = [
+        ("K_2", scene.model.K2),
+        ("K_4", scene.model.K4),
+        (r"\epsilon", scene.eps),
+        ("t_0", scene.t0),
+    ]
     named = {"alpha": r"\alpha"}
     parameters = [(named.get(name, name), value) for name, value in scene.parameters]
     values = ", ".join(

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from longwave.lattice.schemes import Scheme, scheme_named, stability_limit
 from longwave.lattice.stepper import advance
-from longwave.scenes.chain.scene import Scene
+from longwave.scenes.scene import Scene
 
 __all__ = ["CausalReference", "CausalRun", "SoftenedError"]
 
@@ -126,7 +126,7 @@ class CausalReference:
     @cached_property
     def _cone(self) -> "_Cone":
         """The sites that matter; the speed is that of the data within reach."""
-        assumed = ROOM * self.scene.constants.sound_speed()
+        assumed = ROOM * self.scene.model.sound_speed()
         while True:
             first, last = _Cone(self.scene, assumed).needed(self.scene.t0)
             fastest = self._faster * self._fastest(self._data(first, last).y)
@@ -136,7 +136,7 @@ class CausalReference:
         first, last = _Cone(self.scene, fastest).needed(self.scene.t0)
         data = self._data(first, last)
         small = QUIET * float(np.max(np.abs(data.y)))
-        speed = self.scene.constants.sound_speed()
+        speed = self.scene.model.sound_speed()
         loud = [
             np.flatnonzero(np.maximum(np.abs(data.y - end), np.abs(data.s) / speed) > small)
             for end in (data.y[0], data.y[-1])
@@ -150,7 +150,7 @@ class CausalReference:
 
     def _fastest(self, strain: Array) -> float:
         """The fastest signal about the strains, not slower than the frame."""
-        constants = self.scene.constants
+        constants = self.scene.model
         stiffness = constants.stiffness(strain)
         largest = float(np.max(np.abs(strain), initial=0.0))
         if not (np.all(stiffness > 0) and largest < LARGEST):
@@ -170,7 +170,7 @@ class CausalReference:
                 until = stop if block == blocks else begin + (stop - begin) * block / blocks
                 steps = math.ceil((until - t) / step)
                 y, s = cone.closed(t, span.y, span.s)
-                advance(self._scheme, y, s, (until - t) / steps, steps, scene.constants)
+                advance(self._scheme, y, s, (until - t) / steps, steps, scene.model)
                 held = _Span(span.first - cone.room, y, s)
                 t = until
                 first, last = cone.needed(t)

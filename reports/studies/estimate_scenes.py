@@ -16,7 +16,8 @@ from dataclasses import dataclass
 
 from scipy.special import ellipkm1
 
-from longwave.scenes.chain.scene import ENGINES, Scene
+from longwave.scenes.numerics import ENGINES
+from longwave.scenes.scene import Scene
 
 __all__ = ["BUDGET", "WAVES", "RandomScene", "predicted_seconds", "random_scene"]
 
@@ -120,7 +121,7 @@ def predicted_seconds(scene: Scene, shape: WaveShape, e: float) -> float:
     all sites count that sound reaches. On a spectral ring: its points, and the steps in which the
     wave's phase turns.
     """
-    way = scene.constants.sound_speed() * (scene.end - scene.t0)
+    way = scene.model.sound_speed() * (scene.end - scene.t0)
     tolerance = scene.target.tolerance / max(1.0, shape.largest)
     cone = 2.0 * scene.compared + 500.0 + 2.0 * way
     window = 2.0 * scene.compared + 1000.0 + 60.0 / e + 0.2 * min(e, 2.0) ** 2 * way

@@ -26,9 +26,11 @@ from longwave.lattice.schemes import (
 from longwave.lattice.stepper import Stepper, advance
 from longwave.reports.studies.doubledouble_ring import advance_doubled, doubled
 from longwave.reports.studies.travelling_waves import TravellingWave, fastest_mode, travelling_wave
-from longwave.scenes.chain import Scene, load_scene, resume, run
 from longwave.scenes.chain.domain import SiteRing, Window
+from longwave.scenes.chain.scene_run import resume, run
 from longwave.scenes.chain.trust import UNIT_ROUNDOFF, horizon
+from longwave.scenes.named_scenes import load_scene
+from longwave.scenes.scene import Scene
 from longwave.support.processes import Job, Key
 
 Array = NDArray[np.float64]
@@ -186,9 +188,9 @@ def _first_soft_site(scene: Scene) -> tuple[float, int]:
     y, s = doubled(state.y), doubled(state.s)
     h = scene.discretisation.step
     for step in range(1, round((scene.end - scene.t0) / h) + 1):
-        advance_doubled(KAHAN_LI_8, y, s, h, 1, scene.constants)
+        advance_doubled(KAHAN_LI_8, y, s, h, 1, scene.model)
         state.y[:] = y[:, 0]
-        soft = scene.constants.stiffness(state.y) <= 0.0
+        soft = scene.model.stiffness(state.y) <= 0.0
         if soft.any():
             sites = state.sites
             return scene.t0 + step * h, int(sites[soft[sites % state.size]][0])
@@ -228,7 +230,7 @@ def _wrong_feed() -> Reading:
         state = window.start()
         amplitude = float(np.max(np.abs(state.y)))
         window.moving = replace(window.moving, eps=factor * scene.eps)
-        run = Stepper(state, stated.table, scene.constants, window, stated.step, amplitude)
+        run = Stepper(state, stated.table, scene.model, window, stated.step, amplitude)
         found.append((sum(1 for _ in run.through([0.0])), run.blow_up, window.mismatch))
     (sound_moves, sound_end, mismatch), (moves, end, _) = found
     stopped = end is not None and sound_end is None and sound_moves > 1
@@ -408,7 +410,7 @@ def _time_reversal() -> Reading:
     y, s = measured.state_y.values[0].copy(), measured.state_s.values[0].copy()
     before = y.copy()
     for _ in range(2):
-        advance(KAHAN_LI_8, y, s, 0.5, 400, scene.constants)
+        advance(KAHAN_LI_8, y, s, 0.5, 400, scene.model)
         s *= -1.0
     return Reading(float(np.max(np.abs(y - before))) / scene.eps, "kahan_li_8, 800 steps")
 

@@ -18,18 +18,13 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from longwave.lattice.schemes import SCHEMES, scheme_named, stability_limit
 from longwave.lattice.spectral.evolution import SpectralRing
-from longwave.scenes.chain import (
-    SCHEMES,
-    Scene,
-    load_scene,
-    rational_family_scenes,
-    run,
-    scheme_named,
-    stability_limit,
-)
-from longwave.scenes.chain.scene import EPS, ORDERS, Tolerance
+from longwave.scenes.chain.scene_run import run
 from longwave.scenes.chain.spectral_data import RingPlace, ring_data
+from longwave.scenes.named_scenes import EPS, ORDERS, load_scene, rational_family_scenes
+from longwave.scenes.numerics import Tolerance
+from longwave.scenes.scene import Scene
 from longwave.support.processes import Job, Key
 
 Array = NDArray[np.float64]
@@ -102,7 +97,7 @@ def work_precision(problem: str) -> list[CostPoint]:
 
 def by_scheme(scene: Scene, name: str, share: float) -> Scene:
     """The scene with a scheme at a share of its largest stable step."""
-    fastest = 2.0 * scene.constants.sound_speed(scene.eps * 5.0)
+    fastest = 2.0 * scene.model.sound_speed(scene.eps * 5.0)
     return scene.changed(scheme=name, step=share * stability_limit(scheme_named(name)) / fastest)
 
 
@@ -125,7 +120,7 @@ def march_seconds(scene: Scene, found: xr.Dataset) -> float:
     ring = RingPlace(float(found.attrs["circumference"]))
     state, step = data.state(ring, int(found.attrs["sites"])), float(found.attrs["step"])
     begun = time.perf_counter()
-    SpectralRing(scene.constants, state, step, absorbed=data.absorbed).at(scene.end)
+    SpectralRing(scene.model, state, step, absorbed=data.absorbed).at(scene.end)
     return time.perf_counter() - begun
 
 
@@ -214,7 +209,7 @@ def at_eps(eps: float, judged: bool) -> list[ScalingPoint]:
     base = replace(to_peak(-end), eps=eps, compared=round(COMPARED_X / eps))
     found = run(spectral(base, SPECTRAL_TOLERANCE))
     whole = float(found.attrs["seconds"] + found.attrs["planning_seconds"])
-    wide = 2 * round(base.constants.sound_speed() * (base.end - base.t0)) + 2 * base.compared
+    wide = 2 * round(base.model.sound_speed() * (base.end - base.t0)) + 2 * base.compared
     sites = max(2048, round(WINDOW_X / eps))
     rk4 = _scaled(base, "rk4", RK4_STEP, sites)
     points = [

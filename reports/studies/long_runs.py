@@ -11,11 +11,14 @@ from typing import Any
 
 import xarray as xr
 
+from longwave.lattice.schemes import scheme_named
 from longwave.lattice.trial import Progress
-from longwave.scenes.chain import Discretisation, Scene, load_scene, run, scheme_named
 from longwave.scenes.chain.moving_wave import find_bounds
-from longwave.scenes.chain.scene import scene_of
+from longwave.scenes.chain.scene_run import run
 from longwave.scenes.chain.stencil_search import PREFERRED, least_sites, longest_step
+from longwave.scenes.named_scenes import load_scene, scene_of
+from longwave.scenes.numerics import Discretisation
+from longwave.scenes.scene import Scene
 from longwave.support.processes import Job, Key
 
 LONG_SCENES = ("breather_sn_k_0.7_long", "rogue_cn_k_0.5_long", "soliton_dn_k_0.7_long")
@@ -73,7 +76,7 @@ def site_by_site(scene: Scene, share: float) -> Scene:
     """The scene on a ring of whole sites whose seam is out of hearing, with its step stated."""
     scheme, moving = scheme_named(PREFERRED), scene.moving_wave
     bounds = find_bounds(moving, scene.target.tolerance)
-    step = share * longest_step(scene.constants, scheme, bounds)
+    step = share * longest_step(scene.model, scheme, bounds)
     sites = least_sites(moving, "ring", bounds)
     return replace(scene, numerics=Discretisation(step, "ring", sites, PREFERRED))
 

@@ -5,11 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from longwave.scenes.lattice_scene import (
-    LatticeScene,
-    load_lattice_scene,
-    shipped_lattice_scenes,
-)
+from longwave.scenes.named_scenes import lattice_scenes, load_scene
+from longwave.scenes.scene import Scene
 from longwave.support.processes import Job, Key, Progress
 
 if TYPE_CHECKING:
@@ -25,7 +22,7 @@ USUAL = 1.0
 class SceneRun:
     """A scene's run as `LatticeRun.dataset`, or in words why there is none."""
 
-    scene: LatticeScene
+    scene: Scene
     run: xr.Dataset | None
     fault: str = ""
 
@@ -34,16 +31,14 @@ class SceneRun:
         """Whether it came to its end within its tolerance, by its own estimate."""
         if self.run is None:
             return False
-        return float(self.run.attrs["error_estimate"]) <= self.scene.tolerance
+        return float(self.run.attrs["error_estimate"]) <= self.scene.target.tolerance
 
 
 def scene_run(name: str, progress: Progress = lambda _: None) -> SceneRun:
     """Run the shipped scene of that name; what it refuses is kept as the fault."""
-    from longwave.scenes.lattice_run import run_lattice_scene
-
-    scene = load_lattice_scene(name)
+    scene = load_scene(name)
     try:
-        return SceneRun(scene, run_lattice_scene(scene, progress).dataset)
+        return SceneRun(scene, scene.run(progress))
     except ValueError as error:
         return SceneRun(scene, None, str(error))
 
@@ -52,5 +47,5 @@ def scene_run_jobs() -> dict[Key, Job]:
     """A job a scene."""
     return {
         ("scene", name): Job(scene_run, (name,), SECONDS.get(name, USUAL), tells=True)
-        for name in shipped_lattice_scenes()
+        for name in lattice_scenes()
     }

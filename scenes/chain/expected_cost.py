@@ -11,15 +11,13 @@ import math
 from dataclasses import dataclass, replace
 
 from longwave.scenes.chain.observables import MAP_CELLS, Observable, observable_named
-from longwave.scenes.chain.scene import Scene
+from longwave.scenes.chain.scene_run import PROCESS_SECONDS
 from longwave.scenes.chain.stated_run import SECONDS_PER_UPDATE, refinements, stated_seconds
+from longwave.scenes.scene import Scene
 from longwave.support.request_limits import ExpectedCost, check_request
 
 PROCESS_BYTES = 2.8e8
 """Of a process that has run something small and made its data set."""
-
-PROCESS_SECONDS = 1.0
-"""For imports, what is loaded and what is written."""
 
 SITE_BYTES = 280.0
 """Of a run, for each site: 130 with a soliton, 280 with a rational wave."""
@@ -104,7 +102,7 @@ def least_cost(scene: Scene) -> ExpectedCost:
     extra = SECONDS_PER_UPDATE * seen.exact * stated.table.stages * stated.sites
     moves = 0.0
     if stated.domain == "window":
-        moves = (scene.end - scene.t0) * scene.constants.sound_speed() / 64.0
+        moves = (scene.end - scene.t0) * scene.model.sound_speed() / 64.0
     kept = seen.values + (2 * scene.compared + 1) * len(scene.snapshots) * len(measures)
     return ExpectedCost(
         stated_seconds(scene)

@@ -18,8 +18,8 @@ from longwave.scenes.chain.observables import (
 )
 
 if TYPE_CHECKING:
-    from longwave.scenes.chain.scene import Scene
     from longwave.scenes.chain.view import View
+    from longwave.scenes.scene import Scene
     from longwave.support.checkpoint import Memory
 
 Array = NDArray[np.float64]

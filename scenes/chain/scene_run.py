@@ -16,7 +16,6 @@ import numpy as np
 from longwave.lattice.model import State
 from longwave.lattice.refine import Announce
 from longwave.lattice.trial import Progress
-from longwave.scenes.chain.scene import Scene, scene_of
 from longwave.scenes.chain.spectral_run import run_spectral, spectral_seconds
 from longwave.scenes.chain.stated_run import (
     RunRecord,
@@ -25,8 +24,10 @@ from longwave.scenes.chain.stated_run import (
 )
 from longwave.scenes.chain.stencil_search import run_stencil, stencil_seconds
 from longwave.scenes.chain.trust import check_trust, trust_attributes
+from longwave.scenes.named_scenes import scene_of
+from longwave.scenes.scene import Scene
 from longwave.support.checkpoint import spared_seconds
-from longwave.support.request_limits import Announcer
+from longwave.support.request_limits import Announcer, ExpectedCost, is_too_much
 from longwave.support.user_files import shown
 
 if TYPE_CHECKING:
@@ -136,6 +137,29 @@ def record_scene(
         return run_from(scene, scene.moving_wave, None, progress)
     check_trust(scene)
     return run_to_tolerance(scene, progress, announce)
+
+
+PROCESS_SECONDS = 1.0
+"""For imports, what is loaded and what is written, once in a process."""
+
+
+def run_scene(
+    scene: Scene, progress: Progress | None = None, announce: Announce | None = None
+) -> "xr.Dataset":
+    """`run`, with what can be trusted of the run."""
+    return record_with_trust(scene, progress, announce).dataset
+
+
+def scene_cost(scene: Scene) -> ExpectedCost:
+    """What a run is expected to cost, in a process that has just begun.
+
+    What is known to be beyond the limits from the scene alone is not looked at any further. Raises
+    ValueError for what no scene can be run with.
+    """
+    from longwave.scenes.chain.expected_cost import expected_cost, least_cost
+
+    least = least_cost(scene)
+    return least if is_too_much(least) else expected_cost(scene)
 
 
 def record_with_trust(

@@ -18,7 +18,6 @@ from longwave.lattice.spectral.ring import ALIKE, telling_step
 from longwave.lattice.trial import Progress, Trial
 from longwave.scenes.chain.moving_wave import MovingWave
 from longwave.scenes.chain.recorders import Recorder, build_recorders
-from longwave.scenes.chain.scene import Scene
 from longwave.scenes.chain.spectral_data import (
     RingData,
     SpectralCost,
@@ -36,6 +35,7 @@ from longwave.scenes.chain.stated_run import (
     unfinished,
 )
 from longwave.scenes.chain.view import View
+from longwave.scenes.scene import Scene
 
 START_SECONDS = 0.08
 """Before the first step, measured with the planning."""
@@ -199,7 +199,7 @@ def _recorded(
         sites = moving.compared_sites(t)
         state = empty_state(t, int(sites[0]), sites.size)
         state.store(sites, row * moving.eps, np.zeros(sites.size))
-        fault = find_blow_up(scene.constants, state, amplitude)
+        fault = find_blow_up(scene.model, state, amplitude)
         if fault is not None:
             reached = tuple(seen for seen in scene.snapshots if seen < t)
             break

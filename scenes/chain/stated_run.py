@@ -33,8 +33,8 @@ from longwave.scenes.chain.recorders import (
     Variables,
     build_recorders,
 )
-from longwave.scenes.chain.scene import Scene
 from longwave.scenes.chain.view import View
+from longwave.scenes.scene import Scene
 from longwave.support.checkpoint import Memory, begin_loop
 from longwave.support.provenance import provenance
 
@@ -150,11 +150,11 @@ def prepare(
     domain, step = build_domain(scene, moving), scene.discretisation.step
     scheme = scene.discretisation.table
     initial = domain.start()
-    limit = check_step(step, scheme, scene.constants.highest_frequency(initial.y))
-    advance(scheme, initial.y, initial.s, step, 0, scene.constants)
+    limit = check_step(step, scheme, scene.model.highest_frequency(initial.y))
+    advance(scheme, initial.y, initial.s, step, 0, scene.model)
     state = initial if restart is None else restart
     amplitude = float(np.max(np.abs(initial.y)))
-    return Stepper(state, scheme, scene.constants, domain, step, amplitude), limit
+    return Stepper(state, scheme, scene.model, domain, step, amplitude), limit
 
 
 def record(

@@ -37,7 +37,6 @@ from longwave.scenes.chain.domain import (
 from longwave.scenes.chain.moving_wave import MovingWave, WaveBounds, find_bounds
 from longwave.scenes.chain.observables import observable_named
 from longwave.scenes.chain.recorders import StrainSamples, moments_of
-from longwave.scenes.chain.scene import Discretisation, Scene
 from longwave.scenes.chain.stated_run import (
     SECONDS_PER_UPDATE,
     START_SECONDS,
@@ -46,6 +45,8 @@ from longwave.scenes.chain.stated_run import (
     run_from,
     unfinished,
 )
+from longwave.scenes.numerics import Discretisation
+from longwave.scenes.scene import Scene
 
 PREFERRED = "reduced_phase_6"
 """Fewest force evaluations for sup errors from 1e-2 to 1e-9 of those in the table."""
@@ -173,7 +174,7 @@ class StencilEngine:
         self.kinds: tuple[Kind, ...] = ("step", "domain") if self._domain == "window" else ("step",)
         self.safety = WINDOW_SAFETY if self._domain == "window" else SAFETY
         self._least = self._ring = _checked(least_sites(moving, self._domain, self._bounds))
-        self._longest = longest_step(scene.constants, scheme, self._bounds)
+        self._longest = longest_step(scene.model, scheme, self._bounds)
         stated = Discretisation(self._longest, self._domain, self._least, scheme.name)
         self._base = replace(scene, numerics=stated)
         exact = exact_times(self._base)
@@ -301,7 +302,7 @@ def stencil_seconds(scene: Scene) -> float:
     """What a window would take, or on a periodic background a ring."""
     moving = scene.moving_wave
     scheme, bounds = scheme_named(PREFERRED), find_bounds(moving, scene.target.tolerance)
-    steps = moving.duration / longest_step(scene.constants, scheme, bounds)
+    steps = moving.duration / longest_step(scene.model, scheme, bounds)
     sites = least_sites(moving, domain_kind(scene, moving), bounds)
     return START_SECONDS + SECONDS_PER_UPDATE * steps * scheme.stages * sites
 

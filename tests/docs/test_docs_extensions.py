@@ -12,7 +12,8 @@ import lists
 from docstrings import as_restructured_text
 from house import HOUSE, ROOMS, modules, packages
 from longwave import CATALOGUE
-from longwave.scenes.chain import SCHEMES, further_scenes, shipped_scenes
+from longwave.lattice.schemes import SCHEMES
+from longwave.scenes.named_scenes import further_scenes, shipped_scenes
 from longwave.verify.published import published
 from reference import write_reference
 from snippets import snippets

@@ -23,8 +23,8 @@ from longwave.cli import run_words
 from longwave.derive.__main__ import CONSTANTS
 from longwave.derive.models.lattices import FPUT_STRAIN
 from longwave.runs import load_run
-from longwave.scenes.chain import ENGINES, further_scenes, shipped_scenes
-from longwave.scenes.lattice_scene import shipped_lattice_scenes
+from longwave.scenes.named_scenes import further_scenes, lattice_scenes, shipped_scenes
+from longwave.scenes.numerics import ENGINES
 
 Output = pytest.CaptureFixture[str]
 HOUSE = Path(__file__).parents[2]
@@ -116,7 +116,7 @@ def test_a_wrong_word_is_one_line_and_status_2(capsys: Output) -> None:
         (["converge", "toda_soliton", "--eps", "0.1,x"], "--eps must be numbers with commas"),
         (["converge", "toda_soliton", "--eps", "0.1,0.1,0.2"], "eps must be 3 to 20 different"),
         (["converge", "toda_soliton", "--output", "rate.txt"], "must be a path ending in .png"),
-        (["converge", "rogue_cn_k_0.5"], "scene must name a lattice to be run at several eps"),
+        (["converge", "rogue_cn_k_0.5"], "tolerance must be given for this, got a stated step"),
         (["run", "toda_soliton", "--engine", "stencil"], "--engine must not be given for a scene"),
         (["list", "wavse"], "'wavse' is not one of 'lattices', 'waves'"),
         (["--completion", "tcsh"], "'tcsh' is not one of 'bash', 'zsh', 'fish'"),
@@ -136,7 +136,7 @@ def test_wrong_input_is_one_line_and_status_2(
 def test_what_is_declared_is_what_the_rooms_take() -> None:
     assert run_words.ENGINES == ENGINES
     assert tuple(str(constant) for constant in FPUT_STRAIN.constants) == CONSTANTS
-    known = (*shipped_scenes(), *further_scenes(), *shipped_lattice_scenes())
+    known = (*shipped_scenes(), *further_scenes(), *lattice_scenes())
     assert run_words.scene_names() == sorted(known)
 
 

@@ -39,11 +39,13 @@ from longwave.lattice import (
 )
 from longwave.lattice.model import BlowUp
 from longwave.lattice.numeric_lattice import NumericLattice, numeric_lattice
-from longwave.scenes.chain import OBSERVABLES, Discretisation, Scene, Tolerance, load_scene
+from longwave.scenes.chain.observables import OBSERVABLES
 from longwave.scenes.chain.stated_run import RunRecord
 from longwave.scenes.lattice_derivation import derivation
 from longwave.scenes.lattice_run import LatticeRun, run_lattice_scene
-from longwave.scenes.lattice_scene import LatticeScene
+from longwave.scenes.named_scenes import load_scene
+from longwave.scenes.numerics import Discretisation, Tolerance
+from longwave.scenes.scene import Scene
 from longwave.solutions import CATALOGUE, ClosedForm, Wave, closed_form, rational
 from longwave.verify.proof import Domain, rational_facts
 from longwave.verify.proof.statement_text import read_statement
@@ -88,7 +90,7 @@ def peregrine() -> Any:
 @cache
 def short_run() -> LatticeRun:
     return run_lattice_scene(
-        LatticeScene.of(
+        Scene.of(
             name="short", lattice="toda", constants={"a": 1, "b": 1}, eps=0.2, wave="kdv_soliton",
             parameters={"kappa": 2}, slow_times=[0, 0.01], half_width=2, tolerance=0.1,
         )
@@ -185,7 +187,6 @@ MADE: Mapping[str, tuple[Callable[[], Any], Callable[[Any], Any] | None]] = {
     "StatementVerdict": (lambda: decide_statement(STATEMENT()), methodcaller("json")),
     "MovingWave": (lambda: scene().moving_wave, methodcaller("initial_data", SITES)),
     "RunRecord": (lambda: RunRecord(scene(), [0.0], ERROR, {}), methodcaller("values", "error")),
-    "LatticeScene": (lambda: short_run().scene, methodcaller("json")),
     "LatticeDerivation": (lambda: derivation(short_run().scene), methodcaller("text")),
     "LatticeRun": (short_run, attrgetter("errors")),
 }

@@ -10,8 +10,8 @@ from longwave.cli.command_tree import PICTURES
 from longwave.reports.pictures import plotting as drawing
 from longwave.reports.pictures.plotting import ALL
 from longwave.reports.pictures.plotting import PICTURES as KINDS
-from longwave.scenes.chain import load_scene
 from longwave.scenes.chain.stated_run import RunRecord, UnfinishedRun
+from longwave.scenes.named_scenes import load_scene
 
 Output = pytest.CaptureFixture[str]
 

@@ -16,7 +16,7 @@ from longwave.reports.studies.measured_runs import MeasuredRuns
 from longwave.reports.studies.proofs import ProofRecord
 from longwave.reports.studies.published_verdicts import PublishedVerdict
 from longwave.reports.studies.scene_runs import SceneRun
-from longwave.scenes.lattice_scene import load_lattice_scene
+from longwave.scenes.named_scenes import load_scene
 from longwave.verify.evidence.mutations import MutationCount, Survivor
 from longwave.verify.published import chosen
 from longwave.verify.verdict import Outcome
@@ -111,7 +111,7 @@ def test_what_it_takes_is_refused_before_an_engine_is_looked_for(
         findings(undecided=1),
         findings(fails=True),
         findings(library=Outcome.UNDECIDED),
-        findings(scenes={"one": SceneRun(load_lattice_scene("toda_soliton"), None, "blew up")}),
+        findings(scenes={"one": SceneRun(load_scene("toda_soliton"), None, "blew up")}),
     ],
     ids=["form", "blow-up", "misprint", "hard case", "published solution", "other lattice"],
 )

@@ -2,6 +2,7 @@
 
 import pytest
 
+from longwave.lattice.schemes import SCHEMES
 from longwave.reports.latex import escape
 from longwave.reports.pictures.drawing import CostAxes, CostPanel, cost_figure
 from longwave.reports.sections.costs import (
@@ -20,7 +21,6 @@ from longwave.reports.studies.lattice_cost import (
     ScalingPoint,
     scaling_laws,
 )
-from longwave.scenes.chain import SCHEMES
 
 EPSILONS = (0.1, 0.05, 0.025, 0.0125)
 

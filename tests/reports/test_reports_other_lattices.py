@@ -43,7 +43,7 @@ from longwave.reports.studies.proofs import ProofRecord
 from longwave.reports.studies.scene_runs import SceneRun
 from longwave.scenes.convergence import ConvergenceStudy, ErrorAt, FittedRate
 from longwave.scenes.envelope_study import ENVELOPE_CASES
-from longwave.scenes.lattice_scene import load_lattice_scene, shipped_lattice_scenes
+from longwave.scenes.named_scenes import lattice_scenes, load_scene
 from longwave.scenes.rate_cases import RATE_CASES
 from longwave.solutions import CATALOGUE
 from longwave.verify.verdict import Outcome, Verdict
@@ -87,7 +87,7 @@ def run(estimate: float = 1e-6, axes: int = 1) -> xr.Dataset:
     return xr.Dataset(data, coordinates, attributes)
 
 
-SCENE = load_lattice_scene("toda_soliton")
+SCENE = load_scene("toda_soliton")
 
 
 def row_of(name: str, case: str = "") -> list[str]:
@@ -223,7 +223,7 @@ def test_tables_of_nothing_are_latex_still() -> None:
 def test_every_case_and_scene_is_a_job() -> None:
     short, full = chapter_jobs(full=False), chapter_jobs(full=True)
     assert short.keys() < full.keys()
-    assert {name for part, name in short if part == "scene"} == set(shipped_lattice_scenes())
+    assert {name for part, name in short if part == "scene"} == set(lattice_scenes())
     names = {name for name, _ in ENVELOPES}
     assert names <= set(ENVELOPE_CASES)
     assert {name for part, (name, _) in _rates(full)} == set(RATE_CASES) | names
@@ -233,7 +233,7 @@ def test_every_case_and_scene_is_a_job() -> None:
     assert {"6c", "6d"} < set(RATE_CASES)
     short_names = {name for part, (name, _) in _rates(short)}
     assert short_names == set(RATE_CASES) - set(LONG) | {name for name, _ in SHORT_ENVELOPES}
-    assert {*ROGUES, *PEREGRINES} <= set(shipped_lattice_scenes())
+    assert {*ROGUES, *PEREGRINES} <= set(lattice_scenes())
 
 
 def _rates(jobs: Any) -> list[Any]:

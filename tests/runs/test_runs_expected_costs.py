@@ -12,7 +12,7 @@ from longwave.runs.sweep import settled_keys
 from longwave.runs.sweep_cells import Cell, run_cells
 from longwave.runs.sweep_cost import expected_sweep_cost
 from longwave.runs.sweep_file import Sweep, sweep_of
-from longwave.scenes.lattice_scene import load_lattice_scene
+from longwave.scenes.named_scenes import load_scene
 from longwave.support.request_limits import ExpectedCost, RequestLimits
 
 SWEEP = """
@@ -114,8 +114,8 @@ def test_a_large_sweep_is_judged_by_some_of_its_cells(
 
 
 def test_an_exponential_force_is_known_to_cost_more_than_a_polynomial() -> None:
-    toda = load_lattice_scene("toda_soliton")
-    alpha = load_lattice_scene("alpha_fput_soliton")
+    toda = load_scene("toda_soliton")
+    alpha = load_scene("alpha_fput_soliton")
     stiff = toda.changed(constants={"a": 1, "b": 99})
     # the same cells and steps; it took 25 times as long, and for a stiff one 4.3 s at b = 10
     assert toda.expected_cost().steps == pytest.approx(alpha.expected_cost().steps, rel=0.1)
@@ -127,7 +127,7 @@ def test_a_cell_beyond_a_limit_is_tried_again_under_another(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(sweep_cells, "keep_to_one_core", lambda: None)
-    scene = load_lattice_scene("alpha_fput_soliton")
+    scene = load_scene("alpha_fput_soliton")
     cell = Cell(0, "key", scene)
     (tmp_path / "packs").mkdir()
     (tmp_path / "mark").touch()

@@ -8,7 +8,7 @@ from rich.progress import TextColumn
 
 from longwave.__main__ import main
 from longwave.cli import scene_command as cli
-from longwave.scenes.any_scene import load_scene
+from longwave.scenes.named_scenes import load_scene
 from longwave.support import console
 
 SCENE = """

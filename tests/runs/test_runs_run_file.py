@@ -16,10 +16,10 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from longwave.runs import load_run, open_run, save_run, scene_of_run
-from longwave.scenes import any_scene
-from longwave.scenes.chain import Scene, load_scene
+from longwave.scenes import named_scenes
 from longwave.scenes.chain.observables import OBSERVABLES
-from longwave.scenes.lattice_scene import LatticeScene, load_lattice_scene
+from longwave.scenes.named_scenes import load_scene
+from longwave.scenes.scene import Scene
 
 EVERYTHING = tuple(OBSERVABLES)
 RING = Scene.of(
@@ -48,14 +48,12 @@ CHOSEN = RING.changed(
     engine="stencil",
     observables=["strain", "crest_track", "space_time", "spectrum"],
 )
-DIMER = load_lattice_scene("dimer_peregrine").changed(
-    eps=0.15, half_width=2.0, slow_times=[-0.1, 0]
-)
+DIMER = load_scene("dimer_peregrine").changed(eps=0.15, half_width=2.0, slow_times=[-0.1, 0])
 
 
 @pytest.fixture(scope="module", params=[RING, CHOSEN, DIMER], ids=["stated", "chosen", "lattice"])
 def run(request: pytest.FixtureRequest) -> xr.Dataset:
-    return any_scene.run(request.param)
+    return named_scenes.run(request.param)
 
 
 def same_bits(one: xr.Dataset, other: xr.Dataset) -> None:
@@ -74,7 +72,7 @@ def test_a_run_is_read_back_to_the_bit_with_its_scene(run: xr.Dataset, tmp_path:
     same_bits(load_run(path), run)
     with open_run(path) as lazy:
         assert scene_of_run(lazy) in (RING, CHOSEN, DIMER)
-        assert scene_of_run(lazy).title == run.attrs["title"] or isinstance(lazy, LatticeScene)
+        assert scene_of_run(lazy).title == run.attrs["title"]
 
 
 def test_plain_xarray_opens_it_with_units_and_names_on_everything(
@@ -97,7 +95,7 @@ def test_plain_xarray_opens_it_with_units_and_names_on_everything(
 
 
 def test_what_a_tolerance_chose_stands_beside_the_scene() -> None:
-    found = any_scene.run(CHOSEN)
+    found = named_scenes.run(CHOSEN)
     assert scene_of_run(found) == CHOSEN
     assert "step = " in found.attrs["plan"]
     assert found.attrs["error_estimate"] <= 1e-2

@@ -16,15 +16,15 @@ import xarray as xr
 import longwave.runs.run_store
 from longwave.runs.run_file import load_run
 from longwave.runs.run_store import RunStore, UnkeptRunError, code_that_matters
-from longwave.scenes import any_scene
-from longwave.scenes.lattice_scene import load_lattice_scene
+from longwave.scenes import named_scenes
+from longwave.scenes.named_scenes import load_scene
 from longwave.support.provenance import provenance
 from tests.runs.unfinished_scenes import bits, chain
 
 SMALL = chain("small", snapshots=[0, 20], domain="window", step=0.5, sites=640)
 
 
-RUN = any_scene.run
+RUN = named_scenes.run
 
 
 @pytest.fixture
@@ -41,7 +41,7 @@ def runs_made(monkeypatch: pytest.MonkeyPatch) -> list[str]:
         made.append(scene.name)
         return RUN(scene, *rest)
 
-    monkeypatch.setattr(any_scene, "run", run)
+    monkeypatch.setattr(named_scenes, "run", run)
     return made
 
 
@@ -58,7 +58,7 @@ def test_a_scene_is_run_once(store: RunStore, runs_made: list[str]) -> None:
 
 
 def test_what_is_asked_for_makes_another_key(store: RunStore) -> None:
-    toda = load_lattice_scene("toda_soliton")
+    toda = load_scene("toda_soliton")
     others = [
         *(
             SMALL.changed(**one)
@@ -75,8 +75,8 @@ def test_equal_scenes_have_equal_keys(store: RunStore) -> None:
     pairs = [
         (SMALL, SMALL.changed(K3=-0.0)),
         (
-            load_lattice_scene("toda_soliton"),
-            load_lattice_scene("toda_soliton").changed(constants=(("a", 1.0), ("b", 1))),
+            load_scene("toda_soliton"),
+            load_scene("toda_soliton").changed(constants=(("a", 1.0), ("b", 1))),
         ),
     ]
     for one, other in pairs:
@@ -138,7 +138,7 @@ def test_a_damaged_file_is_made_anew_and_told(
 
 
 def test_an_unfinished_run_is_not_kept(store: RunStore) -> None:
-    run = any_scene.run(SMALL).assign_attrs(unfinished="Ctrl-C after t = 3")
+    run = named_scenes.run(SMALL).assign_attrs(unfinished="Ctrl-C after t = 3")
     with pytest.raises(ValueError, match="come to its end"):
         store.keep(SMALL, run)
     assert store.find(SMALL) is None
@@ -154,7 +154,7 @@ def test_a_finished_run_is_not_lost_where_it_cannot_be_written(
         broken.setattr(longwave.runs.run_store, "write_sealed", full)
         with pytest.raises(UnkeptRunError, match="No space left") as caught:
             store.fetch(SMALL)
-    assert bits(caught.value.run) == bits(any_scene.run(SMALL))
+    assert bits(caught.value.run) == bits(named_scenes.run(SMALL))
     assert store.find(SMALL) is None
     assert store.find(SMALL) is None
     assert store.keep(SMALL, caught.value.run) == store.find(SMALL)
@@ -183,13 +183,13 @@ from longwave.scenes import any_scene
 from longwave.runs.run_store import RunStore
 from tests.runs.test_runs_store import SMALL
 
-made = any_scene.run
+made = named_scenes.run
 
 def run(*given):
     print("made", flush=True)
     return made(*given)
 
-any_scene.run = run
+named_scenes.run = run
 RunStore(sys.argv[1]).fetch(SMALL)
 """
 

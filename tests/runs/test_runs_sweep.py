@@ -25,8 +25,8 @@ from longwave.runs.sweep_cost import expected_sweep_cost
 from longwave.runs.sweep_dataset import cell_run, sweep_dataset, write_sweep
 from longwave.runs.sweep_file import Sweep, sweep_of
 from longwave.runs.worker_code import code_here
-from longwave.scenes import any_scene
-from longwave.scenes.any_scene import load_scene
+from longwave.scenes import named_scenes
+from longwave.scenes.named_scenes import load_scene
 from longwave.support.compiled import cores
 from tests.runs.unfinished_scenes import bits
 
@@ -99,7 +99,7 @@ def test_a_sweep_gives_what_its_runs_give_to_the_bit(store: RunStore) -> None:
     assert found.sizes == {"eps": 2, "A": 2, "time": 2, "site": 41, "curve_time": 3}
     assert found.status.values.tolist() == [["done"] * 2] * 2
     for cell, (i, j) in enumerate(np.ndindex(2, 2)):
-        run = any_scene.run(sweep.scene(cell))
+        run = named_scenes.run(sweep.scene(cell))
         xr.testing.assert_identical(
             cell_run(sweep, store, eps=i, A=j).drop_attrs(deep=False), run.drop_attrs(deep=False)
         )
@@ -114,7 +114,7 @@ def test_attributes_come_back_as_they_were(store: RunStore) -> None:
     sweep = small_sweep(eps=[0.1])
     run_sweep(sweep, store, HereWorkers())
     kept = cell_run(sweep, store, eps=0).attrs
-    run = any_scene.run(sweep.scene(0)).attrs
+    run = named_scenes.run(sweep.scene(0)).attrs
     timed = {"seconds", "planning_seconds"}
     assert {k: v for k, v in kept.items() if k not in timed} == {
         k: v for k, v in run.items() if k not in timed
@@ -140,7 +140,7 @@ def test_fields_are_read_when_they_are_used(
     assert "strain" not in read
     part = found.strain.isel(eps=1, A=slice(None), site=[0, 20])
     assert "strain" not in read
-    whole = np.stack([any_scene.run(sweep.scene(cell)).strain.values for cell in (2, 3)])
+    whole = np.stack([named_scenes.run(sweep.scene(cell)).strain.values for cell in (2, 3)])
     np.testing.assert_array_equal(part.values, whole[..., [0, 20]])
     assert "strain" in read
     every = found.strain.values
@@ -191,7 +191,7 @@ def test_errors_of_cells_have_errors_of_their_own(kind: str, store: RunStore) ->
     measured = [found[name][0, -1] for name in ("time_step_error", "domain_error") if name in found]
     told = float(2.0 * sum(measured) if measured else found.error_estimate[0])
     seen = {} if scene is LATTICE else {"observables": ["strain"]}
-    run = any_scene.run(sweep_of({"scene": scene | seen, "grid": {field: values}}).scene(0))
+    run = named_scenes.run(sweep_of({"scene": scene | seen, "grid": {field: values}}).scene(0))
     apart = float(abs(run.strain - run.analytic).max())
     unit = scene["eps"] ** (2 if scene is LATTICE else 1)
     assert own / coarse == pytest.approx(unit * told / apart, rel=0.01)
@@ -207,7 +207,7 @@ def test_a_run_that_measured_none_has_no_error_of_its_own(store: RunStore) -> No
 
 def test_what_is_there_is_not_run_again(store: RunStore) -> None:
     run_sweep(small_sweep(eps=[0.1, 0.2]), store, HereWorkers())
-    store.keep(small_sweep(eps=[0.3]).scene(0), any_scene.run(small_sweep(eps=[0.3]).scene(0)))
+    store.keep(small_sweep(eps=[0.3]).scene(0), named_scenes.run(small_sweep(eps=[0.3]).scene(0)))
     workers = HereWorkers()
     sweep = small_sweep(eps=[0.1, 0.3, 0.4, 0.2])
     state = run_sweep(sweep, store, workers)
@@ -278,9 +278,9 @@ def test_a_run_is_found_whoever_made_it(
     (tmp_path / "small.toml").write_text(text, encoding="utf-8")
     sweep = sweep_of({"scene": "small.toml", "grid": {"eps": [0.1, 0.2]}}, folder=tmp_path)
     scene = load_scene(str(tmp_path / "small.toml"))
-    whole = bits(any_scene.run(scene))
+    whole = bits(named_scenes.run(scene))
     run_sweep(sweep, store, HereWorkers())
-    monkeypatch.setattr(any_scene, "run", None)
+    monkeypatch.setattr(named_scenes, "run", None)
     monkeypatch.setattr(scene_command, "record_with_trust", None)
     options = RunOptions(str(tmp_path / "small.toml"), store=str(store.folder))
     assert run_and_print(options, "longwave run") == 0
@@ -301,7 +301,7 @@ def test_a_run_is_found_whoever_made_it(
         store.run(scene)
 
 
-RUN = any_scene.run
+RUN = named_scenes.run
 
 
 def test_a_cell_that_fails_is_recorded_and_the_others_go_on(
@@ -312,7 +312,7 @@ def test_a_cell_that_fails_is_recorded_and_the_others_go_on(
             raise MemoryError("no room")
         return RUN(scene, **told)
 
-    monkeypatch.setattr(any_scene, "run", run)
+    monkeypatch.setattr(named_scenes, "run", run)
     sweep = small_sweep(eps=[0.1, -1, 0.4, 0.2], **{"parameters.A": [1, -2]})
     state = run_sweep(sweep, store, HereWorkers())
     found = sweep_dataset(sweep, store)
@@ -430,20 +430,20 @@ def _run_long(
 
 
 def test_long_cells_are_runs_of_their_own(store: RunStore, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(any_scene, "run", _run_long)
+    monkeypatch.setattr(named_scenes, "run", _run_long)
     sweep = small_sweep(eps=[0.1, 0.2])
     run_sweep(sweep, store, HereWorkers())
     assert [store.find(sweep.scene(cell)) is None for cell in (0, 1)] == [True, False]
     found = sweep_dataset(sweep, store)
     np.testing.assert_array_equal(
-        found.strain.values[1], any_scene.run(sweep.scene(1)).strain.values
+        found.strain.values[1], named_scenes.run(sweep.scene(1)).strain.values
     )
 
 
 def test_a_long_run_that_is_damaged_or_gone_is_made_anew(
     store: RunStore, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(any_scene, "run", _run_long)
+    monkeypatch.setattr(named_scenes, "run", _run_long)
     sweep = small_sweep(eps=[0.1, 0.2])
     run_sweep(sweep, store, HereWorkers())
     path = store.path(sweep.scene(1))
@@ -456,7 +456,7 @@ def test_a_long_run_that_is_damaged_or_gone_is_made_anew(
     run_sweep(sweep, store, HereWorkers())
     run_sweep(sweep, store, workers)
     assert workers.cells == 1
-    assert bits(cell_run(sweep, store, eps=1)) == bits(any_scene.run(sweep.scene(1)))
+    assert bits(cell_run(sweep, store, eps=1)) == bits(named_scenes.run(sweep.scene(1)))
 
 
 def test_a_long_run_that_has_no_place_of_its_own_goes_into_the_pack(
@@ -465,17 +465,17 @@ def test_a_long_run_that_has_no_place_of_its_own_goes_into_the_pack(
     def full(path: Path, run: xr.Dataset) -> Path:
         raise OSError(errno.ENOSPC, "No space left on device", str(path))
 
-    monkeypatch.setattr(any_scene, "run", _run_long)
+    monkeypatch.setattr(named_scenes, "run", _run_long)
     monkeypatch.setattr(run_store, "_kept", full)
     sweep = small_sweep(eps=[0.2])
     assert run_sweep(sweep, store, HereWorkers()).faults == 0
-    assert bits(cell_run(sweep, store, eps=0)) == bits(any_scene.run(sweep.scene(0)))
+    assert bits(cell_run(sweep, store, eps=0)) == bits(named_scenes.run(sweep.scene(0)))
 
 
 def test_a_cell_that_changed_sources_would_run_is_tried_again(
     store: RunStore, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(any_scene, "run", _run_long)
+    monkeypatch.setattr(named_scenes, "run", _run_long)
     for module in (run_store, sweep_cells):
         monkeypatch.setattr(module, "runs_its_sources", lambda: False)
     sweep = small_sweep(eps=[0.2])

@@ -5,9 +5,7 @@ from typing import Any
 import pytest
 
 from longwave.runs.sweep_file import load_sweep, shipped_sweeps, sweep_of
-from longwave.scenes.chain import load_scene, with_tolerance
-from longwave.scenes.chain.scene import Scene
-from longwave.scenes.lattice_scene import LatticeScene, load_lattice_scene
+from longwave.scenes.named_scenes import load_scene
 
 
 def test_every_value_of_a_grid_meets_every_other() -> None:
@@ -15,7 +13,7 @@ def test_every_value_of_a_grid_meets_every_other() -> None:
     sweep = sweep_of({"scene": "toda_soliton", "grid": grid})
     assert [d.name for d in sweep.dimensions] == ["eps", "kappa"]
     assert sweep.shape == (2, 3)
-    base = load_lattice_scene("toda_soliton")
+    base = load_scene("toda_soliton")
     wanted = [
         base.changed(eps=eps, parameters={"kappa": kappa})
         for eps in (0.1, 0.2)
@@ -29,7 +27,7 @@ def test_a_list_goes_together_and_meets_the_grid() -> None:
     sweep = sweep_of({"scene": "rogue_cn_k_0.5", "list": columns, "grid": {"eps": [0.1, 0.05]}})
     assert [d.name for d in sweep.dimensions] == ["eps", "case"]
     scenes = [sweep.scene(cell) for cell in range(4)]
-    assert [(s.eps, s.wave, s.K4) for s in scenes if isinstance(s, Scene)] == [
+    assert [(s.eps, s.wave, s.model.K4) for s in scenes] == [
         (0.1, "rogue_cn", 1.0),
         (0.1, "wave_sn", -1.0),
         (0.05, "rogue_cn", 1.0),
@@ -80,14 +78,13 @@ def _grid(given: Any) -> dict[str, Any]:
 
 def test_a_tolerance_takes_the_place_of_what_it_determines() -> None:
     sweep = sweep_of({"scene": "rogue_cn_k_0.5", "grid": {"tolerance": [1e-3]}})
-    assert sweep.scene(0) == with_tolerance(load_scene("rogue_cn_k_0.5"), 1e-3)
+    assert sweep.scene(0) == load_scene("rogue_cn_k_0.5").with_tolerance(1e-3)
 
 
 def test_stating_one_of_two_leaves_out_the_other() -> None:
     changes = {"times": [0, 10], "compared": 20}
     scene = sweep_of({"scene": "toda_soliton", "set": changes, **_eps()}).scene(0)
-    assert isinstance(scene, LatticeScene)
-    assert (scene.times, scene.slow_times, scene.half_width) == ((0.0, 10.0), (), None)
+    assert (scene.snapshots, scene.slow_times, scene.half_width) == ((0.0, 10.0), (), None)
 
 
 def _eps() -> dict[str, Any]:
@@ -95,7 +92,7 @@ def _eps() -> dict[str, Any]:
 
 
 def test_a_member_of_a_family_and_tables_are_bases() -> None:
-    from longwave.scenes.any_scene import load_scene
+    from longwave.scenes.named_scenes import load_scene
 
     member = sweep_of({"scene": "Y2_eps_0.05", **_eps()}).scene(0)
     assert member == load_scene("Y2_eps_0.05").changed(eps=0.1)
@@ -110,7 +107,7 @@ def test_a_member_of_a_family_and_tables_are_bases() -> None:
         "parameters": {"kappa": 1},
     }
     found = sweep_of({"scene": tables, **_eps()}).scene(0)
-    wanted = load_lattice_scene("toda_soliton").changed(
+    wanted = load_scene("toda_soliton").changed(
         name="scene", title="", slow_times=[0, 1], order="leading"
     )
     assert found == wanted
@@ -126,12 +123,12 @@ def test_a_member_of_a_family_and_tables_are_bases() -> None:
         ({"scene": "toda_soliton", "grids": {}}, "keys must be known ones, got grids"),
         ({"scene": "toda_soliton", "grid": {"esp": [1]}}, "fields must be known ones, got 'esp'"),
         (
-            {"scene": "toda_soliton", "grid": {"lattice.K4": [1]}},
-            "fields must be known ones, got 'lattice.K4'",
+            {"scene": "toda_soliton", "grid": {"lattice.K5": [1]}},
+            "fields must be known ones, got 'lattice.K5'",
         ),
         (
-            {"scene": "rogue_cn_k_0.5", "grid": {"constants.K4": [1]}},
-            "fields must be known ones, got 'constants.K4'",
+            {"scene": "rogue_cn_k_0.5", "grid": {"domain.size": [1]}},
+            "fields must be known ones, got 'domain.size'",
         ),
         ({"scene": "toda_soliton", "grid": {"eps": []}}, "eps must be a list of values or a range"),
         ({"scene": "toda_soliton", "grid": {"eps": 0.1}}, "eps must be a list of values"),
@@ -204,7 +201,7 @@ def test_an_error_names_the_file(tmp_path: Path) -> None:
 
 
 def test_a_base_beside_the_sweep_is_found(tmp_path: Path) -> None:
-    text = load_lattice_scene("toda_soliton")
+    text = load_scene("toda_soliton")
     assert text.name == "toda_soliton"
     (tmp_path / "base.toml").write_text(
         'lattice = "toda"\nwave = "kdv_soliton"\neps = 0.1\nslow_times = [0, 1]\nhalf_width = 8\n'

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from longwave.scenes.chain.scene import Scene
-from longwave.scenes.lattice_scene import LatticeScene, load_lattice_scene
+from longwave.scenes.named_scenes import load_scene
+from longwave.scenes.scene import Scene
 from longwave.support.checkpoint_folder import CheckpointFolder
 
 ALL_LOOKS = ("strain", "error_curve", "crest_track", "space_time")
@@ -22,7 +22,7 @@ def chain(name: str, **given: Any) -> Scene:
 
 ROGUE = {"wave": "rogue_cn", "parameters": {"k": 0.5}, "snapshots": [0, 150], "tolerance": 1e-4}
 
-SCENES: dict[str, Scene | LatticeScene] = {
+SCENES: dict[str, Scene] = {
     "stated window, refined": chain(
         "window", domain="window", observables=[*ALL_LOOKS, "time_step_error"], step=0.2, sites=1024
     ),
@@ -33,17 +33,17 @@ SCENES: dict[str, Scene | LatticeScene] = {
     "stencil, ring": chain("ring_to", engine="stencil", observables=ALL_LOOKS, **ROGUE),
     "spectral": chain("spectral", tolerance=1e-4, engine="spectral", observables=ALL_LOOKS),
     "spectral, periodic": chain("spectral_periodic", engine="spectral", **ROGUE),
-    "chain": load_lattice_scene("toda_soliton").changed(
+    "chain": load_scene("toda_soliton").changed(
         name="chain", slow_times=[0, 0.5, 1], tolerance=1e-3
     ),
-    "disorder": load_lattice_scene("toda_soliton").changed(
+    "disorder": load_scene("toda_soliton").changed(
         name="disorder",
         slow_times=[0, 0.1, 0.3],
         tolerance=1e-4,
         disorder={"of": "a", "spread": 0.2, "seed": 3},
     ),
-    "dimer": load_lattice_scene("dimer_peregrine"),
-    "growth": LatticeScene.of(
+    "dimer": load_scene("dimer_peregrine"),
+    "growth": Scene.of(
         name="growth",
         lattice="fput",
         wave="perturbed_plane",
@@ -53,7 +53,7 @@ SCENES: dict[str, Scene | LatticeScene] = {
         parameters={"amplitude": 0.3},
         carrier="pi/2",
     ),
-    "plane": load_lattice_scene("square_lump").changed(
+    "plane": load_scene("square_lump").changed(
         name="plane", slow_times=[0, 0.02, 0.04], half_width=3, tolerance=1e-2
     ),
 }

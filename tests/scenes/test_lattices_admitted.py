@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from longwave.scenes.lattice_run import run_lattice_scene
-from longwave.scenes.lattice_scene import LatticeScene
+from longwave.scenes.scene import Scene
 
 SCENE: dict[str, Any] = {
     "name": "admitted",
@@ -25,7 +25,7 @@ GRANULAR = {"lattice": "granular", "wave": "kdv_soliton", "parameters": {"kappa"
 @pytest.mark.parametrize("d", [2, "3/5"])
 def test_a_granular_chain_has_solitons_where_its_coefficients_are_roots(d: int | str) -> None:
     """Catches: a second ansatz, which does not fit, taken for the lack of any."""
-    run = run_lattice_scene(LatticeScene.of(**SCENE, **GRANULAR, constants={"A": 1, "d": d}))
+    run = run_lattice_scene(Scene.of(**SCENE, **GRANULAR, constants={"A": 1, "d": d}))
     assert run.derived.equation == "KdV"
     assert max(run.errors) < 0.1
 
@@ -34,7 +34,7 @@ def test_a_carrier_whose_first_cell_is_far_from_rest_is_run() -> None:
     """Catches: the stiffness of a cell within the carrier taken for that of the rest."""
     constants = {"K2": 0.636, "g1": 1, "g2": 0, "g3": -1}
     wave = {"wave": "nls_plane", "parameters": {"A": 1}, "carrier": "pi", "eps": 0.6}
-    scene = LatticeScene.of(**SCENE | wave, lattice="klein_gordon", constants=constants)
+    scene = Scene.of(**SCENE | wave, lattice="klein_gordon", constants=constants)
     run = run_lattice_scene(scene)
     assert max(run.relative_errors) < 0.1
 
@@ -65,7 +65,7 @@ def test_a_chain_of_displacement_and_rotation_is_run() -> None:
     errors = []
     for order in ("leading", "slaved"):
         lattice = {"lattice": "rotating", "declared": json.dumps(ROTATING), "order": order}
-        run = run_lattice_scene(LatticeScene.of(**SCENE | lattice, **wave))
+        run = run_lattice_scene(Scene.of(**SCENE | lattice, **wave))
         errors.append(max(run.errors))
     assert errors[1] < 0.1 * errors[0] < 0.01
 
@@ -73,6 +73,6 @@ def test_a_chain_of_displacement_and_rotation_is_run() -> None:
 def test_a_steep_kink_of_displacements_is_run() -> None:
     """Catches: a jump of the strain at the ring's seam, which overshoots until no wave exists."""
     kink = {"lattice": "beta_fput", "wave": "kink", "eps": 0.2, "parameters": {"A": "9/4"}}
-    run = run_lattice_scene(LatticeScene.of(**SCENE | kink, constants={"K2": 1, "K4": -1}))
+    run = run_lattice_scene(Scene.of(**SCENE | kink, constants={"K2": 1, "K4": -1}))
     assert run.error_estimate <= run.scene.tolerance
     assert max(run.errors) < 0.3

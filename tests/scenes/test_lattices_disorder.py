@@ -17,14 +17,14 @@ from longwave.derive.algebra.exact_numbers import exact
 from longwave.lattice.disordered_lattice import disordered
 from longwave.lattice.numeric_lattice import numeric_lattice
 from longwave.runs.run_store import RunStore
-from longwave.scenes.any_scene import scene_of_toml
-from longwave.scenes.chain.scene_fields import scene_fields
 from longwave.scenes.disordered_wave import DisorderedWave, variation_of
 from longwave.scenes.lattice_derivation import lattice_wave
 from longwave.scenes.lattice_run import LatticeRun, run_lattice_scene
-from longwave.scenes.lattice_scene import LatticeScene
+from longwave.scenes.named_scenes import scene_of_toml
 from longwave.scenes.pulse_meter import PulseMeter, crest
+from longwave.scenes.scene import Scene
 from longwave.scenes.scene_disorder import Disorder
+from longwave.scenes.scene_file import scene_fields
 
 SOLITON: dict[str, Any] = {
     "name": "soliton",
@@ -44,7 +44,7 @@ MASSES: dict[str, Any] = {"of": "mass", "spread": 0.1, "seed": 1, "sites": [60, 
 
 def run(spread: float, of: str = "mass", **changes: Any) -> LatticeRun:
     disorder = MASSES | {"spread": spread, "of": of}
-    return run_lattice_scene(LatticeScene.of(**(SOLITON | {"disorder": disorder} | changes)))
+    return run_lattice_scene(Scene.of(**(SOLITON | {"disorder": disorder} | changes)))
 
 
 def last(of: LatticeRun) -> dict[str, float]:
@@ -98,7 +98,7 @@ def test_an_energy_on_a_ring_that_cuts_the_wave_is_within_its_error() -> None:
 
 
 def test_no_spread_has_the_bits_of_no_disorder() -> None:
-    ordered = run_lattice_scene(LatticeScene.of(**SOLITON))
+    ordered = run_lattice_scene(Scene.of(**SOLITON))
     still = run(0.0, "K2")
     np.testing.assert_array_equal(still.measured, ordered.measured)
     assert still.error_estimate == ordered.error_estimate
@@ -117,7 +117,7 @@ def test_strains_and_displacements_lose_alike_and_keep_their_energy() -> None:
 
 
 def test_a_wider_ring_is_the_same_lattice() -> None:
-    wave = lattice_wave(LatticeScene.of(**(SOLITON | {"disorder": MASSES | {"sites": [-50, 50]}})))
+    wave = lattice_wave(Scene.of(**(SOLITON | {"disorder": MASSES | {"sites": [-50, 50]}})))
     assert isinstance(wave, DisorderedWave)
     near, wide = (wave.ring(np.arange(-n, n + 1.0), 0.0) for n in (70, 101))
     deviations = [ring.lattice.deviations[0] for ring in (near, wide)]  # type: ignore[attr-defined]
@@ -141,7 +141,7 @@ def test_a_constant_deviates_in_every_bond_that_has_it_and_nothing_else_does() -
 
 
 def test_the_meter_finds_the_crest_and_the_energy_about_it() -> None:
-    wave = lattice_wave(LatticeScene.of(**(SOLITON | {"disorder": MASSES})))
+    wave = lattice_wave(Scene.of(**(SOLITON | {"disorder": MASSES})))
     ring = wave.ring(np.arange(-100.0, 101.0), 0.0)
     meter = wave.meter(ring)
     assert isinstance(meter, PulseMeter)
@@ -194,7 +194,7 @@ def test_a_lattice_without_masses_has_no_energy() -> None:
 def test_springs_do_not_differ_where_a_background_stretches_them(changes: dict[str, Any]) -> None:
     given = SOLITON | changes | {"disorder": MASSES | {"of": "K2"}}
     with pytest.raises(ValueError, match=r"of in .* must be mass with a wave on a background"):
-        lattice_wave(LatticeScene.of(**given))
+        lattice_wave(Scene.of(**given))
 
 
 @pytest.mark.parametrize(
@@ -207,12 +207,12 @@ def test_a_wave_that_does_not_end_has_no_crest(wave: str, parameters: Any, K4: i
 
 
 def test_a_scene_reads_back_and_its_key_is_its_own(tmp_path: Path) -> None:
-    scene = LatticeScene.of(**(SOLITON | {"disorder": MASSES}))
-    assert LatticeScene.from_json(scene.json()) == scene == scene_of_toml(scene.toml())
-    assert LatticeScene.of(**(SOLITON | {"disorder": list(MASSES.items())})) == scene
+    scene = Scene.of(**(SOLITON | {"disorder": MASSES}))
+    assert Scene.from_json(scene.json()) == scene == scene_of_toml(scene.toml())
+    assert Scene.of(**(SOLITON | {"disorder": list(MASSES.items())})) == scene
     store = RunStore(tmp_path)
     others = [
-        LatticeScene.of(**(SOLITON | {"disorder": given}))
+        Scene.of(**(SOLITON | {"disorder": given}))
         for given in ((), *(MASSES | {key: value} for key, value in OTHER))
     ]
     assert len({store.key(one) for one in (scene, *others)}) == 1 + len(others)
@@ -242,7 +242,7 @@ OTHER = (("seed", 2), ("seed", 2**62 + 1), ("seed", 2**62), ("of", "K2"), ("spre
 )
 def test_what_is_no_disorder_is_one_line(changes: dict[str, Any], said: str) -> None:
     with pytest.raises(ValueError, match=said) as caught:
-        lattice_wave(LatticeScene.of(**(SOLITON | {"disorder": MASSES | changes})))
+        lattice_wave(Scene.of(**(SOLITON | {"disorder": MASSES | changes})))
     assert "\n" not in str(caught.value)
 
 
@@ -250,9 +250,11 @@ def test_what_has_no_such_disorder_is_one_line() -> None:
     toda = {"lattice": "toda", "wave": "kdv_soliton", "constants": {"a": 1, "b": 1}}
     given = SOLITON | toda | {"parameters": {"kappa": 1}, "disorder": MASSES | {"of": "b"}}
     with pytest.raises(ValueError, match="must name a constant that forces are proportional to"):
-        lattice_wave(LatticeScene.of(**given))
+        lattice_wave(Scene.of(**given))
     with pytest.raises(ValueError, match=r"of in \[disorder\] must be stated, got nothing"):
-        LatticeScene.of(**(SOLITON | {"disorder": {"seed": 1}}))
-    with pytest.raises(ValueError, match="disorder must be in a scene that names its lattice"):
-        scene_fields({"wave": "kink", "disorder": {}})
+        Scene.of(**(SOLITON | {"disorder": {"seed": 1}}))
+    chain = {"lattice": {"K2": 1, "K4": 1}, "disorder": MASSES, "tolerance": 1e-3}
+    assert dict(scene_fields(chain)["disorder"])["of"] == "mass"
+    with pytest.raises(ValueError, match=r"of in \[disorder\] must be stated, got nothing"):
+        scene_fields({"lattice": "fput", "disorder": {}})
     assert Disorder.of_pairs(MASSES).pairs == tuple((MASSES | {"sites": (60, 9999)}).items())

@@ -14,15 +14,14 @@ from longwave.derive import LATTICES, Scaling, SlowVariable, reduce
 from longwave.derive.symbols import c
 from longwave.lattice.numeric_lattice import numeric_lattice
 from longwave.scenes import first_correction
-from longwave.scenes.any_scene import load_scene
 from longwave.scenes.computed_soliton import ComputedSoliton
 from longwave.scenes.convergence import error_at, fitted_rate
 from longwave.scenes.fourier_interval import FourierInterval
 from longwave.scenes.jet_polynomial import JetPolynomial
 from longwave.scenes.lattice_derivation import derivation, lattice_wave
-from longwave.scenes.lattice_run import lattice_times
 from longwave.scenes.line_chain import LineChain
 from longwave.scenes.long_wave_data import LongWaveData, wave_ends
+from longwave.scenes.named_scenes import load_scene
 from longwave.scenes.rate_cases import RATE_CASES
 from longwave.solutions import Wave, closed_form
 from searches.soak_scenes import soak_scene
@@ -90,7 +89,7 @@ def test_what_a_step_tries_says_nothing_of_the_waves_modes(
     monkeypatch.setattr(first_correction, "MOST_POINTS", first_correction.POINTS)
     scene = soak_scene(1, index)
     wave = lattice_wave(scene)
-    times = lattice_times(scene, derivation(scene).slow)
+    times = scene.lattice_times(derivation(scene).slow)
     wave.start(times[0])
     assert np.all(np.isfinite(wave.strain(np.arange(9.0), times[-1])))
 
@@ -100,7 +99,7 @@ def test_a_sharp_wave_has_its_correction() -> None:
     """It takes 12288 points: at most 6144 were taken, and it was refused."""
     scene = soak_scene(21, 56)
     wave = lattice_wave(scene)
-    times = lattice_times(scene, derivation(scene).slow)
+    times = scene.lattice_times(derivation(scene).slow)
     wave.start(times[0])
     assert np.all(np.isfinite(wave.strain(np.arange(9.0), times[-1])))
 

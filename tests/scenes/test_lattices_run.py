@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from longwave.scenes.any_scene import scene_of_toml
-from longwave.scenes.chain import Scene, run
+from longwave.scenes.chain.scene_run import run
 from longwave.scenes.lattice_derivation import derivation, lattice_wave, wave_of
-from longwave.scenes.lattice_run import LatticeRun, lattice_times, run_lattice_scene
-from longwave.scenes.lattice_scene import LatticeScene, load_lattice_scene, shipped_lattice_scenes
-from longwave.scenes.scene_convergence import at_slow_times, scene_convergence
+from longwave.scenes.lattice_run import LatticeRun, run_lattice_scene
+from longwave.scenes.named_scenes import lattice_scenes, load_scene, scene_of_toml
+from longwave.scenes.scene import Scene
+from longwave.scenes.scene_convergence import at_eps, scene_convergence
 from longwave.support.request_limits import request_limits
 
 TODA: dict[str, Any] = {
@@ -39,10 +39,10 @@ PEREGRINE = TODA | {
 }
 
 
-def reference(scene: LatticeScene) -> list[np.ndarray]:
+def reference(scene: Scene) -> list[np.ndarray]:
     """What is compared at all times, by DOP853 on a ring three times as long as signals need."""
     wave = lattice_wave(scene)
-    times = np.array(lattice_times(scene, derivation(scene).slow))
+    times = np.array(scene.lattice_times(derivation(scene).slow))
     wave.start(float(times[0]))
     assert scene.half_width is not None
     reach = math.ceil(scene.half_width / scene.eps)
@@ -69,7 +69,7 @@ def reference(scene: LatticeScene) -> list[np.ndarray]:
 
 @pytest.fixture(scope="module")
 def toda() -> LatticeRun:
-    return run_lattice_scene(LatticeScene.of(**TODA))
+    return run_lattice_scene(Scene.of(**TODA))
 
 
 @pytest.mark.parametrize(
@@ -82,7 +82,7 @@ def toda() -> LatticeRun:
     ids=["toda", "envelope", "dimer"],
 )
 def test_a_run_is_within_its_estimate_of_another_integrator(given: dict[str, Any]) -> None:
-    run = run_lattice_scene(LatticeScene.of(**given))
+    run = run_lattice_scene(Scene.of(**given))
     exact = np.array(reference(run.scene))
     apart = float(np.max(np.abs(exact - run.measured))) / run.scale
     assert apart <= run.error_estimate <= run.scene.tolerance
@@ -99,7 +99,7 @@ def test_errors_begin_at_rounding_and_grow_to_the_size_of_the_next_order(toda: L
 def test_a_run_becomes_a_data_set_with_the_names_of_scenes(toda: LatticeRun) -> None:
     data = toda.dataset
     assert data["strain"].dims == ("time", "site")
-    assert scene_of_toml(data.attrs["lattice_scene"]) == toda.scene
+    assert scene_of_toml(data.attrs["scene"]) == toda.scene
     sup = np.abs(data["strain"] - data["analytic"]).max("site") / toda.scale
     assert sup.values == pytest.approx(toda.errors)
     assert data["site"].values[[0, -1]].tolist() == [-15, 15]
@@ -107,13 +107,13 @@ def test_a_run_becomes_a_data_set_with_the_names_of_scenes(toda: LatticeRun) -> 
 
 
 def test_small_constants_and_a_mean_are_formulas() -> None:
-    gardner = LatticeScene.of(
+    gardner = Scene.of(
         **TODA | {"lattice": "fput", "wave": "gardner_soliton", "constants": FPUT | {"K3": "eps/2"}}
     )
     assert derivation(gardner).equation == "focusing Gardner"
     wave = lattice_wave(gardner)
     assert wave.lattice.bonds[0].force.coefficients == pytest.approx((1.0, 0.2, 1.0))
-    rogue = LatticeScene.of(
+    rogue = Scene.of(
         **TODA
         | {
             "lattice": "fput_strain",
@@ -144,7 +144,7 @@ def test_errors_of_a_wave_mean_the_same_on_the_chain_and_on_any_lattice(
     common |= {"compared": 60, "tolerance": 1e-6}
     chain = Scene.of(**common, t0=-300.0, snapshots=[0.0], K2=4, K4=K4, observables=["strain"])
     constants = {"K2": 4, "K3": 0, "K4": K4}
-    any_lattice = LatticeScene.of(
+    any_lattice = Scene.of(
         **common, lattice="fput_strain", constants=constants, times=[-300.0, 0.0]
     )
     one, other = run(chain), run_lattice_scene(any_lattice)
@@ -156,8 +156,8 @@ def test_an_envelope_deviates_from_its_plane_wave() -> None:
     """Far from its crest the Peregrine wave is the plane wave; that itself deviates from 0."""
     given = PEREGRINE | {"eps": 0.05}
     cells, crest = np.arange(4000.0, 4200.0), np.arange(-100.0, 100.0)
-    peregrine = LatticeScene.of(**given)
-    plane = LatticeScene.of(**given | {"wave": "nls_plane", "parameters": {"A": 1, "q": 0}})
+    peregrine = Scene.of(**given)
+    plane = Scene.of(**given | {"wave": "nls_plane", "parameters": {"A": 1, "q": 0}})
     data = lattice_wave(peregrine)
     away, near = (data.strain(x, 0.0) - data.background(x, 0.0) for x in (cells, crest))
     assert np.abs(away).max() < 1e-3 * np.abs(near).max()
@@ -214,7 +214,7 @@ GRANULAR = {"lattice": "granular", "constants": {"A": 1, "d": "1/100"}, "carrier
     ],
 )
 def test_what_cannot_be_run_is_refused_in_one_line(changes: dict[str, Any], message: str) -> None:
-    scene = LatticeScene.of(**(TODA | changes))
+    scene = Scene.of(**(TODA | changes))
     with request_limits("2G", "1h"), pytest.raises(ValueError, match=r"\w") as raised:
         run_lattice_scene(scene)
     assert message in str(raised.value)
@@ -225,11 +225,11 @@ def test_a_region_that_the_wave_has_left_has_no_rate() -> None:
     far = TODA | {"lattice": "fput_strain", "constants": FPUT, "wave": "soliton_sech"}
     far |= {"parameters": {"A": 127}, "slow_times": [0, 0.2], "half_width": 3, "tolerance": 1e-2}
     with pytest.raises(ValueError, match=r"^half_width must leave some of the wave[^\n]*got 0"):
-        scene_convergence(LatticeScene.of(**far), (0.4, 0.3, 0.2))
+        scene_convergence(Scene.of(**far), (0.4, 0.3, 0.2))
 
 
 def test_the_rate_of_a_scene_is_that_of_its_order() -> None:
-    study = scene_convergence(LatticeScene.of(**TODA), (0.4, 0.3, 0.2))
+    study = scene_convergence(Scene.of(**TODA), (0.4, 0.3, 0.2))
     assert study.theory == 4
     assert study.rate.holds(4)
     assert study.rate.value == pytest.approx(4.0, abs=0.15)
@@ -240,16 +240,21 @@ def test_the_rate_of_a_scene_is_that_of_its_order() -> None:
 
 def test_times_and_cells_are_those_of_the_wave_at_every_eps() -> None:
     given = TODA | {"times": [0, 8, 16], "compared": 20}
-    scene = LatticeScene.of(**given | {"slow_times": (), "half_width": None})
-    still = at_slow_times(scene)
-    assert still.slow_times == pytest.approx((0.0, 0.512, 1.024))
-    assert still.half_width == pytest.approx(8.0)
+    scene = Scene.of(**given | {"slow_times": (), "half_width": None})
+    finer = at_eps(scene, 0.5 * scene.eps)
+    assert finer.slow_times == pytest.approx((0.0, 0.512, 1.024))
+    assert finer.half_width == pytest.approx(8.0)
+    chain = load_scene("Y2_eps_0.05")
+    assert at_eps(chain, 0.1).snapshots == pytest.approx(
+        [t / 8 for t in (chain.t0, *chain.snapshots)]
+    )
+    assert at_eps(chain, 0.1).compared == 750
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", sorted({*shipped_lattice_scenes()} - {"dimer_rogue"}))
+@pytest.mark.parametrize("name", sorted({*lattice_scenes()} - {"dimer_rogue"}))
 def test_a_shipped_scene_runs_and_its_error_falls_with_eps(name: str) -> None:
-    scene = load_lattice_scene(name)
+    scene = load_scene(name)
     first, second = (
         float(max(run_lattice_scene(scene.changed(eps=factor * scene.eps)).errors[1:]))
         for factor in (1.6, 1.0)

@@ -5,10 +5,9 @@ from typing import Any
 
 import pytest
 
-from longwave.scenes.any_scene import load_scene
-from longwave.scenes.chain.scene import Scene
-from longwave.scenes.lattice_scene import LatticeScene, load_lattice_scene, shipped_lattice_scenes
+from longwave.scenes.named_scenes import lattice_scenes, load_scene
 from longwave.scenes.ring_runs import ComparedCells
+from longwave.scenes.scene import Scene
 
 GIVEN: dict[str, Any] = {
     "name": "short",
@@ -49,10 +48,10 @@ force = "x + x**2"
 """
 
 
-@pytest.mark.parametrize("name", shipped_lattice_scenes())
+@pytest.mark.parametrize("name", lattice_scenes())
 def test_a_scene_is_what_its_json_says(name: str) -> None:
-    scene = load_lattice_scene(name)
-    assert LatticeScene.from_json(scene.json()) == scene
+    scene = load_scene(name)
+    assert Scene.from_json(scene.json()) == scene
     assert "eps" not in scene.title
     assert scene.tolerance <= 1e-3
 
@@ -60,26 +59,27 @@ def test_a_scene_is_what_its_json_says(name: str) -> None:
 def test_a_file_names_the_file_of_a_lattice_beside_it(tmp_path: Path) -> None:
     (tmp_path / "cell.toml").write_text(CELL, "utf-8")
     (tmp_path / "short.toml").write_text(FILE, "utf-8")
-    scene = LatticeScene.from_toml(tmp_path / "short.toml")
+    scene = Scene.from_toml(tmp_path / "short.toml")
     assert (scene.name, scene.lattice, scene.order) == ("short", "cell", "slaved")
     assert '"between": ["v[n]", "u[n+1]"]' in scene.declared
-    assert (scene.times, scene.compared, scene.amplitude) == ((0.0, 10.0), 30, 1)
+    assert (scene.snapshots, scene.compared, scene.amplitude) == ((0.0, 10.0), 30, 1)
     inline = (
         FILE.replace('lattice = "cell.toml"\n', "")
         + "[lattice]\n"
         + CELL.replace("[[spring", "[[lattice.spring")
     )
     (tmp_path / "other.toml").write_text(inline, "utf-8")
-    other = LatticeScene.from_toml(tmp_path / "other.toml")
+    other = Scene.from_toml(tmp_path / "other.toml")
     assert other.declared == scene.declared
 
 
-def test_files_of_both_kinds_are_told_apart(tmp_path: Path) -> None:
+def test_a_scene_is_run_as_its_lattice_and_wave_need(tmp_path: Path) -> None:
     (tmp_path / "cell.toml").write_text(CELL, "utf-8")
     (tmp_path / "short.toml").write_text(FILE, "utf-8")
-    assert isinstance(load_scene(str(tmp_path / "short.toml")), LatticeScene)
-    assert isinstance(load_scene("toda_soliton"), LatticeScene)
-    assert isinstance(load_scene("Y2_eps_0.05"), Scene)
+    assert load_scene(str(tmp_path / "short.toml")).method == "ring"
+    assert load_scene("toda_soliton").method == "ring"
+    assert load_scene("Y2_eps_0.05").method == "moving_wave"
+    assert load_scene("Y2_eps_0.05").changed(order="corrected").method == "ring"
     with pytest.raises(ValueError, match=r"one of breather_sn_k_0\.5, .*, toda_soliton"):
         load_scene("nowhere")
 
@@ -94,8 +94,8 @@ def test_files_of_both_kinds_are_told_apart(tmp_path: Path) -> None:
         ({"tolerance": 0}, "tolerance must satisfy tolerance > 0"),
         ({"tolerance": 1e-14}, "tolerance must satisfy tolerance >= 1e-11"),
         ({"order": "third"}, "order must be a known one, got 'third'"),
-        ({"wave": 3}, "wave must be a text, got 3"),
-        ({"slow_times": [1]}, "slow_times must be a list of 2 to 200 times"),
+        ({"wave": 3}, "wave must be a text or a ClosedForm, got 3"),
+        ({"slow_times": [1]}, "slow_times must be a list of at least two times"),
         ({"slow_times": [1, 0]}, "slow_times must increase"),
         ({"slow_times": [0, "b"]}, "slow_times must be a number, got 'b'"),
         ({"slow_times": []}, "either slow_times or times must be given, got neither"),
@@ -117,7 +117,7 @@ def test_files_of_both_kinds_are_told_apart(tmp_path: Path) -> None:
 )
 def test_what_is_wrong_is_told_in_one_line(changes: dict[str, Any], message: str) -> None:
     with pytest.raises(ValueError, match="must") as raised:
-        LatticeScene.of(**(GIVEN | changes))
+        Scene.of(**(GIVEN | changes))
     assert message in str(raised.value)
     assert "\n" not in str(raised.value)
 

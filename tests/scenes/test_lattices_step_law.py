@@ -13,15 +13,15 @@ import pytest
 from longwave.lattice.refine import refine
 from longwave.reports.studies.estimate_scenes import RandomScene
 from longwave.reports.studies.estimates import judge_scene
-from longwave.scenes.chain import Scene, run
+from longwave.scenes.chain.scene_run import run
 from longwave.scenes.lattice_derivation import lattice_wave
-from longwave.scenes.lattice_run import compared_cells, lattice_times
-from longwave.scenes.lattice_scene import LatticeScene
+from longwave.scenes.lattice_run import compared_cells
 from longwave.scenes.ring_runs import RingRuns
+from longwave.scenes.scene import Scene
 
 
-def plane_wave(K2: float, eps: float) -> LatticeScene:
-    return LatticeScene.of(
+def plane_wave(K2: float, eps: float) -> Scene:
+    return Scene.of(
         name="plane",
         lattice="klein_gordon",
         constants={"K2": K2, "g1": 1, "g2": 0, "g3": -1},
@@ -36,9 +36,9 @@ def plane_wave(K2: float, eps: float) -> LatticeScene:
     )
 
 
-def dark_wave(eps: float, constants: tuple[float, float], kappa: float) -> LatticeScene:
+def dark_wave(eps: float, constants: tuple[float, float], kappa: float) -> Scene:
     K2, K4 = constants
-    return LatticeScene.of(
+    return Scene.of(
         name="dark",
         lattice="fput",
         constants={"K2": K2, "K3": 0, "K4": K4},
@@ -75,10 +75,10 @@ CROSSING = LONGER.changed(
 )
 
 
-def judged(scene: LatticeScene) -> tuple[float, float]:
+def judged(scene: Scene) -> tuple[float, float]:
     """Estimate and true error."""
     wave = lattice_wave(scene)
-    times = lattice_times(scene, wave.slow)
+    times = scene.lattice_times(wave.slow)
     wave.start(times[0])
     engine = RingRuns(wave, compared_cells(scene, wave), times)
     found = refine(engine, scene.tolerance)
@@ -101,7 +101,7 @@ def judged(scene: LatticeScene) -> tuple[float, float]:
     ],
     ids=["plane", "shorter plane", "dark", "shifted dark", "longer plane", "crossing plane"],
 )
-def test_the_true_error_of_short_carriers_is_within_the_estimate(scene: LatticeScene) -> None:
+def test_the_true_error_of_short_carriers_is_within_the_estimate(scene: Scene) -> None:
     estimate, true = judged(scene)
     assert true <= estimate <= scene.tolerance
 

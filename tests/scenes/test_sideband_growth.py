@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from sympy import Integer, Rational, pi
 
-from longwave.scenes.lattice_scene import LatticeScene
 from longwave.scenes.perturbed_plane import NEAR_K, NEAR_KAPPA, PerturbedPlane, wave_ring
+from longwave.scenes.scene import Scene
 from longwave.scenes.sideband_growth import (
     SidebandGrowth,
     SidebandRuns,
@@ -25,7 +25,7 @@ PINNED: dict[str, Any] = {"K2": 1, "g1": 2, "g2": 1, "g3": 4}
 DIMER: dict[str, Any] = {"m1": 1, "m2": 4, "K2": 1, "K3": "1/4", "K4": 1}
 
 
-def scene(**changes: Any) -> LatticeScene:
+def scene(**changes: Any) -> Scene:
     given = {
         "name": "growth",
         "lattice": "fput",
@@ -37,7 +37,7 @@ def scene(**changes: Any) -> LatticeScene:
         "parameters": {"amplitude": 0.3},
         "carrier": "pi/2",
     }
-    return LatticeScene.of(**(given | changes))
+    return Scene.of(**(given | changes))
 
 
 def rate(**changes: Any) -> SidebandGrowth:

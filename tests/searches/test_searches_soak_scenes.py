@@ -2,8 +2,8 @@
 
 import pytest
 
-from longwave.scenes.lattice_run import expected_lattice_cost
-from longwave.scenes.lattice_scene import LatticeScene
+from longwave.scenes.lattice_run import scene_cost
+from longwave.scenes.scene import Scene
 from searches.soak_scenes import soak_scene
 
 
@@ -11,5 +11,5 @@ from searches.soak_scenes import soak_scene
 def test_scenes_of_each_kind_are_drawn(index: int, disordered: bool, growing: bool) -> None:
     scene = soak_scene(7, index)
     assert (bool(scene.disorder), scene.is_growth) == (disordered, growing)
-    assert LatticeScene.from_json(scene.json()) == scene
-    assert 0.0 < expected_lattice_cost(scene).seconds < 60.0
+    assert Scene.from_json(scene.json()) == scene
+    assert 0.0 < scene_cost(scene).seconds < 60.0

@@ -11,15 +11,15 @@ import longwave.cli.inventory as inventory
 from longwave.__main__ import main
 from longwave.cli.command_tree import KINDS
 from longwave.derive import LATTICES
+from longwave.lattice.schemes import SCHEMES
 from longwave.runs.sweep_file import shipped_sweeps
-from longwave.scenes.chain import (
-    OBSERVABLES,
-    SCHEMES,
+from longwave.scenes.chain.observables import OBSERVABLES
+from longwave.scenes.named_scenes import (
     further_scenes,
+    lattice_scenes,
     rational_family_scenes,
     shipped_scenes,
 )
-from longwave.scenes.lattice_scene import shipped_lattice_scenes
 from longwave.solutions import CATALOGUE
 
 Output = pytest.CaptureFixture[str]
@@ -28,7 +28,7 @@ NAMES = {
     "waves": [form.name for form in CATALOGUE],
     "schemes": [scheme.name for scheme in SCHEMES],
     "scenes": [*shipped_scenes(), *further_scenes(), *rational_family_scenes()],
-    "lattice-scenes": list(shipped_lattice_scenes()),
+    "lattice-scenes": list(lattice_scenes()),
     "sweeps": list(shipped_sweeps()),
     "observables": [*OBSERVABLES],
 }

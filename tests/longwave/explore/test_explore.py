@@ -18,9 +18,9 @@ import pytest
 
 from longwave.__main__ import main
 from longwave.explore import explore_server
-from longwave.explore.exploration import AnyScene
+from longwave.explore.exploration import Scene
 from longwave.explore.exploration_run import Explorer
-from longwave.scenes.any_scene import load_scene
+from longwave.scenes.named_scenes import load_scene
 
 Output = pytest.CaptureFixture[str]
 
@@ -73,7 +73,7 @@ def test_there_is_no_way_to_serve_others(capsys: Output) -> None:
 class IdleExplorer(Explorer):
     """One that runs nothing."""
 
-    def ask(self, scene: AnyScene) -> None:
+    def ask(self, scene: Scene) -> None:
         pass
 
 

@@ -14,9 +14,9 @@ from longwave.reports.pictures import animation
 from longwave.reports.pictures.animation import animate, film_of
 from longwave.reports.pictures.drawing import styled
 from longwave.runs import save_run
-from longwave.scenes import any_scene
-from longwave.scenes.chain import Scene
-from longwave.scenes.lattice_scene import LatticeScene, load_lattice_scene
+from longwave.scenes import named_scenes
+from longwave.scenes.named_scenes import load_scene
+from longwave.scenes.scene import Scene
 
 Output = pytest.CaptureFixture[str]
 
@@ -41,7 +41,7 @@ SCENE = Scene.of(
 @pytest.fixture(scope="module")
 def made() -> xr.Dataset:
     times = tuple(float(t) for t in range(6))
-    return any_scene.run(SCENE.changed(snapshots=times, observables=("strain",)))
+    return named_scenes.run(SCENE.changed(snapshots=times, observables=("strain",)))
 
 
 def frames_of(path: Path) -> int:
@@ -78,9 +78,9 @@ def test_a_film_holds_the_runs_numbers_and_says_time_and_error(made: xr.Dataset)
     assert film._ax.get_xlabel() == "$n - c\\,t$  (sites)"
 
 
-@pytest.mark.parametrize("scene", [SCENE, load_lattice_scene("toda_soliton")])
+@pytest.mark.parametrize("scene", [SCENE, load_scene("toda_soliton")])
 def test_a_scene_is_run_for_as_many_snapshots_as_the_film_has(
-    scene: Scene | LatticeScene, made: xr.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    scene: Scene, made: xr.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     asked: list[Any] = []
 
@@ -88,10 +88,10 @@ def test_a_scene_is_run_for_as_many_snapshots_as_the_film_has(
         asked.append(scene)
         return made
 
-    monkeypatch.setattr(any_scene, "run", noted)
+    monkeypatch.setattr(named_scenes, "run", noted)
     animate(scene, tmp_path / "film.gif", duration=1.0, fps=10.0, dpi=40.0)
     (run,) = asked
-    if isinstance(scene, Scene):
+    if scene.has_moving_wave:
         assert run.snapshots == tuple(np.linspace(0.0, 20.0, 10))
         assert run.observables == ("strain",)
         animate(scene, tmp_path / "film.gif", 1.0, 10.0, 40.0, times=(2.0, 5.0))
@@ -136,7 +136,7 @@ def test_snapshots_that_blew_up_are_left_out(made: xr.Dataset, tmp_path: Path) -
 def test_wrong_input_is_one_line_before_anything_is_run(
     words: dict[str, Any], said: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(any_scene, "run", None)
+    monkeypatch.setattr(named_scenes, "run", None)
     with pytest.raises(ValueError, match=rf"^{said}[^\n]*$"):
         animate(SCENE, **{"output": "film.gif"} | words)
 
@@ -173,7 +173,7 @@ def test_without_ffmpeg_the_remedy_is_said_before_the_run(
     capsys: Output, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("PATH", "/nowhere")
-    monkeypatch.setattr(any_scene, "run", None)
+    monkeypatch.setattr(named_scenes, "run", None)
     assert main(["animate", "rogue_cn_k_0.5", "--output", "x.mp4"]) == 2
     assert "(take 'x.gif', or install ffmpeg)" in capsys.readouterr().err
 
@@ -204,6 +204,6 @@ def test_a_long_film_is_announced(
 
 @pytest.mark.slow
 def test_on_two_axes_a_film_is_made_of_maps(tmp_path: Path) -> None:
-    lump = load_lattice_scene("square_lump").changed(half_width=2.0, tolerance=1e-2)
+    lump = load_scene("square_lump").changed(half_width=2.0, tolerance=1e-2)
     path = tmp_path / "film.gif"
     assert animate(lump, path, duration=0.4, fps=10.0, dpi=40.0) == frames_of(path) == 4

@@ -13,7 +13,6 @@ import xarray as xr
 from longwave.reports.pictures.growth_plotting import growth_panels
 from longwave.reports.pictures.plotting import plot
 from longwave.runs.sweep_scene import changed_document, make_scene
-from longwave.scenes.lattice_scene import LatticeScene
 from longwave.scenes.sideband_growth import growth_plan
 from tests.runs.test_runs_sweep_growth import GROWTH
 
@@ -46,7 +45,6 @@ def _swept(grid: Fields, listed: Fields | None = None) -> xr.Dataset:
             for field, values in fields.items()
         }
         scene = make_scene(changed_document(SCENE, changes), "scene", Path())
-        assert isinstance(scene, LatticeScene)
         plan = growth_plan(scene)
         numbers = (float(plan.ring.k), plan.wave.growth, plan.wave.growth, plan.wave.kappa)
         for name, value in zip(names, numbers, strict=True):

@@ -11,10 +11,10 @@ import xarray as xr
 from longwave.reports.pictures.animation import animate
 from longwave.reports.pictures.plotting import plot
 from longwave.reports.pictures.run_quantities import frame_of, own_error, spectrum_panel, with_looks
-from longwave.scenes import any_scene
-from longwave.scenes.chain import Scene
+from longwave.scenes import named_scenes
 from longwave.scenes.chain.observables import amplitudes
-from longwave.scenes.lattice_scene import load_lattice_scene
+from longwave.scenes.named_scenes import load_scene
+from longwave.scenes.scene import Scene
 
 SCENE = Scene.of(
     name="soliton",
@@ -36,7 +36,7 @@ SCENE = Scene.of(
 
 @pytest.fixture(scope="module")
 def stated() -> xr.Dataset:
-    return any_scene.run(SCENE)
+    return named_scenes.run(SCENE)
 
 
 @pytest.fixture(scope="module")
@@ -45,14 +45,14 @@ def to_tolerance() -> xr.Dataset:
         step=None, domain=None, sites=None, scheme=None, tolerance=1e-3,
         observables=("strain", "error_curve"),
     )  # fmt: skip
-    return any_scene.run(scene)
+    return named_scenes.run(scene)
 
 
 @pytest.fixture(scope="module")
 def toda() -> xr.Dataset:
-    scene = load_lattice_scene("toda_soliton")
+    scene = load_scene("toda_soliton")
     ends = scene.slow_times[0], scene.slow_times[-1]
-    return any_scene.run(scene.changed(slow_times=tuple(np.linspace(*ends, 9))))
+    return named_scenes.run(scene.changed(slow_times=tuple(np.linspace(*ends, 9))))
 
 
 def test_a_stated_run_has_bars_where_its_errors_were_measured(stated: xr.Dataset) -> None:
@@ -149,9 +149,9 @@ def test_few_snapshots_are_no_curve_unless_it_is_asked_for(toda: xr.Dataset) -> 
 def test_of_an_envelope_the_map_holds_moduli(toda: xr.Dataset) -> None:
     looked = with_looks(toda, frame_of(toda))
     assert float(looked.space_time.min()) < 0.0 or float(toda.strain.min()) >= 0.0
-    carried: Any = load_lattice_scene("fput_peregrine")
+    carried: Any = load_scene("fput_peregrine")
     times = tuple(np.linspace(carried.slow_times[0], carried.slow_times[-1], 8))
-    run = any_scene.run(carried.changed(slow_times=times))
+    run = named_scenes.run(carried.changed(slow_times=times))
     found = with_looks(run, frame_of(run))
     assert float(found.space_time.min()) >= 0.0
     assert np.isclose(float(found.space_time.max()), float(abs(run.strain).max()))

@@ -18,7 +18,7 @@ from longwave.reports.studies.measured_runs import (
     report_scenes,
     rk4_name,
 )
-from longwave.scenes.chain import Scene
+from longwave.scenes.scene import Scene
 
 SCENES = report_scenes()
 

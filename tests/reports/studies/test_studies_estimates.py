@@ -12,7 +12,9 @@ from longwave.reports.studies import estimates
 from longwave.reports.studies.causal_reference import CausalReference, SoftenedError
 from longwave.reports.studies.estimate_scenes import WAVES, RandomScene, random_scene
 from longwave.reports.studies.estimates import estimate_rows, judge, judge_scene, warm_up
-from longwave.scenes.chain import Discretisation, Scene, run
+from longwave.scenes.chain.scene_run import run
+from longwave.scenes.numerics import Discretisation
+from longwave.scenes.scene import Scene
 from longwave.solutions import CATALOGUE
 
 COUNT = 60
@@ -51,7 +53,7 @@ def test_the_scenes_reach_all_corners() -> None:
     scenes = [one.scene for one in drawn]
     assert set(CATALOGUE.of("mKdV").names) <= set(WAVES) == {one.wave for one in scenes}
     assert {one.target.engine for one in scenes} == {"", "stencil", "spectral"}
-    ways = [one.constants.sound_speed() * (one.end - one.t0) for one in scenes]
+    ways = [one.model.sound_speed() * (one.end - one.t0) for one in scenes]
     assert max(ways) > 3e4
     assert sum(way < 200 for way in ways) > 40
     assert min(one.compared for one in scenes) < 40

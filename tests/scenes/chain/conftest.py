@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from longwave.scenes.chain import Scene
+from longwave.scenes.scene import Scene
 
 RING = Scene.of(
     name="short",

@@ -7,10 +7,12 @@ import numpy as np
 import pytest
 
 from longwave.lattice.model import LARGEST_MISFIT, State
-from longwave.scenes.chain import Scene, load_scene, run
 from longwave.scenes.chain import domain as domain_module
 from longwave.scenes.chain.domain import INTERPOLATION_ERROR, Window
 from longwave.scenes.chain.moving_wave import MovingWave
+from longwave.scenes.chain.scene_run import run
+from longwave.scenes.named_scenes import load_scene
+from longwave.scenes.scene import Scene
 
 
 def strain(scene: Scene) -> np.ndarray:

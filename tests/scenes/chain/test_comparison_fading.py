@@ -7,8 +7,9 @@ import pytest
 
 from longwave.lattice.model import State
 from longwave.lattice.seam import Fading
-from longwave.scenes.chain import Scene, run
 from longwave.scenes.chain.domain import SiteRing
+from longwave.scenes.chain.scene_run import run
+from longwave.scenes.scene import Scene
 
 SOUND = Scene.of(
     name="sn",
@@ -38,7 +39,7 @@ def test_a_lattice_that_softens_within_reach_is_told() -> None:
 
 
 def test_fading_cannot_be_felt(monkeypatch: pytest.MonkeyPatch) -> None:
-    scene = replace(SOUND, K4=-1.0, t0=-300.0, snapshots=(-100.0, 100.0), compared=60)
+    scene = SOUND.changed(K4=-1.0, t0=-300.0, snapshots=(-100.0, 100.0), compared=60)
     scene = scene.changed(tolerance=1e-8)
     faded = run(scene).strain.values
     monkeypatch.setattr(SiteRing, "fade", lambda *_: None)

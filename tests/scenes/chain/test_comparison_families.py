@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from longwave.scenes.chain import further_scenes, load_scene, rational_family_scenes
+from longwave.scenes.named_scenes import further_scenes, load_scene, rational_family_scenes
 from longwave.solutions import closed_form
 
 

@@ -12,8 +12,8 @@ import pytest
 
 from longwave.reports.studies.estimate_scenes import RandomScene
 from longwave.reports.studies.estimates import judge_scene
-from longwave.scenes.chain import Scene, run
-from longwave.scenes.chain.scene_run import choose_engine
+from longwave.scenes.chain.scene_run import choose_engine, run
+from longwave.scenes.scene import Scene
 
 
 def _scene(name: str, eps: float, **fields: Any) -> Scene:

@@ -6,7 +6,8 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from longwave.scenes.chain import Scene, load_scene
+from longwave.scenes.named_scenes import load_scene
+from longwave.scenes.scene import Scene
 
 
 @pytest.mark.parametrize("kind", ["ring", "window"])

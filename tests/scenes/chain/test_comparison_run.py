@@ -9,11 +9,12 @@ import xarray as xr
 from scipy.integrate import solve_ivp
 
 from longwave.lattice.model import BlowUp
-from longwave.scenes.chain import Scene, load_scene, run
 from longwave.scenes.chain.domain import SiteRing
-from longwave.scenes.chain.scene import scene_of
+from longwave.scenes.chain.scene_run import run
 from longwave.scenes.chain.stated_run import build_domain, refined
 from longwave.scenes.chain.view import View
+from longwave.scenes.named_scenes import load_scene, scene_of
+from longwave.scenes.scene import Scene
 
 Y2 = replace(load_scene("rational_2_eps_0.05"), observables=("strain",), snapshots=(0.0,))
 

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from longwave.runs import load_run, save_run
-from longwave.scenes.chain import Scene, resume, run
-from longwave.scenes.chain.scene import scene_of
+from longwave.scenes.chain.scene_run import resume, run
+from longwave.scenes.named_scenes import scene_of
+from longwave.scenes.scene import Scene
 
 NAMES = ("strain", "state", "error_curve")
 

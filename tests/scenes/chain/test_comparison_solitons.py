@@ -5,7 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from longwave.scenes.chain import Scene, load_scene, run
+from longwave.scenes.chain.scene_run import run
+from longwave.scenes.named_scenes import load_scene
+from longwave.scenes.scene import Scene
 
 WANTED = ("strain", "domain_error")
 Y2 = load_scene("rational_2_eps_0.05")

@@ -8,17 +8,11 @@ import pytest
 from numpy.typing import NDArray
 
 from longwave.lattice.spectral.evolution import SpectralRing
-from longwave.scenes.chain import (
-    Scene,
-    load_scene,
-    run,
-    shipped_scenes,
-    spectral_search,
-    with_tolerance,
-)
-from longwave.scenes.chain.scene import rational_family_scenes
-from longwave.scenes.chain.scene_run import choose_engine
+from longwave.scenes.chain import spectral_search
+from longwave.scenes.chain.scene_run import choose_engine, run
 from longwave.scenes.chain.spectral_data import ring_data
+from longwave.scenes.named_scenes import load_scene, rational_family_scenes, shipped_scenes
+from longwave.scenes.scene import Scene
 
 Array = NDArray[np.float64]
 
@@ -55,7 +49,7 @@ def spectral_reference(scene: Scene) -> Array:
     where = data.ring(RING_UNITS * (2 * scene.compared + 1))
     state = data.state(where, 2 * round(RING_DENSITY[scene.eps] * where.circumference / 2))
     step = moving.duration / RING_STEPS[scene.wave_name]
-    ring = SpectralRing(scene.constants, state, step, absorbed=data.absorbed)
+    ring = SpectralRing(scene.model, state, step, absorbed=data.absorbed)
     return np.array([ring.at(t).strain(moving.compared_sites(t)) for t in scene.snapshots])
 
 
@@ -76,12 +70,12 @@ def test_a_short_window_keeps_its_tolerance(
 ) -> None:
     scene = window_scene(observables=("strain",))
     exact = run(scene.changed(step=0.08, sites=4096)).strain.values
-    check(with_tolerance(scene, tolerance), exact)
+    check(scene.with_tolerance(tolerance), exact)
 
 
 def test_stops_that_shorten_the_steps_do_not_widen_a_ring() -> None:
     """Catches: the time step's error taken for the seam's where a dense curve changes the steps."""
-    scene = with_tolerance(load_scene("rogue_cn_k_0.5"), 1e-9)
+    scene = load_scene("rogue_cn_k_0.5").with_tolerance(1e-9)
     measured = run(scene.changed(engine="stencil"))
     assert "error_curve" in scene.observables
     assert measured.attrs["sites"] < 2048
@@ -93,7 +87,7 @@ def test_both_engines_keep_a_tolerance_on_a_periodic_background(
 ) -> None:
     scene = ring_scene(observables=("strain",))
     exact = run(scene.changed(step=0.08, sites=800)).strain.values
-    check(with_tolerance(scene, 1e-4).changed(engine=engine), exact)
+    check(scene.with_tolerance(1e-4).changed(engine=engine), exact)
 
 
 RATIONAL = tuple(name for name in shipped_scenes() if name.startswith("rational"))
@@ -110,7 +104,7 @@ def test_the_window_keeps_every_tolerance(name: str) -> None:
     scene = load_scene(name)
     exact = spectral_reference(scene) if scene.eps <= 0.05 else stencil_reference(scene)
     for tolerance in (1e-2, 1e-3, 1e-4, 1e-5, 1e-6):
-        check(with_tolerance(scene, tolerance).changed(engine="stencil"), exact)
+        check(scene.with_tolerance(tolerance).changed(engine="stencil"), exact)
 
 
 @pytest.mark.slow
@@ -123,7 +117,7 @@ def test_the_ring_keeps_its_tolerance(name: str, tolerances: tuple[float, ...]) 
     scene = load_scene(name)
     exact = stencil_reference(scene)
     for tolerance in tolerances:
-        check(with_tolerance(scene, tolerance).changed(engine="spectral"), exact)
+        check(scene.with_tolerance(tolerance).changed(engine="spectral"), exact)
 
 
 @pytest.mark.slow
@@ -133,7 +127,7 @@ def test_both_engines_keep_every_tolerance_on_periodic_backgrounds(name: str, en
     scene = load_scene(name)
     exact = stencil_reference(scene)
     for tolerance in (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-8):
-        check(with_tolerance(scene, tolerance).changed(engine=engine), exact)
+        check(scene.with_tolerance(tolerance).changed(engine=engine), exact)
 
 
 def test_the_model_takes_the_cheaper_engine() -> None:
@@ -147,7 +141,7 @@ def test_the_model_takes_the_cheaper_engine() -> None:
 def test_the_engine_follows_from_the_duration_and_from_what_is_asked(
     ring_scene: Callable[..., Scene],
 ) -> None:
-    scene = with_tolerance(ring_scene(), 1e-3)
+    scene = ring_scene().with_tolerance(1e-3)
     assert choose_engine(scene) == "stencil"
     scene = replace(scene, snapshots=(2e4,))
     assert choose_engine(scene) == "spectral"
@@ -161,9 +155,9 @@ def test_a_stencil_run_carries_the_scene_that_was_run(
     window_scene: Callable[..., Scene],
 ) -> None:
     """So that it can be repeated to the bit without planning again."""
-    from longwave.scenes.chain.scene import scene_of
+    from longwave.scenes.named_scenes import scene_of
 
-    measured = run(with_tolerance(window_scene(observables=("strain",)), 1e-3))
+    measured = run(window_scene(observables=("strain",)).with_tolerance(1e-3))
     stated = scene_of(measured)
     assert stated.tolerance is None
     assert np.array_equal(run(stated).strain, measured.strain)
@@ -181,7 +175,7 @@ def test_a_stencil_run_carries_the_scene_that_was_run(
 def test_the_spectral_ring_forms_what_is_asked_for_and_no_more(
     ring_scene: Callable[..., Scene], observables: tuple[str, ...], variables: set[str]
 ) -> None:
-    scene = with_tolerance(ring_scene(observables=observables), 1e-2)
+    scene = ring_scene(observables=observables).with_tolerance(1e-2)
     measured = run(scene.changed(engine="spectral"))
     assert set(measured.data_vars) == variables
     assert all(np.all(np.isfinite(measured[name])) for name in variables)
@@ -214,7 +208,7 @@ def test_what_contradicts_a_tolerance_is_refused_in_one_line(
     ring_scene: Callable[..., Scene], changes: dict[str, object], message: str
 ) -> None:
     with pytest.raises(ValueError, match=message) as caught:
-        with_tolerance(ring_scene(), 1e-3).changed(**changes)  # type: ignore[arg-type]
+        ring_scene().with_tolerance(1e-3).changed(**changes)  # type: ignore[arg-type]
     assert "\n" not in str(caught.value)
 
 
@@ -230,7 +224,7 @@ def test_the_stencil_tells_a_blow_up_and_keeps_what_came_before(
     ring_scene: Callable[..., Scene],
 ) -> None:
     """K4 < 0 and an amplitude near the point where K2 + 3 K4 y^2 changes sign."""
-    scene = with_tolerance(ring_scene(**SOFT), 1e-3)
+    scene = ring_scene(**SOFT).with_tolerance(1e-3)
     measured = run(scene.changed(eps=0.8, engine="stencil"))
     assert measured.attrs["blow_up"].startswith("blow-up: K2 + 2 K3 y + 3 K4 y^2 <= 0 at t = ")
     assert measured.sizes["time"] == measured.strain.shape[0] == 1
@@ -241,7 +235,7 @@ def test_the_spectral_ring_refuses_a_wave_as_short_as_the_lattice(
     ring_scene: Callable[..., Scene],
 ) -> None:
     """Its steps would have to be as short as the stencil's, and it would find a plateau first."""
-    scene = replace(with_tolerance(ring_scene(**SOFT), 1e-3), eps=0.8)
+    scene = replace(ring_scene(**SOFT).with_tolerance(1e-3), eps=0.8)
     with pytest.raises(ValueError, match=r"engine must be 'stencil' .* longer than 0\.73 sites"):
         run(scene.changed(engine="spectral"))
     assert run(scene).attrs["engine"] == "stencil"
@@ -252,6 +246,6 @@ def test_a_tolerance_that_no_ring_meets_is_refused_with_the_users_number(
 ) -> None:
     """Catches: the share of it that the engine asks of itself."""
     monkeypatch.setattr(spectral_search, "MOST_POINTS", 100)
-    scene = with_tolerance(ring_scene(), 1e-3).changed(engine="spectral")
+    scene = ring_scene().with_tolerance(1e-3).changed(engine="spectral")
     with pytest.raises(ValueError, match=r"larger than 0\.001: it needs a ring of more than 100 p"):
         run(scene)

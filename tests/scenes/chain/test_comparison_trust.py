@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 
 from longwave.cli.scene_command import summary_lines
-from longwave.scenes.chain import load_scene, run, trust
-from longwave.scenes.chain.scene import with_tolerance
+from longwave.scenes.chain import trust
+from longwave.scenes.chain.scene_run import run
 from longwave.scenes.chain.stated_run import RunRecord
 from longwave.scenes.chain.trust import USUAL_TOLERANCE, horizon, trust_attributes, trust_in
+from longwave.scenes.named_scenes import load_scene
 
 
 def test_a_scenes_horizon() -> None:
@@ -33,7 +34,7 @@ def test_a_tolerance_of_the_scene_sets_the_horizon() -> None:
     scene = load_scene("rogue_cn_k_0.5")
     found = trust_attributes(scene)
     assert found["trust_horizon"] == trust_in(scene, USUAL_TOLERANCE).horizon
-    closer = trust_attributes(with_tolerance(scene, 1e-8))
+    closer = trust_attributes(scene.with_tolerance(1e-8))
     ratio = found["trust_horizon"] - closer["trust_horizon"]
     assert ratio * found["trust_rate"] == pytest.approx(math.log(1e4))
 
@@ -62,7 +63,7 @@ def test_the_summary_says_whether_the_scene_ends_before() -> None:
 def test_a_tolerance_beyond_the_horizon_is_refused_before_anything_is_run() -> None:
     scene = replace(load_scene("rogue_cn_k_0.5"), snapshots=(2e6,))
     with pytest.raises(ValueError, match=r"snapshots must satisfy t <= 1.106e\+06 with tolerance"):
-        run(with_tolerance(scene, 1e-4))
+        run(scene.with_tolerance(1e-4))
 
 
 @pytest.mark.parametrize("name", ["rogue_cn_k_0.5", "soliton_dn_k_0.7", "breather_sn_k_0.5"])
@@ -70,7 +71,7 @@ def test_a_scene_within_the_bound_of_the_rate_is_not_kept_waiting(
     name: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Hill's eigenvalues take seconds; a bound of them is enough for most scenes."""
-    scene = with_tolerance(replace(load_scene(name), K2=0.9), 1e-4)
+    scene = load_scene(name).changed(K2=0.9).with_tolerance(1e-4)
     assert trust._most_rate(scene) > trust.trust_in(scene, 1e-4).rate
     monkeypatch.setattr(trust, "trust_in", None)
     trust.check_trust(replace(scene, t0=0.0, snapshots=(100.0,)))

@@ -1,0 +1,175 @@
+"""Scenes that come with the package, and scenes found by their name or in a file, and run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from functools import cache
+from importlib.resources import as_file, files
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from longwave.scenes.scene import Scene
+from longwave.scenes.scene_file import parse_document, read_document
+from longwave.support.user_files import STANDARD_INPUT, shown
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from longwave.lattice.refine import Announce
+    from longwave.lattice.trial import Progress
+
+
+def shipped_scenes() -> tuple[str, ...]:
+    """Names of the paper's scenes, which come with the package, sorted.
+
+    >>> "rational_2_eps_0.05" in shipped_scenes()
+    True
+    """
+    return _names("paper")
+
+
+def further_scenes() -> tuple[str, ...]:
+    """Names of the scenes that come with the package and go beyond the paper, sorted.
+
+    >>> "rogue_cn_k_0.5_long" in further_scenes()
+    True
+    """
+    return _names("further")
+
+
+def lattice_scenes() -> tuple[str, ...]:
+    """Names of the scenes on further lattices that come with the package, sorted.
+
+    >>> "toda_soliton" in lattice_scenes()
+    True
+    """
+    return _names("lattices")
+
+
+def load_scene(text: str | Path) -> Scene:
+    """The scene in a TOML file, or the shipped one of that name.
+
+    ``-`` is the standard input, a file of a lattice being looked for in the working folder.
+
+    Raises ValueError for a file that cannot be read and a name that is none.
+    """
+    name = str(text)
+    if name == STANDARD_INPUT or name.endswith(".toml") or Path(name).is_file():
+        return _of_document(read_document(name), Path(name))
+    family = rational_family_scenes()
+    if name in family:
+        return family[name]
+    for folder in FOLDERS:
+        if name in _names(folder):
+            with as_file(files(FOLDERS[folder]) / f"{name}.toml") as path:
+                return Scene.from_toml(path)
+    known = ", ".join(name for folder in FOLDERS for name in _names(folder))
+    raise ValueError(
+        f"scene must be a TOML file or a shipped scene, got {shown(text)} (one of {known})"
+    )
+
+
+def scene_of_toml(text: str) -> Scene:
+    """The scene that ``toml`` wrote; ValueError in one line for what is none."""
+    return _of_document(parse_document(text.encode(), "a text"), Path("scene"))
+
+
+def scene_of(run: xr.Dataset) -> Scene:
+    """The scene that a run carries, with step and domain where those were chosen.
+
+    Raises KeyError for a data set without one, ValueError for what is no scene.
+    """
+    return scene_of_toml(run.attrs["plan" if "plan" in run.attrs else "scene"])
+
+
+def _of_document(document: Mapping[str, Any], path: Path) -> Scene:
+    swept = {"grid", "list", "random"} & document.keys()
+    if "scene" in document and swept:
+        raise ValueError(
+            f"{path}: a scene must be one, got a sweep, which has [{min(swept)}] (run it with "
+            "`longwave sweep`)"
+        )
+    return Scene.of_document(document, path)
+
+
+def run(
+    scene: Scene | str | Path,
+    progress: Progress | None = None,
+    announce: Announce | None = None,
+) -> xr.Dataset:
+    """Run a scene, given as such, by its name or by its file, and return what it asks for.
+
+    The data set holds lattice and wave at the times that are asked for, ``error`` and what the
+    scene's observables add; attributes say what made it, its estimated error and cost, and what can
+    be trusted of it. ``progress`` is called with the share of the work that is done, ``announce``
+    with the seconds that are expected to pass, if they are many.
+
+    Raises ValueError in one line for what is no scene and for what the wave, the lattice or the
+    limits do not admit, and UnfinishedRun on Ctrl-C.
+    """
+    if isinstance(scene, str | Path):
+        scene = load_scene(scene)
+    made: Callable[..., xr.Dataset] | None = getattr(scene, "run", None)
+    if made is None:
+        raise ValueError(
+            f"scene must be a scene, its name or its file, got {shown(scene)} (such as "
+            "'rogue_cn_k_0.5')"
+        )
+    return made(progress, announce)
+
+
+FOLDERS = {name: f"longwave.scenes.shipped.{name}" for name in ("paper", "further", "lattices")}
+"""The packages that hold the files."""
+
+
+@cache
+def _names(folder: str) -> tuple[str, ...]:
+    found = (entry.name for entry in files(FOLDERS[folder]).iterdir())
+    return tuple(sorted(name.removesuffix(".toml") for name in found if name.endswith(".toml")))
+
+
+ORDERS = (2, 3, 4, 5)
+EPS = (0.1, 0.05, 0.025, 0.0125, 0.00625)
+
+SLOW_START = -1.25
+"""T = eps^3 t at the beginning: t = -10000 at eps = 0.05, as in the paper's scene."""
+
+SLOW_SNAPSHOTS = (-0.625, 0.0, 0.625)
+"""Slow times of the snapshots: those of the paper's scene."""
+
+HALF_WIDTH = 75.0
+"""Half-width of the compared region in X, 1500 sites at eps = 0.05."""
+
+
+def rational_family_scenes(
+    orders: Sequence[int] = ORDERS, eps: Sequence[float] = EPS, tolerance: float = 1e-4
+) -> dict[str, Scene]:
+    """The scenes Y_j at each eps by name, same slow times and same range of X.
+
+    >>> scene = rational_family_scenes()["Y5_eps_0.025"]
+    >>> scene.wave, scene.t0, scene.compared
+    ('rational_5', -80000.0, 3000)
+    """
+    scenes = [_member(order, value, tolerance) for order in orders for value in eps]
+    return {scene.name: scene for scene in scenes}
+
+
+def _member(order: int, eps: float, tolerance: float) -> Scene:
+    return Scene.of(
+        name=f"Y{order}_eps_{eps:g}",
+        title=f"Rational solution of order {order}, eps = {eps:g}",
+        wave=f"rational_{order}",
+        eps=eps,
+        t0=_time(SLOW_START, eps),
+        snapshots=tuple(_time(T, eps) for T in SLOW_SNAPSHOTS),
+        K2=4.0,
+        K4=1.0,
+        compared=round(HALF_WIDTH / eps),
+        tolerance=tolerance,
+        observables=("strain",),
+    )
+
+
+def _time(T: float, eps: float) -> float:
+    """The lattice time of a slow time, rounded to whole units."""
+    return float(round(T / eps**3))

@@ -1,0 +1,601 @@
+"""A scene: a wave on a lattice, when and where they are compared, how exactly, what is observed.
+
+What lies between the lattice's name and the comparison is derived when the scene is run.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, fields
+from functools import cached_property
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from longwave.lattice.model import Model
+from longwave.scenes import scene_checks as check
+from longwave.scenes.chain.observables import OBSERVABLES, observable_named
+from longwave.scenes.numerics import NUMERICS, Discretisation, Tolerance, numerics_of
+from longwave.scenes.scene_checks import Pairs, Value
+from longwave.scenes.scene_disorder import Stated, disorder_pairs
+from longwave.scenes.scene_file import document_of, read_document, scene_fields
+from longwave.scenes.toml_text import toml_text
+from longwave.support.user_files import file_stem, shown, shown_path
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from longwave.lattice.refine import Announce
+    from longwave.lattice.trial import Progress
+    from longwave.scenes.chain.moving_wave import MovingWave
+    from longwave.solutions import ClosedForm
+    from longwave.support.request_limits import ExpectedCost
+
+CHAIN = "fput_strain"
+"""The paper's lattice, which K2, K3, K4 alone stand for."""
+
+CHAIN_CONSTANTS = ("K2", "K3", "K4")
+
+NOT_GIVEN = -math.inf
+"""The start of a scene that gives slow times."""
+
+SAID_IN_ONE_WAY = ("t0", "snapshots", "slow_times", "compared", "half_width")
+"""Keywords some of which say what the others would; None is as if it were not given."""
+
+ORDERS = ("leading", "slaved", "corrected")
+"""What the data hold: the wave alone; the fields that follow it too; the next order as well."""
+
+PERTURBED_PLANE = "perturbed_plane"
+"""The wave of a scene that measures how fast a perturbed plane wave grows."""
+
+PERTURBATION = ("amplitude", "kappa", "share")
+"""Its parameters: |A| of the plane wave, and the wavenumber of the perturbation in X, or that in
+units of the one that grows fastest, which it is if neither is given."""
+
+LARGEST_EPS = 1.0
+"""A parameter that is not small is a mistake in its unit."""
+
+METHODS = {
+    "moving_wave": "longwave.scenes.chain.scene_run",
+    "ring": "longwave.scenes.lattice_run",
+    "sidebands": "longwave.scenes.sideband_growth",
+}
+"""Where a scene is run: `run_scene`, `scene_cost` and `PROCESS_SECONDS` of each module."""
+
+USUAL_OBSERVABLES = {
+    "moving_wave": ("strain", "error_curve"),
+    "ring": ("strain",),
+    "sidebands": ("strain",),
+}
+
+
+@dataclass(frozen=True, repr=False)
+class Scene:
+    """One run, stated in full; checked when the record is made.
+
+    ``lattice`` is a name of the catalogue, or any name if ``declared`` holds the lattice, as the
+    JSON of what a lattice file says. ``constants`` are its numbers, as (name, value) pairs or a
+    mapping; a value in text may have eps in it: ``"eps/2"`` is small. ``wave`` is the name of a
+    closed form of the lattice's own equation, or a closed form; ``parameters`` are its.
+
+    The run begins at ``t0`` and is kept at the ``snapshots``, in the lattice's time, or begins at
+    the first of ``slow_times``, T in the wave's own time, and is kept at all of them. Compared are
+    the cells within ``half_width`` in X, or within ``compared`` cells, of where the frame is.
+    ``numerics`` says how it is computed: a `Discretisation`, or a `Tolerance`, in units of eps to
+    the power with which what is compared is small.
+
+    A long wave takes ``amplitude``, ``time`` (powers of eps) and ``background``, the uniform mean
+    of the fields, which may be a formula in the constants; what is not given is found. A
+    ``carrier``, its wavenumber, makes the wave an envelope, on a ``branch``.  ``disorder``, as
+    (name, value) pairs or a mapping with the names of `Disorder`, lets masses or springs deviate.
+
+    Waves of the mKdV equation on the paper's chain have all ``observables``, their parameters may
+    be multiples of the quarter period ("K/2"), and they may be computed with a stated
+    discretisation (`has_moving_wave`). Their error curve is sampled at ``curve_points`` equidistant
+    times and the snapshots; what is only looked at (energy, crest, ...) is seen at most as often,
+    where the run stops anyway, or at ``look_points`` equidistant times if that is given.
+
+    With the wave "perturbed_plane" the growth rate of a carrier's plane wave is measured
+    (`is_growth`): parameters are `PERTURBATION`, times and region are found, and the tolerance is
+    that of the rate, in units of the largest that the envelope equation has.
+
+    Raises ValueError in one line: argument, condition, value, remedy.
+
+    >>> scene = Scene.of(name="short", wave="soliton_sech", parameters={"A": 1}, eps=0.1, t0=0,
+    ...                  snapshots=[0, 50], K2=1, K4=1, compared=60, tolerance=1e-4)
+    >>> scene
+    <Scene short: soliton_sech with A = 1 on fput_strain, eps = 0.1, t = 0 .. 50, ... to 0.0001>
+    >>> scene.changed(engine="stencil").numerics
+    Tolerance(tolerance=0.0001, engine='stencil', scheme='')
+    >>> Scene.of(name="long", lattice="toda", constants={"a": 1, "b": 1}, eps=0.1,
+    ...          wave="kdv_soliton", parameters={"kappa": 2}, slow_times=[0, 0.1],
+    ...          half_width=4, tolerance=1e-3)
+    <Scene long: kdv_soliton with kappa = 2 on toda, eps = 0.1, T = 0 .. 0.1, |X| <= 4 ...>
+    """
+
+    name: str
+    wave: str | ClosedForm
+    eps: float
+    numerics: Discretisation | Tolerance
+    lattice: str = CHAIN
+    constants: Pairs = ()
+    parameters: Pairs = ()
+    order: str = "leading"
+    t0: float = NOT_GIVEN
+    snapshots: tuple[float, ...] = ()
+    slow_times: tuple[float, ...] = ()
+    compared: int = 0
+    half_width: float | None = None
+    amplitude: int | None = None
+    time: int | None = None
+    background: Value = 0
+    carrier: Value = ""
+    branch: str | int = "acoustic"
+    disorder: Stated = ()
+    declared: str = ""
+    observables: tuple[str, ...] = None  # type: ignore[assignment] # those that are usual
+    curve_points: int = 201
+    look_points: int | None = None
+    title: str = ""
+
+    @classmethod
+    def of(cls, **given: Any) -> Scene:
+        """A scene from keywords as scene files have them.
+
+        Those of the `Discretisation` (step, domain, sites, scheme) or of the `Tolerance`
+        (tolerance, engine, scheme) stand among the others. ``K2``, ``K3``, ``K4`` stand for the
+        constants of the paper's chain; ``times`` for t0 and the snapshots, of which it is one.
+        """
+        check.known_fields(given, (*FIELDS, *CHAIN_CONSTANTS, "times", *NUMERICS))
+        unsaid = [key for key in SAID_IN_ONE_WAY if given.get(key) is None]
+        found = {key: value for key, value in given.items() if key in FIELDS and key not in unsaid}
+        if "compared" in found:
+            found["compared"] = check.whole("compared", found["compared"])
+        own = {key: given[key] for key in CHAIN_CONSTANTS if key in given}
+        if own:
+            found["constants"] = {**dict(found.get("constants", ())), **own}
+        if given.get("times"):
+            moments = check.times("times", given["times"], 2)
+            found |= {"t0": moments[0], "snapshots": moments}
+        for key in ("name", "wave", "eps"):
+            if key not in found:
+                raise ValueError(f"{key} must be stated, got nothing (state it)")
+        return cls(numerics=numerics_of(given), **found)
+
+    @classmethod
+    def from_toml(cls, path: str | Path) -> Scene:
+        """Read a scene file (`scene_file.py` says what may stand in it)."""
+        return cls.of_document(read_document(path), Path(path))
+
+    @classmethod
+    def of_document(cls, document: Mapping[str, Any], path: Path) -> Scene:
+        """The scene that the tables of a file at ``path`` describe."""
+        try:
+            return cls.of(**{"name": file_stem(path)} | scene_fields(document, path.parent))
+        except ValueError as error:
+            raise ValueError(f"{shown_path(path.name)}: {error}") from None
+
+    @classmethod
+    def from_json(cls, text: str) -> Scene:
+        """The scene that `json` wrote. One with a wave of your own can be shown, but not run."""
+        return cls.of(**json.loads(text))
+
+    def __post_init__(self) -> None:
+        for key in ("name", "lattice", "order", "declared", "title"):
+            check.text(key, getattr(self, key))
+        if isinstance(self.wave, str):
+            check.text("wave", self.wave)
+        else:
+            check.closed_form(self.wave)
+        self._set("eps", check.finite("eps", self.eps))
+        check.positive("eps", self.eps)
+        check.one_of("order", self.order, ORDERS)
+        self._set("slow_times", self.slow_times or ())
+        for key in ("constants", "parameters"):
+            self._set(key, check.pairs(key, getattr(self, key)))
+        self._set("carrier", check.value("k", self.carrier))
+        self._set("background", check.value("background", self.background))
+        self._set("disorder", disorder_pairs(self.disorder))
+        self._set("declared", _canonical(self.declared))
+        self._set("curve_points", check.whole("curve_points", self.curve_points))
+        if self.look_points is not None:
+            self._set("look_points", check.whole("look_points", self.look_points))
+        if not isinstance(self.numerics, Discretisation | Tolerance):
+            raise ValueError(
+                f"numerics must be a Discretisation or a Tolerance, got {shown(self.numerics)} "
+                "(such as Tolerance(1e-4))"
+            )
+        if self.is_growth:
+            self._check_growth()
+        else:
+            self._check_moments()
+            self._check_region()
+        self._check_ansatz()
+        is_usual = self.observables is None
+        asked = USUAL_OBSERVABLES[self.method] if is_usual else self.observables
+        self._set("observables", check.names("observables", asked, tuple(OBSERVABLES)))
+        if self.has_moving_wave:
+            self._check_moving_wave()
+        else:
+            self._check_any_lattice()
+
+    def _set(self, name: str, value: object) -> None:
+        object.__setattr__(self, name, value)
+
+    def _check_growth(self) -> None:
+        self._set("t0", NOT_GIVEN)
+        given = {"times": self.snapshots, "compared": self.compared or None}
+        for key in ("slow_times", "half_width"):
+            given[key] = getattr(self, key)
+        for key, value in given.items():
+            if value not in ((), None):
+                raise ValueError(
+                    f"{key} must not be given with the wave {PERTURBED_PLANE}, got {shown(value)} "
+                    "(when its growth is measured is found)"
+                )
+        if not self.is_envelope:
+            raise ValueError(
+                f"k in [envelope] must be given with the wave {PERTURBED_PLANE}, got nothing "
+                '(such as k = "pi/2")'
+            )
+        if self.disorder:
+            raise ValueError(
+                f"disorder must not be given with the wave {PERTURBED_PLANE}, got "
+                f"{shown(dict(self.disorder))} (its waves would be scattered into all others)"
+            )
+        names = [name for name, _ in self.parameters]
+        unknown = [name for name in names if name not in PERTURBATION]
+        if unknown or "amplitude" not in names or {"kappa", "share"} <= {*names}:
+            raise ValueError(
+                f"parameters of {PERTURBED_PLANE} must be amplitude, and kappa or share or "
+                f"neither, got {shown(', '.join(names) or 'none')} (such as amplitude = 0.5)"
+            )
+        if self.order == "corrected":
+            raise ValueError(
+                f"order must be leading or slaved with the wave {PERTURBED_PLANE}, got corrected "
+                "(its theory is the envelope equation alone)"
+            )
+
+    def _check_moments(self) -> None:
+        has_start = self.t0 != NOT_GIVEN
+        is_slow, is_timed = bool(self.slow_times), has_start or bool(self.snapshots)
+        if is_slow == is_timed:
+            got = "both" if is_slow else "neither"
+            raise ValueError(
+                f"either slow_times or times must be given, got {got} (slow_times = [0, 1] is from "
+                "T = 0 to T = 1, times are t0 and snapshots)"
+            )
+        if is_slow:
+            self._set("t0", NOT_GIVEN)
+            self._set("slow_times", check.times("slow_times", self.slow_times, 2))
+            if self.has_moving_wave:
+                moments = tuple(T / self.eps**3 for T in self.slow_times)
+                self._set("t0", moments[0])
+                self._set("snapshots", moments)
+                self._set("slow_times", ())
+            return
+        if not has_start:
+            raise ValueError("t0 must be stated with snapshots, got nothing (state it)")
+        self._set("t0", check.finite("t0", self.t0))
+        self._set("snapshots", check.times("snapshots", self.snapshots, start=self.t0))
+
+    def _check_region(self) -> None:
+        if (self.half_width is None) == (self.compared == 0):
+            got = "neither" if self.half_width is None else "both"
+            raise ValueError(
+                f"either half_width or compared must be given, got {got} (half_width = 10 is in X, "
+                "compared = 200 in cells)"
+            )
+        if self.half_width is None:
+            self._set("compared", check.whole("compared", self.compared))
+            return
+        self._set("half_width", check.finite("half_width", self.half_width))
+        check.positive("half_width", self.half_width or 0.0)
+        if self.has_moving_wave:
+            self._set("compared", check.whole("compared", self.cells_within(1)))
+            self._set("half_width", None)
+
+    def cells_within(self, power: int) -> int:
+        """Cells that are compared on either side, along an axis that is slow as eps^power."""
+        if self.half_width is None:
+            return self.compared
+        return max(1, math.ceil(self.half_width / self.eps**power))
+
+    def _check_ansatz(self) -> None:
+        for key, most in (("amplitude", 8), ("time", 9)):
+            value = getattr(self, key)
+            if value is not None and (isinstance(value, bool) or value not in range(most + 1)):
+                raise ValueError(
+                    f"{key} must be a whole number, 0 <= {key} <= {most}, got {shown(value)} "
+                    "(leave it out and it is found)"
+                )
+            self._set(key, None if value is None else int(value))
+        if self.is_envelope:
+            for key, usual in (("amplitude", None), ("time", None), ("background", 0)):
+                if getattr(self, key) != usual:
+                    raise ValueError(
+                        f"{key} must not be given with an envelope, got {shown(getattr(self, key))}"
+                        " (it belongs to long waves)"
+                    )
+        if isinstance(self.branch, bool) or not isinstance(self.branch, int | str):
+            raise ValueError(
+                f"branch must be acoustic, optical or a number, got {shown(self.branch)}"
+            )
+        if self.branch != "acoustic" and not self.is_envelope:
+            raise ValueError(
+                f"branch must be given with an envelope, got {shown(self.branch)} without (give "
+                "the carrier's k)"
+            )
+
+    def _check_moving_wave(self) -> None:
+        """Refuse constants that are missing, and numerics that do not go with what is asked for."""
+        given: dict[str, Value] = {"K3": 0} | dict(self.constants)
+        for name in given:
+            check.one_of("name in [constants]", name, CHAIN_CONSTANTS)
+        for name in CHAIN_CONSTANTS:
+            if name not in given:
+                raise ValueError(f"{name} in [constants] must be stated, got nothing (state it)")
+        self._set("constants", tuple((name, given[name]) for name in CHAIN_CONSTANTS))
+        numerics = self.numerics
+        if isinstance(numerics, Discretisation):
+            check.enough_steps(numerics.step, self.end - self.t0)
+        for name in self.observables:
+            asked = observable_named(name)
+            if isinstance(numerics, Tolerance) and asked.seen == "refinement":
+                raise ValueError(
+                    f"observables must have no refinement with a tolerance, got {name} "
+                    "(leave it out: the run reports an estimate of its own)"
+                )
+            if asked.needs_ring and getattr(numerics, "domain", "") == "window":
+                raise ValueError(
+                    f"domain must be 'ring' for {name}, got 'window' (a window drops sites)"
+                )
+        check.within_reach(self.model.sound_speed(), (self.t0, self.end))
+
+    def _check_any_lattice(self) -> None:
+        """Refuse what is there for mKdV waves on the paper's chain alone."""
+        if not isinstance(self.wave, str):
+            raise ValueError(
+                f"wave must be the name of a closed form on {self.lattice}, got {self.wave.name}, "
+                "which is not in the catalogue"
+            )
+        if self.eps > LARGEST_EPS:
+            raise ValueError(
+                f"eps must satisfy eps <= {LARGEST_EPS:g}, got {self.eps:g} (such as 0.05)"
+            )
+        numerics = self.numerics
+        if isinstance(numerics, Discretisation):
+            raise ValueError(
+                f"tolerance must be given for {self.wave} on {self.lattice}, got {numerics} "
+                f"(a step may be stated for mKdV waves on {CHAIN} with K3 = 0 alone)"
+            )
+        if numerics.engine not in ("", "stencil") or numerics.scheme:
+            raise ValueError(
+                f"engine must be 'stencil', and scheme left out, for {self.wave} on "
+                f"{self.lattice}, got {numerics} (mKdV waves on {CHAIN} have others)"
+            )
+        if self.observables != USUAL_OBSERVABLES[self.method]:
+            raise ValueError(
+                f"observables must be 'strain' for {self.wave} on {self.lattice}, got "
+                f"{', '.join(self.observables)} (mKdV waves on {CHAIN} have others)"
+            )
+        count = len(self.slow_times or self.snapshots)
+        if count > check.MOST_TIMES:
+            raise ValueError(
+                f"times must be at most {check.MOST_TIMES}, got {count} (leave some out)"
+            )
+
+    def __getstate__(self) -> dict[str, Any]:
+        """The fields alone: the wave and its programs are made again where they are asked for."""
+        return {entry.name: getattr(self, entry.name) for entry in fields(self)}
+
+    def __repr__(self) -> str:
+        values = ", ".join(
+            f"{name} = {value if isinstance(value, str) else f'{value:g}'}"
+            for name, value in self.parameters
+        )
+        wave = f"{self.wave_name} with {values}" if values else self.wave_name
+        name, times = "T", self.slow_times
+        if not times:
+            name, times = "t", (self.t0, *self.snapshots[-1:])
+        region = f"{2 * self.compared + 1} sites"
+        if self.half_width is not None:
+            region = f"|X| <= {self.half_width:g}"
+        seen = f", {name} = {times[0]:g} .. {times[-1]:g}, {region} compared"
+        order = "" if self.order == "leading" else f", {self.order} order"
+        return (
+            f"<Scene {self.name}: {wave} on {self.lattice}, eps = {self.eps:g}{order}"
+            f"{'' if self.is_growth else seen}, {self.numerics}>"
+        )
+
+    @property
+    def is_envelope(self) -> bool:
+        """Whether the wave is the envelope of a carrier."""
+        return self.carrier != ""
+
+    @property
+    def is_growth(self) -> bool:
+        """Whether the growth rate of a plane wave is measured, and no wave compared."""
+        return self.wave == PERTURBED_PLANE
+
+    @property
+    def has_moving_wave(self) -> bool:
+        """Whether it is the paper's: leading data of a long wave on its chain, with K3 = 0.
+
+        The equation is then the mKdV equation.
+        """
+        values = dict(self.constants)
+        chosen = (self.order, self.background, self.amplitude, self.time, self.carrier)
+        return (
+            self.lattice == CHAIN
+            and not (self.declared or self.disorder or self.is_growth)
+            and chosen == ("leading", 0, None, None, "")
+            and not any(isinstance(value, str) for value in values.values())
+            and values.get("K3", 0) == 0
+        )
+
+    @property
+    def method(self) -> str:
+        """How it is run, one of `METHODS`."""
+        if self.is_growth:
+            return "sidebands"
+        return "moving_wave" if self.has_moving_wave else "ring"
+
+    def check_compared(self) -> None:
+        """Raise ValueError where no wave is compared but a growth rate measured."""
+        if self.is_growth:
+            raise ValueError(
+                f"wave must be one that a lattice is compared with, got {self.wave}, whose growth "
+                "rate is measured (`longwave run`, `sweep` and `plot` take it)"
+            )
+
+    @property
+    def wave_name(self) -> str:
+        """The wave's name."""
+        return self.wave if isinstance(self.wave, str) else self.wave.name
+
+    @property
+    def tolerance(self) -> float | None:
+        """The tolerance; None if the discretisation is stated."""
+        return self.numerics.tolerance if isinstance(self.numerics, Tolerance) else None
+
+    @property
+    def discretisation(self) -> Discretisation:
+        """The stated discretisation; ValueError if there is a tolerance instead."""
+        if isinstance(self.numerics, Discretisation):
+            return self.numerics
+        raise ValueError(
+            f"step, domain and sites must be stated for this, got a tolerance in {self.name} "
+            "(give Discretisation(step, domain, sites))"
+        )
+
+    @property
+    def target(self) -> Tolerance:
+        """The tolerance as a record; ValueError if the discretisation is stated instead."""
+        if isinstance(self.numerics, Tolerance):
+            return self.numerics
+        raise ValueError(
+            f"tolerance must be given for this, got a stated step in {self.name} "
+            "(give one: --tolerance, or Scene.with_tolerance)"
+        )
+
+    @cached_property
+    def model(self) -> Model:
+        """The constants of the paper's chain."""
+        values = dict(self.constants)
+        return Model(*(float(values.get(name, 0.0)) for name in CHAIN_CONSTANTS))
+
+    @property
+    def form(self) -> ClosedForm:
+        """The closed form that is named or given; a ValueError lists the known names."""
+        from longwave.solutions import (
+            closed_form,  # scenes are read, listed and shown without formulas
+        )
+
+        if isinstance(self.wave, str):
+            return closed_form(self.wave, dict(self.parameters))
+        return self.wave
+
+    @cached_property
+    def moving_wave(self) -> MovingWave:
+        """The wave on the paper's chain; ValueError for what it does not admit.
+
+        What asks for the wave alone finds it in ``moving_wave.wave``.
+        """
+        from longwave.scenes.chain.moving_wave import MovingWave, build_wave
+
+        numbers = {
+            name: value if isinstance(value, str) else float(value)
+            for name, value in self.parameters
+        }
+        wave = build_wave(self.wave, self.model, numbers)
+        times = (self.t0, *self.snapshots)
+        return MovingWave(wave, self.model, self.eps, times, self.compared)
+
+    @property
+    def end(self) -> float:
+        """The last time of the run."""
+        return self.snapshots[-1]
+
+    @property
+    def keeps_start(self) -> bool:
+        """Whether what it starts from is one of its snapshots."""
+        return bool(self.slow_times) or self.t0 in self.snapshots
+
+    def lattice_times(self, slow: int) -> tuple[float, ...]:
+        """The lattice's times, the first of which is the start; ``T = eps**slow t``."""
+        if self.slow_times:
+            return tuple(T / self.eps**slow for T in self.slow_times)
+        return (self.t0, *(t for t in self.snapshots if t > self.t0))
+
+    def run(self, progress: Progress | None = None, announce: Announce | None = None) -> xr.Dataset:
+        """The run of the scene, with what can be trusted of it (`named_scenes.run`)."""
+        made: xr.Dataset = self._way.run_scene(self, progress, announce)
+        return made
+
+    def expected_cost(self) -> ExpectedCost:
+        """What a run is expected to cost, in a process that has just begun.
+
+        Raises ValueError as `run` does for what is wrong before anything is run.
+        """
+        expected: ExpectedCost = self._way.scene_cost(self)
+        return expected
+
+    @property
+    def process_seconds(self) -> float:
+        """The part of the expected seconds that a process takes once."""
+        seconds: float = self._way.PROCESS_SECONDS
+        return seconds
+
+    @property
+    def _way(self) -> Any:
+        return import_module(METHODS[self.method])
+
+    def changed(self, **changes: Any) -> Scene:
+        """The scene with other values for some keywords of `of`."""
+        return Scene.of(**(self._keywords() | changes))
+
+    def with_tolerance(self, tolerance: float) -> Scene:
+        """The scene with a tolerance in the place of its step, domain and measured refinements."""
+        kept = (name for name in self.observables if observable_named(name).seen != "refinement")
+        stated = dict.fromkeys(NUMERICS) if isinstance(self.numerics, Discretisation) else {}
+        return self.changed(**stated | {"tolerance": tolerance, "observables": tuple(kept)})
+
+    def json(self) -> str:
+        """The keywords of `of` as JSON, sorted; a wave of your own is said not to be shipped."""
+        keywords = self._keywords()
+        if not isinstance(self.wave, str):
+            keywords["wave"] = f"{self.wave.name} (a closed form that is not shipped)"
+        return json.dumps(keywords, sort_keys=True)
+
+    def toml(self) -> str:
+        """The scene as a file, with its name and, if it is declared, its lattice."""
+        return toml_text(document_of(json.loads(self.json())))
+
+    def _keywords(self) -> dict[str, Any]:
+        """The keywords of `of`, those apart that say what is usual."""
+        given = {key: getattr(self, key) for key in FIELDS} | asdict(self.numerics)
+        usual = _USUAL | {"observables": USUAL_OBSERVABLES[self.method]}
+        return {key: value for key, value in given.items() if value != usual.get(key, "")}
+
+
+FIELDS = tuple(field.name for field in fields(Scene) if field.name != "numerics")
+_USUAL = {field.name: field.default for field in fields(Scene)}
+
+
+def _canonical(declared: str) -> str:
+    """A declared lattice in one spelling, without its name; ValueError for what is no table."""
+    if not declared:
+        return ""
+    try:
+        found = json.loads(declared)
+    except (ValueError, RecursionError):
+        found = None
+    if not isinstance(found, Mapping):
+        raise ValueError(
+            f"declared must be a lattice's tables as JSON, got {shown(declared)} (read_lattice "
+            "says what they hold)"
+        )
+    return json.dumps({key: value for key, value in found.items() if key != "name"})

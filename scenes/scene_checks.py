@@ -1,0 +1,230 @@
+"""What each field of a scene may be.
+
+A check raises ValueError in one line: argument, condition, value, remedy.
+"""
+
+import math
+from collections.abc import Iterable, Mapping
+from numbers import Integral, Real
+from typing import TypeAlias
+
+from longwave.support.user_files import shown
+
+Value: TypeAlias = "int | float | str"
+"""A number, or a formula in text such as "1/3", "sqrt(2)" or "K/2"."""
+
+Pairs: TypeAlias = "tuple[tuple[str, Value], ...]"
+"""Names and values."""
+
+MOST_STEPS = 1e10
+
+LONGEST_FORMULA = 200
+"""Characters of a value in text."""
+
+MOST_TIMES = 200
+"""Times at which the whole of a lattice of any kind is kept."""
+
+USUAL: Mapping[str, str] = {
+    "eps": "0.05",
+    "t0": "-1000",
+    "K2": "1",
+    "K3": "0",
+    "K4": "1",
+    "step": "0.5",
+    "sites": "4096",
+    "compared": "200",
+    "curve_points": "201",
+    "look_points": "201",
+    "tolerance": "1e-4",
+    "snapshots": "[-100, 0, 100]",
+    "times": "[0, 100]: the first is the start",
+    "slow_times": "[0, 1]: the first is the start",
+}
+"""What may be written instead of a wrong value."""
+
+LEAST_TOLERANCE = 1e-11
+"""Sup error of y/eps that double precision still tells from rounding (Y2 over t = 15000)."""
+
+SMALLEST = 1e-50
+"""Numbers below it, and above its reciprocal, would leave the range of doubles on the way."""
+
+FARTHEST_SITE = 2.0**52
+"""Beyond it numbers of sites are not all doubles."""
+
+LARGEST = 1e9
+"""Whole numbers above it would be more than any memory holds."""
+
+
+def finite(name: str, value: object) -> float:
+    """The value as a float, if it is a finite number."""
+    if isinstance(value, bool) or not isinstance(value, Real):
+        raise ValueError(f"{name} must be a number, got {shown(value)}{_remedy(name)}")
+    number = value if isinstance(value, int) else float(value)
+    if not isinstance(number, int) and not math.isfinite(number):
+        raise ValueError(f"{name} must be finite, got {value}{_remedy(name)}")
+    if number != 0 and not SMALLEST <= abs(number) <= 1 / SMALLEST:
+        raise ValueError(
+            f"{name} must be 0 or satisfy {SMALLEST:g} <= |{name}| <= {1 / SMALLEST:g}, "
+            f"got {shown(value)}{_remedy(name)}"
+        )
+    return float(number)
+
+
+def positive(name: str, value: float) -> None:
+    """Refuse what is not positive."""
+    if value <= 0:
+        raise ValueError(f"{name} must satisfy {name} > 0, got {value:g}{_remedy(name)}")
+
+
+def tolerance(given: object) -> float:
+    """The tolerance as a float, if it is positive and not below rounding."""
+    value = finite("tolerance", given)
+    positive("tolerance", value)
+    if value < LEAST_TOLERANCE:
+        raise ValueError(
+            f"tolerance must satisfy tolerance >= {LEAST_TOLERANCE:g}, got {value:g} "
+            "(rounding alone makes as much in a long run)"
+        )
+    return value
+
+
+def whole(name: str, value: object) -> int:
+    """The value as an int, if it is a whole number >= 1 that some memory holds."""
+    if isinstance(value, bool) or not isinstance(value, Integral) or not 1 <= int(value) <= LARGEST:
+        raise ValueError(
+            f"{name} must be a whole number, 1 <= {name} <= {LARGEST:g}, got {shown(value)}"
+            f"{_remedy(name)}"
+        )
+    return int(value)
+
+
+def enough_steps(step: float, duration: float) -> None:
+    """Refuse a step with which nobody will see the run's end."""
+    if duration > MOST_STEPS * step:
+        raise ValueError(
+            f"step must satisfy step >= {duration / MOST_STEPS:.3g} for {duration:g} time units, "
+            f"got {step:g} (that would be more than {MOST_STEPS:g} steps)"
+        )
+
+
+def within_reach(speed: float, times: Iterable[float]) -> None:
+    """Refuse times at which the wave is at a site whose number is no exact double."""
+    farthest = max(map(abs, times))
+    if speed * farthest > FARTHEST_SITE:
+        raise ValueError(
+            f"times must satisfy |t| <= {FARTHEST_SITE / speed:.2g} with the speed of sound "
+            f"{speed:.3g}, got {farthest:g} (beyond it sites cannot be told apart)"
+        )
+
+
+def text(name: str, value: object) -> None:
+    """Refuse what is no text, and what no file can hold of one: halves of signs."""
+    if not isinstance(value, str):
+        raise ValueError(f"{name} must be a text, got {shown(value)} (write it in quotes)")
+    if any("\ud800" <= sign <= "\udfff" for sign in value):
+        raise ValueError(f"{name} must be a text in Unicode, got {shown(value)} (name it anew)")
+
+
+def known_fields(given: Iterable[str], known: Iterable[str]) -> None:
+    """Refuse keywords that a scene does not have."""
+    for key in given:
+        if key not in known:
+            raise ValueError(
+                f"keywords must be known ones, got {plain(key)} (one of {', '.join(known)})"
+            )
+
+
+def closed_form(value: object) -> None:
+    """Refuse what is no closed form."""
+    from longwave.solutions import ClosedForm  # only a wave that is not named needs formulas
+
+    if not isinstance(value, ClosedForm):
+        raise ValueError(
+            f"wave must be a text or a ClosedForm, got {shown(value)} (such as 'rogue_cn')"
+        )
+
+
+def one_of(name: str, value: object, known: tuple[str, ...]) -> None:
+    """Refuse a word that is not known."""
+    if value not in known:
+        raise ValueError(
+            f"{name} must be a known one, got {shown(value)} (one of {', '.join(known)})"
+        )
+
+
+def times(name: str, values: object, least: int = 1, start: float = -math.inf) -> tuple[float, ...]:
+    """Increasing times from ``start`` on: one, or two, at the least."""
+    if not isinstance(values, list | tuple) or len(values) < least:
+        raise ValueError(
+            f"{name} must be a list of at least {('one time', 'two times')[least - 1]}, got "
+            f"{shown(values)}{_remedy(name)}"
+        )
+    checked = tuple(finite(name, value) for value in values)
+    if min(checked) < start:
+        raise ValueError(
+            f"{name} must satisfy t >= t0 = {start:g}, got {min(checked):g} (start earlier)"
+        )
+    if list(checked) != sorted(set(checked)):
+        raise ValueError(f"{name} must increase, got {shown(list(checked))} (sort them)")
+    return checked
+
+
+def names(name: str, values: object, known: tuple[str, ...]) -> tuple[str, ...]:
+    """Known names."""
+    if not isinstance(values, list | tuple):
+        raise ValueError(
+            f'{name} must be a list of names, got {shown(values)} (such as ["{known[0]}"])'
+        )
+    for value in values:
+        one_of(name, value, known)
+    return tuple(values)
+
+
+def value(name: str, given: object) -> Value:
+    """A finite number, whole if it is, or a short text."""
+    if isinstance(given, str):
+        if len(given) > LONGEST_FORMULA:
+            raise ValueError(
+                f"{name} must be a short formula, got {len(given)} characters (such as 1/3)"
+            )
+        text(name, given)
+        return given
+    number = finite(name, given)
+    return int(number) if abs(number) < FARTHEST_SITE and number.is_integer() else number
+
+
+def pairs(name: str, given: object) -> Pairs:
+    """Pairs of names and values, from a mapping or such pairs."""
+    found = list(given.items()) if isinstance(given, Mapping) else given
+    if not isinstance(found, list | tuple) or not all(
+        isinstance(pair, list | tuple) and len(pair) == 2 for pair in found
+    ):
+        usual = '{"k": 0.5}' if name == "parameters" else '{"K2": 1}'
+        raise ValueError(
+            f"{name} must be pairs of names and values, got {shown(given)} (such as {usual})"
+        )
+    checked = tuple((str(key), value(str(key), entry)) for key, entry in found)
+    differing(name, checked)
+    return checked
+
+
+def differing(where: str, pairs: Iterable[tuple[str, object]]) -> None:
+    """Refuse pairs of which two have one name, and texts that no file can hold."""
+    seen = set()
+    for name, value in pairs:
+        if name in seen:
+            raise ValueError(f"{where} must have each name once, got {name} twice (leave one)")
+        seen.add(name)
+        text(f"name in {where}", name)
+        if isinstance(value, str):
+            text(name, value)
+
+
+def plain(key: object) -> str:
+    """A key as it is put into a message: short, without quotes."""
+    found = str(key)
+    return found if len(found) <= 60 else f"{found[:57]}..."
+
+
+def _remedy(name: str) -> str:
+    return f" (such as {USUAL.get(name, '0.5')})"

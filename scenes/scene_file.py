@@ -1,0 +1,190 @@
+"""The files of scenes: TOML with a whitelist of keys.
+
+    name, title, lattice, wave, eps, order, t0, snapshots, times, slow_times, compared, half_width,
+    observables, curve_points, look_points, tolerance, engine
+    [constants]   the lattice's: numbers, or formulas in text, with eps in it where they are small
+    [parameters]  the wave's: numbers, or texts such as "K/2", "1/3"
+    [long_wave]   amplitude, time (powers of eps), background (a mean strain); all may be left out
+    [envelope]    k (the carrier's wavenumber, such as "pi/2"), branch
+    [disorder]    of, spread, seed, distribution, sites: see `scene_disorder.py`
+    [scheme]      name, step
+    [domain]      kind, sites
+
+``lattice`` is a name of the catalogue, the file of a lattice (in the scene's folder), or the
+lattice itself, as a table with the keys of such a file; as a table of K2, K3 and K4 it is the
+paper's chain. ``compared`` may stand in [domain], too. A scene with a tolerance states no step,
+kind and sites; one without a name has that of its file.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from longwave.scenes.scene_checks import plain, text
+from longwave.scenes.scene_disorder import Disorder
+from longwave.support.user_files import parse_toml, read_toml, shown, shown_path
+
+TOP = (
+    *("name", "title", "lattice", "wave", "eps", "order", "t0", "snapshots", "times"),
+    *("slow_times", "compared", "half_width", "observables", "curve_points", "look_points"),
+    *("tolerance", "engine"),
+)
+PAIRS = ("constants", "parameters")
+"""Tables whose keys a lattice or a wave decides."""
+
+TABLES = {
+    "long_wave": {"amplitude": "amplitude", "time": "time", "background": "background"},
+    "envelope": {"k": "carrier", "branch": "branch"},
+    "scheme": {"name": "scheme", "step": "step"},
+    "domain": {"kind": "domain", "sites": "sites", "compared": "compared"},
+}
+"""Their keys, and the fields of a scene that these are."""
+
+LATTICE_KEYS = ("fields", "masses", "positive", "spring", "site", "bond")
+"""Keys of which a table that declares a lattice has one."""
+
+CHAIN = "fput_strain"
+CHAIN_KEYS = ("K2", "K3", "K4")
+
+STATED = {"step": "step in [scheme]", "domain": "kind in [domain]", "sites": "sites in [domain]"}
+"""Required unless there is a tolerance."""
+
+LARGEST_FILE = 100_000
+"""Bytes of a scene's file."""
+
+
+def read_document(path: str | Path, what: str = "scene") -> Mapping[str, Any]:
+    """The tables of a TOML file, or of the standard input for ``-``; ``what`` it is to be.
+
+    Raises ValueError, in one line, for what is none.
+    """
+    try:
+        return read_toml(path, what, LARGEST_FILE)
+    except OSError as error:
+        raise ValueError(
+            f"{what} must be a file that can be read, got {shown_path(path)}: {error.strerror} "
+            f"(or the name of a shipped {what})"
+        ) from None
+
+
+def parse_document(content: bytes, source: str) -> Mapping[str, Any]:
+    """The tables of TOML from ``source``; ValueError, in one line, for what is none."""
+    return parse_toml(content, source, "scene")
+
+
+def in_one_spelling(document: Mapping[str, Any]) -> dict[str, Any]:
+    """The tables with the paper's chain by its name.
+
+    >>> in_one_spelling({"lattice": {"K2": 1, "K4": 2}, "domain": {"compared": 9}})
+    {'lattice': 'fput_strain', 'constants': {'K2': 1, 'K4': 2}, 'compared': 9}
+    """
+    found = dict(document)
+    lattice = found.get("lattice")
+    if isinstance(lattice, Mapping) and not any(key in lattice for key in LATTICE_KEYS):
+        refuse_unknown(lattice, CHAIN_KEYS, " in [lattice]")
+        table(document, "constants")
+        found["lattice"] = CHAIN
+        found["constants"] = {**lattice, **found.get("constants", {})}
+    domain = found.get("domain")
+    if isinstance(domain, Mapping) and "compared" in domain:
+        rest = {key: value for key, value in domain.items() if key != "compared"}
+        found.pop("domain")
+        found |= ({"domain": rest} if rest else {}) | {"compared": domain["compared"]}
+    return found
+
+
+def scene_fields(given: Mapping[str, Any], folder: Path = Path()) -> dict[str, Any]:
+    """The keywords of `Scene.of` for a parsed document; files are looked for in ``folder``.
+
+    >>> scene_fields({"colour": 3})
+    Traceback (most recent call last):
+    ...
+    ValueError: keys must be known ones, got colour (one of name, ..., constants, ...)
+    """
+    document = in_one_spelling(given)
+    refuse_unknown(document, (*TOP, *PAIRS, *TABLES, "disorder"), "")
+    found = {key: document[key] for key in TOP if key in document}
+    found |= _lattice(document.get("lattice"), folder)
+    found |= {name: tuple(table(document, name).items()) for name in PAIRS}
+    for name, fields in TABLES.items():
+        entries = table(document, name)
+        refuse_unknown(entries, tuple(fields), f" in [{name}]")
+        found |= {fields[key]: value for key, value in entries.items()}
+    if "disorder" in document:
+        found["disorder"] = Disorder.of_pairs(table(document, "disorder")).pairs
+    if "envelope" in document and "carrier" not in found:
+        raise ValueError('k in [envelope] must be stated, got nothing (such as k = "pi/2")')
+    if "long_wave" in document and "envelope" in document:
+        raise ValueError("[long_wave] must not be given with [envelope], got both (leave one)")
+    missing = [where for key, where in STATED.items() if key not in found]
+    if missing and "tolerance" not in found:
+        raise ValueError(f"{missing[0]} must be stated, got nothing (state it or a tolerance)")
+    return found
+
+
+def _lattice(given: object, folder: Path) -> dict[str, Any]:
+    """The lattice by name, or as its name and its declaration."""
+    if isinstance(given, Mapping):
+        return _declaration(given, "lattice")
+    if not isinstance(given, str):
+        raise ValueError(
+            f"lattice must be a name, a file or a table, got {shown(given)} (such as 'toda')"
+        )
+    if not given.endswith(".toml"):
+        return {"lattice": given}
+    path = folder / given
+    if not path.is_file():
+        raise ValueError(
+            f"lattice must be a file beside the scene, got {shown(given)} (there is none in "
+            f"{folder})"
+        )
+    return _declaration(read_document(path), path.stem)
+
+
+def _declaration(document: Mapping[str, Any], name: str) -> dict[str, Any]:
+    """The lattice's name, and what else its tables say as JSON."""
+    found = dict(document)
+    called = found.pop("name", name)
+    text("name in [lattice]", called)
+    try:
+        return {"lattice": called, "declared": json.dumps(found)}
+    except TypeError as error:
+        raise ValueError(f"lattice must hold texts and numbers, got a date ({error})") from None
+
+
+def document_of(given: Mapping[str, Any]) -> dict[str, Any]:
+    """The document of a scene with these keywords: what `scene_fields` makes them of.
+
+    >>> document_of({"wave": "kink", "constants": [["K2", 1]], "step": None, "sites": 8})
+    {'lattice': 'fput_strain', 'wave': 'kink', 'constants': {'K2': 1}, 'domain': {'sites': 8}}
+    """
+    given = {"lattice": CHAIN} | {k: v for k, v in given.items() if v is not None}
+    found = {key: given[key] for key in TOP if key in given}
+    if "declared" in given:
+        found["lattice"] = {"name": given["lattice"], **json.loads(given["declared"])}
+    found |= {name: dict(given[name]) for name in (*PAIRS, "disorder") if name in given}
+    for name, fields in TABLES.items():
+        entries = {k: given[field] for k, field in fields.items() if field in given}
+        entries.pop("compared", None)
+        found |= {name: entries} if entries else {}
+    return found
+
+
+def table(document: Mapping[str, Any], name: str) -> Mapping[str, Any]:
+    """The table of that name, empty if there is none; ValueError if it is something else."""
+    found = document.get(name, {})
+    if not isinstance(found, Mapping):
+        raise ValueError(f"{name} must be a table, got {shown(found)} (write [{name}])")
+    return found
+
+
+def refuse_unknown(entries: Mapping[str, Any], known: tuple[str, ...], where: str) -> None:
+    """Refuse keys that are not known, ``where`` saying in which table they are."""
+    for key in entries:
+        if key not in known:
+            raise ValueError(
+                f"keys{where} must be known ones, got {plain(key)} (one of {', '.join(known)})"
+            )

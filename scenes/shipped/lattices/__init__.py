@@ -1,0 +1,1 @@
+"""Scenes on further lattices and waves, as TOML files."""
