@@ -175,7 +175,7 @@ def _scene_of_film(scene: Scene, options: FilmOptions) -> Scene:
         begin = scene.lattice_times(derivation(scene).slow)[0]
     first, last = options.times or (begin, *end)
     if first < begin:
-        raise ValueError(f"times must begin at {begin:g} or later, got {first:g}")
+        raise ValueError(f"times must begin at t0 = {begin:g} or later, got {first:g}")
     moments = _frames((first, last), count)
     return scene.changed(slow_times=(), t0=begin, snapshots=moments, observables=("strain",))
 

@@ -2,7 +2,6 @@
 
 import pytest
 
-from longwave.scenes.lattice_run import scene_cost
 from longwave.scenes.scene import Scene
 from searches.soak_scenes import soak_scene
 
@@ -12,4 +11,4 @@ def test_scenes_of_each_kind_are_drawn(index: int, disordered: bool, growing: bo
     scene = soak_scene(7, index)
     assert (bool(scene.disorder), scene.is_growth) == (disordered, growing)
     assert Scene.from_json(scene.json()) == scene
-    assert 0.0 < scene_cost(scene).seconds < 60.0
+    assert 0.0 < scene.expected_cost().seconds < 60.0

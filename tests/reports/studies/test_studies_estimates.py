@@ -12,7 +12,7 @@ from longwave.reports.studies import estimates
 from longwave.reports.studies.causal_reference import CausalReference, SoftenedError
 from longwave.reports.studies.estimate_scenes import WAVES, RandomScene, random_scene
 from longwave.reports.studies.estimates import estimate_rows, judge, judge_scene, warm_up
-from longwave.scenes.chain.scene_run import run
+from longwave.scenes.chain import run
 from longwave.scenes.numerics import Discretisation
 from longwave.scenes.scene import Scene
 from longwave.solutions import CATALOGUE
@@ -58,7 +58,7 @@ def test_the_scenes_reach_all_corners() -> None:
     assert sum(way < 200 for way in ways) > 40
     assert min(one.compared for one in scenes) < 40
     assert max(one.compared for one in scenes) > 900
-    assert {True, False} == {one.K4 > 0 for one in scenes}
+    assert {True, False} == {one.model.K4 > 0 for one in scenes}
     assert any(one.snapshots == (one.t0,) for one in scenes)
     moduli = [value for one in scenes for name, value in one.parameters if name == "k"]
     assert min(moduli) < 1e-2
