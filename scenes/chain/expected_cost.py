@@ -11,8 +11,12 @@ import math
 from dataclasses import dataclass, replace
 
 from longwave.scenes.chain.observables import MAP_CELLS, Observable, observable_named
-from longwave.scenes.chain.scene_run import PROCESS_SECONDS
-from longwave.scenes.chain.stated_run import SECONDS_PER_UPDATE, refinements, stated_seconds
+from longwave.scenes.chain.stated_run import (
+    PROCESS_SECONDS,
+    SECONDS_PER_UPDATE,
+    refinements,
+    stated_seconds,
+)
 from longwave.scenes.scene import Scene
 from longwave.support.request_limits import ExpectedCost, check_request
 

@@ -206,6 +206,9 @@ def _share(begin: float, end: float, t: float) -> float:
 START_SECONDS = 0.03
 """Before the first step, measured with the planning."""
 
+PROCESS_SECONDS = 1.0
+"""For imports, what is loaded and what is written, once in a process."""
+
 SECONDS_PER_UPDATE = 6e-10
 """Seconds per site and force evaluation, measured with the planning."""
 
