@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from longwave.lattice.dynamics import StrainDynamics
-from longwave.lattice.kernels import chain_kernel
-from longwave.lattice.kernels.chain_kernel import ChainKernel
+from longwave.lattice.kernels import ring_kernel
+from longwave.lattice.kernels.ring_kernel import RingKernel
 from longwave.lattice.model import Model
 from longwave.lattice.schemes import REDUCED_PHASE_6
 from longwave.lattice.spectral import absorber
@@ -30,13 +30,13 @@ LINEAR, CUBIC = Model(1.0, 0.0, 0.0), Model(1.0, 0.0, 1.0)
 
 def advanced(size: int, steps: int, **constants: int) -> Callable[[], None]:
     """The steps of a ring of that size, by the kernel with these constants."""
-    kernel = ChainKernel(StrainDynamics(CUBIC).lattice, size)
+    kernel = RingKernel(StrainDynamics(CUBIC).lattice, size)
     ring = 0.01 * np.random.default_rng(0).standard_normal((2, 1, size))
     work = 0.2 * REDUCED_PHASE_6.drifts, 0.2 * REDUCED_PHASE_6.kicks
-    chain_kernel._machine_code.cache_clear()
+    ring_kernel._machine_code.cache_clear()
 
     def advance() -> None:
-        with patch.multiple(chain_kernel, **constants):
+        with patch.multiple(ring_kernel, **constants):
             kernel.advance(*ring, *work, steps)
 
     advance()
@@ -62,12 +62,12 @@ def print_blocks() -> None:
             for value in values
         ]
         told = ", ".join(f"{v}: {share:.2f}" for v, share in zip(values, shares, strict=True))
-        print(f"{name} = {getattr(chain_kernel, name)} takes 1.00; {told}")
+        print(f"{name} = {getattr(ring_kernel, name)} takes 1.00; {told}")
 
 
 def print_cores() -> None:
     """One core against two."""
-    for size in (8192, chain_kernel.LEAST_SHARED, 65_536, 10**6, 10**7):
+    for size in (8192, ring_kernel.LEAST_SHARED, 65_536, 10**6, 10**7):
         steps = max(2, 2_000_000 // size)
         one, two = (
             seconds(advanced(size, steps, LEAST_SHARED=least), time.perf_counter)
