@@ -73,7 +73,7 @@ STAGES = 28
 """Most stages done in a passage (13 to 52 cost the same to 5 %)."""
 
 ALONG = 4
-"""The same of a plane: 2 to 16 cost the same to 5 %, 1 a tenth more."""
+"""The same of a plane: 1 to 16 cost the same to 5 %."""
 
 CACHED = 65_536
 """Most doubles of a plane's rows between the first stage of a passage and the last: half of the
@@ -247,6 +247,7 @@ class _Arc:
     ) -> None:
         """Copy what is at ``begin`` .. ``end - 1`` in the arc from its fields' rings, or back."""
         layout, starts = self._layout, self._layout.starts[:-1]
+        moved: tuple[Places, ...]
         if self._columns:
             moved = starts, np.zeros_like(starts), np.full_like(starts, layout.vectors)
             runs, size = self._runs(begin, end), self._columns
