@@ -1,11 +1,13 @@
 """What the constants of the lattice's kernels and absorbers rest on, measured anew in a minute.
 
 Kernels: processor time of a ring of 4096 sites with other blocks, in units of that with the ones
-that are chosen, and the elapsed time of long rings on one core in units of that on two. Absorbers:
+that are chosen, and the elapsed time of long rings on one core in units of that on two; the time
+and the memory of large planes. Absorbers:
 how much of a wave packet is left after one passage of the seam.
 """
 
 import math
+import resource
 import sys
 import time
 from collections.abc import Callable
@@ -13,10 +15,11 @@ from unittest.mock import patch
 
 import numpy as np
 from numpy.typing import NDArray
+from problem import PROBLEMS
 
 from longwave.lattice.dynamics import StrainDynamics
-from longwave.lattice.kernels import chain_kernel
-from longwave.lattice.kernels.chain_kernel import ChainKernel
+from longwave.lattice.kernels import ring_kernel
+from longwave.lattice.kernels.ring_kernel import RingKernel
 from longwave.lattice.model import Model
 from longwave.lattice.schemes import REDUCED_PHASE_6
 from longwave.lattice.spectral import absorber
@@ -28,15 +31,16 @@ ROUNDS = 15
 LINEAR, CUBIC = Model(1.0, 0.0, 0.0), Model(1.0, 0.0, 1.0)
 
 
-def advanced(size: int, steps: int, **constants: int) -> Callable[[], None]:
-    """The steps of a ring of that size, by the kernel with these constants."""
-    kernel = ChainKernel(StrainDynamics(CUBIC).lattice, size)
-    ring = 0.01 * np.random.default_rng(0).standard_normal((2, 1, size))
+def advanced(shape: tuple[int, ...], steps: int, **constants: int) -> Callable[[], None]:
+    """The steps of a chain or plane of that shape, by the kernel with these constants."""
+    lattice = StrainDynamics(CUBIC).lattice if len(shape) == 1 else PROBLEMS["square"].lattice
+    kernel = RingKernel(lattice, *shape)
+    ring = 0.01 * np.random.default_rng(0).standard_normal((2, 1, *shape))
     work = 0.2 * REDUCED_PHASE_6.drifts, 0.2 * REDUCED_PHASE_6.kicks
-    chain_kernel._machine_code.cache_clear()
+    ring_kernel._machine_code.cache_clear()
 
     def advance() -> None:
-        with patch.multiple(chain_kernel, **constants):
+        with patch.multiple(ring_kernel, **constants):
             kernel.advance(*ring, *work, steps)
 
     advance()
@@ -55,25 +59,41 @@ def seconds(advance: Callable[[], None], clock: Callable[[], float]) -> float:
 
 def print_blocks() -> None:
     """Kernels with other blocks."""
-    whole = seconds(advanced(4096, 400), time.process_time)
-    for name, values in (("ROWS", (64, 128, 512)), ("STAGES", (13, 52))):
-        shares = [
-            seconds(advanced(4096, 400, **{name: value}), time.process_time) / whole
-            for value in values
-        ]
+    for name, shape, values in (
+        ("ROWS", (4096,), (64, 128, 512)),
+        ("STAGES", (4096,), (13, 52)),
+        ("ALONG", (64, 64), (1, 2, 16)),
+        ("CACHED", (512, 2048), (16_384, 32_768, 131_072)),
+    ):
+        steps = max(4, 1_600_000 // math.prod(shape))
+        whole, *shares = (
+            seconds(advanced(shape, steps, **{name: value}), time.thread_time)
+            for value in (getattr(ring_kernel, name), *values)
+        )
+        shares = [share / whole for share in shares]
         told = ", ".join(f"{v}: {share:.2f}" for v, share in zip(values, shares, strict=True))
-        print(f"{name} = {getattr(chain_kernel, name)} takes 1.00; {told}")
+        print(f"{name} = {getattr(ring_kernel, name)} takes 1.00; {told}")
 
 
 def print_cores() -> None:
     """One core against two."""
-    for size in (8192, chain_kernel.LEAST_SHARED, 65_536, 10**6, 10**7):
+    for size in (8192, ring_kernel.LEAST_SHARED, 65_536, 10**6, 10**7):
         steps = max(2, 2_000_000 // size)
         one, two = (
-            seconds(advanced(size, steps, LEAST_SHARED=least), time.perf_counter)
+            seconds(advanced((size,), steps, LEAST_SHARED=least), time.perf_counter)
             for least in (2 * size, 1)
         )
         print(f"{size} cells: two cores are {one / two:.2f} times as fast as one")
+
+
+def print_planes() -> None:
+    """Planes within the caches and beyond."""
+    for side, steps in ((64, 64), (256, 64), (1024, 4), (3163, 2)):
+        taken = seconds(advanced((side, side), steps, LEAST_SHARED=10**9), time.thread_time)
+        updates = steps * REDUCED_PHASE_6.stages * side**2
+        print(f"{side} x {side} cells: {taken / updates * 1e9:.2f} ns a cell and stage")
+    most = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    print(f"all of the process: {1024 * most / side**2:.0f} bytes a cell of the last")
 
 
 def left_of(wave_number: float, direction: float, **absorbing: float) -> float:
@@ -112,6 +132,7 @@ def print_absorbers() -> None:
 def main() -> int:
     """Print all of it."""
     print_blocks()
+    print_planes()
     print_cores()
     print_absorbers()
     return 0

@@ -83,9 +83,8 @@ class Problem:
 
     @property
     def operations(self) -> int:
-        """Arithmetic instructions of the kernel a cell and stage; 0 where they are not known."""
-        chain = dynamics_of(self.lattice).lattice
-        return flow_of(chain)[0].operations if chain.dimension == 1 else 0
+        """Arithmetic instructions of the kernel a cell and stage."""
+        return flow_of(dynamics_of(self.lattice).lattice)[0].operations
 
 
 def initial(eps: float = EPS, t0: float = T0, sites: int = SITES) -> tuple[Array, Array]:

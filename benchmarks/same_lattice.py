@@ -149,7 +149,7 @@ def main() -> int:
             f"{name:24s} {spent * 1e3:9.1f} ms  error {errors[name]:.1e}  "
             f"ratio {spent / seconds[first]:6.1f}  resolution {field[name][1]:.4g}"
         )
-    if first == FIRST and problem.operations:
+    if first == FIRST:
         print_share(problem, seconds[first], field[first][1], max(rates))
     return 0
 

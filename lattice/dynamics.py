@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 from longwave.lattice.field_state import FieldState, field_blow_up
 from longwave.lattice.force_program import ForceProgram
 from longwave.lattice.kernels import nystroem, reference
-from longwave.lattice.kernels.chain_kernel import ChainKernel
-from longwave.lattice.kernels.plane_kernel import advance_plane
+from longwave.lattice.kernels.ring_kernel import RingKernel
 from longwave.lattice.model import BlowUp, Held, Model, State, find_blow_up
 from longwave.lattice.numeric_lattice import Entry, NumericBond, NumericLattice
 from longwave.lattice.schemes import DriftKick, Scheme
@@ -161,7 +160,9 @@ class FieldDynamics:
     """Any lattice with numbers."""
 
     lattice: NumericLattice
-    _kernels: dict[int, ChainKernel] = field(default_factory=dict, compare=False, repr=False)
+    _kernels: dict[tuple[int, ...], RingKernel] = field(
+        default_factory=dict, compare=False, repr=False
+    )
 
     @property
     def is_linear(self) -> bool:
@@ -199,19 +200,17 @@ class FieldDynamics:
             reference.advance_nystroem_method(self.lattice.acceleration, f, v, table, h, steps)
             return
         weights = scheme.drifts * h, scheme.kicks * h
-        if self.lattice.dimension == 1:
-            self._kernel(f.shape[1]).advance(f, v, *weights, steps)
-        elif self.lattice.dimension == 2:
-            advance_plane(self.lattice, f, v, *weights, steps)
+        if self.lattice.dimension <= 2:
+            self._kernel(f.shape[1:]).advance(f, v, *weights, steps)
         else:
             reference.advance_splitting(self.lattice.acceleration, f, v, *weights, steps)
 
-    def _kernel(self, size: int) -> ChainKernel:
-        """The kernel for rings of so many cells, with the room that the last one took."""
-        if size not in self._kernels:
+    def _kernel(self, shape: tuple[int, ...]) -> RingKernel:
+        """The kernel for rings of that shape, with the room that the last one took."""
+        if shape not in self._kernels:
             self._kernels.clear()
-            self._kernels[size] = ChainKernel(self.lattice, size)
-        return self._kernels[size]
+            self._kernels[shape] = RingKernel(self.lattice, *shape)
+        return self._kernels[shape]
 
     def threads(self, scheme: Scheme) -> int:
         """The machine code leaves the interpreter to others, NumPy's many small calls do not."""

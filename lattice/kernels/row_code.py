@@ -1,27 +1,39 @@
-"""The machine code of a chain's stages, in LLVM's language: written from the streams of a stage.
+"""The machine code of stages, in LLVM's language: written from the streams of a stage.
 
-Cells are laid out in rows of ``lanes``, each a vector; neighbouring cells stand in neighbouring
-rows (`lattice.kernels.chain_kernel`). Several stages go up the rows together, each `Flow.skew` rows
-behind the one before, and what a stream keeps stays in registers as far as there are any.
+Cells of a chain are laid out in rows of ``lanes``, each a vector; neighbouring cells stand in
+neighbouring rows (`lattice.kernels.ring_kernel`). Several stages go up the rows together, each
+`Flow.skew` rows behind the one before, and what a stream keeps stays in registers as far as there
+are any.
+
+Each row of a plane is laid out as such a chain, and a stage goes along it: what a stream keeps for
+columns stays in registers, what it keeps for rows in memory.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from itertools import pairwise
 from typing import Any
 
 from llvmlite import ir  # type: ignore[import-untyped]
 
-from longwave.lattice.kernels.streams import Flow, Law, Tap
+from longwave.lattice.kernels.streams import Flow, Law, Rows, Tap, apart, rows_of
 
 __all__ = ["LaneCode", "lane_force", "passage_text"]
 
 WHOLE = 64
 """Largest whole exponent that is taken by products."""
 
+MOVED = 256
+"""Vectors to which cells are copied at a time."""
+
 _DOUBLE, _INDEX = ir.DoubleType(), ir.IntType(64)
 _DOUBLES, _INDICES = _DOUBLE.as_pointer(), _INDEX.as_pointer()
+
+_STAGES = (*[_DOUBLES] * 6, *[_INDEX] * 6)
+"""What stages take: positions, velocities, what is carried, drifts, kicks, numbers; doubles from
+field to field and from row to row, vectors of a row; the first stage, and the rows at its front."""
 
 
 class LaneCode:
@@ -201,6 +213,10 @@ def _run_program(
     return stack.pop()
 
 
+Kept = Callable[[int, int, int], Any]
+"""The value of a stream so many rows and columns ago."""
+
+
 class _Stage:
     """One of the stages that go together: its weights, and what its streams keep.
 
@@ -224,17 +240,23 @@ class _Stage:
         }
         self.slots = [[code.builder.alloca(code.kind) for _ in range(depth)] for depth in depths]
         self._latest: list[Any] = []
+        self._kept: Kept | None = None
 
     def value(self, tap: Tap, lag: int) -> Any:
         """The stream's value where another with that ``lag`` now wants it."""
-        behind = lag - tap.shift - self._flow.streams[tap.stream].lag
+        rows, behind = apart(lag - tap.shift - self._flow.streams[tap.stream].lag)
+        if rows:
+            assert self._kept is not None
+            return self._kept(tap.stream, rows, behind)
         if behind == 0:
             return self._latest[tap.stream]
         return self._code.builder.load(self.slots[tap.stream][behind - 1])
 
-    def row(self, positions: Sequence[Any], velocities: Sequence[Any]) -> None:
-        """Go one row up."""
-        code, flow = self._code, self._flow
+    def row(
+        self, positions: Sequence[Any], velocities: Sequence[Any], kept: Kept | None = None
+    ) -> None:
+        """Go one row up, or one column of a plane, whose rows are ``kept``."""
+        code, flow, self._kept = self._code, self._flow, kept
         self._latest = [
             code.fma(self._drift, v, f) for f, v in zip(positions, velocities, strict=True)
         ]
@@ -284,16 +306,27 @@ class _Stage:
 
 
 class _Writer:
-    """Writes the functions of a chain's module."""
+    """Writes the functions of a lattice's module."""
 
     def __init__(self, flow: Flow, lanes: int, together: int, block: int, count: int) -> None:
         self._flow, self._lanes, self._together, self._count = flow, lanes, together, count
-        self._block = block
-        self._module = ir.Module("chain")
+        self._block, self._skew, self._below, self._copied = block, flow.skew, flow.below, 1
+        self._module = ir.Module("lattice")
 
-    def text(self) -> str:
+    def chain(self) -> str:
+        """A chain's."""
         groups = {size: self._group(size) for size in sorted({1, self._together})}
-        self._passages(groups)
+        return self._text(groups, {size: self._flow.kept(size) for size in groups})
+
+    def plane(self, columns: int) -> str:
+        """A plane's with so many columns, and as many more as ``lanes`` divide."""
+        rows = rows_of(self._flow)
+        self._flow, self._skew, self._below = rows.flow, rows.skew, rows.below
+        self._copied = self._lanes
+        return self._text({1: self._along(rows, columns)}, {1: sum(rows.depths)})
+
+    def _text(self, groups: dict[int, Any], kept: dict[int, int]) -> str:
+        self._passages(groups, kept)
         self._move("to_rows")
         self._move("from_rows")
         return str(self._module)
@@ -309,9 +342,8 @@ class _Writer:
 
     def _group(self, together: int) -> Any:
         """The function of some stages together, from the front row ``first`` below ``past``."""
-        kinds = [*[_DOUBLES] * 6, *[_INDEX] * 4]
-        function, code = self._function(f"stages_{together}", kinds, internal=True)
-        f, v, carried, drifts, kicks, data, plane, level, first, past = function.args
+        function, code = self._function(f"stages_{together}", _STAGES, internal=True)
+        f, v, carried, drifts, kicks, data, plane, _, _, level, first, past = function.args
         flow, builder = self._flow, code.builder
         numbers = [code.number(data, place) for place in range(self._count)]
         stages = []
@@ -346,22 +378,101 @@ class _Writer:
         builder.ret_void()
         return function
 
-    def _move(self, name: str) -> None:
-        """The function that copies cells of a ring ``to_rows``, or ``from_rows``.
+    def _along(self, rows: Rows, columns: int) -> Any:
+        """The function of a stage along a plane's rows, from the row ``first`` below ``past``."""
+        function, code = self._function("stages_1", _STAGES, internal=True)
+        f, v, carried, drifts, kicks, data, plane, pitch, width, level, first, past = function.args
+        flow, builder = self._flow, code.builder
+        numbers = [code.number(data, place) for place in range(self._count)]
+        weights = code.number(drifts, level), code.number(kicks, level)
+        stage = _Stage(code, flow, numbers, weights, flow.depths(followed=False))
 
-        Row r of lane l holds the cell ``starts[l] + r`` modulo ``size``; it is copied where
-        ``firsts[l] <= r < pasts[l]``. A block of rows at a time, so that each line is met once.
+        def begin(place: int, row: Any, behind: int) -> Any:
+            """Where a stream's row begins that was formed so many rows ago."""
+            row, depth = builder.sub(row, _INDEX(behind)), rows.depths[place]
+            if place < 2 * flow.fields:
+                data = f if place < flow.fields else v
+                above = builder.mul(plane, _INDEX(place % flow.fields))
+            else:
+                row = builder.urem(builder.add(row, _INDEX(depth * behind)), _INDEX(depth))
+                data, above = carried, builder.mul(pitch, _INDEX(sum(rows.depths[:place])))
+            return builder.gep(data, [builder.add(above, builder.mul(pitch, row))])
+
+        def cell(row: Any, column: Any, own: bool) -> None:
+            """Go along one column; one beside the row's own is not changed."""
+
+            def kept(place: int, behind: int, columns: int) -> Any:
+                there = builder.sub(column, _INDEX(columns))
+                return code.load(begin(place, row, behind), there)
+
+            fronts = [kept(place, 0, 0) for place in range(2 * flow.fields)]
+            stage.row(fronts[: flow.fields], fronts[flow.fields :], kept)
+            for place, depth in enumerate(rows.depths):
+                if depth:
+                    code.store(begin(place, row, 0), column, stage.latest(place))
+            for place in range(flow.fields) if own else ():
+                code.store(begin(place, row, 0), column, stage.latest(place))
+            for place, made in enumerate(flow.kicked, flow.fields) if own else ():
+                if made >= 2 * flow.fields:
+                    code.store(begin(place, row, rows.rise), column, stage.latest(made))
+            stage.keep()
+
+        with code.loop(first, past) as row:
+            for column in range(-rows.before, 0):
+                cell(row, _INDEX(column), own=False)
+            with code.loop(_INDEX(0), width) as column:
+                cell(row, column, own=True)
+            for more in range(rows.after):
+                cell(row, builder.add(width, _INDEX(more)), own=False)
+            for place in range(flow.fields):
+                self._close(code, begin(place, row, 0), width, columns, rows)
+        builder.ret_void()
+        return function
+
+    def _close(self, code: LaneCode, data: Any, width: Any, columns: int, rows: Rows) -> None:
+        """Have the columns beside a row repeat those at its other end, lanes moved by one.
+
+        Lanes that are shorter than others share their last cell with the next.
         """
-        kinds = [*[_DOUBLES] * 2, *[_INDICES] * 3, *[_INDEX] * 2]
+        builder, lanes = code.builder, self._lanes
+        last = builder.sub(width, _INDEX(1))
+        starts = [lane * columns // lanes for lane in range(lanes + 1)]
+        short = [after - before < -(-columns // lanes) for before, after in pairwise(starts)]
+
+        def repeat(to: Any, at: Any, way: int, moved: Sequence[int]) -> None:
+            """What is a vector on instead where a lane is ``short``."""
+            one, other = (code.load(data, builder.add(at, _INDEX(more))) for more in (0, way))
+            mask = ir.Constant(ir.VectorType(ir.IntType(32), lanes), list(moved))
+            code.store(data, to, one if lanes == 1 else builder.shuffle_vector(one, other, mask))
+
+        up = [(lane + 1) % lanes + lanes * short[lane] for lane in range(lanes)]
+        down = [(lane - 1) % lanes + lanes * short[lane - 1] for lane in range(lanes)]
+        for more in range(rows.right):
+            repeat(builder.add(width, _INDEX(more)), _INDEX(more), 1, up)
+        for more in range(rows.left):
+            repeat(_INDEX(-1 - more), builder.sub(last, _INDEX(more)), -1, down)
+
+    def _move(self, name: str) -> None:
+        """The function that copies cells of rings ``to_rows``, or ``from_rows``.
+
+        Vector r holds in lane l the cell ``starts[l] + r`` modulo ``size``; it is copied where
+        ``firsts[l] <= r < pasts[l]``. A block of vectors at a time, so that each line is met once.
+        There are so many rings, these doubles apart.
+        """
+        kinds = [*[_DOUBLES] * 2, *[_INDICES] * 3, *[_INDEX] * 5]
         function, code = self._function(name, kinds, internal=False)
-        ring, rows, starts, firsts, pasts, size, height = function.args
+        begin, to, starts, firsts, pasts, size, height, rings, ring_pitch, row_pitch = function.args
         builder = code.builder
         ends = [
             [builder.load(builder.gep(data, [_INDEX(lane)])) for data in (starts, firsts, pasts)]
             for lane in range(self._lanes)
         ]
-        with code.loop(_INDEX(0), height, self._block) as low:
-            high = code.least(builder.add(low, _INDEX(self._block)), height)
+        with code.loop(_INDEX(0), rings) as one, code.loop(_INDEX(0), height, MOVED) as low:
+            ring, rows = (
+                builder.gep(data, [builder.mul(one, pitch)])
+                for data, pitch in ((begin, ring_pitch), (to, row_pitch))
+            )
+            high = code.least(builder.add(low, _INDEX(MOVED)), height)
             for lane, (start, first, past) in enumerate(ends):
                 with code.loop(code.most(low, first), code.least(high, past)) as row:
                     cell = builder.add(start, row)
@@ -369,47 +480,52 @@ class _Writer:
                     cell = builder.select(beyond, builder.sub(cell, size), cell)
                     place = builder.add(builder.mul(row, _INDEX(self._lanes)), _INDEX(lane))
                     ends_at = builder.gep(ring, [cell]), builder.gep(rows, [place])
-                    to, at = reversed(ends_at) if name == "to_rows" else ends_at
-                    builder.store(builder.load(at), to)
+                    there, at = reversed(ends_at) if name == "to_rows" else ends_at
+                    builder.store(builder.load(at), there)
         builder.ret_void()
 
-    def _passages(self, groups: dict[int, Any]) -> None:
+    def _passages(self, groups: dict[int, Any], kept: dict[int, int]) -> None:
         """The function that is called: ``passages`` times ``stages`` stages over all rows."""
-        kinds = [*[_DOUBLES] * 6, *[_INDICES] * 2, *[_INDEX] * 6]
+        kinds = [*[_DOUBLES] * 6, *[_INDICES] * 2, *[_INDEX] * 8]
         function, code = self._function("passages", kinds, internal=False)
         f, v, carried, drifts, kicks, numbers, target, source, *counts = function.args
-        copies, plane, rows, stages, passages, period = counts
+        copies, plane, pitch, width, rows, stages, passages, period = counts
         builder = code.builder
+        copied = LaneCode(self._module, builder, self._copied)
         with code.loop(_INDEX(0), passages) as passage:
             with code.loop(_INDEX(0), copies) as copy:
-                places = [builder.load(builder.gep(data, [copy])) for data in (target, source)]
+                to, at = (builder.load(builder.gep(data, [copy])) for data in (target, source))
                 for data in (f, v):
                     for field in range(self._flow.fields):
-                        offset = builder.mul(plane, _INDEX(field))
-                        to, at = (
-                            builder.gep(data, [builder.add(offset, place)]) for place in places
-                        )
-                        builder.store(builder.load(at), to)
+                        begin = builder.gep(data, [builder.mul(plane, _INDEX(field))])
+                        copied.store(begin, to, copied.load(begin, at))
             begun = builder.srem(builder.mul(passage, stages), period)
             weights = [builder.gep(data, [begun]) for data in (drifts, kicks)]
-            self._passage(code, groups, (f, v, carried, *weights, numbers, plane), rows, stages)
+            data = f, v, carried, *weights, numbers, plane, pitch, width
+            sizes = {size: builder.mul(pitch, _INDEX(number)) for size, number in kept.items()}
+            self._passage(code, groups, data, sizes, rows, stages)
         builder.ret_void()
 
     def _passage(
-        self, code: LaneCode, groups: dict[int, Any], data: tuple[Any, ...], rows: Any, stages: Any
+        self,
+        code: LaneCode,
+        groups: dict[int, Any],
+        data: tuple[Any, ...],
+        sizes: dict[int, Any],
+        rows: Any,
+        stages: Any,
     ) -> None:
         """All stages once over the rows, a block of them at a time."""
-        builder, skew = code.builder, _INDEX(self._flow.skew)
-        sizes = {size: self._flow.kept(size) * self._lanes for size in groups}
+        builder, skew = code.builder, _INDEX(self._skew)
         together = self._together
         paired = builder.mul(builder.sdiv(stages, _INDEX(together)), _INDEX(together))
         carried = data[2]
-        most = builder.mul(builder.sdiv(stages, _INDEX(together)), _INDEX(sizes[together]))
+        most = builder.mul(builder.sdiv(stages, _INDEX(together)), sizes[together])
 
         def advance(size: int, level: Any, low: Any, place: Any) -> None:
             behind = builder.mul(level, skew)
             high = code.least(builder.add(low, _INDEX(self._block)), rows)
-            untrue = builder.mul(level, _INDEX(self._flow.below))
+            untrue = builder.mul(level, _INDEX(self._below))
             first = code.most(builder.sub(low, behind), untrue)
             kept = builder.gep(carried, [place])
             past = builder.sub(high, behind)
@@ -418,18 +534,22 @@ class _Writer:
         with code.loop(_INDEX(0), rows, self._block) as low:
             with code.loop(_INDEX(0), paired, together) as level:
                 number = builder.sdiv(level, _INDEX(together))
-                advance(together, level, low, builder.mul(number, _INDEX(sizes[together])))
+                advance(together, level, low, builder.mul(number, sizes[together]))
             if together > 1:
                 with code.loop(paired, stages) as level:
                     number = builder.sub(level, paired)
-                    place = builder.add(most, builder.mul(number, _INDEX(sizes[1])))
+                    place = builder.add(most, builder.mul(number, sizes[1]))
                     advance(1, level, low, place)
 
 
-def passage_text(flow: Flow, lanes: int, together: int, block: int, count: int) -> str:
-    """The module of that chain's stages, which take ``count`` numbers, as text.
+def passage_text(
+    flow: Flow, lanes: int, together: int, block: int, count: int, columns: int = 0
+) -> str:
+    """The module of that lattice's stages, which take ``count`` numbers, as text.
 
-    ``lanes`` cells stand in a row, ``together`` stages go up the rows together, ``block`` rows at a
-    time.
+    ``lanes`` cells stand in a row of a chain, ``together`` stages go up the rows together,
+    ``block`` rows at a time. Those of a plane go alone; it has so many ``columns``, or more by what
+    ``lanes`` divide.
     """
-    return _Writer(flow, lanes, together, block, count).text()
+    writer = _Writer(flow, lanes, together, block, count)
+    return writer.plane(columns) if columns else writer.chain()

@@ -1,10 +1,14 @@
-"""What one stage computes for a chain of cells, as streams: written from the lattice's data alone.
+"""What one stage computes for a chain or plane, as streams: written from the lattice's data alone.
 
 A stage drifts every field and kicks every velocity. It goes up the cells once. At the front all
 fields are drifted; a stretch is formed as soon as its furthest field has drifted, a force with it,
 a sum of forces as soon as its last force is there. Each of these is a *stream*, one value a cell,
 and its *lag* is the number of cells by which it stays behind the front. What has to be carried
 follows: a stream is kept as long as one that is further behind needs it.
+
+In a plane the front goes along one row after the other: a shift is so many rows times `SPAN`, and
+so many columns. There each stream stays behind as far as it can (`rows_of`): what is formed in the
+row in which it is needed is not kept for rows.
 
 What depends on the lattice's constants alone goes into ``numbers``, which the machine code takes as
 an argument: lattices that differ in constants share it. Terms that are absent, factors that are 1
@@ -14,7 +18,7 @@ and offsets that are 0 have no place in it.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import TYPE_CHECKING, Literal, NamedTuple
@@ -32,8 +36,27 @@ MONIC = 1e100
 """A force is taken in units of its highest constant where the others are at most so many times as
 large: the quotients then overflow for no stretch that a run may meet."""
 
-MOST = 10**9
+MOST = 10**15
 """Beyond all shifts."""
+
+SPAN = 2**24
+"""What stands for one row in a shift."""
+
+
+def joined(shift: Sequence[int]) -> int:
+    """A shift along each axis as one number; they are ordered as cells are met.
+
+    >>> apart(joined((2, -3)))
+    (2, -3)
+    """
+    *rows, column = shift
+    return sum(rows) * SPAN + column
+
+
+def apart(shift: int) -> tuple[int, int]:
+    """The rows and columns of a shift."""
+    rows = (shift + SPAN // 2) // SPAN
+    return rows, shift - rows * SPAN
 
 
 class Law(NamedTuple):
@@ -97,13 +120,17 @@ class Flow(NamedTuple):
         """Cells at the lower end that a stage leaves untrue."""
         return max(0, *(-self.streams[place].lowest for place in self.kicked))
 
+    def behind(self, stream: Stream, tap: Tap) -> int:
+        """How long ago the value was formed that a stream takes there."""
+        return stream.lag - tap.shift - self.streams[tap.stream].lag
+
     def depths(self, followed: bool) -> list[int]:
         """How many earlier values of each stream are kept; ``followed`` if a stage goes behind."""
         kept = [0] * len(self.streams)
         for stream in self.streams:
             for tap in stream.taps:
-                other = self.streams[tap.stream].lag
-                kept[tap.stream] = max(kept[tap.stream], stream.lag - tap.shift - other)
+                rows, cells = apart(self.behind(stream, tap))
+                kept[tap.stream] = max(kept[tap.stream], 0 if rows else cells)
         for place in (*range(self.fields), *self.kicked) if followed else ():
             kept[place] = max(kept[place], self.skew - self.streams[place].lag)
         return kept
@@ -139,11 +166,102 @@ def _operations(law: Law) -> int:
     return first + len(law.factors)
 
 
+class Rows(NamedTuple):
+    """A stage that goes along the rows of a plane; hashable.
+
+    The kick is ``rise`` whole rows behind the front and feels so many above its own, ``below`` of
+    them below it; a stage stays ``skew`` rows behind the one before. For a row streams are formed
+    on ``before`` and ``after`` more columns beside it, where positions repeat those at its other
+    end, ``left`` and ``right`` of them; ``margin`` columns are read. ``depths``: the rows that are
+    kept of each stream.
+    """
+
+    flow: Flow
+    rise: int
+    below: int
+    skew: int
+    before: int
+    after: int
+    left: int
+    right: int
+    margin: int
+    depths: tuple[int, ...]
+
+
+@lru_cache(maxsize=256)
+def rows_of(flow: Flow) -> Rows:
+    """The stage with streams that are as late as they can be.
+
+    A row has no ends before all of it is drifted: until then only its own column is taken.
+    """
+    rise = apart(flow.skew)[0]
+    columns = _columns(flow)
+    late = _late(flow, rise)
+    if any(
+        late.behind(stream, tap) < SPAN // 2 and (tap.shift != stream.lag or any(felt))
+        for stream, felt in zip(late.streams, columns, strict=True)
+        for tap in stream.taps
+        if late.streams[tap.stream].kind == "position"
+    ):
+        rise += 1
+        late = _late(flow, rise)
+    reads = [(tap.stream, *apart(late.behind(s, tap))) for s in late.streams for tap in s.taps]
+    formed = [
+        (low + apart(stream.lag)[1], high + apart(stream.lag)[1])
+        for stream, (low, high) in zip(
+            late.streams[2 * late.fields :], columns[2 * late.fields :], strict=True
+        )
+    ]
+    before = max(0, *(-low for low, _ in formed)) if formed else 0
+    after = max(0, *(high for _, high in formed)) if formed else 0
+    depths = [0] * len(late.streams)
+    for place, rows, column in reads:
+        if place >= 2 * flow.fields and rows:
+            depths[place] = max(depths[place], rows + (column > 0))
+    ends = columns[: flow.fields]
+    return Rows(
+        late,
+        rise,
+        -min(0, *(apart(late.streams[place].lowest)[0] for place in late.kicked)),
+        max(1, rise, *(rows for place, rows, _ in reads if place < flow.fields)),
+        before,
+        after,
+        -min(low for low, _ in ends),
+        max(high for _, high in ends),
+        max(before, after) + max(0, *(abs(column) for _, _, column in reads)),
+        tuple(depths),
+    )
+
+
+def _late(flow: Flow, rise: int) -> Flow:
+    """The streams with a kick so many rows behind the front, as late as what needs them allows."""
+    lags: dict[int, int] = {}
+    streams = list(flow.streams)
+    for place in range(len(streams) - 1, 2 * flow.fields - 1, -1):
+        stream = streams[place]
+        lag = rise * SPAN if stream.kind == "kicked" else lags.get(place, stream.lag)
+        streams[place] = stream._replace(lag=lag)
+        for tap in stream.taps:
+            lags[tap.stream] = min(lag - tap.shift, lags.get(tap.stream, MOST))
+    return flow._replace(streams=tuple(streams))
+
+
+def _columns(flow: Flow) -> list[tuple[int, int]]:
+    """The columns beside a row's own, at either end, on which each stream is needed."""
+    found = [(0, 0)] * len(flow.streams)
+    for place in range(len(flow.streams) - 1, -1, -1):
+        for tap in flow.streams[place].taps:
+            step, (low, high) = apart(tap.shift)[1], found[tap.stream]
+            here = found[place]
+            found[tap.stream] = min(low, here[0] + step), max(high, here[1] + step)
+    return found
+
+
 @lru_cache(maxsize=256)
 def flow_of(lattice: NumericLattice) -> tuple[Flow, tuple[float, ...]]:
-    """The streams of a stage of that chain, and the numbers that they take.
+    """The streams of a stage of that lattice, and the numbers that they take.
 
-    Raises ValueError for a lattice of more than one dimension.
+    Raises ValueError for a lattice of more than two dimensions.
 
     >>> from longwave.derive import LATTICES
     >>> from longwave.lattice.numeric_lattice import numeric_lattice
@@ -156,7 +274,7 @@ def flow_of(lattice: NumericLattice) -> tuple[Flow, tuple[float, ...]]:
 
 
 class VariedFlow(NamedTuple):
-    """A stage of a chain whose masses or springs differ from cell to cell.
+    """A stage of a lattice whose masses or springs differ from cell to cell.
 
     What differs stands in fields of its own behind the lattice's, which rest; each holds shares
     times its unit.
@@ -170,10 +288,10 @@ class VariedFlow(NamedTuple):
 @lru_cache(maxsize=256)
 def varied_flow(lattice: NumericLattice, variation: Variation | None) -> VariedFlow:
     """`flow_of` with what differs from cell to cell, if anything does."""
-    if lattice.dimension != 1:
+    if lattice.dimension > 2:
         raise ValueError(
-            f"lattice must be a chain, got {lattice.name} in {lattice.dimension} dimensions "
-            "(rows of cells go up one axis)"
+            f"lattice must be a chain or a plane, got {lattice.name} in {lattice.dimension} "
+            "dimensions (rows of cells go up one axis)"
         )
     fields = len(lattice.fields)
     builder = _Builder(fields + (0 if variation is None else variation.rows(fields)))
@@ -214,11 +332,12 @@ class _Part(NamedTuple):
     stencil: Polynomial
 
 
-def _merged(entries: object) -> dict[int, float]:
+def _merged(entries: Iterable[Entry]) -> dict[int, float]:
     """The weights by shift, those that cancel left out."""
     found: dict[int, float] = {}
-    for entry in entries:  # type: ignore[attr-defined]
-        found[entry.shift[0]] = found.get(entry.shift[0], 0.0) + entry.weight
+    for entry in entries:
+        place = joined(entry.shift)
+        found[place] = found.get(place, 0.0) + entry.weight
     return {shift: found[shift] for shift in sorted(found, reverse=True) if found[shift] != 0.0}
 
 
@@ -232,14 +351,17 @@ def _part(unit: float, stream: int, stencil: dict[int, float]) -> _Part:
     return _Part(unit * common, stream, {shift: w / common for shift, w in stencil.items()})
 
 
-def _quotient(stencil: Polynomial, step: int, sign: int) -> dict[int, float] | None:
-    """The stencil divided by ``value[n + step] + sign value[n]``; None if that leaves a rest."""
+def _quotient(stencil: Polynomial, step: int, sign: int, most: int) -> dict[int, float] | None:
+    """The stencil divided by ``value[n + step] + sign value[n]``.
+
+    None if that leaves a rest or has more than so many terms.
+    """
     left = dict(stencil)
     found: dict[int, float] = {}
     lowest = min(stencil)
     while left:
         top = max(left)
-        if top - step < lowest:
+        if top - step < lowest or len(found) == most:
             return None
         weight = found[top - step] = left.pop(top)
         rest = left.pop(top - step, 0.0) - sign * weight
@@ -339,7 +461,7 @@ class _Builder:
         if share is None:
             total = self.total(scaled)
         elif masses == "strains":
-            pulls = self._divided(scaled, 1, -1)
+            pulls = self._divided(scaled, 1, -1, MOST)
             assert pulls is not None
             pull = self.total(pulls)
             moved = self.varied(pull, Tap(share), pull)
@@ -357,10 +479,10 @@ class _Builder:
             [(shift, weight)] = parts[0].stencil.items()
             if weight == 1.0:
                 return Tap(parts[0].stream, shift)
-        widest = max(max(part.stencil) - min(part.stencil) for part in parts)
-        for step in range(1, widest + 1):
+        steps = {a - b for part in parts for a in part.stencil for b in part.stencil if a > b}
+        for step in sorted(steps):
             for sign in (-1, 1):
-                divided = self._divided(parts, step, sign)
+                divided = self._divided(parts, step, sign, _work(parts))
                 if divided is not None and _work(divided) < _work(parts):
                     inner = self.total(divided)
                     upper = inner._replace(shift=inner.shift + step)
@@ -369,10 +491,12 @@ class _Builder:
         taps = [tap for part in parts for tap in self._terms(part, alone=len(parts) == 1)]
         return Tap(self.add("sum", taps))
 
-    def _divided(self, parts: Sequence[_Part], step: int, sign: int) -> list[_Part] | None:
+    def _divided(
+        self, parts: Sequence[_Part], step: int, sign: int, most: int
+    ) -> list[_Part] | None:
         found = []
         for part in parts:
-            quotient = _quotient(part.stencil, step, sign)
+            quotient = _quotient(part.stencil, step, sign, most)
             if quotient is None:
                 return None
             found.append(part._replace(stencil=quotient))

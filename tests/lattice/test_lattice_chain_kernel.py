@@ -15,9 +15,9 @@ from hypothesis import strategies as st
 
 from longwave.derive import LATTICES
 from longwave.lattice.force_program import ForceProgram
-from longwave.lattice.kernels import chain_kernel
-from longwave.lattice.kernels.chain_kernel import LEAST_SHARED, MEETING, ChainKernel
+from longwave.lattice.kernels import ring_kernel
 from longwave.lattice.kernels.reference import advance_splitting
+from longwave.lattice.kernels.ring_kernel import LEAST_SHARED, MEETING, RingKernel
 from longwave.lattice.kernels.row_code import passage_text
 from longwave.lattice.kernels.streams import flow_of
 from longwave.lattice.numeric_lattice import (
@@ -36,6 +36,7 @@ from longwave.lattice.schemes import (
 )
 from longwave.support.compiled import cores
 from searches.random_chains import random_chain
+from tests.lattice.random_lattices import random_lattice
 from tests.lattice.test_lattice_disordered import varied
 from tests.lattice.test_numeric_lattice import DISPLACED, numbers
 
@@ -45,7 +46,7 @@ CHAINS = sorted({*DISPLACED, "fput_strain", "next_nearest"} - {"square", "fput",
 def accelerations(lattice: NumericLattice, f: Array) -> Array:
     """By the kernel: one kick of 1, no drift, from rest."""
     f, v = f.copy(), np.zeros_like(f)
-    ChainKernel(lattice, f.shape[1]).advance_stages(f, v, np.zeros(1), np.ones(1), 1)
+    RingKernel(lattice, f.shape[1]).advance_stages(f, v, np.zeros(1), np.ones(1), 1)
     return v
 
 
@@ -53,7 +54,7 @@ def advance_chain(
     lattice: NumericLattice, f: Array, v: Array, drifts: Array, kicks: Array, steps: int
 ) -> None:
     """By a kernel that is made for it."""
-    ChainKernel(lattice, f.shape[1]).advance(f, v, drifts, kicks, steps)
+    RingKernel(lattice, f.shape[1]).advance(f, v, drifts, kicks, steps)
 
 
 def rounded(lattice: NumericLattice, f: Array) -> float:
@@ -104,8 +105,8 @@ def test_lanes_blocks_and_passages_change_no_bit(
     weights = 0.1 * BLANES_MOAN_6.drifts, 0.1 * BLANES_MOAN_6.kicks
     found = []
     for least, stages in ((32, 28), (32, 5), (32, 1), (10**6, 28)):
-        monkeypatch.setattr(chain_kernel, "LEAST_ROWED", least)
-        monkeypatch.setattr(chain_kernel, "STAGES", stages)
+        monkeypatch.setattr(ring_kernel, "LEAST_ROWED", least)
+        monkeypatch.setattr(ring_kernel, "STAGES", stages)
         f, v = start.copy()
         advance_chain(lattice, f, v, *weights, 4)
         found.append((f, v))
@@ -140,8 +141,8 @@ def test_two_cores_give_the_bits_of_one(
     step = 0.3 / lattice.highest_frequency(lattice.rest_slopes())
     ends = []
     for least in (LEAST_SHARED, 10 * size):
-        monkeypatch.setattr(chain_kernel, "LEAST_SHARED", least)
-        kernel, ring = ChainKernel(lattice, size), start.copy()
+        monkeypatch.setattr(ring_kernel, "LEAST_SHARED", least)
+        kernel, ring = RingKernel(lattice, size), start.copy()
         kernel.advance(*ring, step * scheme.drifts, step * scheme.kicks, steps)
         ends.append(ring)
         assert steps == 0 or len(kernel._arcs) == (2 if least == LEAST_SHARED else 1)
@@ -151,7 +152,7 @@ def test_two_cores_give_the_bits_of_one(
 def test_a_worker_process_leaves_the_other_core_alone(
     two_cores: None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    kernel, short = (ChainKernel(numbers("fput"), LEAST_SHARED - less) for less in (0, 1))
+    kernel, short = (RingKernel(numbers("fput"), LEAST_SHARED - less) for less in (0, 1))
     assert kernel._stages_between(14) > 0
     assert short._stages_between(14) == 0
     monkeypatch.setattr(multiprocessing, "parent_process", lambda: object())
@@ -160,12 +161,12 @@ def test_a_worker_process_leaves_the_other_core_alone(
 
 def test_one_core_is_not_divided(two_cores: None, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cores.os, "sched_getaffinity", lambda _: {0}, raising=False)
-    assert ChainKernel(numbers("fput"), LEAST_SHARED)._stages_between(14) == 0
+    assert RingKernel(numbers("fput"), LEAST_SHARED)._stages_between(14) == 0
 
 
 def test_cores_meet_often_enough_that_little_is_done_twice() -> None:
     """A reach of 4 cells each way in 200 stages a step: at most a fifth of the cells twice."""
-    kernel = ChainKernel(random_chain(np.random.default_rng(0), 1.0, reach=4), LEAST_SHARED)
+    kernel = RingKernel(random_chain(np.random.default_rng(0), 1.0, reach=4), LEAST_SHARED)
     flow = kernel._flow
     for period in (14, 200, 10**4):
         doubled = 2 * kernel._stages_between(period) * (flow.skew + flow.below)
@@ -174,7 +175,7 @@ def test_cores_meet_often_enough_that_little_is_done_twice() -> None:
 
 def test_room_that_is_used_again_changes_no_bit() -> None:
     lattice, size = numbers("next_nearest"), 1031
-    kernel = ChainKernel(lattice, size)
+    kernel = RingKernel(lattice, size)
     for seed, scheme in enumerate((BLANES_MOAN_6, STOERMER_VERLET, SUZUKI_UMENO_8, BLANES_MOAN_6)):
         ring = 0.01 * np.random.default_rng(seed).standard_normal((2, 1, size))
         anew = ring.copy()
@@ -250,13 +251,14 @@ def test_a_constant_stretch_is_a_constant_force() -> None:
         np.testing.assert_allclose(accelerations(lattice, np.zeros((1, size))), 1.25)
 
 
-def test_a_plane_of_cells_is_refused() -> None:
-    with pytest.raises(ValueError, match="lattice must be a chain, got square in 2 dimensions"):
-        flow_of(numbers("square"))
+def test_a_lattice_of_three_dimensions_is_refused() -> None:
+    lattice = random_lattice(np.random.default_rng(0), 1.0, axes=3)
+    with pytest.raises(ValueError, match="lattice must be a chain or a plane"):
+        flow_of(lattice)
 
 
 @pytest.mark.parametrize("spoil", [np.float32, np.asfortranarray])
 def test_rings_that_are_laid_out_otherwise_are_refused(spoil: Callable[[Array], Array]) -> None:
     ring = spoil(np.zeros((3, 2)))
     with pytest.raises(ValueError, match="f must be contiguous doubles"):
-        ChainKernel(numbers("beta_fput"), 2).advance(ring, ring, np.zeros(2), np.ones(1), 1)
+        RingKernel(numbers("beta_fput"), 2).advance(ring, ring, np.zeros(2), np.ones(1), 1)

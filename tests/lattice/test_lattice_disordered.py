@@ -15,7 +15,7 @@ from longwave.derive import LATTICES
 from longwave.lattice import FieldRing, FieldState, integrate, spectral_integrate
 from longwave.lattice.disordered_lattice import DisorderedLattice, Variation, disordered, mass_kind
 from longwave.lattice.force_program import ForceProgram
-from longwave.lattice.kernels.chain_kernel import ChainKernel
+from longwave.lattice.kernels.ring_kernel import RingKernel
 from longwave.lattice.numeric_lattice import Array, NumericLattice, numeric_lattice
 from longwave.lattice.random_sites import mean_inverse, site_deviations
 from longwave.lattice.schemes import REDUCED_PHASE_6
@@ -48,7 +48,7 @@ def varied(lattice: NumericLattice, of: str, spread: float, size: int) -> Disord
 def kick(lattice: NumericLattice, f: Array) -> Array:
     """The acceleration by the kernel."""
     v = np.zeros_like(f)
-    ChainKernel(lattice, f.shape[1]).advance_stages(f.copy(), v, np.zeros(1), np.ones(1), 1)
+    RingKernel(lattice, f.shape[1]).advance_stages(f.copy(), v, np.zeros(1), np.ones(1), 1)
     return v
 
 
@@ -80,7 +80,7 @@ def test_without_deviations_all_bits_are_those_of_the_ordered_chain(name: str, o
     for held in (lattice, chain):
         f, v = start.copy()
         weights = step * REDUCED_PHASE_6.drifts, step * REDUCED_PHASE_6.kicks
-        ChainKernel(held, size).advance(f, v, *weights, 9)
+        RingKernel(held, size).advance(f, v, *weights, 9)
         ends.append((f, v))
     np.testing.assert_array_equal(*ends)
     slopes = lattice.rest_slopes()
@@ -99,8 +99,8 @@ def test_strains_move_as_the_displacements_between_which_they_lie(of: str) -> No
     start = strained.energies(y, s, float(w[0, 0])).sum()
     assert displaced.energy(u, w) == pytest.approx(start, rel=1e-13)
     weights = 0.1 * REDUCED_PHASE_6.drifts, 0.1 * REDUCED_PHASE_6.kicks
-    ChainKernel(strained, size).advance(y, s, *weights, 300)
-    ChainKernel(displaced, size).advance(u, w, *weights, 300)
+    RingKernel(strained, size).advance(y, s, *weights, 300)
+    RingKernel(displaced, size).advance(u, w, *weights, 300)
     np.testing.assert_allclose(y, np.roll(u, -1, 1) - u, rtol=0, atol=1e-12)
     assert displaced.energy(u, w) == pytest.approx(start, rel=1e-9)
     assert strained.energies(y, s, float(w[0, 0])).sum() == pytest.approx(start, rel=1e-9)

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from longwave.lattice import FieldState, integrate
-from longwave.lattice.kernels import plane_kernel, reference
-from longwave.lattice.kernels.plane_flow import plane_flow
+from longwave.lattice.kernels import reference, ring_kernel
+from longwave.lattice.kernels.ring_kernel import RingKernel
+from longwave.lattice.kernels.streams import flow_of, rows_of
 from longwave.lattice.numeric_lattice import Entry, NumericBond, NumericLattice
 from longwave.lattice.schemes import BLANES_MOAN_6, REDUCED_PHASE_6, STOERMER_VERLET, DriftKick
 from tests.lattice.random_lattices import random_lattice, smooth_or_rough
@@ -24,7 +25,7 @@ def misses(
     g, w = f.copy(), v.copy()
     h = 0.3 / chain.highest_frequency(chain.rest_slopes())
     weights = scheme.drifts * h, scheme.kicks * h
-    plane_kernel.advance_plane(chain, f, v, *weights, steps)
+    RingKernel(chain, *shape).advance(f, v, *weights, steps)
     reference.advance_splitting(chain.acceleration, g, w, *weights, steps)
     return max(
         float(np.max(np.abs(one - other)) / np.max(np.abs(other)))
@@ -62,11 +63,14 @@ def test_two_cores_give_the_same_numbers(monkeypatch: pytest.MonkeyPatch) -> Non
     random = np.random.default_rng(1)
     f, v = 0.1 * random.standard_normal((2, 1, 61, 40))
     found = []
-    for pays in (False, True):
-        monkeypatch.setattr(plane_kernel, "_pays", lambda _, pays=pays: pays)
+    monkeypatch.setattr(ring_kernel, "LEAST_SHARED", 1)
+    monkeypatch.setattr(ring_kernel, "LEAST_WORK", 1)
+    for count in (1, 2):
+        monkeypatch.setattr(ring_kernel, "usable_cores", lambda count=count: count)
         one, other = f.copy(), v.copy()
-        scheme = REDUCED_PHASE_6
-        plane_kernel.advance_plane(SQUARE, one, other, scheme.drifts / 9, scheme.kicks / 9, 7)
+        scheme, kernel = REDUCED_PHASE_6, RingKernel(SQUARE, 61, 40)
+        kernel.advance(one, other, scheme.drifts / 9, scheme.kicks / 9, 7)
+        assert len(kernel._arcs) == count
         found.append((one, other))
     np.testing.assert_array_equal(found[0], found[1])
 
@@ -74,9 +78,9 @@ def test_two_cores_give_the_same_numbers(monkeypatch: pytest.MonkeyPatch) -> Non
 def test_absent_terms_are_absent() -> None:
     """Of springs without quadratic and cubic parts, and of an axis without springs."""
     straight = NumericLattice("plain", ("u",), (1.0,), (SQUARE.bonds[0],))
-    whole, half = plane_flow(SQUARE)[0], plane_flow(straight)[0]
+    whole, half = flow_of(SQUARE)[0], flow_of(straight)[0]
     assert (whole.operations, half.operations) == (13, 7)
-    assert (whole.stretched, half.stretched) == (1, 0)
+    assert (rows_of(whole).left, rows_of(half).left) == (1, 0)
 
 
 def shortfall(seed: int) -> float | None:
