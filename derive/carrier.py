@@ -92,7 +92,7 @@ class Carrier(Expansion):
             raise EnvelopeError(f"{self.fixed} must enter the dispersion relation, got it nowhere")
         self.images = {self.fixed: value}
         self.means: list[DifferentialPolynomial] = []
-        self.velocity = self.detuning = self.field.zero
+        self.group_velocity = self.detuning = self.field.zero
         self.flow = self._series({})
         self.mean = self._series({2: self._letter(MEAN_LETTER)})
         self.parts = [self._series({}) for _ in self.lattice.fields]
@@ -150,7 +150,7 @@ class Carrier(Expansion):
         """The group velocity or G at this order, then the rest of harmonic 1."""
         found = self._flow_at(order)
         if order == 2:
-            self.velocity = -found.coefficient((1, LETTER))
+            self.group_velocity = -found.coefficient((1, LETTER))
         else:
             self.flow = self.flow.plus(order - 3, found)
         if order < LAST:
@@ -192,15 +192,15 @@ class Carrier(Expansion):
         turn, own = j * self.rate, self._series({})
         for power in range(1, order + 1):
             own = own.plus(power, series.at(power).select(lambda m: harmonic(m) == j))
-        ahead = self.velocity * own.derivative(0).delayed(1)
+        ahead = self.group_velocity * own.derivative(0).delayed(1)
         total = turn**2 * own.at(order) + 2 * turn * ahead.at(order)
-        total = total + self.velocity * ahead.at(order - 1).derivative(0)
-        return total + -2 * self._slow(turn * own + ahead, order - 2)
+        total = total + self.group_velocity * ahead.at(order - 1).derivative(0)
+        return total + self.field(-2) * self._slow(turn * own + ahead, order - 2)
 
     def _drift(self, order: int) -> DifferentialPolynomial:
         """The second time derivative of a displacement whose X-derivative is the mean."""
-        ahead = self.velocity * self.mean.at(order - 1).derivative(0)
-        return self.velocity * (ahead + -2 * self._slow(self.mean, order - 2))
+        ahead = self.group_velocity * self.mean.at(order - 1).derivative(0)
+        return self.group_velocity * (ahead + self.field(-2) * self._slow(self.mean, order - 2))
 
     def _slow(self, series: EpsSeries, order: int) -> DifferentialPolynomial:
         """d/dT along the flow, at this order."""

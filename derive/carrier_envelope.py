@@ -118,7 +118,7 @@ class Envelope(Displayed):
             if not part.terms.keys() <= known:
                 raise EnvelopeError(f"G must be that of an NLS equation, got {part.terms.keys()}")
         return {
-            "v": found.velocity,
+            "v": found.group_velocity,
             "p": first.coefficient(A_XX),
             "q": first.coefficient(A, A, B),
             "mean": mean.coefficient(A, B),
