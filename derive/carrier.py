@@ -13,10 +13,10 @@ place), harmonic 1 the group velocity, then ``A_T = G_0 + eps G_1``, and the oth
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 
-from sympy import Expr, S, Symbol
+from sympy import Expr, Symbol
 
 from longwave.derive.algebra.jets import DifferentialPolynomial, Jet, Monomial
 from longwave.derive.algebra.rational_functions import (
@@ -25,16 +25,10 @@ from longwave.derive.algebra.rational_functions import (
     RationalFunctions,
 )
 from longwave.derive.algebra.series import EpsSeries
-from longwave.derive.algebra.small_matrices import (
-    Column,
-    Matrix,
-    determinant,
-    inverse,
-    null_space,
-    transposed,
-    without,
-)
-from longwave.derive.lattice import Bond, Lattice
+from longwave.derive.algebra.small_matrices import Column, combined, determinant
+from longwave.derive.expansion import Expansion
+from longwave.derive.lattice import Bond, Cell, Lattice
+from longwave.derive.scaling import Scaling
 
 z, w = Symbol("exp(i k)"), Symbol("i omega")
 """Under names that no constant of a lattice can have."""
@@ -48,7 +42,7 @@ MEAN_LETTER: Jet = (0, MEAN)
 LAST = 4
 """The power of eps at which G_1 is found."""
 
-Rows = tuple[DifferentialPolynomial, ...]
+Rows = list[DifferentialPolynomial]
 Terms = list[tuple[Exponents, int]]
 
 
@@ -65,7 +59,7 @@ def harmonic(monomial: Monomial) -> int:
     return sum(1 - 2 * kind for _, kind in monomial if kind != MEAN)
 
 
-class Carrier:
+class Carrier(Expansion):
     """The expansion about one carrier wave, and the parts of it that are found so far.
 
     ``parts``: for each field the series without the mean.  ``mean``: the mean S, of the field or,
@@ -77,10 +71,11 @@ class Carrier:
     def __init__(
         self, lattice: Lattice, *, at_pi: bool = False, values: Mapping[Symbol, Expr] | None = None
     ) -> None:
-        self.lattice = lattice if lattice.is_polynomial else lattice.expanded(LAST)
-        constants = self.lattice.constants
-        self.field = RationalFunctions((z, w, *constants))
-        self.turn = self.field(-1) if at_pi else self.field(z)
+        lattice = lattice if lattice.is_polynomial else lattice.expanded(LAST)
+        constants = lattice.constants
+        super().__init__(lattice, Scaling(time=2), LAST + 1, RationalFunctions((z, w, *constants)))
+        self.phase_factor = self.field(-1) if at_pi else self.field(z)
+        self.rate = self.field(w)
         self.values: dict[Symbol, Expr] = {}
         self.images: dict[Symbol, RationalFunction] = {}
         self.relation = determinant(self.matrix(1))
@@ -97,7 +92,7 @@ class Carrier:
             raise EnvelopeError(f"{self.fixed} must enter the dispersion relation, got it nowhere")
         self.images = {self.fixed: value}
         self.means: list[DifferentialPolynomial] = []
-        self.velocity = self.detuning = self.field.zero
+        self.group_velocity = self.detuning = self.field.zero
         self.flow = self._series({})
         self.mean = self._series({2: self._letter(MEAN_LETTER)})
         self.parts = [self._series({}) for _ in self.lattice.fields]
@@ -119,7 +114,8 @@ class Carrier:
 
     def _solve_mean(self, order: int) -> None:
         """The mean at ``eps^(order - 3)``, from the row that the other fields leave."""
-        row = self._weighted(self.uniform[1], self._rows(order + (not self.is_displacement), 0))
+        rows = self._harmonic(order + (not self.is_displacement), 0)
+        row = combined(self.zero_mode[1], rows, self._nothing)
         times = 1 if self.is_displacement else 2
         factor = row.coefficient((times, MEAN))
         known = row.select(lambda monomial: monomial != ((times, MEAN),))
@@ -132,123 +128,101 @@ class Carrier:
             known = integral
         found = (-1 / factor) * known
         self.means.append(found)
-        later = {0: found, 1: self._letter(MEAN_LETTER)}
-        self.mean = self._with_mean(self.mean, later)
-        self.parts = [self._with_mean(part, later) for part in self.parts]
+        later = self._series({0: found, 1: self._letter(MEAN_LETTER)})
+        self.mean, *self.parts = (
+            series.replaced(lambda jet: later.derivative(0, jet[0]) if jet[1] == MEAN else None)
+            for series in (self.mean, *self.parts)
+        )
 
     def _detuning(self) -> RationalFunction:
         """The coefficient of S A in ``A_T = G_0``, while the mean is free."""
-        row = self._weighted(self.carried[1], self._rows(3, 1))
-        return row.coefficient(A, MEAN_LETTER) / (2 * self.field(w) * self._inertia(self.carried))
+        return self._flow_at(3).coefficient(A, MEAN_LETTER)
+
+    def _flow_at(self, order: int) -> DifferentialPolynomial:
+        """The part of ``A_T``, and of ``-v A_X``, that balances harmonic 1 at this order."""
+        right, left = self.carried
+        row = combined(left, self._harmonic(order, 1), self._nothing)
+        masses = map(self.number, self.lattice.masses)
+        inertia = (a * mass * b for a, mass, b in zip(left, masses, right, strict=True))
+        return (1 / (2 * self.rate * sum(inertia, self.field.zero))) * row
 
     def _solve_carrier(self, order: int) -> None:
         """The group velocity or G at this order, then the rest of harmonic 1."""
-        row = self._weighted(self.carried[1], self._rows(order, 1))
-        inertia = self._inertia(self.carried)
-        found = (1 / (2 * self.field(w) * inertia)) * row
+        found = self._flow_at(order)
         if order == 2:
-            self.velocity = -found.coefficient((1, LETTER))
+            self.group_velocity = -found.coefficient((1, LETTER))
         else:
-            self.flow = self._series({**self.flow.parts, order - 3: found})
+            self.flow = self.flow.plus(order - 3, found)
         if order < LAST:
             self._solve_harmonic(order, 1)
 
     def _solve_harmonic(self, order: int, j: int) -> None:
         """The parts of the j-th harmonic at this order, but for multiples of a null vector."""
-        matrix, rows = self.matrix(j), self._rows(order, j)
-        count = len(rows)
-        free = self.carried if j == 1 else self.uniform if j == 0 and not self.is_pinned else None
-        places = [next(i for i, value in enumerate(v) if value) for v in free] if free else [-1, -1]
-        kept_columns, kept_rows = ([i for i in range(count) if i != out] for out in places)
-        if not kept_rows:
-            return
-        part = without(matrix, places[1], places[0])
-        if not determinant(part):
+        wave = self.carried if j == 1 else None if j or self.is_pinned else self.zero_mode
+        try:
+            for index, part in self.slaved(j, self._harmonic(order, j), wave):
+                self._add(index, order, part, real=j == 0)
+        except ZeroDivisionError:
             raise EnvelopeError(
                 f"harmonic {j} must not be a wave of the lattice, got a resonance: its frequency "
                 "is on the dispersion relation (two waves interact: there is no NLS equation)"
-            )
-        for index, weights in zip(kept_columns, inverse(part), strict=True):
-            terms = (-weight * rows[i] for i, weight in zip(kept_rows, weights, strict=True))
-            self._add(index, order, sum(terms, self._nothing), real=j == 0)
+            ) from None
 
-    # rows of the equations of motion
+    # the equations of motion
 
-    def _rows(self, order: int, j: int) -> Rows:
+    def _harmonic(self, order: int, j: int) -> Rows:
         """The part of ``mass f'' - forces`` at this order and harmonic, for each field."""
-        rows = [
-            self.number(mass) * self._acceleration(index, order, j)
-            for index, mass in enumerate(self.lattice.masses)
+        moved = self._series({}) if self.is_displacement else self.mean
+        fields = [
+            (part + share * moved).upto(order)
+            for part, share in zip(self.parts, self.shares, strict=True)
         ]
-        for bond in self.lattice.bonds:
-            force = self._series({}, order)
-            stretch = self._stretch(bond, order)
-            for coefficient in bond.coefficients():
-                force = force * stretch + force.constant(self.number(coefficient))
-            for end in bond.action:
-                pull = self._shifted(force, end.shift[0])
-                found = pull.parts.get(order, self._nothing).select(lambda m: harmonic(m) == j)
-                rows[end.field] = rows[end.field] + self.field(-end.weight) * found
-        return tuple(rows)
+        rows = [
+            row.at(order).select(lambda m: harmonic(m) == j) for row in self.pulls(fields, order)
+        ]
+        drift = self._drift(order) if self.is_displacement and not j else self._nothing
+        moving = zip(self.lattice.masses, fields, self.shares, rows, strict=True)
+        return [
+            self.number(mass) * (self._acceleration(field, order, j) + share * drift) + row
+            for mass, field, share, row in moving
+        ]
 
-    def _acceleration(self, index: int, order: int, j: int) -> DifferentialPolynomial:
+    def _acceleration(self, series: EpsSeries, order: int, j: int) -> DifferentialPolynomial:
         """The j-th harmonic of f'' at this order; d/dt is ``-j w - eps v D + eps^2 d_T`` there."""
-        own = self.parts[index]
-        share = self.field.zero if self.is_pinned else self.uniform[0][index]
-        if share and not self.is_displacement:
-            own = own + share * self.mean
-
-        def part(power: int) -> DifferentialPolynomial:
-            return own.parts.get(power, self._nothing).select(lambda m: harmonic(m) == j)
-
-        turn, v = j * self.field(w), self.velocity
-        total = turn**2 * part(order)
-        total = total + 2 * turn * v * part(order - 1).derivative(0)
-        total = total + v**2 * part(order - 2).derivative(0).derivative(0)
-        for power in self.flow.parts:
-            total = total + -2 * turn * self._slow(part(order - 2 - power), power)
-            total = total + -2 * v * self._slow(part(order - 3 - power), power).derivative(0)
-        if share and self.is_displacement and j == 0:
-            total = total + share * self._drift(order)
-        return total
+        turn, own = j * self.rate, self._series({})
+        for power in range(1, order + 1):
+            own = own.plus(power, series.at(power).select(lambda m: harmonic(m) == j))
+        ahead = self.group_velocity * own.derivative(0).delayed(1)
+        total = turn**2 * own.at(order) + 2 * turn * ahead.at(order)
+        total = total + self.group_velocity * ahead.at(order - 1).derivative(0)
+        return total + self.field(-2) * self._slow(turn * own + ahead, order - 2)
 
     def _drift(self, order: int) -> DifferentialPolynomial:
         """The second time derivative of a displacement whose X-derivative is the mean."""
-        parts = self.mean.parts
-        total = self.velocity**2 * parts.get(order - 1, self._nothing).derivative(0)
-        for power in self.flow.parts:
-            slow = self._slow(parts.get(order - 2 - power, self._nothing), power)
-            total = total + -2 * self.velocity * slow
-        return total
+        ahead = self.group_velocity * self.mean.at(order - 1).derivative(0)
+        return self.group_velocity * (ahead + self.field(-2) * self._slow(self.mean, order - 2))
 
-    def _slow(self, part: DifferentialPolynomial, power: int) -> DifferentialPolynomial:
-        """d/dT along the flow, the term of ``eps^power``."""
-        moved = {LETTER: [self.flow.parts[power]]}
-        moved[CONJUGATE] = [self.conjugated(moved[LETTER][0])]
-        for flows in moved.values():
-            while len(flows) <= max((count for m in part.terms for count, _ in m), default=0):
-                flows.append(flows[-1].derivative(0))
+    def _slow(self, series: EpsSeries, order: int) -> DifferentialPolynomial:
+        """d/dT along the flow, at this order."""
         total = self._nothing
-        for monomial, value in part.terms.items():
-            for i, (count, kind) in enumerate(monomial):
-                if kind != MEAN:
-                    rest = (*monomial[:i], *monomial[i + 1 :])
-                    term = DifferentialPolynomial(self.field, {rest: value})
-                    total = total + term * moved[kind][count]
+        for power, flow in self.flow.parts.items():
+            rates = {LETTER: [flow], CONJUGATE: [self.conjugated(flow)]}
+            for monomial, value in series.at(order - power).terms.items():
+                for i, (count, kind) in enumerate(monomial):
+                    if kind == MEAN:
+                        continue
+                    while len(rates[kind]) <= count:
+                        rates[kind].append(rates[kind][-1].derivative(0))
+                    rest = {(*monomial[:i], *monomial[i + 1 :]): value}
+                    total = total + DifferentialPolynomial(self.field, rest) * rates[kind][count]
         return total
 
-    def _stretch(self, bond: Bond, order: int) -> EpsSeries:
-        total = self._series({}, order)
-        for entry in bond.stretch:
-            field = self._series(self.parts[entry.field].parts, order)
-            total = total + self.field(entry.weight) * self._shifted(field, entry.shift[0])
-            share = self.field.zero if self.is_pinned else self.uniform[0][entry.field]
-            mean = self._series(self.mean.parts, order)
-            if share and self.is_displacement:
-                mean = self._summed(mean, entry.shift[0])
-            elif share:
-                mean = self._shifted(mean, entry.shift[0])
-            total = total + (entry.weight * share) * mean if share else total
+    def stretch(self, bond: Bond, fields: Sequence[EpsSeries]) -> EpsSeries:
+        """That of the fields, and of displacements' means."""
+        total = super().stretch(bond, fields)
+        for entry in bond.stretch if self.is_displacement else ():
+            gained = self._summed(self.mean.upto(total.limit), entry.shift[0])
+            total = total + (entry.weight * self.shares[entry.field]) * gained
         return total
 
     def _summed(self, mean: EpsSeries, cells: int) -> EpsSeries:
@@ -260,38 +234,30 @@ class Carrier:
             power, count = power.derivative(0).delayed(1), count + 1
         return total
 
-    def _shifted(self, series: EpsSeries, cells: int) -> EpsSeries:
-        if not cells:
+    def shifted(self, series: EpsSeries, cell: Cell) -> EpsSeries:
+        """By the phase of each harmonic and, for the letters, Taylor's theorem."""
+        if not any(cell):
             return series
-        turned = EpsSeries.collect(
-            self.field,
-            series.limit,
-            (
-                (order, part.map_terms(lambda m, v: v * self.turn ** (harmonic(m) * cells)))
-                for order, part in series.parts.items()
-            ),
+        items = (
+            (o, part.map_terms(lambda m, v: v * self.phase_factor ** (harmonic(m) * cell[0])))
+            for o, part in series.parts.items()
         )
-        return turned.exponential(((0, 1, self.field(cells)),))
-
-    # linear algebra at a harmonic
+        turned = EpsSeries.collect(self.field, series.limit, items)
+        return super().shifted(turned, cell)
 
     def number(self, value: Expr) -> RationalFunction:
         """A constant; the one that the dispersion relation fixes is replaced."""
         return self.field.from_expr(value.xreplace(self.values), self.images)
 
-    def matrix(self, j: int) -> Matrix:
-        """``mass d^2/dt^2 - forces`` at the j-th harmonic and eps = 0."""
-        count = len(self.lattice.fields)
-        total = [[self.field.zero] * count for _ in range(count)]
-        for i, mass in enumerate(self.lattice.masses):
-            total[i][i] += self.number(mass) * j**2 * self.field(w) ** 2
-        for bond in self.lattice.bonds:
-            slope = self.number(bond.stiffness(S.Zero))
-            for end in bond.action:
-                for part in bond.stretch:
-                    turn = self.turn ** (j * (end.shift[0] + part.shift[0]))
-                    total[end.field][part.field] -= end.weight * part.weight * slope * turn
-        return total
+    def null_vectors(self, j: int) -> tuple[Column, Column]:
+        """Right and left; EnvelopeError unless there is one of each."""
+        try:
+            return super().null_vectors(j)
+        except ValueError:
+            raise EnvelopeError(
+                "the wave must be one wave of the lattice, got several of the same frequency "
+                "(several waves interact: there is no single NLS equation)"
+            ) from None
 
     @cached_property
     def second_harmonic(self) -> RationalFunction:
@@ -301,41 +267,16 @@ class Carrier:
     @cached_property
     def carried(self) -> tuple[Column, Column]:
         """The carrier's null vectors, right and left; 1 is the first entry that is not 0."""
-        return _null_vectors(self.matrix(1))
-
-    @cached_property
-    def uniform(self) -> tuple[Column, Column]:
-        """The same of a mean that nothing ties to its place."""
-        return _null_vectors(self.matrix(0))
-
-    @cached_property
-    def is_pinned(self) -> bool:
-        """Whether a force ties the lattice to its place: the mean is then slaved."""
-        return bool(determinant(self.matrix(0)))
-
-    @cached_property
-    def is_displacement(self) -> bool:
-        """Whether no bond feels the mean itself, but its X-derivative."""
-        return not self.is_pinned and not any(
-            sum((e.weight * self.uniform[0][e.field] for e in bond.stretch), self.field.zero)
-            for bond in self.lattice.bonds
-        )
+        return self.null_vectors(1)
 
     @cached_property
     def mean_flow(self) -> EpsSeries:
         """The T-derivative of the X-integral of the mean, at its first order."""
-        first = self.means[0] if self.means else self._nothing
+        first = self._series({0: self.means[0]} if self.means else {})
         integral = self._slow(first, 0).antiderivative()
         if integral is None:
             raise EnvelopeError("the mean must be conserved, got none in A_T (take strains)")
         return self._series({2: integral})
-
-    def _inertia(self, vectors: tuple[Column, Column]) -> RationalFunction:
-        masses = (self.number(mass) for mass in self.lattice.masses)
-        return sum(
-            (left * mass * right for right, left, mass in zip(*vectors, masses, strict=True)),
-            self.field.zero,
-        )
 
     # the algebra of letters
 
@@ -351,16 +292,12 @@ class Carrier:
     ) -> EpsSeries:
         return EpsSeries.collect(self.field, limit, parts.items())
 
-    def _weighted(self, weights: Column, rows: Rows) -> DifferentialPolynomial:
-        terms = (a * row for a, row in zip(weights, rows, strict=True))
-        return sum(terms, self._nothing)
-
     def _add(
         self, index: int, order: int, part: DifferentialPolynomial, *, real: bool = False
     ) -> None:
         """Add a part to a field, with its conjugate unless it is real."""
         whole = part if real else part + self.conjugated(part)
-        self.parts[index] = self.parts[index] + self._series({order: whole})
+        self.parts[index] = self.parts[index].plus(order, whole)
 
     def conjugated(self, polynomial: DifferentialPolynomial) -> DifferentialPolynomial:
         """The complex conjugate."""
@@ -379,34 +316,6 @@ class Carrier:
         degree = max(exponents[0] for terms in both for exponents, _ in terms)
         above, below = (self.field.from_terms(_reflected(terms, degree)) for terms in both)
         return above / below
-
-    def _with_mean(
-        self, series: EpsSeries, letter: Mapping[int, DifferentialPolynomial]
-    ) -> EpsSeries:
-        """The series with another series in the place of the mean's letter."""
-        total = self._series({})
-        for order, part in series.parts.items():
-            for monomial, value in part.terms.items():
-                product = self._series({order: value * self._monomial(monomial, MEAN)})
-                for count, kind in monomial:
-                    if kind == MEAN:
-                        product = product * self._series(letter).derivative(0, count)
-                total = total + product
-        return total
-
-    def _monomial(self, monomial: Monomial, without: int) -> DifferentialPolynomial:
-        return DifferentialPolynomial.monomial(self.field, (j for j in monomial if j[1] != without))
-
-
-def _null_vectors(matrix: Matrix) -> tuple[Column, Column]:
-    """The right and the left null vector."""
-    found = (null_space(matrix), null_space(transposed(matrix)))
-    if any(len(vectors) != 1 for vectors in found):
-        raise EnvelopeError(
-            "the wave must be one wave of the lattice, got several of the same frequency "
-            "(several waves interact: there is no single NLS equation)"
-        )
-    return found[0][0], found[1][0]
 
 
 def _reflected(terms: Terms, degree: int) -> Terms:

@@ -118,7 +118,7 @@ class Envelope(Displayed):
             if not part.terms.keys() <= known:
                 raise EnvelopeError(f"G must be that of an NLS equation, got {part.terms.keys()}")
         return {
-            "v": found.velocity,
+            "v": found.group_velocity,
             "p": first.coefficient(A_XX),
             "q": first.coefficient(A, A, B),
             "mean": mean.coefficient(A, B),
@@ -184,10 +184,9 @@ class Envelope(Displayed):
 
     def _exact_numbers(self, angle: Expr, values: Mapping[Symbol, Expr]) -> dict[str, Expr]:
         """v, p and q where the dispersion relation is linear in omega^2."""
-        relation, root = self.carrier.relation, self.carrier.field(w)
+        relation = self.carrier.relation.powers_of(w)
         at = {sine: sin(angle / 2), cosine: cos(angle / 2), **values}
-        squared = relation / (relation.diff(w) / (2 * root)) - root**2
-        at[frequency] = sqrt(in_sines(squared)[0].subs(at))
+        at[frequency] = sqrt(in_sines(relation[0] / relation[2])[0].subs(at))
         parts = {name: in_sines(self.parts[name])[name in TURNED] for name in _MAPPED}
         return {name: part.subs(at) for name, part in parts.items()}
 

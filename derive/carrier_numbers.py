@@ -85,8 +85,7 @@ def carrier_fields(
     with mpmath.workdps(DIGITS + GUARD):
         parts = tuple(_numeric(part, point) for part in carrier.parts)
         mean = _numeric(carrier.mean, point) if free else ()
-        weights = carrier.uniform[0] if free else [carrier.field.zero] * len(parts)
-        shares = tuple(float(_value(weight, point).real) for weight in weights)
+        shares = tuple(float(_value(share, point).real) for share in carrier.shares)
         highest = 1 + max(m for terms in (*parts, mean) for t in terms for m, _ in t.jets)
         flow = [_numeric(carrier.flow, point)]
         for _ in range(highest):

@@ -110,13 +110,6 @@ class EvolutionEquation(Displayed):
         return found[0]
 
     @property
-    def is_mkdv(self) -> bool:
-        """Whether the terms are Y_T, Y^2 Y_X and Y_XXX, all three and no others."""
-        rest = (0,) * (len(self.notation.axes) - 1)
-        Y, Y_X, Y_XXX = ((count, *rest) for count in (0, 1, 3))
-        return set(self.flow.terms) == {(Y, Y, Y_X), (Y_XXX,)}
-
-    @property
     def kind(self) -> str:
         """The name of the equation, by its terms: "KdV", "modified Kawahara", "KP-II".
 

@@ -1,30 +1,31 @@
-"""The lattice equation under the ansatz, as one series in eps.
+"""The equations of motion of a lattice under an ansatz, as series in eps.
 
-Shifts are exponentials, ``f_{n+s} = exp(s . sum eps^a d_X) f``, and time derivatives follow the
-chain rule, ``d/dt = -sum speed eps^a d_X + eps^q d_T``.  The force is evaluated by Horner's rule
-on the stretch of the bond, so that differences cancel before they are multiplied.
+The force is evaluated by Horner's rule on the stretch of the bond, so that differences cancel
+before they are multiplied.
 
 The fields of a cell move together in a long wave, ``f_j = eps^p (e_j W + G_j)``: e is the null
 vector of the forces at wavenumber zero.  All rows of the equations of motion but one are solved for
 the slaved parts G order by order; the rows weighted with the left null vector leave one equation
-for W.
+for W.  Shifts are exponentials, ``f_{n+s} = exp(s . sum eps^a d_X) f``, and time derivatives follow
+the chain rule, ``d/dt = -sum speed eps^a d_X + eps^q d_T``.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Sequence
 from functools import cached_property
 
 from sympy import Expr, S
 
 from longwave.derive.algebra.exact_numbers import instance
 from longwave.derive.algebra.jets import DifferentialPolynomial
-from longwave.derive.algebra.rational_functions import RationalFunctions
+from longwave.derive.algebra.rational_functions import RationalFunction, RationalFunctions
 from longwave.derive.algebra.series import EpsSeries, Operator
 from longwave.derive.algebra.small_matrices import (
     Column,
     Matrix,
+    combined,
+    determinant,
     inverse,
     null_space,
     transposed,
@@ -42,41 +43,141 @@ def coefficient_field(lattice: Lattice, scaling: Scaling) -> RationalFunctions:
     return RationalFunctions((*own, *lattice.constants))
 
 
-@dataclass(frozen=True)
 class Expansion:
-    """Expands ``lattice`` under ``scaling`` up to the power ``limit`` of eps."""
+    """Long waves of ``lattice`` under ``scaling``, up to the power ``limit`` of eps.
 
-    lattice: Lattice
-    scaling: Scaling
-    limit: int
-    field: RationalFunctions
+    With a carrier wave the j-th harmonic is multiplied by ``phase_factor**j`` from cell to cell and
+    by ``-j rate`` by d/dt; a long wave has no harmonic but 0.
+    """
+
+    def __init__(
+        self, lattice: Lattice, scaling: Scaling, limit: int, field: RationalFunctions
+    ) -> None:
+        self.lattice, self.scaling, self.limit, self.field = lattice, scaling, limit, field
+        self.phase_factor, self.rate = field.one, field.zero
+
+    def number(self, value: Expr) -> RationalFunction:
+        """A constant as an element of the field."""
+        return self.field.from_expr(value)
 
     @property
     def time_derivative(self) -> Operator:
         """d/dt by the chain rule through the slow variables."""
         frame = tuple(
-            (axis, variable.exponent, -self.field.from_expr(variable.speed))
+            (axis, variable.exponent, -self.number(variable.speed))
             for axis, variable in enumerate(self.scaling.space)
         )
         return (*frame, (len(frame), self.scaling.time, self.field.one))
 
-    def shift(self, cell: Cell) -> Operator:
-        """The logarithm of the shift by ``cell``."""
+    def shifted(self, series: EpsSeries, cell: Cell) -> EpsSeries:
+        """By Taylor's theorem."""
         steps = (
             (axis, v.exponent, sum(d * s for d, s in zip(v.direction, cell, strict=True)))
             for axis, v in enumerate(self.scaling.space)
         )
-        return tuple(
-            (axis, power, self.field.from_expr(step)) for axis, power, step in steps if step
+        return series.exponential(
+            tuple((axis, power, self.number(step)) for axis, power, step in steps if step)
         )
 
-    @cached_property
-    def together(self) -> tuple[Column, Column]:
-        """The null vectors of the forces at wavenumber zero, right and left: e and l.
+    def ansatz(self) -> EpsSeries:
+        """``background + eps^amplitude W``."""
+        mean = self.constant(S.Zero, self.limit)
+        for power, value in self.scaling.background:
+            mean = mean + self.constant(value, self.limit).delayed(power)
+        jet = ((0,) * len(self.scaling.axes),)
+        wave = {self.scaling.amplitude: DifferentialPolynomial.monomial(self.field, jet)}
+        return EpsSeries.collect(self.field, self.limit, wave.items()) + mean
 
-        The first entry of each that is not 0 is 1.  Raises ValueError unless there is one of each.
+    def velocity(self) -> EpsSeries:
+        """d/dt of the ansatz."""
+        return self.ansatz().apply(self.time_derivative)
+
+    def slaved_parts(self) -> list[EpsSeries]:
+        """The parts G of the fields that follow the wave, with their power of eps."""
+        parts = [EpsSeries(self.field, self.limit, {})] * len(self.zero_mode[0])
+        if len(parts) == 1:
+            return parts
+        for order in range(self.scaling.amplitude + 1, self.limit + 1):
+            rows = [row.at(order) for row in self.rows(self._fields(parts, order), order)]
+            for index, part in self.slaved(0, rows, self.zero_mode):
+                parts[index] = parts[index].plus(order, part)
+        return parts
+
+    def residual(self, slaved: Sequence[EpsSeries] | None = None) -> EpsSeries:
+        """The rows weighted with the left null vector; the lattice is solved where it vanishes."""
+        parts = self.slaved_parts() if slaved is None else slaved
+        rows = self.rows(self._fields(parts, self.limit))
+        return combined(self.zero_mode[1], rows, EpsSeries(self.field, self.limit, {}))
+
+    def _fields(self, slaved: Sequence[EpsSeries], limit: int) -> list[EpsSeries]:
+        wave = self.ansatz()
+        return [
+            (share * wave + part).upto(limit)
+            for share, part in zip(self.zero_mode[0], slaved, strict=True)
+        ]
+
+    def rows(self, fields: Sequence[EpsSeries], since: int = 0) -> list[EpsSeries]:
+        """``mass f'' - forces`` of each field, from ``eps^since`` on."""
+        rows = self.pulls(fields, since)
+        for i, (mass, field) in enumerate(zip(self.lattice.masses, fields, strict=True)):
+            twice = field.apply(self.time_derivative).apply(self.time_derivative)
+            rows[i] = (self.constant(mass, field.limit) * twice).upto(field.limit, since) + rows[i]
+        return rows
+
+    def pulls(self, fields: Sequence[EpsSeries], since: int) -> list[EpsSeries]:
+        """Minus the force on each field, from ``eps^since`` on."""
+        limit = fields[0].limit
+        nothing = EpsSeries(self.field, limit, {})
+        rows = [nothing] * len(fields)
+        for bond in self.lattice.bonds:
+            stretch, force = self.stretch(bond, fields), nothing
+            for coefficient in bond.coefficients():
+                force = force * stretch + self.constant(coefficient, limit)
+            for end in bond.action:
+                pull = self.shifted(force, end.shift).upto(limit, since)
+                rows[end.field] = rows[end.field] + self.field(-end.weight) * pull
+        return rows
+
+    def stretch(self, bond: Bond, fields: Sequence[EpsSeries]) -> EpsSeries:
+        """The stretch of a bond."""
+        total = EpsSeries(self.field, fields[0].limit, {})
+        for entry in bond.stretch:
+            moved = self.shifted(fields[entry.field], entry.shift)
+            total = total + self.field(entry.weight) * moved
+        return total
+
+    def constant(self, value: Expr, limit: int) -> EpsSeries:
+        """A constant, which may be a polynomial in eps, as a series."""
+        one = DifferentialPolynomial.monomial(self.field, ())
+        parts = powers_of_eps(value).items()
+        return EpsSeries.collect(self.field, limit, ((p, self.number(v) * one) for p, v in parts))
+
+    def matrix(self, j: int) -> Matrix:
+        """``mass d^2/dt^2 - forces``, linear, at the j-th harmonic and eps = 0."""
+        count = len(self.lattice.fields)
+        at_rest = (powers_of_eps(b).get(0, S.Zero) for p, b in self.scaling.background if p == 0)
+        mean = sum(at_rest, S.Zero)
+        total = [[self.field.zero] * count for _ in range(count)]
+        for i, mass in enumerate(self.lattice.masses):
+            total[i][i] += self._leading(mass) * j**2 * self.rate**2
+        for bond in self.lattice.bonds:
+            about = sum(entry.weight for entry in bond.stretch) * mean
+            slope = self._leading(bond.stiffness(about))
+            for end in bond.action:
+                for part in bond.stretch:
+                    turn = self.phase_factor ** (j * (end.shift[0] + part.shift[0]))
+                    total[end.field][part.field] -= end.weight * part.weight * slope * turn
+        return total
+
+    def _leading(self, value: Expr) -> RationalFunction:
+        return self.number(powers_of_eps(value).get(0, S.Zero))
+
+    def null_vectors(self, j: int) -> tuple[Column, Column]:
+        """The null vectors of the j-th matrix, right and left; 1 is the first entry that is not 0.
+
+        Raises ValueError unless there is one of each.
         """
-        matrix = self._uniform_forces()
+        matrix = self.matrix(j)
         found = (null_space(matrix), null_space(transposed(matrix)))
         if any(len(vectors) != 1 for vectors in found):
             apart, held = "its fields move apart at no cost", "pinned: derive a carrier's envelope"
@@ -86,124 +187,48 @@ class Expansion:
             )
         return found[0][0], found[1][0]
 
-    @property
+    @cached_property
+    def zero_mode(self) -> tuple[Column, Column]:
+        """The null vectors at wavenumber zero: e and l."""
+        return self.null_vectors(0)
+
+    @cached_property
+    def is_pinned(self) -> bool:
+        """Whether a force ties the lattice to its place: a mean is then slaved."""
+        return bool(determinant(self.matrix(0)))
+
+    @cached_property
+    def shares(self) -> Column:
+        """The zero mode's part of each field; none where the lattice is tied to its place."""
+        return [self.field.zero] * len(self.lattice.fields) if self.is_pinned else self.zero_mode[0]
+
+    @cached_property
     def is_displacement(self) -> bool:
         """Whether no bond feels all fields moved together: the wave enters by its derivatives."""
-        moved = self.together[0]
-        return not any(
-            sum((entry.weight * moved[entry.field] for entry in bond.stretch), self.field.zero)
+        return not self.is_pinned and not any(
+            sum((e.weight * self.shares[e.field] for e in bond.stretch), self.field.zero)
             for bond in self.lattice.bonds
         )
 
-    def ansatz(self) -> EpsSeries:
-        """``background + eps^amplitude W``."""
-        mean = (
-            (power + further, self.field.from_expr(part) * self._one)
-            for power, value in self.scaling.background
-            for further, part in powers_of_eps(value).items()
-        )
-        wave = (self.scaling.amplitude, self._wave)
-        return EpsSeries.collect(self.field, self.limit, [wave, *mean])
+    def slaved(
+        self, j: int, rows: Sequence[DifferentialPolynomial], wave: tuple[Column, Column] | None
+    ) -> Iterator[tuple[int, DifferentialPolynomial]]:
+        """The parts of fields that balance the rows of a harmonic, by the fields' numbers.
 
-    def velocity(self) -> EpsSeries:
-        """d/dt of the ansatz."""
-        return self.ansatz().apply(self.time_derivative)
+        With the null vectors of a ``wave`` one field has no such part, and one row is left out.
+        Raises ZeroDivisionError where the harmonic is another wave of the lattice.
+        """
+        column, row = (_leading_index(v) for v in wave) if wave else (None, None)
+        part = without(self.matrix(j), row, column)
+        kept = [values for i, values in enumerate(rows) if i != row]
+        fields = [index for index in range(len(rows)) if index != column]
+        nothing = DifferentialPolynomial.zero(self.field)
+        for index, weights in zip(fields, inverse(part) if part else [], strict=True):
+            yield index, -combined(weights, kept, nothing)
 
-    def slaved(self) -> tuple[EpsSeries, ...]:
-        """The parts G of the fields that follow the wave, with their power of eps."""
-        right, left = self.together
-        count = len(right)
-        parts = [EpsSeries(self.field, self.limit, {})] * count
-        if count == 1:
-            return tuple(parts)
-        column = next(j for j, value in enumerate(right) if value)
-        row = next(i for i, value in enumerate(left) if value)
-        rows, columns = ([i for i in range(count) if i != out] for out in (row, column))
-        solved = inverse(without(self._uniform_forces(), row, column))
-        for order in range(self.scaling.amplitude + 1, self.limit + 1):
-            short = replace(self, limit=order)
-            known = short.residuals(tuple(parts))
-            nothing = DifferentialPolynomial.zero(self.field)
-            rest = [known[i].parts.get(order, nothing) for i in rows]
-            for weights, j in zip(solved, columns, strict=True):
-                terms = (w * part for w, part in zip(weights, rest, strict=True) if w and part)
-                found = [(order, sum(terms, nothing)), *parts[j].parts.items()]
-                parts[j] = EpsSeries.collect(self.field, self.limit, found)
-        return tuple(parts)
 
-    def residuals(self, slaved: tuple[EpsSeries, ...]) -> tuple[EpsSeries, ...]:
-        """``mass f'' - forces`` of each field, with these slaved parts."""
-        fields = [
-            EpsSeries.collect(
-                self.field,
-                self.limit,
-                [*((value * self.ansatz()).parts.items() if value else ()), *part.parts.items()],
-            )
-            for value, part in zip(self.together[0], slaved, strict=True)
-        ]
-        rows = [
-            self._number(mass) * field.apply(self.time_derivative).apply(self.time_derivative)
-            for mass, field in zip(self.lattice.masses, fields, strict=True)
-        ]
-        for bond in self.lattice.bonds:
-            force = self._force(bond, self._stretch(bond, fields))
-            for entry in bond.action:
-                pull = self.field(-entry.weight) * force.exponential(self.shift(entry.shift))
-                rows[entry.field] = rows[entry.field] + pull
-        return tuple(rows)
-
-    def residual(self, slaved: tuple[EpsSeries, ...] | None = None) -> EpsSeries:
-        """The rows weighted with the left null vector; the lattice is solved where it vanishes."""
-        total = EpsSeries(self.field, self.limit, {})
-        rows = self.residuals(self.slaved() if slaved is None else slaved)
-        for weight, row in zip(self.together[1], rows, strict=True):
-            total = total + weight * row if weight else total
-        return total
-
-    @property
-    def _one(self) -> DifferentialPolynomial:
-        return DifferentialPolynomial.monomial(self.field, ())
-
-    @property
-    def _wave(self) -> DifferentialPolynomial:
-        return DifferentialPolynomial.monomial(self.field, ((0,) * len(self.scaling.axes),))
-
-    def _uniform_forces(self) -> Matrix:
-        """The linear forces about the mean at wavenumber zero: row = field that feels them."""
-        mean = sum(
-            (powers_of_eps(b).get(0, 0) for p, b in self.scaling.background if p == 0), S.Zero
-        )
-        count = len(self.lattice.fields)
-        total = [[self.field.zero] * count for _ in range(count)]
-        for bond in self.lattice.bonds:
-            about = sum(entry.weight for entry in bond.stretch) * mean
-            slope = self.field.from_expr(powers_of_eps(bond.stiffness(about)).get(0, S.Zero))
-            for end in bond.action:
-                for part in bond.stretch:
-                    total[end.field][part.field] += end.weight * part.weight * slope
-        return total
-
-    def _stretch(self, bond: Bond, fields: Sequence[EpsSeries]) -> EpsSeries:
-        total = EpsSeries(self.field, self.limit, {})
-        for entry in bond.stretch:
-            moved = fields[entry.field].exponential(self.shift(entry.shift))
-            total = total + self.field(entry.weight) * moved
-        return total
-
-    def _force(self, bond: Bond, stretch: EpsSeries) -> EpsSeries:
-        total = EpsSeries(self.field, self.limit, {})
-        for coefficient in bond.coefficients():
-            total = total * stretch + self._number(coefficient)
-        return total
-
-    def _number(self, value: Expr) -> EpsSeries:
-        """A constant, which may be a polynomial in eps, as a series."""
-        parts = powers_of_eps(value).items()
-        return EpsSeries.collect(
-            self.field,
-            self.limit,
-            ((p, self.field.from_expr(part) * self._one) for p, part in parts),
-        )
+def _leading_index(vector: Column) -> int:
+    return next(i for i, value in enumerate(vector) if value)
 
 
 def expand(lattice: Lattice, scaling: Scaling, limit: int) -> Expansion:

@@ -182,7 +182,7 @@ def reduce(
             f"(the evolution equation appears at eps^{least})"
         )
     expansion = expand(lattice, chosen, highest)
-    slaved = expansion.slaved()
+    slaved = expansion.slaved_parts()
     residual = expansion.residual(slaved)
     solver = _Solver(residual, expansion)
     sound = solver.sound_polynomial()
@@ -204,9 +204,9 @@ def reduce(
         obstruction=obstruction,
         slaved={
             name: (weight, part)
-            for name, weight, part in zip(names, expansion.together[0], slaved, strict=True)
+            for name, weight, part in zip(names, expansion.zero_mode[0], slaved, strict=True)
         },
-        left=tuple(expansion.together[1]),
+        left=tuple(expansion.zero_mode[1]),
     )
 
 

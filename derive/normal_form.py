@@ -9,6 +9,7 @@ simplest map is taken: h = 1 for mKdV, a = 1 for KdV, KP and NLS.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
 
@@ -31,8 +32,17 @@ class NormalEquation:
     name: str
     terms: tuple[str, ...]
     text: str
-    latex: str
     scales: Callable[..., Scales]
+
+    @property
+    def latex(self) -> str:
+        """The text in LaTeX, without delimiters."""
+        return re.sub(r"_(\d*)((?:xi|zeta|tau)+)", _subscript, self.text)
+
+
+def _subscript(found: re.Match[str]) -> str:
+    names = re.sub("(xi|zeta|tau)", r"\\\1", found[2])
+    return f"_{names}" if names.count("\\") == 1 and not found[1] else f"_{{{found[1]}{names}}}"
 
 
 def _kdv(quadratic: Expr, third: Expr) -> Scales:
@@ -94,10 +104,6 @@ def _nls(dispersion: Expr, cubic: Expr) -> Scales:
     return {"a": S.One, "b": dispersion, "h": sqrt(Abs(ratio)), "s": sign(ratio)}
 
 
-_U = r"U_\tau"
-_THIRD, _FIFTH = r"U_{\xi\xi\xi}", r"U_{5\xi}"
-_ACROSS = r"3 s U_{\zeta\zeta}"
-
 NORMAL_EQUATIONS = {
     equation.name: equation
     for equation in (
@@ -105,70 +111,60 @@ NORMAL_EQUATIONS = {
             "KdV",
             ("Y Y_X", "Y_XXX"),
             "U_tau + 6 U U_xi + U_xixixi = 0",
-            rf"{_U} + 6 U U_\xi + {_THIRD} = 0",
             _kdv,
         ),
         NormalEquation(
             "mKdV",
             ("Y^2 Y_X", "Y_XXX"),
             "U_tau + 6 s U^2 U_xi + U_xixixi = 0",
-            rf"{_U} + 6 s U^2 U_\xi + {_THIRD} = 0",
             _mkdv,
         ),
         NormalEquation(
             "Gardner",
             ("Y^2 Y_X", "Y Y_X", "Y_XXX"),
             "U_tau + 6 U U_xi + 6 s U^2 U_xi + U_xixixi = 0",
-            rf"{_U} + 6 U U_\xi + 6 s U^2 U_\xi + {_THIRD} = 0",
             _gardner,
         ),
         NormalEquation(
             "Kawahara",
             ("Y Y_X", "Y_XXX", "Y_5X"),
             "U_tau + 6 U U_xi + s U_xixixi - U_5xi = 0",
-            rf"{_U} + 6 U U_\xi + s {_THIRD} - {_FIFTH} = 0",
             _kawahara,
         ),
         NormalEquation(
             "modified Kawahara",
             ("Y^2 Y_X", "Y_XXX", "Y_5X"),
             "U_tau + 6 r U^2 U_xi + s U_xixixi - U_5xi = 0",
-            rf"{_U} + 6 r U^2 U_\xi + s {_THIRD} - {_FIFTH} = 0",
             _modified_kawahara,
         ),
         NormalEquation(
             "fifth-order KdV",
             ("Y Y_X", "Y_5X"),
             "U_tau + 6 U U_xi - U_5xi = 0",
-            rf"{_U} + 6 U U_\xi - {_FIFTH} = 0",
             _fifth_kdv,
         ),
         NormalEquation(
             "fifth-order mKdV",
             ("Y^2 Y_X", "Y_5X"),
             "U_tau + 6 r U^2 U_xi - U_5xi = 0",
-            rf"{_U} + 6 r U^2 U_\xi - {_FIFTH} = 0",
             _fifth_mkdv,
         ),
         NormalEquation(
             "KP",
             ("Y Y_X", "Y_XXX", "Y_ZZ"),
             "(U_tau + 6 U U_xi + U_xixixi)_xi + 3 s U_zetazeta = 0",
-            rf"({_U} + 6 U U_\xi + {_THIRD})_\xi + {_ACROSS} = 0",
             _kp,
         ),
         NormalEquation(
             "generalised KP",
             ("Y^2 Y_X", "Y_XXX", "Y_ZZ"),
             "(U_tau + 6 r U^2 U_xi + U_xixixi)_xi + 3 s U_zetazeta = 0",
-            rf"({_U} + 6 r U^2 U_\xi + {_THIRD})_\xi + {_ACROSS} = 0",
             _generalised_kp,
         ),
         NormalEquation(
             "NLS",
             ("A_XX", "|A|^2 A"),
             "i U_tau + U_xixi + 2 s |U|^2 U = 0",
-            r"i U_\tau + U_{\xi\xi} + 2 s |U|^2 U = 0",
             _nls,
         ),
     )

@@ -22,7 +22,7 @@ __all__ = [
     "PlanarValues",
     "Rates",
     "Side",
-    "WaveNumbers",
+    "WaveConstants",
     "WaveValues",
     "settle_rows",
 ]
@@ -76,7 +76,7 @@ class Rates(NamedTuple):
     drift: Any
 
 
-class WaveNumbers(NamedTuple):
+class WaveConstants(NamedTuple):
     """What a wave is beside its values.
 
     ``a`` and ``b`` are the doubles nearest to those of ``rates``, ``s`` is the normal form's sign;
@@ -112,7 +112,7 @@ class NumericWave:
 
     def __init__(
         self,
-        numbers: WaveNumbers,
+        numbers: WaveConstants,
         make: Callable[[Part], "PointEvaluator"],
         settle: Callable[..., Array],
     ) -> None:

@@ -180,9 +180,9 @@ class ClosedForm:
     expression: _Deferred = _Deferred()
     equation: Equation
     parameters: tuple[Parameter, ...]
-    background: sp.Expr
-    far_fields: FarFields
     reference: Reference
+    background: sp.Expr = sp.S.Zero
+    far_fields: FarFields = FarFields(sp.S.Zero, sp.S.Zero)
     period: sp.Expr | None = None
     stabilise: Callable[[], sp.Expr] | None = field(default=None, compare=False, repr=False)
     evaluator: Callable[[Mapping[sp.Symbol, sp.Expr]], Any] | None = field(

@@ -17,7 +17,7 @@ from longwave.solutions.numeric_wave import (
     Part,
     Rates,
     Side,
-    WaveNumbers,
+    WaveConstants,
     WaveValues,
 )
 from longwave.solutions.record import ClosedForm
@@ -77,7 +77,7 @@ class Wave(NumericWave):
         }
         return _wave_of, (self.form, self.normal_form, given)
 
-    def _all_numbers(self) -> WaveNumbers:
+    def _all_numbers(self) -> WaveConstants:
         form, normal_form = self.form, self.normal_form
         rates = Rates(*(long_number(getattr(normal_form, name)) for name in Rates._fields))
         wavelength, constant = None, None
@@ -86,7 +86,7 @@ class Wave(NumericWave):
             wavelength = float(long_number(self._with_numbers(form.period)) / rates.a)
         elif left == right and left.is_number and left.is_real:
             constant = float(normal_form.h * left)
-        return WaveNumbers(
+        return WaveConstants(
             form.name,
             form.equation.normal,
             form.equation.order,

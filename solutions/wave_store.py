@@ -5,7 +5,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from longwave.solutions.data_store import DataStore, open_store
-from longwave.solutions.numeric_wave import Array, NumericWave, Part, WaveNumbers
+from longwave.solutions.numeric_wave import Array, NumericWave, Part, WaveConstants
 from longwave.solutions.run.evaluator import PointEvaluator
 from longwave.solutions.run.linear_phase import Variables
 
@@ -25,7 +25,7 @@ def kept_wave(maker: str, key: str, make: Callable[[], "Wave"]) -> NumericWave:
     if store is None:
         return make()
     numbers = store.read("numbers")
-    if isinstance(numbers, WaveNumbers):
+    if isinstance(numbers, WaveConstants):
         return _KeptWave(numbers, store, make)
     wave = make()
     store.write("numbers", wave.numbers)
@@ -37,7 +37,9 @@ def kept_wave(maker: str, key: str, make: Callable[[], "Wave"]) -> NumericWave:
 class _KeptWave(NumericWave):
     """A wave from disk. What only the formulas know is asked of the wave that is made then."""
 
-    def __init__(self, numbers: WaveNumbers, store: DataStore, make: Callable[[], "Wave"]) -> None:
+    def __init__(
+        self, numbers: WaveConstants, store: DataStore, make: Callable[[], "Wave"]
+    ) -> None:
         super().__init__(numbers, self._part, self._settled)
         self._store, self._make_wave = store, make
 

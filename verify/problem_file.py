@@ -101,15 +101,6 @@ class ProblemText:
             raise error.within(f"{self.where} ({self.name})") from None
 
 
-def read_problems(path: Path) -> list[StatedProblem]:
-    """The problems of a TOML file, in order.
-
-    Raises ValueError, for a formula FormulaError, with the problem's name, and OSError as opening
-    does.
-    """
-    return [text.problem() for text in problem_texts(path)]
-
-
 def problem_texts(path: Path) -> list[ProblemText]:
     """The problems of a TOML file, in order, with their formulas not yet read.
 

@@ -12,7 +12,7 @@ from functools import reduce as fold
 
 from sympy import Symbol
 
-from longwave.derive.algebra.jets import DifferentialPolynomial, Jet
+from longwave.derive.algebra.jets import Jet
 from longwave.derive.algebra.rational_functions import Exponents, RationalFunction
 from longwave.derive.algebra.series import EpsSeries
 
@@ -38,13 +38,9 @@ class Elimination:
             )
         return self._replaced(above) / self._replaced(below)
 
-    def polynomial(self, polynomial: DifferentialPolynomial) -> DifferentialPolynomial:
-        """The differential polynomial with the constant replaced in its coefficients."""
-        return polynomial.map_coefficients(self)
-
     def series(self, series: EpsSeries) -> EpsSeries:
         """The eps-series with the constant replaced in all its orders."""
-        parts = ((order, self.polynomial(part)) for order, part in series.parts.items())
+        parts = ((order, part.map_coefficients(self)) for order, part in series.parts.items())
         return EpsSeries.collect(series.field, series.limit, parts)
 
     def _replaced(self, terms: Terms) -> RationalFunction:
@@ -77,15 +73,10 @@ def solve_linear(
 
 def _solved(condition: RationalFunction, constant: Symbol, power: int) -> Elimination | None:
     """Solve for ``constant**power``, if the condition is linear in it and has no other power."""
-    field, place = condition.field, condition.field.symbols.index(constant)
-    parts: dict[int, Terms] = {}
-    for exponents, number in condition.terms():
-        others = (*exponents[:place], 0, *exponents[place + 1 :])
-        parts.setdefault(exponents[place], []).append((others, number))
-    if parts.keys() != {0, power} and (power > 1 or parts.keys() != {1}):
-        return None
-    rest, slope = (field.from_terms(parts.get(times, [])) for times in (0, max(parts)))
-    return Elimination(constant, -rest / slope, power)
+    value = condition.solved_for(constant, power)
+    if value is None and power == 1 and condition.powers_of(constant).keys() == {1}:
+        value = condition.field.zero
+    return None if value is None else Elimination(constant, value, power)
 
 
 def vanishing_factors(coefficients: Iterable[RationalFunction]) -> list[RationalFunction] | None:
@@ -122,32 +113,16 @@ class TimeElimination:
 
     def series(self, series: EpsSeries) -> EpsSeries:
         """``series`` on solutions of the evolution equation."""
-        total = EpsSeries(series.field, series.limit, {})
-        for order, part in series.parts.items():
-            total = total + self.polynomial(part, series.limit).delayed(order)
-        return total
+        return series.replaced(self._value)
 
-    def polynomial(self, polynomial: DifferentialPolynomial, limit: int) -> EpsSeries:
-        """One polynomial on solutions, as a series up to ``eps^limit``."""
-        field = polynomial.field
-        total = EpsSeries(field, limit, {})
-        for monomial, value in polynomial.terms.items():
-            product = total.constant(value)
-            for jet in monomial:
-                product = product * self._jet(jet, limit)
-            total = total + product
-        return total
-
-    def _jet(self, jet: Jet, limit: int) -> EpsSeries:
-        """The value of one jet."""
-        count = jet[self._time]
-        field = self._flow.field
-        if count == 0:
-            return EpsSeries(field, limit, {0: DifferentialPolynomial.monomial(field, (jet,))})
-        result = self._time_derivative(count)
+    def _value(self, jet: Jet) -> EpsSeries | None:
+        """The value of a jet with time derivatives; None for one without."""
+        if not jet[self._time]:
+            return None
+        result = self._time_derivative(jet[self._time])
         for axis, times in enumerate(jet[: self._time]):
             result = result.derivative(axis, times)
-        return EpsSeries.collect(field, limit, result.parts.items())
+        return result
 
     def _time_derivative(self, count: int) -> EpsSeries:
         """The ``count``-th time derivative of Y along the flow."""

@@ -275,19 +275,19 @@ class RationalFunction:
                 product *= self.field.from_terms(terms).as_expr() ** (power * times)
         return number * product
 
-    def solved_for(self, symbol: Symbol) -> RationalFunction | None:
-        """The symbol's value where the quotient vanishes, if that is linear in it; else None."""
+    def powers_of(self, symbol: Symbol) -> dict[int, RationalFunction]:
+        """The coefficients of a symbol's powers in the numerator."""
         place = self.field.symbols.index(symbol)
-        parts: dict[int, list[tuple[Exponents, int]]] = {0: [], 1: []}
+        parts: dict[int, list[tuple[Exponents, int]]] = {}
         for exponents, value in self.terms():
-            if exponents[place] > 1:
-                return None
             others = (*exponents[:place], 0, *exponents[place + 1 :])
-            parts[exponents[place]].append((others, value))
-        if not parts[1] or not parts[0]:
-            return None
-        rest, slope = (self.field.from_terms(parts[power]) for power in (0, 1))
-        return -rest / slope
+            parts.setdefault(exponents[place], []).append((others, value))
+        return {power: self.field.from_terms(terms) for power, terms in parts.items()}
+
+    def solved_for(self, symbol: Symbol, power: int = 1) -> RationalFunction | None:
+        """Where the quotient vanishes the symbol's power, if no other is in it; else None."""
+        parts = self.powers_of(symbol)
+        return -parts[0] / parts[power] if parts.keys() == {0, power} else None
 
 
 def _quotient(

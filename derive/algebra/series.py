@@ -7,10 +7,10 @@ time derivative is such an operator.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 
-from longwave.derive.algebra.jets import DifferentialPolynomial
+from longwave.derive.algebra.jets import DifferentialPolynomial, Jet
 from longwave.derive.algebra.rational_functions import RationalFunction, RationalFunctions
 
 Operator = tuple[tuple[int, int, RationalFunction], ...]
@@ -80,6 +80,33 @@ class EpsSeries:
             total = total + power
         return total
 
+    def at(self, order: int) -> DifferentialPolynomial:
+        """The coefficient of ``eps^order``."""
+        return self.parts.get(order) or DifferentialPolynomial.zero(self.field)
+
+    def upto(self, limit: int, since: int = 0) -> EpsSeries:
+        """The series cut off above ``eps^limit`` and below ``eps^since``."""
+        items = (item for item in self.parts.items() if item[0] >= since)
+        return self.collect(self.field, limit, items)
+
+    def plus(self, order: int, part: DifferentialPolynomial) -> EpsSeries:
+        """The series and ``eps^order`` times a polynomial."""
+        return self.collect(self.field, self.limit, [*self.parts.items(), (order, part)])
+
+    def replaced(self, value: Callable[[Jet], EpsSeries | None]) -> EpsSeries:
+        """The series with other series in the places of jets; where that is None a jet stays."""
+        total = EpsSeries(self.field, self.limit, {})
+        for order, part in self.parts.items():
+            for monomial, number in part.terms.items():
+                values = [(jet, value(jet)) for jet in monomial]
+                rest = tuple(jet for jet, found in values if found is None)
+                kept = DifferentialPolynomial(self.field, {rest: number})
+                product = self.collect(self.field, self.limit, [(order, kept)])
+                for _, found in values:
+                    product = product if found is None else product * found
+                total = total + product
+        return total
+
     def derivative(self, axis: int, times: int = 1) -> EpsSeries:
         """``times`` derivatives along ``axis`` at unchanged order."""
         result = self
@@ -90,8 +117,3 @@ class EpsSeries:
     def delayed(self, by: int) -> EpsSeries:
         """The series times ``eps^by``."""
         return self.collect(self.field, self.limit, ((i + by, p) for i, p in self.parts.items()))
-
-    def constant(self, value: RationalFunction) -> EpsSeries:
-        """The constant ``value`` as a series of the same kind."""
-        one = DifferentialPolynomial.monomial(self.field, ())
-        return self.collect(self.field, self.limit, [(0, value * one)])

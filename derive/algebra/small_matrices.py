@@ -76,3 +76,9 @@ def null_space(matrix: Matrix) -> list[Column]:
 def transposed(matrix: Matrix) -> list[Column]:
     """The matrix with rows and columns exchanged."""
     return [list(column) for column in zip(*matrix, strict=True)]
+
+
+def combined(weights: Column, rows: Sequence[Any], nothing: Any) -> Any:
+    """The rows, of whatever kind, each times its weight, in sum."""
+    pairs = zip(weights, rows, strict=True)
+    return sum((weight * row for weight, row in pairs if weight and row), nothing)

@@ -10,9 +10,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from longwave.derive.algebra.exact_numbers import Number, parse_rational
+from longwave.derive.algebra.exact_numbers import Number
 from longwave.derive.algebra.jets import DifferentialPolynomial
-from longwave.derive.algebra.rational_functions import RationalFunction, RationalFunctions
+from longwave.derive.algebra.rational_functions import RationalFunction
 from longwave.derive.normal_form import NORMAL_EQUATIONS, NormalForm
 from longwave.derive.output.notation import Notation, aligned, latex_of, power_of, text_of
 from longwave.derive.symbols import eps
@@ -194,30 +194,5 @@ def polynomial_data(polynomial: DifferentialPolynomial, notation: Notation) -> D
     }
 
 
-def polynomial_from_data(data: Data, field: RationalFunctions) -> DifferentialPolynomial:
-    """The polynomial that polynomial_data wrote, over the same field.
-
-    Raises ValueError for a coefficient that is no rational number.
-    """
-    return DifferentialPolynomial.collect(
-        field,
-        (
-            (
-                tuple(tuple(jet) for jet in term["jets"]),
-                _element(term["numerator"], field) / _element(term["denominator"], field),
-            )
-            for term in data["terms"]
-        ),
-    )
-
-
 def _ring_data(element: RationalFunction, *, below: bool) -> list[list[Any]]:
     return [[list(exponents), str(number)] for exponents, number in element.terms(below=below)]
-
-
-def _element(data: list[list[Any]], field: RationalFunctions) -> RationalFunction:
-    total = field.zero
-    for exponents, number in data:
-        value = parse_rational("coefficient", number)
-        total += field.from_terms([(tuple(exponents), int(value.p))]) / int(value.q)
-    return total

@@ -8,7 +8,6 @@ from longwave.solutions.record import (
     FOCUSING_MKDV,
     Bound,
     ClosedForm,
-    FarFields,
     Parameter,
     Reference,
 )
@@ -52,8 +51,6 @@ def breather() -> ClosedForm:
             Parameter(q, lower=Bound(sp.S.Zero, "the zero solution")),
             Parameter(X_0, default=sp.S.Zero),
         ),
-        background=sp.S.Zero,
-        far_fields=FarFields(sp.S.Zero, sp.S.Zero),
         reference=Reference("clarke2000generation", "standard mKdV"),
         stabilise=lambda: _bounded_slope(tangent),
     )
@@ -75,8 +72,6 @@ def double_pole() -> ClosedForm:
             Parameter(A, lower=Bound(sp.S.Zero, "the zero solution")),
             Parameter(X_0, default=sp.S.Zero),
         ),
-        background=sp.S.Zero,
-        far_fields=FarFields(sp.S.Zero, sp.S.Zero),
         reference=Reference("wadati1982multiple", "standard mKdV"),
         stabilise=lambda: _bounded_slope(tangent),
     )
@@ -102,8 +97,6 @@ def two_soliton() -> ClosedForm:
             ),
             Parameter(X_0, default=sp.S.Zero),
         ),
-        background=sp.S.Zero,
-        far_fields=FarFields(sp.S.Zero, sp.S.Zero),
         reference=Reference("hirota1972exact", "standard mKdV"),
         stabilise=_stable_solitons,
     )

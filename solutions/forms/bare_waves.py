@@ -13,6 +13,7 @@ from longwave.solutions.record import (
     FOCUSING_MKDV,
     Bound,
     ClosedForm,
+    Equation,
     FarFields,
     Parameter,
     Reference,
@@ -59,46 +60,39 @@ def modulus(at_zero: str, at_one: str) -> Parameter:
     return Parameter(k, lower=Bound(sp.S.Zero, at_zero), upper=Bound(sp.S.One, at_one))
 
 
+def _bare(
+    letter: str,
+    wave: sp.Expr,
+    equation: Equation,
+    limits: tuple[str, str],
+    reference: Reference,
+    quarters: int = 4,
+) -> ClosedForm:
+    return ClosedForm(
+        name=f"wave_{letter}n",
+        title=f"{letter}noidal wave",
+        expression=wave,
+        equation=equation,
+        parameters=(modulus(*limits),),
+        far_fields=FarFields(wave, wave),
+        reference=reference,
+        period=quarters * QUARTER_PERIOD,
+    )
+
+
 def wave_sn() -> ClosedForm:
     """The snoidal wave (K4 < 0)."""
-    return ClosedForm(
-        name="wave_sn",
-        title="snoidal wave",
-        expression=SN_WAVE,
-        equation=DEFOCUSING_MKDV,
-        parameters=(modulus("the zero solution", "the kink"),),
-        background=sp.S.Zero,
-        far_fields=FarFields(SN_WAVE, SN_WAVE),
-        reference=Reference("mucalica2024dark", "subsec: Dark breathers on snoidal waves"),
-        period=4 * QUARTER_PERIOD,
-    )
+    source = Reference("mucalica2024dark", "subsec: Dark breathers on snoidal waves")
+    return _bare("s", SN_WAVE, DEFOCUSING_MKDV, ("the zero solution", "the kink"), source)
 
 
 def wave_cn() -> ClosedForm:
     """The cnoidal wave (K4 > 0)."""
-    return ClosedForm(
-        name="wave_cn",
-        title="cnoidal wave",
-        expression=CN_WAVE,
-        equation=FOCUSING_MKDV,
-        parameters=(modulus("the zero solution", "the sech soliton"),),
-        background=sp.S.Zero,
-        far_fields=FarFields(CN_WAVE, CN_WAVE),
-        reference=Reference("chen2018rogue", "(27)"),
-        period=4 * QUARTER_PERIOD,
-    )
+    limits = "the zero solution", "the sech soliton"
+    return _bare("c", CN_WAVE, FOCUSING_MKDV, limits, Reference("chen2018rogue", "(27)"))
 
 
 def wave_dn() -> ClosedForm:
     """The dnoidal wave (K4 > 0)."""
-    return ClosedForm(
-        name="wave_dn",
-        title="dnoidal wave",
-        expression=DN_WAVE,
-        equation=FOCUSING_MKDV,
-        parameters=(modulus("the constant 1", "the sech soliton"),),
-        background=sp.S.Zero,
-        far_fields=FarFields(DN_WAVE, DN_WAVE),
-        reference=Reference("chen2018rogue", "(24)"),
-        period=2 * QUARTER_PERIOD,
-    )
+    limits = "the constant 1", "the sech soliton"
+    return _bare("d", DN_WAVE, FOCUSING_MKDV, limits, Reference("chen2018rogue", "(24)"), 2)

@@ -11,7 +11,6 @@ from longwave.solutions.equation import (
     FOCUSING_GARDNER,
     KAWAHARA,
     MODIFIED_KAWAHARA,
-    Equation,
 )
 from longwave.solutions.forms.solitons import by_sech, by_tanh
 from longwave.solutions.record import Bound, ClosedForm, FarFields, Parameter, Reference
@@ -30,75 +29,40 @@ _PHASE: sp.Expr = kappa * (xi - kappa**2 * tau)
 _SOURCE = Reference("J. W. Miles, Tellus 31 (1979) 456")
 
 
-def _on_zero(
-    name: str,
-    title: str,
-    equation: Equation,
-    parameters: tuple[Parameter, ...],
-    reference: Reference,
-    expression: sp.Expr,
-    stable: sp.Expr | None = None,
-) -> ClosedForm:
-    """A soliton on zero."""
+def _soliton(name: str, title: str, parameter: Parameter, sign: int) -> ClosedForm:
+    """``sign kappa**2 / (sign + root cosh)``, on zero; s = 1 unless kappa is below 1."""
+    is_bounded = parameter.upper is not None
+    root = sp.sqrt((1 - kappa) * (1 + kappa) if is_bounded else 1 + kappa**2)
+    divisor = sign + root * sp.cosh(_PHASE)
+    bounded = (by_sech if is_bounded else by_tanh)(divisor, _PHASE)
     return ClosedForm(
         name=name,
         title=title,
-        expression=expression,
-        equation=equation,
-        parameters=parameters,
-        background=sp.S.Zero,
-        far_fields=FarFields(sp.S.Zero, sp.S.Zero),
-        reference=reference,
-        stabilise=None if stable is None else lambda: stable,
+        expression=sign * kappa**2 / divisor,
+        equation=DEFOCUSING_GARDNER if is_bounded else FOCUSING_GARDNER,
+        parameters=(parameter,),
+        reference=_SOURCE,
+        stabilise=lambda: sign * kappa**2 * sp.sech(_PHASE / 2) ** 2 / bounded,
     )
 
 
 def gardner_soliton() -> ClosedForm:
     """The positive soliton (s = 1)."""
-    divisor = 1 + sp.sqrt(1 + kappa**2) * sp.cosh(_PHASE)
-    return _on_zero(
-        "gardner_soliton",
-        "Gardner soliton",
-        FOCUSING_GARDNER,
-        (Parameter(kappa, lower=Bound(sp.S.Zero, "the zero solution")),),
-        _SOURCE,
-        kappa**2 / divisor,
-        kappa**2 * sp.sech(_PHASE / 2) ** 2 / by_tanh(divisor, _PHASE),
-    )
+    parameter = Parameter(kappa, lower=Bound(sp.S.Zero, "the zero solution"))
+    return _soliton("gardner_soliton", "Gardner soliton", parameter, 1)
 
 
 def gardner_negative_soliton() -> ClosedForm:
     """The negative soliton (s = 1), at least 2 deep; algebraic as its width grows."""
-    divisor = -1 + sp.sqrt(1 + kappa**2) * sp.cosh(_PHASE)
-    return _on_zero(
-        "gardner_negative_soliton",
-        "negative Gardner soliton",
-        FOCUSING_GARDNER,
-        (Parameter(kappa, lower=Bound(sp.S.Zero, "the algebraic soliton")),),
-        _SOURCE,
-        -(kappa**2) / divisor,
-        -(kappa**2) * sp.sech(_PHASE / 2) ** 2 / by_tanh(divisor, _PHASE),
-    )
+    parameter = Parameter(kappa, lower=Bound(sp.S.Zero, "the algebraic soliton"))
+    return _soliton("gardner_negative_soliton", "negative Gardner soliton", parameter, -1)
 
 
 def gardner_table_soliton() -> ClosedForm:
     """The soliton with s = -1: lower than 1, a table with steep ends as kappa goes to 1."""
-    divisor = 1 + sp.sqrt((1 - kappa) * (1 + kappa)) * sp.cosh(_PHASE)
-    return _on_zero(
-        "gardner_table_soliton",
-        "Gardner table soliton",
-        DEFOCUSING_GARDNER,
-        (
-            Parameter(
-                kappa,
-                lower=Bound(sp.S.Zero, "the zero solution"),
-                upper=Bound(sp.S.One, "two fronts infinitely far apart"),
-            ),
-        ),
-        _SOURCE,
-        kappa**2 / divisor,
-        kappa**2 * sp.sech(_PHASE / 2) ** 2 / by_sech(divisor, _PHASE),
-    )
+    upper = Bound(sp.S.One, "two fronts infinitely far apart")
+    parameter = Parameter(kappa, Bound(sp.S.Zero, "the zero solution"), upper)
+    return _soliton("gardner_table_soliton", "Gardner table soliton", parameter, 1)
 
 
 def gardner_kink() -> ClosedForm:
@@ -111,7 +75,6 @@ def gardner_kink() -> ClosedForm:
         expression=half - A * sp.tanh(A * (xi - speed * tau)),
         equation=DEFOCUSING_GARDNER,
         parameters=(Parameter(A, lower=Bound(sp.S.Zero, "the constant 1/2"), default=half),),
-        background=sp.S.Zero,
         far_fields=FarFields(half + A, half - A),
         reference=_SOURCE,
     )
@@ -120,24 +83,24 @@ def gardner_kink() -> ClosedForm:
 def kawahara_soliton() -> ClosedForm:
     """The sech**4 soliton (s = 1): the only one of this shape."""
     phase = (xi - sp.Rational(36, 169) * tau) / sp.sqrt(52)
-    return _on_zero(
-        "kawahara_soliton",
-        "Kawahara soliton",
-        KAWAHARA,
-        (),
-        Reference("Y. Yamamoto and E. I. Takizawa, J. Phys. Soc. Jpn. 50 (1981) 1421"),
-        sp.Rational(35, 338) * sp.sech(phase) ** 4,
+    return ClosedForm(
+        name="kawahara_soliton",
+        title="Kawahara soliton",
+        expression=sp.Rational(35, 338) * sp.sech(phase) ** 4,
+        equation=KAWAHARA,
+        parameters=(),
+        reference=Reference("Y. Yamamoto and E. I. Takizawa, J. Phys. Soc. Jpn. 50 (1981) 1421"),
     )
 
 
 def modified_kawahara_soliton() -> ClosedForm:
     """The sech**2 soliton (r = s = 1): the only one of this shape."""
     phase = (xi - sp.Rational(4, 25) * tau) / sp.sqrt(20)
-    return _on_zero(
-        "modified_kawahara_soliton",
-        "modified Kawahara soliton",
-        MODIFIED_KAWAHARA,
-        (),
-        Reference("A. H. Khater et al., Appl. Math. Comput. 141 (2003) 421"),
-        sp.sqrt(sp.Rational(3, 20)) * sp.sech(phase) ** 2,
+    return ClosedForm(
+        name="modified_kawahara_soliton",
+        title="modified Kawahara soliton",
+        expression=sp.sqrt(sp.Rational(3, 20)) * sp.sech(phase) ** 2,
+        equation=MODIFIED_KAWAHARA,
+        parameters=(),
+        reference=Reference("A. H. Khater et al., Appl. Math. Comput. 141 (2003) 421"),
     )

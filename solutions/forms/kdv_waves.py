@@ -23,8 +23,6 @@ def kdv_soliton() -> ClosedForm:
         expression=2 * kappa**2 * sp.sech(kappa * (xi - 4 * kappa**2 * tau)) ** 2,
         equation=KDV,
         parameters=(Parameter(kappa, lower=Bound(sp.S.Zero, "the zero solution")),),
-        background=sp.S.Zero,
-        far_fields=FarFields(sp.S.Zero, sp.S.Zero),
         reference=Reference("D. J. Korteweg and G. de Vries, Phil. Mag. 39 (1895) 422"),
     )
 
@@ -52,8 +50,6 @@ def kdv_two_soliton() -> ClosedForm:
             ),
             Parameter(X_0, default=sp.S.Zero),
         ),
-        background=sp.S.Zero,
-        far_fields=FarFields(sp.S.Zero, sp.S.Zero),
         reference=Reference("P. D. Lax, Comm. Pure Appl. Math. 21 (1968) 467"),
         stabilise=lambda: _bounded(*phases),
     )
@@ -83,7 +79,6 @@ def kdv_cnoidal() -> ClosedForm:
             Parameter(kappa, lower=Bound(sp.S.Zero, "the constant U_0"), default=sp.S.One),
             Parameter(_level, default=sp.S.Zero),
         ),
-        background=sp.S.Zero,
         far_fields=FarFields(wave, wave),
         reference=Reference("D. J. Korteweg and G. de Vries, Phil. Mag. 39 (1895) 422"),
         period=2 * QUARTER_PERIOD / kappa,

@@ -3,7 +3,7 @@
 import sympy as sp
 
 from longwave.solutions.equation import KP, KP_1
-from longwave.solutions.record import Bound, ClosedForm, FarFields, Parameter, Reference
+from longwave.solutions.record import Bound, ClosedForm, Parameter, Reference
 from longwave.solutions.symbols import kappa, s, tau, xi, zeta
 
 __all__ = ["kp_line_soliton", "kp_lump"]
@@ -24,8 +24,6 @@ def kp_line_soliton() -> ClosedForm:
             Parameter(kappa, lower=Bound(sp.S.Zero, "the zero solution")),
             Parameter(_q, default=sp.S.Zero),
         ),
-        background=sp.S.Zero,
-        far_fields=FarFields(sp.S.Zero, sp.S.Zero),
         reference=Reference(
             "B. B. Kadomtsev and V. I. Petviashvili, Sov. Phys. Dokl. 15 (1970) 539"
         ),
@@ -47,7 +45,5 @@ def kp_lump() -> ClosedForm:
             Parameter(kappa, lower=Bound(sp.S.Zero, "the zero solution")),
             Parameter(_q, default=sp.S.Zero),
         ),
-        background=sp.S.Zero,
-        far_fields=FarFields(sp.S.Zero, sp.S.Zero),
         reference=Reference("S. V. Manakov et al., Phys. Lett. A 63 (1977) 205"),
     )

@@ -2,7 +2,7 @@
 
 import sympy as sp
 
-from longwave.solutions.equation import DEFOCUSING_NLS, FOCUSING_NLS, NLS, Equation
+from longwave.solutions.equation import DEFOCUSING_NLS, FOCUSING_NLS, NLS
 from longwave.solutions.forms.bare_waves import QUARTER_PERIOD, modulus
 from longwave.solutions.functions import jacobi_cn, jacobi_dn
 from longwave.solutions.record import Bound, ClosedForm, FarFields, Parameter, Reference
@@ -29,45 +29,32 @@ def plane_wave(frequency: sp.Expr, wavenumber: sp.Expr = sp.S.Zero) -> sp.Expr:
     return sp.exp(sp.I * (wavenumber * xi + frequency * tau))
 
 
-def _constant(
-    name: str,
-    title: str,
-    equation: Equation,
-    parameters: tuple[Parameter, ...],
-    expression: sp.Expr,
-    background: sp.Expr,
-    far_fields: FarFields,
-) -> ClosedForm:
-    return ClosedForm(
-        name=name,
-        title=title,
-        expression=expression,
-        equation=equation,
-        parameters=parameters,
-        background=background,
-        far_fields=far_fields,
-        reference=_SOURCE,
-    )
-
-
 def nls_plane() -> ClosedForm:
     """The plane wave of amplitude A and wavenumber q, for either sign."""
     wave = A * plane_wave(2 * s * A**2 - _wavenumber**2, _wavenumber)
     parameters = (AMPLITUDE, Parameter(_wavenumber, default=sp.S.Zero))
-    return _constant("nls_plane", "plane wave", NLS, parameters, wave, wave, FarFields(wave, wave))
+    return ClosedForm(
+        name="nls_plane",
+        title="plane wave",
+        expression=wave,
+        equation=NLS,
+        parameters=parameters,
+        background=wave,
+        far_fields=FarFields(wave, wave),
+        reference=_SOURCE,
+    )
 
 
 def nls_bright() -> ClosedForm:
     """The bright soliton of amplitude A and speed v (s = 1)."""
     wave = A * sp.sech(A * (xi - _speed * tau)) * plane_wave(A**2 - _speed**2 / 4, _speed / 2)
-    return _constant(
-        "nls_bright",
-        "bright soliton",
-        FOCUSING_NLS,
-        (AMPLITUDE, Parameter(_speed, default=sp.S.Zero)),
-        wave,
-        sp.S.Zero,
-        FarFields(sp.S.Zero, sp.S.Zero),
+    return ClosedForm(
+        name="nls_bright",
+        title="bright soliton",
+        expression=wave,
+        equation=FOCUSING_NLS,
+        parameters=(AMPLITUDE, Parameter(_speed, default=sp.S.Zero)),
+        reference=_SOURCE,
     )
 
 
@@ -76,17 +63,17 @@ def nls_dark() -> ClosedForm:
     carrier = plane_wave(-2 * (kappa**2 + _speed**2 / 4))
     rest = sp.I * _speed / 2
     ends = (carrier * (side * kappa + rest) for side in (-1, 1))
-    return _constant(
-        "nls_dark",
-        "dark soliton",
-        DEFOCUSING_NLS,
-        (
+    return ClosedForm(
+        name="nls_dark",
+        title="dark soliton",
+        equation=DEFOCUSING_NLS,
+        parameters=(
             Parameter(kappa, lower=Bound(sp.S.Zero, "the plane wave"), default=sp.S.One),
             Parameter(_speed, default=sp.S.Zero),
         ),
-        carrier * (kappa * sp.tanh(kappa * (xi - _speed * tau)) + rest),
-        sp.S.Zero,
-        FarFields(*ends),
+        expression=carrier * (kappa * sp.tanh(kappa * (xi - _speed * tau)) + rest),
+        far_fields=FarFields(*ends),
+        reference=_SOURCE,
     )
 
 
@@ -109,7 +96,6 @@ def _periodic(name: str, title: str, at_zero: str, wave: sp.Expr, period: sp.Exp
         expression=wave,
         equation=FOCUSING_NLS,
         parameters=(modulus(at_zero, "the bright soliton"), AMPLITUDE),
-        background=sp.S.Zero,
         far_fields=FarFields(wave, wave),
         reference=_SOURCE,
         period=period,

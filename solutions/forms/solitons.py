@@ -55,8 +55,6 @@ def soliton_sech() -> ClosedForm:
         expression=A * sp.sech(A * xi - A**3 * tau),
         equation=FOCUSING_MKDV,
         parameters=(Parameter(A, lower=Bound(sp.S.Zero, "the zero solution")),),
-        background=sp.S.Zero,
-        far_fields=FarFields(sp.S.Zero, sp.S.Zero),
         reference=Reference("ablowitz1981solitons", "standard mKdV"),
     )
 
@@ -69,7 +67,6 @@ def kink() -> ClosedForm:
         expression=A * sp.tanh(A * xi + 2 * A**3 * tau),
         equation=DEFOCUSING_MKDV,
         parameters=(Parameter(A, lower=Bound(sp.S.Zero, "the zero solution")),),
-        background=sp.S.Zero,
         far_fields=FarFields(-A, A),
         reference=Reference("el2017dispersive", "standard mKdV"),
     )

@@ -45,31 +45,27 @@ class JacobiFunction(Function):
     nargs = 2
     parity: ClassVar[int]
     latex_symbol: ClassVar[str]
+    at_parameter_zero: ClassVar[Any]
+    at_parameter_one: ClassVar[Any]
+    at_origin: ClassVar[Expr | None] = S.Zero
+    """Values, or functions of z; None is left as it is."""
 
     @classmethod
     def eval(cls, z: Expr, m: Expr) -> Expr | None:
         """Return the elementary value at m = 0, m = 1 and z = 0, and move a sign out of z."""
         if m.is_zero:
-            return cls._at_parameter_zero(z)
+            return cls._value(cls.at_parameter_zero, z)
         if m is S.One:
-            return cls._at_parameter_one(z)
+            return cls._value(cls.at_parameter_one, z)
         if z.is_zero:
-            return cls._at_origin(m)
+            return cls.at_origin
         if z.could_extract_minus_sign():
             return cls.parity * cls(-z, m)
         return None
 
-    @classmethod
-    def _at_parameter_zero(cls, z: Expr) -> Expr:
-        raise NotImplementedError
-
-    @classmethod
-    def _at_parameter_one(cls, z: Expr) -> Expr | None:
-        raise NotImplementedError
-
-    @classmethod
-    def _at_origin(cls, m: Expr) -> Expr | None:
-        return S.Zero
+    @staticmethod
+    def _value(limit: Any, z: Expr) -> Expr | None:
+        return limit(z) if callable(limit) else limit
 
     def _z_derivative(self, z: Expr, m: Expr) -> Expr:
         raise NotImplementedError
@@ -106,6 +102,9 @@ class JacobiFunction(Function):
         z, m = self.args
         return self.func(z.conjugate(), m.conjugate())
 
+    def _eval_is_finite(self) -> bool | None:
+        return self._eval_is_extended_real()
+
     def _latex(self, printer: Any, exp: str | None = None) -> str:
         z, m = self.args
         power = "" if exp is None else f"^{{{exp}}}"
@@ -127,9 +126,6 @@ class _RealOnTheLine(JacobiFunction):
         z, m = self.args
         return True if z.is_real and m.is_real else None
 
-    def _eval_is_finite(self) -> bool | None:
-        return self._eval_is_extended_real()
-
 
 class jacobi_sn(_RealOnTheLine):
     r"""Jacobi's sn(z | m), m = k**2.
@@ -146,14 +142,7 @@ class jacobi_sn(_RealOnTheLine):
 
     parity = -1
     latex_symbol = r"\operatorname{sn}"
-
-    @classmethod
-    def _at_parameter_zero(cls, z: Expr) -> Expr:
-        return sin(z)
-
-    @classmethod
-    def _at_parameter_one(cls, z: Expr) -> Expr:
-        return tanh(z)
+    at_parameter_zero, at_parameter_one = sin, tanh
 
     def _z_derivative(self, z: Expr, m: Expr) -> Expr:
         return jacobi_cn(z, m) * jacobi_dn(z, m)
@@ -164,18 +153,8 @@ class jacobi_cn(_RealOnTheLine):
 
     parity = 1
     latex_symbol = r"\operatorname{cn}"
-
-    @classmethod
-    def _at_parameter_zero(cls, z: Expr) -> Expr:
-        return cos(z)
-
-    @classmethod
-    def _at_parameter_one(cls, z: Expr) -> Expr:
-        return sech(z)
-
-    @classmethod
-    def _at_origin(cls, m: Expr) -> Expr:
-        return S.One
+    at_parameter_zero, at_parameter_one = cos, sech
+    at_origin = S.One
 
     def _z_derivative(self, z: Expr, m: Expr) -> Expr:
         return -jacobi_sn(z, m) * jacobi_dn(z, m)
@@ -192,18 +171,8 @@ class jacobi_dn(_RealOnTheLine):
 
     parity = 1
     latex_symbol = r"\operatorname{dn}"
-
-    @classmethod
-    def _at_parameter_zero(cls, z: Expr) -> Expr:
-        return S.One
-
-    @classmethod
-    def _at_parameter_one(cls, z: Expr) -> Expr:
-        return sech(z)
-
-    @classmethod
-    def _at_origin(cls, m: Expr) -> Expr:
-        return S.One
+    at_parameter_zero, at_parameter_one = S.One, sech
+    at_origin = S.One
 
     def _z_derivative(self, z: Expr, m: Expr) -> Expr:
         return -m * jacobi_sn(z, m) * jacobi_cn(z, m)
@@ -214,14 +183,7 @@ class jacobi_epsilon(_RealOnTheLine):
 
     parity = -1
     latex_symbol = r"\mathcal{E}"
-
-    @classmethod
-    def _at_parameter_zero(cls, z: Expr) -> Expr:
-        return z
-
-    @classmethod
-    def _at_parameter_one(cls, z: Expr) -> Expr:
-        return tanh(z)
+    at_parameter_zero, at_parameter_one = S.IdentityFunction, tanh
 
     def _z_derivative(self, z: Expr, m: Expr) -> Expr:
         return jacobi_dn(z, m) ** 2
@@ -233,9 +195,6 @@ class _RealBelowOne(JacobiFunction):
     def _eval_is_extended_real(self) -> bool | None:
         z, m = self.args
         return True if z.is_real and m.is_nonnegative and (1 - m).is_positive else None
-
-    def _eval_is_finite(self) -> bool | None:
-        return self._eval_is_extended_real()
 
 
 class jacobi_zeta(_RealBelowOne):
@@ -251,43 +210,25 @@ class jacobi_zeta(_RealBelowOne):
 
     parity = -1
     latex_symbol = r"\mathrm{Z}"
-
-    @classmethod
-    def _at_parameter_zero(cls, z: Expr) -> Expr:
-        return S.Zero
-
-    @classmethod
-    def _at_parameter_one(cls, z: Expr) -> Expr:
-        return tanh(z)
+    at_parameter_zero, at_parameter_one = S.Zero, tanh
 
     def _z_derivative(self, z: Expr, m: Expr) -> Expr:
         return jacobi_dn(z, m) ** 2 - elliptic_e(m) / elliptic_k(m)
 
 
-class _ThetaFunction(_RealBelowOne):
-    """H and Theta: no elementary value at m = 1, where the nome is 1."""
-
-    @classmethod
-    def _at_parameter_one(cls, z: Expr) -> None:
-        return None
-
-
-class jacobi_eta(_ThetaFunction):
+class jacobi_eta(_RealBelowOne):
     """Jacobi's H(z | m) = theta_1(pi z / (2 K), q), the paper's eq. (20)."""
 
     parity = -1
     latex_symbol = "H"
-
-    @classmethod
-    def _at_parameter_zero(cls, z: Expr) -> Expr:
-        return S.Zero
+    at_parameter_zero, at_parameter_one = S.Zero, None
 
     def _z_derivative(self, z: Expr, m: Expr) -> Expr:
         factor = sqrt(sqrt(m)) * jacobi_cn(z, m) * jacobi_dn(z, m)
         return self * jacobi_zeta(z, m) + factor * jacobi_theta(z, m)
 
 
-class jacobi_theta(_ThetaFunction):
+class jacobi_theta(_RealBelowOne):
     """Jacobi's Theta(z | m) = theta_4(pi z / (2 K), q), the paper's eq. (20).
 
     Theta(0) is left as it is.
@@ -300,14 +241,8 @@ class jacobi_theta(_ThetaFunction):
 
     parity = 1
     latex_symbol = r"\Theta"
-
-    @classmethod
-    def _at_parameter_zero(cls, z: Expr) -> Expr:
-        return S.One
-
-    @classmethod
-    def _at_origin(cls, m: Expr) -> None:
-        return None
+    at_parameter_zero, at_parameter_one = S.One, None
+    at_origin = None
 
     def _z_derivative(self, z: Expr, m: Expr) -> Expr:
         return self * jacobi_zeta(z, m)

@@ -10,8 +10,24 @@ import pytest
 from longwave.derive import LATTICES, Reduction, Scaling, reduce
 from longwave.derive.__main__ import main
 from longwave.derive.algebra.jets import DifferentialPolynomial
+from longwave.derive.algebra.rational_functions import RationalFunction, RationalFunctions
 from longwave.derive.output.notation import Notation
-from longwave.derive.output.report import polynomial_from_data
+
+
+def polynomial_from_data(data: Any, field: RationalFunctions) -> DifferentialPolynomial:
+    """The polynomial that is written, over the same field."""
+    items = (
+        (
+            tuple(tuple(jet) for jet in term["jets"]),
+            element(term["numerator"], field) / element(term["denominator"], field),
+        )
+        for term in data["terms"]
+    )
+    return DifferentialPolynomial.collect(field, items)
+
+
+def element(data: list[list[Any]], field: RationalFunctions) -> RationalFunction:
+    return field.from_terms([(tuple(exponents), int(number)) for exponents, number in data])
 
 
 @pytest.fixture(scope="module")
@@ -52,13 +68,6 @@ def test_json_of_a_normal_form() -> None:
         "h": "1/2",
         "c": "2",
     }
-
-
-def test_json_refuses_expressions_for_numbers(mkdv: Reduction) -> None:
-    entry = json.loads(mkdv.json())["pde"]
-    entry["terms"][0]["numerator"][0][1] = "__import__('os')"
-    with pytest.raises(ValueError, match="coefficient must be a rational number"):
-        polynomial_from_data(entry, mkdv.pde.flow.field)
 
 
 def test_latex_of_the_orders(mkdv: Reduction) -> None:

@@ -27,13 +27,13 @@ class Dependence:
 
     def __init__(self, variables: Sequence[sp.Symbol]) -> None:
         self.variables = tuple(variables)
-        self._moves: dict[sp.Basic, bool] = dict.fromkeys(variables, True)
+        self._depends: dict[sp.Basic, bool] = dict.fromkeys(variables, True)
 
-    def moves(self, node: sp.Basic) -> bool:
+    def depends(self, node: sp.Basic) -> bool:
         """Whether ``node`` contains a variable."""
-        if node not in self._moves:
-            self._moves[node] = any(self.moves(inner) for inner in node.args)
-        return self._moves[node]
+        if node not in self._depends:
+            self._depends[node] = any(self.depends(inner) for inner in node.args)
+        return self._depends[node]
 
     def factors(self, product: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
         """The constant and the variable factor of ``product``."""
@@ -45,10 +45,10 @@ class Dependence:
 
     def _parts(self, whole: sp.Expr, kind: type[sp.Expr]) -> tuple[sp.Expr, sp.Expr]:
         parts = whole.args if isinstance(whole, kind) else (whole,)
-        moving = [part for part in parts if self.moves(part)]
+        moving = [part for part in parts if self.depends(part)]
         if len(moving) == len(parts):
             return kind(), whole
-        return kind(*(part for part in parts if not self.moves(part))), kind(*moving)
+        return kind(*(part for part in parts if not self.depends(part))), kind(*moving)
 
 
 Vector = dict[sp.Expr, sp.Rational]

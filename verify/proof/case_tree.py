@@ -133,7 +133,7 @@ class _Node:
     rules: tuple[Rule, ...] = ()
     nonzero: tuple[fmpq_mpoly, ...] = ()
 
-    def having(self, *more: fmpq_mpoly, nonzero: Iterable[fmpq_mpoly] = ()) -> _Node:
+    def adding(self, *more: fmpq_mpoly, nonzero: Iterable[fmpq_mpoly] = ()) -> _Node:
         return _Node((*more, *self.equations), self.rules, (*self.nonzero, *nonzero))
 
 
@@ -238,11 +238,11 @@ class CaseTree:
             factors = [factor for factor, _ in equation.factor()[1]]
             if len(factors) > 1:
                 rest = self._without(node, equation)
-                return [rest.having(f, nonzero=factors[:i]) for i, f in enumerate(factors)]
+                return [rest.adding(f, nonzero=factors[:i]) for i, f in enumerate(factors)]
         for equation in node.equations:
             terms = self._signed_terms(equation)
             if terms:
-                return [self._without(node, equation).having(*terms)]
+                return [self._without(node, equation).adding(*terms)]
         return self._solved(node)
 
     @staticmethod
@@ -284,7 +284,7 @@ class CaseTree:
         if is_unclean:
             lead = [f for f, _ in rows[-1].factor()[1]]
             tail = equation - rows[-1] * self._constants.context.gens()[place] ** (degree - 1)
-            return [node.having(nonzero=lead), rest.having(rows[-1], tail)]
+            return [node.adding(nonzero=lead), rest.adding(rows[-1], tail)]
         if degree > 2:
             return self._nonlinear(node, rest, equation, place)
         rule = Rule(self._constants.all[place], equation)
@@ -327,7 +327,7 @@ class CaseTree:
                 written = self._constants.written(inner)
                 if self._signs.is_nonpositive(written) and not inner.is_zero():
                     vertex = 2 * rows[2] * self._constants.context.gens()[place] + rows[1]
-                    return [rest.having(inner, vertex)]
+                    return [rest.adding(inner, vertex)]
         rule = Rule(self._constants.all[place], equation)
         if self._dependent[place] and rest.equations:
             return SystemCase((*node.rules, rule), False)
@@ -349,10 +349,10 @@ class CaseTree:
                 name = self._constants.context.names()[place]
                 relation = self._constants.context.gens()[place] ** degree - value
                 norm = self._constants.reduced(equation.resultant(relation, name))
-                return [self._without(node, equation).having(norm)]
+                return [self._without(node, equation).adding(norm)]
         linear = self._exponents_difference(equation)
         if linear is not None:
-            return [self._without(node, equation).having(linear)]
+            return [self._without(node, equation).adding(linear)]
         written = sp.factor(self._constants.written(equation))
         kept = [f for f in sp.Mul.make_args(written) if not self._signs.is_nonzero(f)]
         self.left_out[f"{formula_as_text(sp.Mul(*kept))} = 0"] = None

@@ -221,7 +221,8 @@ def _values(
 ) -> dict[sp.Expr, acb]:
     """The values of the proper sums in ``formula`` that contain a variable."""
     dependence = Dependence(variables)
-    sums = [node for node in distinct_nodes(formula)[1:] if node.is_Add and dependence.moves(node)]
+    inner = distinct_nodes(formula)[1:]
+    sums = [node for node in inner if node.is_Add and dependence.depends(node)]
     values = {node: balls.jet(node).value for node in sums}
     return {node: value for node, value in values.items() if value.is_finite()}
 

@@ -128,7 +128,7 @@ class EllipticSearch:
         self._writer.atom(own)
 
     def _moves(self, node: sp.Expr) -> bool:
-        return self._moving and self._arguments.dependence.moves(node)
+        return self._moving and self._arguments.dependence.depends(node)
 
     def _theta(self, z: sp.Expr, m: sp.Expr) -> None:
         """Theta here and one step on, and from there step by step by the product theorem."""

@@ -33,7 +33,7 @@ from .certificate_writer import RENAMED, Data, NodeTable, ProofWriter
 from .domain_signs import is_small_polynomial
 from .domains import Point
 from .elliptic_search import EllipticSearch
-from .linear_forms import independent_forms, visible
+from .linear_forms import independent_forms, with_dummies
 from .simplification import needs_integers
 
 AIRY = {
@@ -79,7 +79,7 @@ class GeneratorSearch:
 
     def proof(self, point: Point) -> Data:
         """The proof's part of a certificate; ``point`` is where no denominator vanishes."""
-        shown = visible(self._expressions, self._done)
+        shown = with_dummies(self._expressions, self._done)
         values = [self._factors_in(node, value) for node, value in self._values.items()]
         logarithms = {f: value for f, value in self._values.items() if isinstance(f, sp.log)}
         self._arguments = Arguments([*shown, *values], self._variables, logarithms)

@@ -56,7 +56,7 @@ def linear_forms(expressions: Iterable[sp.Expr], dependence: Dependence) -> list
     waiting = list(expressions)
     while waiting:
         node = waiting.pop(0)
-        if node in seen or not dependence.moves(node):
+        if node in seen or not dependence.depends(node):
             continue
         seen.add(node)
         form, rest = split_linear(node, dependence)
@@ -116,7 +116,7 @@ def pivot_columns(rows: Sequence[Sequence[acb]]) -> list[int]:
 BITS = 160
 
 
-def visible(expressions: Iterable[sp.Expr], hidden: set[sp.Expr]) -> list[sp.Expr]:
+def with_dummies(expressions: Iterable[sp.Expr], hidden: set[sp.Expr]) -> list[sp.Expr]:
     """The expressions with what one generator stands for left out."""
     names = {node: sp.Dummy() for node in hidden}
     return [expression.xreplace(names) for expression in expressions]
@@ -130,7 +130,7 @@ def independent_forms(
     The primitives are variables and, for epsilon(u), the pair (u, m).  Independence is that of
     balls at ``point``: any choice makes generators.
     """
-    written = with_one_integral(visible(expressions, hidden), arguments.dependence)
+    written = with_one_integral(with_dummies(expressions, hidden), arguments.dependence)
     forms = [_by_argument(f, arguments) for f in linear_forms(written, arguments.dependence)]
     primitives = sorted(
         {p for form in forms for p in form}, key=lambda p: (not isinstance(p, sp.Tuple), str(p))

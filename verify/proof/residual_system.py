@@ -84,7 +84,7 @@ class _Coefficients:
         self._dependence = Dependence(problem.variables)
         self._signs = DomainSigns(problem.domains)
         symbols = {symbol.name: symbol for symbol in (*problem.domains, *problem.variables)}
-        self._meanings = Meanings(self._field, symbols, self._dependence)
+        self._meanings = GeneratorFormulas(self._field, symbols, self._dependence)
 
     def collect(self) -> None:
         groups = self._by_moving(self._image.numerator)
@@ -113,7 +113,7 @@ class _Coefficients:
         for place, power in enumerate(reversed(exponents)):
             if power:
                 meaning = self._meanings[place]
-                part = moving if self._dependence.moves(meaning) else constant
+                part = moving if self._dependence.depends(meaning) else constant
                 part[meaning] = part.get(meaning, 0) + int(power)
         return tuple(moving.items()), tuple(constant.items())
 
@@ -141,7 +141,7 @@ class _Coefficients:
         ring, count = self._field.ring, len(self._field.generators)
         for index, degree, modulus in ring.relations:
             meaning = self._meanings[count - 1 - index]
-            if meaning is not sp.I and not self._dependence.moves(meaning):
+            if meaning is not sp.I and not self._dependence.depends(meaning):
                 value = ring.context.gens()[index] ** degree - modulus
                 self._system.relations[meaning] = (degree, self._terms(value))
 
@@ -292,7 +292,7 @@ LENGTH = 60
 """Characters of a function that is named."""
 
 
-class Meanings:
+class GeneratorFormulas:
     """What the generators of a field stand for, as expressions; ``forms`` are the linear ones."""
 
     def __init__(
@@ -316,7 +316,7 @@ class Meanings:
             self.forms.add(formula)
             return formula
         node = self._node(generator.form[0][1]) if generator.form else formula
-        if self._dependence.moves(node):
+        if self._dependence.depends(node):
             return node
         return formula * self._polynomial(generator.scale)
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from longwave.__main__ import main
-from longwave.verify.problem_file import read_problems
+from longwave.verify.problem_file import problem_texts
 
 Output = pytest.CaptureFixture[str]
 
@@ -51,7 +51,10 @@ def test_files_have_names_to_solve_for_and_their_proofs_are_written(
 ) -> None:
     path, proofs = tmp_path / "mine.toml", tmp_path / "proofs.json"
     path.write_text(FILE, encoding="utf-8")
-    assert [str(p.statement.wanted) for p in read_problems(path)] == ["(c, a)", "(c,)"]
+    assert [str(text.problem().statement.wanted) for text in problem_texts(path)] == [
+        "(c, a)",
+        "(c,)",
+    ]
     assert main(["prove", str(path), "--certificate", str(proofs)]) == 0
     text = capsys.readouterr().out
     assert "PROVED speed: holds if and only if c = 4*k**2, a = 2*k**2\n" in text

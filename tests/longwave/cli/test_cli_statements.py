@@ -12,7 +12,7 @@ import pytest
 from longwave.__main__ import main
 from longwave.cli import statements as command
 from longwave.cli.statements import STAGES, decided
-from longwave.verify.problem_file import FILE_BYTES, StatedProblem, read_problems
+from longwave.verify.problem_file import FILE_BYTES, StatedProblem, problem_texts
 from longwave.verify.proof import check_certificate, prover
 from longwave.verify.proof.statement_text import read_statement
 
@@ -376,7 +376,7 @@ def test_reading_is_shown_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
 
 
 def test_problems_are_read_without_deciding(tmp_path: Path) -> None:
-    problems = read_problems(Path(written(tmp_path, FILE)))
+    problems = [text.problem() for text in problem_texts(Path(written(tmp_path, FILE)))]
     assert [p.expect for p in problems] == ["PROVED", "REFUTED", ""]
     assert [p.statement.name for p in problems] == ["soliton", "misprint", "mine 3"]
 

@@ -16,7 +16,7 @@ from longwave.verify.kernel.signs import Signs
 from longwave.verify.proof import CertificateError, prove_equal, prove_form
 from longwave.verify.proof.export import terms
 from longwave.verify.proof.export.derivation import written_out
-from longwave.verify.proof.export.systems import SYSTEMS, answer, exported
+from longwave.verify.proof.export.systems import SYSTEMS, answer
 from longwave.verify.proof.export.terms import (
     Definition,
     Relation,
@@ -33,6 +33,10 @@ SHORT = ("kink", "wave_sn", "rational_1", "soliton_sech")
 @cache
 def certificate(name: str) -> Any:
     return prove_form(closed_form(name)).certificate
+
+
+def exported(certificate: Any, system: str) -> str:
+    return SYSTEMS[system].write(written_out(certificate))
 
 
 @cache

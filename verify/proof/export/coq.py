@@ -7,11 +7,13 @@ the engine, proved right in the script, computes.  Coq finds the two to be the s
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import reduce as fold
 
 from flint import fmpq
 
 from . import terms
 from .terms import (
+    LETTERS,
     Definition,
     Powers,
     Premise,
@@ -28,12 +30,45 @@ from .terms import (
     plain_lines,
     premise_line,
     premise_lines,
+    spelled,
 )
 
 PREDICATES = ("less", "at_most", "real", "is_integer", "analytic", "connected")
 """Relations of premises; a denominator is other than 0 in the field itself."""
 
-OPERATIONS = {"sum": ("Sum", "+"), "product": ("Prod", "*")}
+
+def _rational(value: fmpq) -> str:
+    return f"({value.p} # {value.q})"
+
+
+def _nested(joined: str) -> Callable[..., str]:
+    """A format of two parts for any number of them, from the last on."""
+    return lambda *parts: fold(lambda text, part: joined.format(part, text), reversed(parts))
+
+
+FORMULAS: dict[str, Callable[..., str]] = {
+    "number": lambda value: f"number {_rational(value)}",
+    "generator": "g{}".format,
+    **{kind: f"{letter}{{}}".format for kind, letter in LETTERS.items()},
+    "minus": "- ({})".format,
+    "inverse": "/ ({})".format,
+    "power": "power ({}) {}".format,
+    "slope": "D {} ({})".format,
+    "sum": lambda *parts: _nested("{} + ({})")(*map("({})".format, parts)),
+    "product": lambda *parts: _nested("{} * ({})")(*map("({})".format, parts)),
+}
+
+DATA: dict[str, Callable[..., str]] = {
+    "number": lambda value: f"(Num {_rational(value)})",
+    "generator": lambda place: f"(Gen {place + 1})",
+    "minus": "(Neg {})".format,
+    "inverse": "(Inv {})".format,
+    "power": "(Pow {} {})".format,
+    "slope": "(Der {} {})".format,
+    "sum": _nested("(Sum {} {})"),
+    "product": _nested("(Prod {} {})"),
+}
+"""What the engine computes from, but for names: those have places in a list."""
 
 
 def coq_script(proof: WrittenProof) -> str:
@@ -47,23 +82,7 @@ def _comments(proof: WrittenProof) -> list[str]:
 
 def formula(term: Term) -> str:
     """A term as a formula of the field."""
-    match term:
-        case ("number", value):
-            return f"number {_rational(value)}"
-        case ("generator", place):
-            return f"g{place}"
-        case (("node" | "jet" | "free"), _):
-            return name_of(term)
-        case ("minus", inner):
-            return f"- ({formula(inner)})"
-        case ("inverse", inner):
-            return f"/ ({formula(inner)})"
-        case ("power", base, exponent):
-            return f"power ({formula(base)}) {exponent}"
-        case ("slope", axis, inner):
-            return f"D {axis} ({formula(inner)})"
-    sign = OPERATIONS[term[0]][1]
-    return _nested([f"({formula(part)})" for part in term[1:]], lambda a, b: f"{a} {sign} ({b})")
+    return spelled(term, FORMULAS)
 
 
 class _Theorem:
@@ -73,6 +92,11 @@ class _Theorem:
         self._proof = proof
         defined = [step.name for step in proof.steps if isinstance(step, Definition)]
         self._places = {name: place for place, name in enumerate(defined, 1)}
+        self._data = {
+            **DATA,
+            "node": lambda place: f"(Nam {self._places['node', place]})",
+            "jet": lambda place: f"(Nam {self._places['jet', place]})",
+        }
         self._assumptions: list[str] = []
         self._labels: list[str] = []
         self._claims: list[str] = []
@@ -81,7 +105,7 @@ class _Theorem:
         """The variables, assumptions, claims and the proof."""
         proof = self._proof
         steps = [self._step(step) for step in proof.steps]
-        below_data = [self._data(term) for term in proof.denominators]
+        below_data = [spelled(term, DATA) for term in proof.denominators]
         below = [f"premise_{i}" for i, p in enumerate(proof.premises) if p.relation == "not_zero"]
         generators = [f"g{place}" for place in range(len(proof.meanings))]
         names = [name_of(name) for name in self._places]
@@ -137,7 +161,7 @@ class _Theorem:
 
     def _step(self, step: Step) -> str:
         """The data of a step; what it assumes or claims is noted as a formula."""
-        written, data = formula(step.term), self._data(step.term)
+        written, data = formula(step.term), spelled(step.term, self._data)
         match step:
             case Definition():
                 guards = self._proof.guards.get(step.name, ())
@@ -158,41 +182,11 @@ class _Theorem:
                 self._claims.append(f"{written} = 0")
                 return f"Zer {data}"
 
-    def _data(self, term: Term) -> str:
-        match term:
-            case ("number", value):
-                return f"(Num {_rational(value)})"
-            case ("generator", place):
-                return f"(Gen {place + 1})"
-            case (("node" | "jet"), _):
-                return f"(Nam {self._places[term]})"
-            case ("minus", inner):
-                return f"(Neg {self._data(inner)})"
-            case ("inverse", inner):
-                return f"(Inv {self._data(inner)})"
-            case ("power", base, exponent):
-                return f"(Pow {self._data(base)} {exponent})"
-            case ("slope", axis, inner):
-                return f"(Der {axis} {self._data(inner)})"
-        name = OPERATIONS[term[0]][0]
-        return _nested([self._data(part) for part in term[1:]], lambda a, b: f"({name} {a} {b})")
-
 
 def _proposition(premise: Premise) -> str:
     if premise.relation == "not_zero":
         return f"{formula(premise.terms[0])} <> 0"
     return " ".join([premise.relation, *(f"({formula(term)})" for term in premise.terms)])
-
-
-def _nested(parts: list[str], joined: Callable[[str, str], str]) -> str:
-    text = parts[-1]
-    for part in reversed(parts[:-1]):
-        text = joined(part, text)
-    return text
-
-
-def _rational(value: fmpq) -> str:
-    return f"({value.p} # {value.q})"
 
 
 def _list(items: list[str]) -> str:

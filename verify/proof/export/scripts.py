@@ -12,16 +12,14 @@ from .terms import (
     Relation,
     SlopeAxiom,
     Step,
-    Term,
     Vanishing,
     WrittenProof,
     engine_text,
     name_of,
     plain_lines,
     premise_lines,
+    spelled,
 )
-
-CALLS = {"sum": "add", "product": "mul", "minus": "neg", "inverse": "inv"}
 
 
 @dataclass(frozen=True)
@@ -47,44 +45,42 @@ def script(proof: WrittenProof, language: Language) -> str:
     return "\n".join(lines) + "\n"
 
 
-def call(term: Term) -> str:
-    """A term as nested calls."""
-    match term:
-        case ("number", value):
-            return f"num({value})"
-        case ("generator", place):
-            return f"gen({place})"
-        case (("node" | "jet"), _):
-            return f'get("{name_of(term)}")'
-        case ("power", base, exponent):
-            return f"pow({call(base)}, {exponent})"
-        case ("slope", axis, (("node" | "jet"), _) as inner):
-            return f'derOf({axis + 1}, "{name_of(inner)}")'
-        case ("slope", axis, inner):
-            return f"der({axis + 1}, {call(inner)})"
-    return f"{CALLS[term[0]]}({', '.join(map(call, term[1:]))})"
+CALLS: dict[str, Callable[..., str]] = {
+    "number": "num({})".format,
+    "generator": "gen({})".format,
+    "node": 'get("n{}")'.format,
+    "jet": 'get("u{}")'.format,
+    "power": "pow({}, {})".format,
+    "slope": lambda axis, inner: (
+        f"derOf({axis + 1}, {inner[4:]}"
+        if inner.startswith("get(")
+        else f"der({axis + 1}, {inner})"
+    ),
+    "sum": lambda *parts: f"add({', '.join(parts)})",
+    "product": lambda *parts: f"mul({', '.join(parts)})",
+    "minus": "neg({})".format,
+    "inverse": "inv({})".format,
+}
+"""Nested calls; the derivative of a name is that which is on record."""
+
+POLYNOMIAL: dict[str, Callable[..., str]] = {
+    "number": "({})".format,
+    "generator": "g{}".format,
+    "sum": lambda *parts: f"({' + '.join(parts)})",
+    "product": lambda *parts: "*".join(parts),
+    "power": "{}^{}".format,
+}
+"""Polynomials in the generators as both systems write them."""
 
 
-def infix(term: Term) -> str:
-    """A polynomial in the generators as both systems write it."""
-    match term:
-        case ("number", value):
-            return f"({value})"
-        case ("generator", place):
-            return f"g{place}"
-        case ("sum", *parts):
-            return "(" + " + ".join(map(infix, parts)) + ")"
-        case ("product", *parts):
-            return "*".join(map(infix, parts))
-        case ("power", base, exponent):
-            return f"{infix(base)}^{exponent}"
-    raise AssertionError(term[0])
+def _denominators(proof: WrittenProof) -> str:
+    return ", ".join(spelled(term, POLYNOMIAL) for term in proof.denominators)
 
 
 def _step(step: Step) -> str:
     if isinstance(step, Vanishing):
-        return f"vanish({call(step.term)})"
-    value = _cut(call(step.term), step.below)
+        return f"vanish({spelled(step.term, CALLS)})"
+    value = _cut(spelled(step.term, CALLS), step.below)
     match step:
         case Definition():
             return f'put("{name_of(step.name)}", {value})'
@@ -108,7 +104,7 @@ def _pari_head(proof: WrittenProof) -> list[str]:
     return [
         f"[{', '.join(f'g{i}' for i in order)}];",
         f"G = [{', '.join(f'g{i}' for i in range(count))}];",
-        f"F = [{', '.join(map(infix, proof.denominators))}];",
+        f"F = [{_denominators(proof)}];",
         f"R = []; V = Map(); N = Map(); S = matrix({size}, #G); W = matrix({size}, max(#F, 1));",
     ]
 
@@ -129,7 +125,7 @@ def _maxima_head(proof: WrittenProof) -> list[str]:
         "kill(all)$",
         f"G : [{names}]$",
         f"ratvars({names})$",
-        f"F : map(rat, [{', '.join(map(infix, proof.denominators))}])$",
+        f"F : map(rat, [{_denominators(proof)}])$",
         "ruleList : []$",
     ]
 

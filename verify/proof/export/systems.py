@@ -12,10 +12,8 @@ import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from .coq import coq_script
-from .derivation import written_out
 from .scripts import MAXIMA, PARI, script
 from .terms import WrittenProof
 
@@ -64,14 +62,6 @@ SYSTEMS: Mapping[str, AlgebraSystem] = {
     ),
     "coq": AlgebraSystem("Coq", "coqc", "coq", ".v", coq_script, lambda file: ["coqc", "-q", file]),
 }
-
-
-def exported(certificate: Mapping[str, Any], system: str) -> str:
-    """The script of a certificate for a system of `SYSTEMS`.
-
-    Raises CertificateError if the certificate is not one that the checker follows.
-    """
-    return SYSTEMS[system].write(written_out(certificate))
 
 
 _running: set[subprocess.Popen[bytes]] = set()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.resources import files
 from textwrap import wrap
@@ -216,6 +216,12 @@ def inner_terms(term: Term) -> Iterator[Term]:
     for part in term[1:]:
         if isinstance(part, tuple):
             yield from inner_terms(part)
+
+
+def spelled(term: Term, language: Mapping[str, Callable[..., str]]) -> str:
+    """A term in a language: how it writes each kind of term, from the texts of its parts."""
+    parts = (spelled(part, language) if isinstance(part, tuple) else part for part in term[1:])
+    return language[term[0]](*parts)
 
 
 def engine_text(name: str) -> str:
