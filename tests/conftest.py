@@ -14,6 +14,8 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, settings
 
+from tests.process_state import changed, process_state
+
 settings.register_profile(
     "longwave",
     deadline=None,
@@ -39,6 +41,14 @@ def _floating_point_traps() -> Iterator[None]:
     """Overflow, division by zero and NaN raise in NumPy instead of passing silently."""
     with np.errstate(over="raise", divide="raise", invalid="raise"):
         yield
+
+
+@pytest.fixture(autouse=True)
+def _process_left_as_it_was() -> Iterator[None]:
+    """A test puts back what it changes of its process: no outcome depends on those before it."""
+    before = process_state()
+    yield
+    assert not changed(before, process_state())
 
 
 @pytest.fixture
