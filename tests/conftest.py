@@ -14,6 +14,8 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, settings
 
+from tests.process_state import changed, process_state
+
 settings.register_profile(
     "longwave",
     deadline=None,
@@ -22,6 +24,10 @@ settings.register_profile(
     suppress_health_check=[HealthCheck.too_slow],
 )
 settings.load_profile("longwave")
+
+
+PATIENCE = 600.0
+"""Seconds that end a test that hangs, and none that a loaded machine makes wait."""
 
 
 @pytest.fixture
@@ -35,6 +41,14 @@ def _floating_point_traps() -> Iterator[None]:
     """Overflow, division by zero and NaN raise in NumPy instead of passing silently."""
     with np.errstate(over="raise", divide="raise", invalid="raise"):
         yield
+
+
+@pytest.fixture(autouse=True)
+def _process_left_as_it_was() -> Iterator[None]:
+    """A test puts back what it changes of its process: no outcome depends on those before it."""
+    before = process_state()
+    yield
+    assert not changed(before, process_state())
 
 
 @pytest.fixture
@@ -53,7 +67,8 @@ def dask_cluster() -> Iterator[Any]:
 
 @dataclass(frozen=True)
 class Stopped:
-    """A command after Ctrl-C: what it announced, what it said then, and the seconds to its end."""
+    """A command after Ctrl-C: what it announced, what it said then, and the seconds of a processor
+    that it took to its end."""
 
     status: int
     announced: str
@@ -62,9 +77,27 @@ class Stopped:
     seconds: float
 
 
+def spent() -> float:
+    """Seconds of a processor of all children that have ended."""
+    usage = os.times()
+    return usage.children_user + usage.children_system
+
+
+def spent_by(process: int) -> float:
+    """Those of a running process and of its children, dead and alive; 0 if there is none."""
+    try:
+        stat = Path(f"/proc/{process}/stat").read_text(encoding="utf-8").rpartition(")")[2]
+        children = Path(f"/proc/{process}/task/{process}/children").read_text(encoding="utf-8")
+    except OSError:
+        return 0.0
+    own = sum(map(int, stat.split()[11:15])) / os.sysconf("SC_CLK_TCK")
+    return own + sum(spent_by(int(child)) for child in children.split())
+
+
 @pytest.fixture
 def press_ctrl_c() -> Callable[[list[str], float], Stopped]:
-    """``press_ctrl_c(words, seconds)``: ``python -m words``, stopped after its first line."""
+    """``press_ctrl_c(words, seconds)``: ``python -m words``, stopped after its first line, when it
+    has taken so many more seconds of a processor: on a loaded machine it is as far then."""
 
     def stopped(words: list[str], seconds: float) -> Stopped:
         running = subprocess.Popen(
@@ -80,14 +113,17 @@ def press_ctrl_c() -> Callable[[list[str], float], Stopped]:
             announced = running.stderr.readline()
             while "takes more than some seconds" in announced:  # a loaded machine has to say so
                 announced = running.stderr.readline()
-            time.sleep(seconds)
+            before, end = spent_by(running.pid), time.monotonic() + PATIENCE
+            while running.poll() is None and time.monotonic() < end:
+                if spent_by(running.pid) >= before + seconds:
+                    break
+                time.sleep(0.02)
+            begun = spent() + spent_by(running.pid)
             running.send_signal(signal.SIGINT)
-            begun = time.perf_counter()
-            out, errors = running.communicate(timeout=60)
+            out, errors = running.communicate(timeout=PATIENCE)
         finally:
             running.kill()
-        passed = time.perf_counter() - begun
-        return Stopped(running.returncode, announced, out, errors, passed)
+        return Stopped(running.returncode, announced, out, errors, spent() - begun)
 
     return stopped
 
@@ -114,11 +150,11 @@ def interrupt() -> Callable[[list[str], float, Path], Stopped | None]:
             running.communicate(timeout=seconds)
             return None
         except subprocess.TimeoutExpired:
+            begun = spent() + spent_by(running.pid)
             os.killpg(running.pid, signal.SIGINT)
-            begun = time.perf_counter()
-            out, errors = running.communicate(timeout=60)
+            out, errors = running.communicate(timeout=PATIENCE)
         finally:
             running.kill()
-        return Stopped(running.returncode, "", out, errors, time.perf_counter() - begun)
+        return Stopped(running.returncode, "", out, errors, spent() - begun)
 
     return stopped

@@ -109,6 +109,13 @@ def test_plane_waves_are_unstable_where_p_q_is_positive() -> None:
     assert [wavenumber for wavenumber, _, _ in rows] == [0.2, 1.0, 3.0]
 
 
+def test_a_modulation_map_is_of_unit_amplitude_unless_another_is_given() -> None:
+    values: Any = {"K2": 1, "K3": 0, "K4": 1}
+    [(_, numbers, rate)] = modulation_map(FPUT, [3], **values)
+    assert numbers is not None
+    assert rate == abs(numbers.q) > 0
+
+
 def test_a_granular_chain_of_equal_beads_has_no_unstable_plane_wave() -> None:
     """For all k, A and d: p q < 0, for its cubic force is negative. So it has no Peregrine wave."""
     found = envelope(LATTICES["granular"])
@@ -121,10 +128,14 @@ def test_a_granular_chain_of_equal_beads_has_no_unstable_plane_wave() -> None:
     assert found.coefficients(2, A=1, d=1).is_focusing is False
 
 
-def test_a_resonance_is_named() -> None:
-    """omega^2 = 4 sin^2(k/2) + 4 L2 sin^2 k: at k = pi/2 and L2 = -1/4 it is 1, at 2k it is 4."""
+@pytest.mark.parametrize("K2", [Integer(1), Rational(1, 3)])
+def test_a_resonance_is_named(K2: Rational) -> None:
+    """omega^2 = 4 K2 sin^2(k/2) + 4 L2 sin^2 k: at k = pi/2, L2 = -K2/4 it is K2, at 2k 4 K2.
+
+    Catches: constants that no float holds, put in to fewer digits than the resonance is sought to.
+    """
     lattice = LATTICES["next_nearest"]
-    values: Any = {"K2": 1, "K3": 1, "K4": 0, "L2": -Rational(1, 4), "L3": 0, "L4": 0}
+    values: Any = {"K2": K2, "K3": 1, "K4": 0, "L2": -K2 / 4, "L3": 0, "L4": 0}
     found = envelope(lattice, **values)
     with pytest.raises(EnvelopeError, match=r"where 4 omega\(k\)\^2 = omega\(2k\)\^2"):
         found.coefficients(pi / 2, **values)

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from sympy import Matrix, Symbol, cancel
 
@@ -22,6 +22,7 @@ matrices = st.integers(1, 3).flatmap(
 )
 
 
+@settings(max_examples=40)
 @given(rows=matrices)
 def test_it_is_that_of_sympy(rows: Any) -> None:
     own = [[FIELD.from_expr(Matrix([[v]])[0]) for v in row] for row in rows]

@@ -64,7 +64,7 @@ def run_command(command: Command) -> None:
         "COLUMNS": "200",
     }
     done = subprocess.run(
-        words, capture_output=True, text=True, env=environment, check=False, timeout=300
+        words, capture_output=True, text=True, env=environment, check=False, timeout=1800
     )
     got = SLOW.sub("", done.stderr if done.returncode == 2 else done.stdout)
     assert doctest.OutputChecker().check_output(command.output, got, FLAGS), got

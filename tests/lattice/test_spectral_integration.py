@@ -95,6 +95,12 @@ def test_a_ring_of_real_circumference_is_the_infinite_lattice() -> None:
         assert np.max(miss) <= run.error_estimate <= 1e-6
 
 
+def test_a_run_to_its_own_start_is_that_start() -> None:
+    run = spectral_integrate(CHAIN, state := packet(160), [state.t], 1e-6, 0.6)
+    [found] = run.states
+    np.testing.assert_allclose(found.at(cells := np.arange(80.0)), state.at(cells), atol=1e-6)
+
+
 def test_what_is_judged_is_what_the_tolerance_is_of() -> None:
     places = np.linspace(0.0, 80.0, 33)
 

@@ -262,5 +262,5 @@ def test_no_view_of_an_image_is_given_out() -> None:
         "gc.collect()\n"
     )
     words = [sys.executable, "-X", "dev", "-W", "ignore", "-c", script]
-    done = subprocess.run(words, capture_output=True, text=True, timeout=100)
+    done = subprocess.run(words, capture_output=True, text=True, timeout=600)
     assert (done.returncode, done.stderr) == (0, "")

@@ -198,7 +198,7 @@ RunStore(sys.argv[1]).fetch(SMALL)
 def test_processes_on_one_store_run_a_scene_once(store: RunStore) -> None:
     command = [sys.executable, "-c", FETCH, str(store.folder)]
     started = [subprocess.Popen(command, stdout=subprocess.PIPE, text=True) for _ in range(3)]
-    said = [process.communicate(timeout=120)[0] for process in started]
+    said = [process.communicate(timeout=600)[0] for process in started]
     assert [process.returncode for process in started] == [0, 0, 0]
     assert sorted(said) == ["", "", "made\n"]
     assert store.find(SMALL) is not None

@@ -20,7 +20,7 @@ from longwave.runs.run_file import load_run
 from longwave.runs.run_pack import CellRecord, packed_records, read_pack, write_pack
 from longwave.runs.run_store import RunStore
 from longwave.runs.sweep import MOST_LOSSES, run_sweep
-from longwave.runs.sweep_cells import Cell, run_cells
+from longwave.runs.sweep_cells import Cell, numbers_of, run_cells
 from longwave.runs.sweep_cost import expected_sweep_cost
 from longwave.runs.sweep_dataset import cell_run, sweep_dataset, write_sweep
 from longwave.runs.sweep_file import Sweep, sweep_of
@@ -507,6 +507,27 @@ def test_a_pack_keeps_bits_and_kinds_apart(tmp_path: Path) -> None:
         assert loaded.a.values.tobytes() == run.a.values.tobytes()
     assert found["k3"] == (CellRecord("k3", "refused", "no", found["k3"][0].numbers), None)
     assert found["k1"][0].numbers["error"] == 0.5
+
+
+def test_a_pack_keeps_a_number_that_only_some_of_its_cells_have(tmp_path: Path) -> None:
+    some = {"error": 0.5, "last_peak": 0.25, "growth_rate": 3.0}
+    write_pack(
+        tmp_path / "a.h5",
+        [CellRecord("k1", "done", "", some), CellRecord("k2", "done", "", {"error": 0.25})],
+    )
+    first, second = (record.numbers for record, _ in read_pack(tmp_path / "a.h5"))
+    assert {name: first[name] for name in some} == some
+    assert np.isnan([second["last_peak"], second["growth_rate"]]).all()
+    assert "last_delay" not in first
+
+
+def test_the_error_of_a_cell_is_the_largest_that_is_a_number() -> None:
+    """Of a run that blew up, or that has no wave at some times, the others are told."""
+    scene = load_scene("toda_soliton")
+    for values, largest in (([np.nan, 0.5, 0.25], 0.5), ([0.125, np.nan], 0.125)):
+        run = xr.Dataset({"error": ("time", values)}, attrs={"own_error": 0.0})
+        assert numbers_of(scene, run)["error"] == largest
+    assert "error" not in numbers_of(scene, xr.Dataset({"error": ("time", [np.nan])}))
 
 
 def test_a_pack_without_a_number_is_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

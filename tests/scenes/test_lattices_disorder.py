@@ -116,6 +116,28 @@ def test_strains_and_displacements_lose_alike_and_keep_their_energy() -> None:
     assert last(strained)["last_delay"] == pytest.approx(last(displaced)["last_delay"], abs=0.1)
 
 
+@pytest.mark.parametrize(
+    ("lattice", "of", "constants", "share"),
+    [
+        ("fput_strain", "K2", {}, 1.0),
+        ("fput_strain", "K2", {"K2": 4}, 1.0),
+        ("fput", "K2", {"K2": "1/2"}, 1.0),
+        ("fput_strain", "K4", {"K2": 4}, 0.0),
+        ("fput_strain", "mass", {"K2": 4}, 0.0),
+    ],
+)
+def test_the_effective_medium_is_that_of_springs_in_series(
+    lattice: str, of: str, constants: dict[str, Any], share: float
+) -> None:
+    """<1/(1 + d)> over d uniform within r is artanh(r)/r, whatever the springs' mean."""
+    scene = SOLITON | {"lattice": lattice, "constants": SOLITON["constants"] | constants}
+    disorder = MASSES | {"of": of, "spread": 0.4}
+    wave = lattice_wave(LatticeScene.of(**(scene | {"disorder": disorder})))
+    assert isinstance(wave, DisorderedWave)
+    mean = np.arctanh(0.4) / 0.4 if share else 1.0
+    assert wave.effective_speed == pytest.approx(mean**-0.5, rel=1e-14)
+
+
 def test_a_wider_ring_is_the_same_lattice() -> None:
     wave = lattice_wave(Scene.of(**(SOLITON | {"disorder": MASSES | {"sites": [-50, 50]}})))
     assert isinstance(wave, DisorderedWave)

@@ -158,6 +158,18 @@ def test_mean_strain_makes_the_displacement_of_a_soliton_periodic() -> None:
     assert sum(stretches) == pytest.approx(strain[0], abs=1e-12)
 
 
+def test_mean_strain_is_that_of_the_cells_of_the_ring() -> None:
+    """Catches: one cell too many or too few, which a wave that has ended does not show."""
+    numeric = LATTICES["fput"].with_values({k: Rational(1) for k in ("K2", "K3", "K4")})
+    reduction = reduce(numeric, Scaling(1))
+    wave = Wave(closed_form("kdv_cnoidal"), reduction.normal_form(), kappa=1, k=Rational(4, 5))
+    data = LongWaveData(reduction, {}, wave, 0.2, "slaved", numeric)
+    cells = np.arange(-7, 16)
+    ring, strain = data.ring(cells, 0.0), data.strain(cells, 0.0)
+    assert ring.mean_strain[0] == pytest.approx(strain.mean(), rel=1e-12)
+    assert data.measured(ring.f, ring.mean_strain) == pytest.approx(strain, abs=1e-13)
+
+
 def test_forces_with_eps_and_no_polynomials_are_those_that_run() -> None:
     gardner = RATE_CASES["3"].data(0.2, "leading")
     assert gardner.lattice.bonds[0].force.coefficients == pytest.approx((1.0, 0.1, 1.0))

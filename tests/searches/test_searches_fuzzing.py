@@ -53,7 +53,7 @@ READERS = {
         *(pytest.param(kind, marks=pytest.mark.slow) for kind in ("certificate", "run file")),
     ],
 )
-@settings(max_examples=60)
+@settings(max_examples=20)
 @given(draw=st.randoms(use_true_random=False))
 def test_a_reader_refuses_with_an_error_of_its_own(
     kind: str, draw: Random, tmp_path_factory: pytest.TempPathFactory

@@ -50,7 +50,7 @@ write_atomically(place, write)
 def test_a_process_killed_at_any_step_leaves_a_whole_file(moment: str, tmp_path: Path) -> None:
     place = tmp_path / "run.nc"
     place.write_text(OLD)
-    done = subprocess.run([sys.executable, "-c", KILLED, moment, str(place)], timeout=60)
+    done = subprocess.run([sys.executable, "-c", KILLED, moment, str(place)], timeout=600)
     assert done.returncode == -signal.SIGKILL
     assert place.read_text() == (NEW if moment == "named" else OLD)
 

@@ -10,7 +10,7 @@ from longwave.cli import statements
 from longwave.support.console import QUIET, progress_bar
 from longwave.verify.published import chosen
 
-PATIENCE = 30.0
+PATIENCE = 600.0
 
 
 def said_of(capsys: pytest.CaptureFixture[str], wanted: str) -> str:

@@ -35,5 +35,5 @@ def test_ctrl_c_while_python_ends_leaves_the_status() -> None:
     root = Path(__file__).parents[2]
     environment = {**os.environ, "PYTHONPATH": str(root)}
     late = [sys.executable, "-c", LATE]
-    ended = subprocess.run(late, capture_output=True, text=True, env=environment, timeout=60)
+    ended = subprocess.run(late, capture_output=True, text=True, env=environment, timeout=600)
     assert (ended.returncode, ended.stdout, ended.stderr) == (3, "", "")

@@ -74,7 +74,7 @@ if __name__ == "__main__":
 def test_a_command_ended_over_its_pool_leaves_no_warning(tmp_path: Path) -> None:
     script = tmp_path / "ended.py"
     script.write_text(ENDED)
-    done = subprocess.run([sys.executable, script], capture_output=True, text=True, timeout=60)
+    done = subprocess.run([sys.executable, script], capture_output=True, text=True, timeout=600)
     assert (done.returncode, done.stderr) == (130, "")
 
 

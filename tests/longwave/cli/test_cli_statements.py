@@ -4,6 +4,7 @@ import json
 import os
 import time
 from collections.abc import Iterable, Iterator
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -248,6 +249,10 @@ def problem(
     return StatedProblem(read_statement(equation, solution, name=name))
 
 
+PATIENCE = 60.0
+"""Seconds in which even a loaded machine ends what would go on for ever."""
+
+
 def slow(_: Any, tell: Any) -> Any:
     tell("equation 1 of 3")
     while True:
@@ -262,11 +267,11 @@ def test_past_the_limit_it_is_undecided_and_says_how_far_it_came(
 
     monkeypatch.setattr(command, "answer", find_witness)
     begun = time.monotonic()
-    ((_, verdict),) = decided([problem()], 0.3)
-    assert time.monotonic() - begun < 5
+    ((_, verdict),) = decided([problem()], 1.0)
+    assert time.monotonic() - begun < PATIENCE
     assert verdict.outcome == "UNDECIDED"
     expected = "it had come to equation 1 of 3, looking for a counterexample"
-    assert verdict.detail == f"no verdict within 0.3 s ({expected})"
+    assert verdict.detail == f"no verdict within 1 s ({expected})"
 
 
 def test_the_stages_are_functions_of_the_prover() -> None:
@@ -286,9 +291,9 @@ def test_a_process_that_does_not_listen_is_ended(monkeypatch: pytest.MonkeyPatch
     monkeypatch.setattr(command, "answer", deaf)
     monkeypatch.setattr(command, "GRACE", 0.2)
     begun = time.monotonic()
-    verdicts = dict(decided([problem(), problem()], 0.3))
-    assert time.monotonic() - begun < 5
-    expected = "no verdict within 0.3 s (it had come to equation 2 of 2)"
+    verdicts = dict(decided([problem(), problem()], 1.0))
+    assert time.monotonic() - begun < PATIENCE
+    expected = "no verdict within 1 s (it had come to equation 2 of 2)"
     assert [verdicts[place].detail for place in (0, 1)] == [expected] * 2
 
 
@@ -325,17 +330,17 @@ def test_a_refutation_stays_if_the_search_for_a_hint_hangs(monkeypatch: pytest.M
     assert verdict.outcome == "REFUTED"
 
 
-def test_two_processes_decide_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    whole = command.answer
+def test_four_processes_decide_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each waits until all have begun."""
+    whole, all_here = command.answer, get_context("fork").Barrier(4)
 
-    def sleepy(statement: Any, tell: Any) -> Any:
-        time.sleep(0.5)
+    def waiting(statement: Any, tell: Any) -> Any:
+        all_here.wait(PATIENCE)
         return whole(statement, tell)
 
-    monkeypatch.setattr(command, "answer", sleepy)
-    begun = time.monotonic()
-    assert len(dict(decided([problem()] * 4, 30.0, processes=4))) == 4
-    assert time.monotonic() - begun < 1.9
+    monkeypatch.setattr(command, "answer", waiting)
+    verdicts = dict(decided([problem()] * 4, 2 * PATIENCE, processes=4))
+    assert [verdicts[place].outcome for place in range(4)] == ["PROVED"] * 4
 
 
 def test_without_time_for_it_there_is_no_hint() -> None:

@@ -3,9 +3,10 @@
 import json
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -21,7 +22,19 @@ QUICK = ["--digits", "20,40", "--points", "2"]
 Output = pytest.CaptureFixture[str]
 
 
-def test_by_default_every_form_is_proved(capsys: Output) -> None:
+def kinks(names: Iterable[str]) -> Iterator[Verdict]:
+    """The proof of the kink under all of the names."""
+    verdict = prove_form(closed_form("kink"))
+    yield from (replace(verdict, name=name) for name in names)
+
+
+@pytest.mark.parametrize("proved", [kinks, pytest.param(None, marks=pytest.mark.slow)])
+def test_by_default_every_form_is_proved(
+    proved: Any, capsys: Output, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """That they are, the tests of the prover see; the command asks for all and shows them."""
+    if proved:
+        monkeypatch.setattr(command, "prove_all", proved)
     assert main([]) == 0
     output = capsys.readouterr().out
     rows = [line for line in output.splitlines() if "PROVED" in line]

@@ -36,6 +36,9 @@ from longwave.support.request_limits import RequestLimits
 LONG = first_choices("rational_3").changed(eps="0.005", tolerance="1e-8")
 SOLITON = first_choices("soliton_sech").changed(begin="0", end="0.1", half_width="8")
 
+PATIENT = RequestLimits(2e9, 600.0)
+"""A run is expected to take what its first steps take, and on a loaded machine that is long."""
+
 
 def ratio(text: str) -> float:
     top, _, below = text.partition("/")
@@ -133,7 +136,7 @@ def test_what_a_page_may_take_can_be_said() -> None:
 
 @pytest.fixture(scope="module")
 def found() -> Comparison:
-    return compare(scene_of_choices(SOLITON))
+    return compare(scene_of_choices(SOLITON), limits=PATIENT)
 
 
 @pytest.mark.slow
@@ -231,7 +234,7 @@ def answered(explorer: Explorer) -> Answer:
 def test_the_newest_choice_is_answered_and_a_process_that_ended_is_replaced(
     found: Comparison,
 ) -> None:
-    explorer = Explorer()
+    explorer = Explorer(PATIENT)
     try:
         explorer.ask(scene_of_choices(SOLITON.changed(eps="0.01", end="1")))
         time.sleep(1.0)
@@ -277,7 +280,7 @@ def test_a_limit_below_what_a_process_takes_refuses_the_run_in_one_line(
 @pytest.mark.slow
 @pytest.mark.parametrize("wave", CATALOGUE.names)
 def test_every_wave_runs_on_its_first_lattice(wave: str) -> None:
-    found = compare(scene_of_choices(first_choices(wave)))
+    found = compare(scene_of_choices(first_choices(wave)), limits=PATIENT)
     assert found.estimate <= float(first_choices(wave).tolerance)
     assert np.isfinite(found.lattice).all()
     assert float(np.nanmax(found.relative)) < 0.5

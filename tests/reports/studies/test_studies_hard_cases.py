@@ -4,6 +4,7 @@ Each case is judged by its own bound; beside it stand the runs that must fail it
 """
 
 import math
+from functools import cache
 
 import numpy as np
 import pytest
@@ -23,10 +24,12 @@ from longwave.support.processes import Job
 FAST = [name for name, case in HARD_CASES.items() if not case.slow]
 SLOW = [name for name, case in HARD_CASES.items() if case.slow]
 
+found_of = cache(run_hard_case)
+
 
 @pytest.mark.parametrize("name", FAST)
 def test_hard_case(name: str) -> None:
-    found = run_hard_case(name)
+    found = found_of(name)
     assert found.passed, (
         f"{found.what}: {found.criterion}: {found.measured:g} > {found.bound:g} ({found.detail})"
     )
@@ -42,13 +45,13 @@ def test_long_hard_case(name: str) -> None:
 
 
 def test_the_refusal_tells_the_limit() -> None:
-    message = run_hard_case("step_limit").message
+    message = found_of("step_limit").message
     assert message.startswith("step must satisfy step <= 0.707106")
     assert "(linear stability limit of rk4 at the zone boundary" in message
 
 
 def test_the_blow_up_tells_time_site_and_criterion() -> None:
-    message = run_hard_case("soft_lattice").message
+    message = found_of("soft_lattice").message
     assert message.startswith("blow-up: K2 + 2 K3 y + 3 K4 y^2 <= 0 at t = 65, site -747, 3 sites")
 
 

@@ -25,7 +25,9 @@ def test_a_nearly_linear_cn_wave_grows_like_the_square_of_its_amplitude() -> Non
     assert rates[1] / rates[0] == pytest.approx(4.0, rel=0.02)
 
 
-@pytest.mark.parametrize("k", [0.5, 0.99, 0.9999, 0.999999])
+@pytest.mark.parametrize(
+    "k", [0.5, *(pytest.param(k, marks=pytest.mark.slow) for k in (0.99, 0.9999)), 0.999999]
+)
 def test_the_modes_taken_resolve_the_wave(k: float) -> None:
     """A fixed number of 24 modes is 15 times off at k = 0.999999."""
     U, wavelength = _cn(k)

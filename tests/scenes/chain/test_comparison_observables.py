@@ -19,6 +19,7 @@ from longwave.scenes.chain.observables import (
     OBSERVABLES,
     Observable,
     axis_values,
+    extremum,
     observable_named,
 )
 from longwave.scenes.chain.recorders import LOOK_EVALUATIONS
@@ -198,6 +199,14 @@ def test_the_crest_of_Y2_is_tracked_between_sites(window_scene: Callable[..., Sc
     assert found["crest_position"] == pytest.approx(0.25, abs=5e-3)
     missed = 5.0 * scene.eps - np.max(y)
     assert abs(found["crest_strain"] - 5.0 * scene.eps) < 0.03 * missed
+
+
+@pytest.mark.parametrize("place", [-1.6, -1.02, -0.99, 0.4, 0.99, 1.02, 1.6])
+def test_a_crest_is_no_farther_than_the_next_site(place: float) -> None:
+    """Catches: one that is extrapolated, from sites of which the middle one is not the highest."""
+    f = 2.0 - (np.arange(-2.0, 3.0) - place) ** 2
+    expected = (place, 2.0) if abs(place) < 1.0 else (0.0, f[2])
+    assert extremum(f) == pytest.approx(expected, rel=1e-12)
 
 
 @pytest.mark.parametrize("name", ["rational_2_eps_0.05", "soliton_dn_k_0.7"])

@@ -7,8 +7,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from flint import fmpq
 
 from longwave.solutions import Wave, closed_form, rational
+from longwave.solutions.forms.tau_polynomials import rational_tau
+from longwave.solutions.run.linear_phase import LinearPhase
+from longwave.solutions.run.rational_evaluator import RationalEvaluator
 
 
 @pytest.mark.parametrize("order", [1, 2, 3])
@@ -47,6 +51,24 @@ def test_no_overflow_at_order_ten_and_far_away(normal_forms: Any) -> None:
         assert all(np.all(np.isfinite(part)) for part in wave(X, T))
     assert float(wave(0.0, 0.0).Y) == 21.0
     assert float(wave(-1e9, 0.0).Y) == 1.0
+
+
+@pytest.mark.parametrize("order", [2, 5])
+def test_bounds_cover_the_error(order: int) -> None:
+    """Catches: bounds made of coefficients with their signs, which may be negative."""
+    family = rational_tau(order)
+    xi, tau = (part.ravel() for part in np.meshgrid(np.linspace(-9, 9, 25), [-2.5, -0.3, 0.7, 3.0]))
+    phases = [LinearPhase(1, -6, 0), LinearPhase(0, 1, 0)]
+    found = RationalEvaluator(family, {})(phases, xi, tau)
+    assert np.all(found[:, 2] > 0.0)
+    A, B = family.A, family.B
+    for i, (x, t) in enumerate(zip(map(Fraction, xi), map(Fraction, tau), strict=True)):
+        at = [fmpq(*value.as_integer_ratio()) for value in (x - 6 * t, t)]
+        a, b, a_x, b_x = (f(*at) for f in (A, B, A.derivative("x"), B.derivative("x")))
+        exact = (-1) ** order * (1 - 2 * (a * b_x - a_x * b) / (a * a + b * b))
+        error = fmpq(*found[0, 0, i].as_integer_ratio()) - exact
+        error += fmpq(*found[0, 1, i].as_integer_ratio())
+        assert abs(error) <= fmpq(*found[0, 2, i].as_integer_ratio()) < fmpq(1, 10**24)
 
 
 def test_order_eight_is_ready_at_once(normal_forms: Any) -> None:

@@ -1,0 +1,68 @@
+"""The judge of a run's error, by an engine whose errors and blow-ups are known.
+
+Catches: a lattice said to blow up by itself where shorter steps cure it.
+"""
+
+import math
+from collections.abc import Collection
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from longwave.lattice.refine import refine
+from longwave.lattice.trial import (
+    STEP_RATIO,
+    Choices,
+    Engine,
+    Kind,
+    Progress,
+    Trial,
+    lawful_step,
+)
+
+
+class Breaking:
+    """A value that is off by step^2, and no value where the step is longer than ``longest``."""
+
+    kinds: tuple[Kind, ...] = ("step",)
+    threads, order, decay, safety, unstable, fragile = 1, 2, 1.0, 2.0, 1, False
+    most_work = math.inf
+
+    def __init__(self, longest: float) -> None:
+        self.longest = longest
+
+    def first(self) -> Choices:
+        return Choices(1.0, 10.0, causal=True)
+
+    def scout(self) -> Engine:
+        return self
+
+    def run(self, choices: Choices, shown: bool, progress: Progress) -> Trial:
+        values = np.array([choices.step**2]) if choices.step <= self.longest else None
+        return Trial(choices, values, 1.0, 0.0, 0.0, None, shown)
+
+    def varied(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
+        return replace(choices, step=choices.step * STEP_RATIO) if "step" in kinds else choices
+
+    def better(self, choices: Choices, kind: Kind, excess: float) -> Choices:
+        return replace(choices, step=lawful_step(choices.step, self.order, excess))
+
+    def taken(self, choices: Choices) -> float:
+        return choices.step
+
+    def work(self, choices: Choices) -> float:
+        return 1.0 / choices.step
+
+
+@pytest.mark.parametrize(
+    ("longest", "own"), [(2.0, False), (0.3, False), (0.05, False), (0.02, True), (0.0, True)]
+)
+def test_a_blow_up_that_outlives_three_pairs_of_runs_is_the_lattice_s_own(
+    longest: float, own: bool
+) -> None:
+    """Their steps are 1, 0.2 and 0.04, the control runs' 0.7 of that."""
+    found = refine(Breaking(longest), 1e-2)
+    assert math.isinf(found.error) is own
+    assert (found.trial.values is None) is own
+    assert own or abs(found.trial.values[0]) <= found.error <= 1e-2  # type: ignore[index]
