@@ -19,7 +19,6 @@ from longwave.support.interruption import (
     interruptible,
     was_interrupted,
 )
-from longwave.support.open_end import speaking_up, spoke
 from longwave.support.request_limits import (
     LONG,
     USUAL_SECONDS,
@@ -29,6 +28,7 @@ from longwave.support.request_limits import (
     duration,
     request_limits,
 )
+from longwave.support.slow_work import SILENT, announce, notice_when_silent
 from longwave.support.user_files import printable
 
 __all__ = [
@@ -158,7 +158,7 @@ def run_words(command: click.Command, program: str, argv: Sequence[str] | None =
     called = f"{program} {words[0]}" if words and words[0] in known else program
     call_it(called)
     whole = argv is None
-    with speaking_up(called) if whole else nullcontext():
+    with notice_when_silent(called, SILENT) if whole else nullcontext():
         return interruptible(called, lambda: _run(command, program, called, words), whole)
 
 
@@ -260,13 +260,3 @@ def check_and_announce(
     """`announce` the work; TooMuchError if it takes more than the limits allow."""
     check_request(work, ExpectedCost(seconds, memory), cheaper)
     announce(work, seconds)
-
-
-def announce(work: str, seconds: float) -> None:
-    """Say on stderr, before it begins, how long ``work`` will take, if that is ``LONG`` or more.
-
-    >>> announce("rational_9", 0.5)
-    """
-    if seconds >= LONG:
-        spoke()
-        print(f"{work}: about {duration(seconds)} (Ctrl-C stops it)", file=sys.stderr, flush=True)

@@ -35,7 +35,6 @@ def eps_values(text: str | None) -> tuple[float, ...]:
 def measured_convergence(source: str, eps: str | None, tolerance: float | None) -> SceneConvergence:
     """The convergence of the scene that is named; ValueError for one of the paper's chain."""
     from longwave.scenes.scene_convergence import scene_convergence
-    from longwave.support.request_limits import Announcer
 
     values = eps_values(eps)
     scene = load_scene(source)
@@ -48,7 +47,7 @@ def measured_convergence(source: str, eps: str | None, tolerance: float | None) 
         scene = scene.changed(tolerance=tolerance)
     errors = plain_console(stderr=True, soft_wrap=True)
     with progress_bar(scene.name, f"{scene.name} at several eps", errors) as bar:
-        return scene_convergence(scene, values, bar[0], Announcer(bar[1]))
+        return scene_convergence(scene, values, *bar)
 
 
 def print_convergence(study: SceneConvergence, json_wanted: bool) -> None:

@@ -15,7 +15,6 @@ from longwave.runs.told_store import fetch_told
 from longwave.scenes.lattice_scene import LatticeScene
 from longwave.support.command_line import fail_for_memory, interrupted
 from longwave.support.console import plain_console, progress_bar
-from longwave.support.request_limits import Announcer
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -56,8 +55,8 @@ def run_with_bar(scene: LatticeScene, store: str | None) -> xr.Dataset:
     errors = plain_console(stderr=True, soft_wrap=True)
     with progress_bar(scene.name, f"{scene.name} to {scene.tolerance:g}", errors) as bar:
         if store is None:
-            return scene.run(bar[0], Announcer(bar[1]))
-        return fetch_told(store, scene, bar[0], Announcer(bar[1]))
+            return scene.run(*bar)
+        return fetch_told(store, scene, *bar)
 
 
 def print_lattice_run(run: xr.Dataset, scene: LatticeScene, console: Console) -> None:

@@ -62,8 +62,6 @@ def _finished_run(options: RunOptions) -> xr.Dataset:
 
 
 def _run_again(scene: Scene | LatticeScene, source: str) -> xr.Dataset:
-    from longwave.support.request_limits import Announcer
-
     errors = plain_console(stderr=True, soft_wrap=True)
-    with progress_bar(scene.name, f"{source} again", errors) as (advance, tell):
-        return any_scene.run(scene, advance, Announcer(tell))
+    with progress_bar(scene.name, f"{source} again", errors) as bar:
+        return any_scene.run(scene, *bar)

@@ -94,10 +94,10 @@ def _run_with_bar(scene: Scene, store: str | None) -> RunRecord:
     """Run a scene, or find its run in the store, with a bar where there is a terminal."""
     wanted = "" if scene.tolerance is None else f" to {scene.tolerance:g}"
     console = plain_console(stderr=True, soft_wrap=True)
-    with progress_bar(scene.name, f"{scene.name}{wanted}", console) as (advance, tell):
+    with progress_bar(scene.name, f"{scene.name}{wanted}", console) as bar:
         if store is None:
-            return record_with_trust(scene, advance, tell)
-        run = fetch_told(store, scene, advance, tell)
+            return record_with_trust(scene, *bar)
+        run = fetch_told(store, scene, *bar)
     variables: Variables = {
         str(name): (tuple(map(str, value.dims)), value.values, dict(value.attrs))
         for name, value in run.variables.items()

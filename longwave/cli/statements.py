@@ -26,8 +26,8 @@ from longwave.cli.verdicts import STYLES, summary
 from longwave.derive.algebra.formula_text import FormulaError
 from longwave.support.command_line import duration, fail, interrupted
 from longwave.support.console import check_output, finished, print_lines, table_console, tracked
-from longwave.support.open_end import say_open_end, spoke
 from longwave.support.processes import OutOfTime, ignore_interrupt, limit_memory, time_limit
+from longwave.support.slow_work import give_notice
 from longwave.verify.problem_file import StatedProblem, problem_texts
 from longwave.verify.proof.conditions import ConditionalVerdict, conditional_sentence
 from longwave.verify.proof.near_misses import SECONDS as HINT_SECONDS
@@ -154,7 +154,7 @@ def _problems(options: Options) -> list[StatedProblem]:
         texts = chosen(options.library)
     if texts:
         if len(texts) > MANY:
-            say_open_end(f"{len(texts)} statements to be read and decided")
+            give_notice(f"{len(texts)} statements to be read and decided")
         return [text.problem() for text in tracked(texts, len(texts), "reading")]
     statement = read_statement(
         options.equations,
@@ -175,9 +175,8 @@ def _limit(options: Options) -> float:
 
 
 def _say_late(count: int, seconds: float) -> None:
-    spoke()
-    words = f"{count} statement{'' if count == 1 else 's'} to be decided: at most"
-    print(f"{words} {duration(seconds)} more (Ctrl-C stops it)", file=sys.stderr, flush=True)
+    work = f"{count} statement{'' if count == 1 else 's'} to be decided"
+    give_notice(work, f"at most {duration(seconds)} more")
 
 
 # processes

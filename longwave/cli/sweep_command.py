@@ -22,7 +22,7 @@ from longwave.runs.sweep_workers import LocalWorkers, Workers, sweep_workers
 from longwave.runs.told_store import store_told
 from longwave.support.command_line import duration, fail, interrupted
 from longwave.support.console import plain_console, progress_bar
-from longwave.support.request_limits import Announcer, check_request, current_limits
+from longwave.support.request_limits import check_request, current_limits
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -134,13 +134,12 @@ def _run_with_bar(
     check_request(work, cost, f"take {fewer}fewer or cheaper cells")
     errors = plain_console(stderr=True, soft_wrap=True)
     with progress_bar(sweep.name, work.removesuffix(","), errors, perf_counter) as (advance, tell):
-        announce = Announcer(tell)
-        announce(cost.seconds)
+        tell(cost.seconds)
 
         def show(state: SweepState) -> None:
             advance((state.found + state.done) / state.cells)
             if state.done >= PACED * state.workers:
-                announce(state.seconds_left)
+                tell(state.seconds_left)
 
         run_sweep(sweep, store, workers, show, told, settled)
 

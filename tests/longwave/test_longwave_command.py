@@ -359,10 +359,10 @@ def test_no_command_of_the_process_stays_silent() -> None:
     """It is the words of the process that are watched, though they are handed on."""
     script = (
         "import sys, time\n"
-        "import longwave.support.open_end as open_end\n"
+        "import longwave.support.command_line as command_line\n"
         "import longwave.cli.inventory as inventory\n"
         "from longwave.__main__ import main\n"
-        "open_end.SILENT = 0.1\n"
+        "command_line.SILENT = 0.1\n"
         "inventory.print_tables = lambda *_: time.sleep(1.0)\n"
         "sys.argv = ['longwave', 'list']\n"
         "sys.exit(main())\n"
