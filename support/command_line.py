@@ -257,6 +257,6 @@ def one_line(message: object) -> str:
 def check_and_announce(
     work: str, seconds: float, memory: float = 0.0, cheaper: str = "take less at once"
 ) -> None:
-    """`announce` the work; TooMuchError if it takes more than the limits allow."""
+    """`announce` the work; OverBudgetError if it takes more than the limits allow."""
     check_request(work, ExpectedCost(seconds, memory), cheaper)
     announce(work, seconds)

@@ -1,4 +1,4 @@
-"""The notice that work takes long: beforehand where its seconds are known, and else while it runs."""
+"""The notice that work takes long: before it where its seconds are known, else while it runs."""
 
 import sys
 import threading

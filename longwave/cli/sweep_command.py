@@ -125,7 +125,7 @@ def _run_with_bar(
     expected: SweepCost,
     settled: Collection[str],
 ) -> None:
-    """Run it, announced; TooMuchError if it is expected to be beyond the limits."""
+    """Run it, announced; OverBudgetError if it is expected to be beyond the limits."""
     here = isinstance(workers, LocalWorkers)
     cost = expected.by(workers.count, together=here)
     work = f"{sweep.name}, {expected.words},"

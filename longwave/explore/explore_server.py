@@ -12,8 +12,8 @@ from contextlib import closing
 from typing import Any
 
 from longwave.support.command_line import fail, interrupted
-from longwave.support.slow_work import count_notice
 from longwave.support.request_limits import RequestLimits, current_limits
+from longwave.support.slow_work import count_notice
 
 HOST = "127.0.0.1"
 """The loopback: nothing outside this machine reaches it."""
