@@ -10,8 +10,8 @@ from rich.console import Console
 from rich.table import Table
 
 from longwave.runs.output_checkpoint import OutputCheckpoint
-from longwave.runs.rescue import fail_or_rescue
-from longwave.runs.told_store import fetch_told
+from longwave.runs.save_elsewhere import fail_or_save_elsewhere
+from longwave.runs.store_messages import fetch_with_messages
 from longwave.scenes.lattice_scene import LatticeScene
 from longwave.support.command_line import fail_for_memory, interrupted
 from longwave.support.console import plain_console, progress_bar
@@ -42,7 +42,7 @@ def run_lattice_and_print(scene: LatticeScene, options: RunOptions, program: str
     except KeyboardInterrupt:
         return interrupted(program, checkpoint.left("nothing was kept"))
     except (ValueError, OSError) as error:
-        return fail_or_rescue(error)
+        return fail_or_save_elsewhere(error)
     except MemoryError as error:
         return fail_for_memory(error)
     status = checkpoint.settle(lambda: run, options.force)
@@ -56,7 +56,7 @@ def run_with_bar(scene: LatticeScene, store: str | None) -> xr.Dataset:
     with progress_bar(scene.name, f"{scene.name} to {scene.tolerance:g}", errors) as bar:
         if store is None:
             return scene.run(*bar)
-        return fetch_told(store, scene, *bar)
+        return fetch_with_messages(store, scene, *bar)
 
 
 def print_lattice_run(run: xr.Dataset, scene: LatticeScene, console: Console) -> None:

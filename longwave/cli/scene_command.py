@@ -9,9 +9,9 @@ from rich.console import Console
 from rich.table import Table
 
 from longwave.runs.output_checkpoint import OutputCheckpoint
-from longwave.runs.rescue import check_run_output, fail_or_rescue, save_or_rescue
 from longwave.runs.run_file import names_a_run
-from longwave.runs.told_store import fetch_told
+from longwave.runs.save_elsewhere import check_run_output, fail_or_save_elsewhere, save_anywhere
+from longwave.runs.store_messages import fetch_with_messages
 from longwave.scenes.any_scene import load_scene
 from longwave.scenes.chain.expected_cost import check_cost
 from longwave.scenes.chain.recorders import Variables
@@ -67,7 +67,7 @@ def run_and_print(options: RunOptions, program: str) -> int:
         with keeping():
             status = 0
             if options.output is not None:
-                status = save_or_rescue(stop.record.dataset, options.output, options.force)
+                status = save_anywhere(stop.record.dataset, options.output, options.force)
             print_summary(stop.record, scene, plain_console())
         where = f" in {options.output}" if options.output and not status else ""
         count = f"{len(stop.record.reached)} snapshots are kept{where}"
@@ -75,7 +75,7 @@ def run_and_print(options: RunOptions, program: str) -> int:
     except KeyboardInterrupt:
         return interrupted(program, checkpoint.left("nothing was recorded yet"))
     except (ValueError, OSError) as error:
-        return fail_or_rescue(error)
+        return fail_or_save_elsewhere(error)
     except MemoryError as error:
         return fail_for_memory(error)
     status = checkpoint.settle(lambda: run.dataset, options.force)
@@ -97,7 +97,7 @@ def _run_with_bar(scene: Scene, store: str | None) -> RunRecord:
     with progress_bar(scene.name, f"{scene.name}{wanted}", console) as bar:
         if store is None:
             return record_with_trust(scene, *bar)
-        run = fetch_told(store, scene, *bar)
+        run = fetch_with_messages(store, scene, *bar)
     variables: Variables = {
         str(name): (tuple(map(str, value.dims)), value.values, dict(value.attrs))
         for name, value in run.variables.items()

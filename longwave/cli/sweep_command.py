@@ -11,15 +11,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from longwave.runs.rescue import BROKEN, check_run_output
 from longwave.runs.run_file import SWEPT, open_run
 from longwave.runs.run_pack import DONE
 from longwave.runs.run_store import RunStore
+from longwave.runs.save_elsewhere import BROKEN, check_run_output
+from longwave.runs.store_messages import store_messages
 from longwave.runs.sweep import SweepState, run_sweep, settled_keys
 from longwave.runs.sweep_cost import SweepCost, expected_sweep_cost
 from longwave.runs.sweep_file import Sweep, load_sweep
 from longwave.runs.sweep_workers import LocalWorkers, Workers, sweep_workers
-from longwave.runs.told_store import store_told
 from longwave.support.command_line import duration, fail, interrupted
 from longwave.support.console import plain_console, progress_bar
 from longwave.support.request_limits import check_request, current_limits
@@ -56,7 +56,7 @@ def sweep_and_print(options: SweepOptions, program: str) -> int:
 
     told = SweepState(0)
     try:
-        with store_told():
+        with store_messages():
             errors = plain_console(stderr=True, soft_wrap=True)
             with progress_bar("reading", "reading the sweep", errors):
                 sweep = load_sweep(options.sweep)

@@ -36,7 +36,7 @@ class _Lines(logging.Handler):
 
 
 @contextmanager
-def store_told() -> Iterator[None]:
+def store_messages() -> Iterator[None]:
     """Tell on the standard error what a store says while the body runs."""
     handler, level = _Lines(), LOG.level
     LOG.addHandler(handler)
@@ -53,9 +53,9 @@ def kept_in(store: str) -> str:
     return f"what was done is kept in {store}; the same command goes on"
 
 
-def fetch_told(
+def fetch_with_messages(
     folder: str, scene: Scene | LatticeScene, progress: Progress, announce: Announce
 ) -> xr.Dataset:
     """The scene's run from the store in the folder, made if it is not there; raises as `fetch`."""
-    with store_told():
+    with store_messages():
         return RunStore(folder).run(scene, progress, announce)
