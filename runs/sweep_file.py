@@ -54,6 +54,7 @@ from longwave.scenes.chain.scene_fields import (
     text,
     whole,
 )
+from longwave.support.known_names import one_of
 from longwave.support.user_files import shown
 
 MOST_CELLS = 1_000_000
@@ -157,8 +158,8 @@ def load_sweep(source: str | Path) -> Sweep:
         with as_file(FOLDER / f"{source}.toml") as found:
             return _read(found)
     raise ValueError(
-        f"sweep must be a TOML file or a shipped sweep, got {shown(str(source))} (one of "
-        f"{', '.join(shipped_sweeps())})"
+        f"sweep must be a TOML file or a shipped sweep, got {shown(str(source))} "
+        f"({one_of(source, shipped_sweeps())})"
     )
 
 

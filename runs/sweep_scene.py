@@ -17,6 +17,7 @@ from longwave.scenes.chain.scene_fields import read_document
 from longwave.scenes.lattice_scene import LatticeScene
 from longwave.scenes.lattice_scene_file import lattice_scene_fields, names_a_lattice
 from longwave.scenes.scene_disorder import Disorder
+from longwave.support.known_names import one_of
 from longwave.support.user_files import shown
 
 Document: TypeAlias = Mapping[str, Any]
@@ -80,7 +81,7 @@ def check_field(field: str, document: Document) -> None:
         "parameters.NAME",
         *(["constants.NAME"] if known is ANY_LATTICE else []),
     ]
-    raise ValueError(f"fields must be known ones, got {shown(field)} (one of {', '.join(names)})")
+    raise ValueError(f"fields must be known ones, got {shown(field)} ({one_of(field, names)})")
 
 
 def changed_document(document: Document, changes: Mapping[str, Any]) -> Document:

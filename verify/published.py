@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from difflib import get_close_matches
 from functools import cache
 from importlib.resources import as_file, files
 
 from rich.table import Table
 
 from longwave.support.console import table_console
+from longwave.support.known_names import did_you_mean
 from longwave.support.user_files import shown
 from longwave.verify.problem_file import ProblemText, problem_texts
 
@@ -46,8 +46,7 @@ def chosen(names: Sequence[str] = ()) -> list[ProblemText]:
     known = {word for text in published() for word in (text.name, text.equation_name)}
     for name in names:
         if name not in known:
-            like = ", ".join(get_close_matches(name, sorted(known), 5, 0.4))
-            remedy = f"did you mean {like}?" if like else "longwave list --library shows them"
+            remedy = did_you_mean(name, sorted(known)) or "longwave list --library shows them"
             words = "name must be of the library, a statement's or an equation's"
             raise ValueError(f"{words}, got {shown(name)} ({remedy})")
     return [

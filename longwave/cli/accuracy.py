@@ -22,6 +22,7 @@ from longwave.reports.studies.evaluation_accuracy import (
 )
 from longwave.support.command_line import check_and_announce, fail, interrupted
 from longwave.support.console import finished, table_console
+from longwave.support.known_names import one_of
 from longwave.support.processes import ignore_interrupt, pool_context, starting_workers, stopping
 from longwave.support.user_files import shown
 
@@ -46,8 +47,8 @@ def print_accuracy(
     drawn = DRAWN if drawn is None else drawn
     unknown = sorted(set(only) - set(wave_names()))
     if unknown:
-        names = ", ".join(wave_names())
-        return fail(f"--only must be a wave, got {unknown[0]} (one of {names})")
+        known = one_of(unknown[0], wave_names())
+        return fail(f"--only must be a wave, got {unknown[0]} ({known})")
     if not 1 <= jobs <= MOST_JOBS:
         return fail(
             f"--jobs must satisfy 1 <= --jobs <= {MOST_JOBS}, got {shown(jobs)} (2 is usual)"

@@ -14,7 +14,7 @@ from longwave.cli.run_words import complete_scenes, run, sweep
 from longwave.derive.__main__ import derive
 from longwave.reports.__main__ import report
 from longwave.support.command_line import (
-    Words,
+    CommandGroup,
     called_by,
     example,
     force_option,
@@ -48,7 +48,7 @@ def _completion(context: click.Context, _: click.Parameter, shell: str | None) -
 
 
 @click.group(
-    cls=Words,
+    cls=CommandGroup,
     context_settings={"help_option_names": ["-h", "--help"]},
     epilog=example("longwave run rogue_cn_k_0.5")
     + "\n\nExit status: 0 all is well, 1 something is refuted, undecided, missing or broke off, "

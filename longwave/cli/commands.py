@@ -9,7 +9,7 @@ from typing import Any
 import click
 
 from longwave.support.command_line import (
-    Words,
+    CommandGroup,
     called_by,
     example,
     force_option,
@@ -159,7 +159,7 @@ def _prove_names(names: tuple[str, ...], options: dict[str, Any]) -> int:
 
 
 @click.group(
-    cls=Words,
+    cls=CommandGroup,
     invoke_without_command=True,
     subcommand_metavar="[COMMAND [ARGS]...]",
     epilog=example("longwave verify --digits 30,50,100"),

@@ -20,6 +20,7 @@ from longwave.scenes.lattice_scene import (
     load_lattice_scene,
     shipped_lattice_scenes,
 )
+from longwave.support.known_names import one_of
 from longwave.support.user_files import shown
 
 if TYPE_CHECKING:
@@ -318,8 +319,8 @@ def _setting(wave: str, name: str | None) -> WaveSetting:
     for setting in found:
         if name in (None, setting.name):
             return setting
-    known = ", ".join(setting.name for setting in found)
-    raise ValueError(f"setting must be one of {wave}, got {shown(name)} (one of {known})")
+    known = one_of(name, [setting.name for setting in found])
+    raise ValueError(f"setting must be one of {wave}, got {shown(name)} ({known})")
 
 
 def scene_of_choices(choices: Chosen) -> AnyScene:
