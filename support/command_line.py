@@ -73,15 +73,21 @@ json_option = click.option("--json", "json_wanted", is_flag=True, help="Print JS
 
 
 class CommandGroup(click.Group):
-    """A group of commands, in the order in which they are declared; an unknown one is told together
-    with those."""
+    """A group of commands, in the order in which they are declared.
+
+    An unknown one is told together with those, and with what else to write, if that is given.
+    """
+
+    def __init__(self, *arguments: Any, otherwise: str = "", **options: Any) -> None:
+        super().__init__(*arguments, **options)
+        self._otherwise = f"; {otherwise}" if otherwise else ""
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
         """The command of the first argument; a UsageError lists the commands if it is none."""
         if self.get_command(ctx, args[0]) is None and not args[0].startswith("-"):
-            known = one_of(args[0], self.commands)
+            known = one_of(args[0], self.commands) + self._otherwise
             raise click.UsageError(f"COMMAND must be a known one, got {args[0]} ({known})")
         return super().resolve_command(ctx, args)
 
@@ -199,7 +205,7 @@ def _wrong(error: click.ClickException, called: str, argv: Sequence[str]) -> int
     if isinstance(error, click.NoSuchOption) and context is not None:
         message = f"no such option {error.option_name}"
         known = [name for parameter in context.command.params for name in parameter.opts]
-        instead = (context.obj or {}).get(error.option_name)
+        instead = context.command.context_settings.get("obj", {}).get(error.option_name)
         remedy = instead or did_you_mean(error.option_name, known)
     elif isinstance(error, click.BadParameter):
         choices = getattr(getattr(error.param, "type", None), "choices", ())

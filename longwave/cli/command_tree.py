@@ -1,4 +1,4 @@
-"""The words of the command line and their options: one tree, declared with click.
+"""The commands and their options: one tree, declared with click.
 
 Nothing of the rooms is imported before a command runs, so help and completion answer at once.
 """
@@ -9,7 +9,7 @@ from typing import Any
 import click
 from click.shell_completion import get_completion_class
 
-from longwave.cli.commands import check, prove, verify
+from longwave.cli.commands import check, library, prove, verify
 from longwave.cli.run_words import complete_scenes, run, sweep
 from longwave.derive.__main__ import derive
 from longwave.reports.__main__ import report
@@ -76,8 +76,8 @@ def longwave() -> None:
     """
 
 
-for word in (derive, prove, check, verify, run, sweep):
-    longwave.add_command(word)
+for command in (derive, prove, library, check, verify, run, sweep):
+    longwave.add_command(command)
 
 
 @longwave.command(epilog=example("longwave plot rogue_cn_k_0.5 --output rogue_cn.pdf"))
@@ -143,16 +143,16 @@ longwave.add_command(report)
 @force_option
 @json_option
 @limit_options
-def converge(**options: Any) -> int:
+def converge(scene: str, **options: Any) -> int:
     """Run a scene at several eps and fit its rate.
 
     SCENE is a TOML file that names a lattice, or a shipped scene of one (`longwave list
     lattice-scenes`). Slow times and the compared range of X stay what they are. The error of each
     run stands beside its own.
     """
-    from longwave.cli.lattice_plotting import ConvergeOptions, converge_and_draw
+    from longwave.cli.lattice_plotting import converge_and_draw
 
-    return converge_and_draw(ConvergeOptions(**options), called_by())
+    return converge_and_draw(scene, called_by(), **options)
 
 
 @longwave.command(epilog=example("longwave explore --no-browser --port 5006"))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -43,28 +42,25 @@ def convergence_figure(study: SceneConvergence) -> Figure:
     return figure
 
 
-@dataclass(frozen=True)
-class ConvergeOptions:
-    """Which scene, at which eps, to which tolerance; where it is drawn and how it is printed."""
-
-    scene: str = ""
-    eps: str | None = None
-    tolerance: float | None = None
-    output: str | None = None
-    force: bool = False
-    json_wanted: bool = False
-
-
-def converge_and_draw(options: ConvergeOptions, program: str) -> int:
+def converge_and_draw(
+    scene: str,
+    program: str,
+    *,
+    eps: str | None,
+    tolerance: float | None,
+    output: str | None,
+    force: bool,
+    json_wanted: bool,
+) -> int:
     """Run, print, and draw if asked; return the exit status: 0, 2 for wrong input, 130."""
     try:
-        check_output(options.output, "rate.png", force=options.force)
-        path = None if options.output is None else picture_path(options.output)
-        study = measured_convergence(options.scene, options.eps, options.tolerance)
+        check_output(output, "rate.png", force=force)
+        path = None if output is None else picture_path(output)
+        study = measured_convergence(scene, eps, tolerance)
         if path is not None:
             with styled():
                 save(convergence_figure(study), path)
-        print_convergence(study, options.json_wanted)
+        print_convergence(study, json_wanted)
     except KeyboardInterrupt:
         return interrupted(program, "nothing was kept")
     except (ValueError, OSError) as error:

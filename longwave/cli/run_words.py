@@ -51,7 +51,7 @@ def complete_scenes(_: click.Context, __: click.Parameter, begun: str) -> list[C
 )
 @click.option("--force", is_flag=True, help="Let --output overwrite an older run.")
 @limit_options
-def run(**options: Any) -> int:
+def run(scene: str, **options: Any) -> int:
     """Run the lattice from a wave and compare the two.
 
     SCENE is a TOML file or the name of a shipped scene (`longwave list scenes`, `longwave list
@@ -59,9 +59,9 @@ def run(**options: Any) -> int:
     a run: its scene is run again, and it is told whether that gave the same bits (exit status 0)
     or what differs (1).
     """
-    from longwave.cli.scene_command import RunOptions, run_and_print
+    from longwave.cli.scene_command import run_and_print
 
-    return run_and_print(RunOptions(**options), called_by())
+    return run_and_print(scene, called_by(), **options)
 
 
 def complete_sweeps(_: click.Context, __: click.Parameter, begun: str) -> list[CompletionItem]:
@@ -82,13 +82,13 @@ def complete_sweeps(_: click.Context, __: click.Parameter, begun: str) -> list[C
 )
 @click.option("--force", is_flag=True, help="Overwrite what is no result of this sweep, too.")
 @limit_options
-def sweep(**options: Any) -> int:
+def sweep(sweep: str, **options: Any) -> int:
     """Run a scene for many values of its fields.
 
     SWEEP is a TOML file that says which, or the name of a shipped sweep (`longwave list sweeps`).
     Runs are kept in a folder: the same command goes on where it was stopped. A cell that fails is
     recorded with its error.
     """
-    from longwave.cli.sweep_command import SweepOptions, sweep_and_print
+    from longwave.cli.sweep_command import sweep_and_print
 
-    return sweep_and_print(SweepOptions(**options), called_by())
+    return sweep_and_print(sweep, called_by(), **options)

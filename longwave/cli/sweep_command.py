@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Collection, Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING
@@ -32,25 +31,22 @@ PACED = 4
 """Cells of each worker by whose pace the rest is judged: the first ones wait for what is loaded."""
 
 
-@dataclass
-class SweepOptions:
-    """Which sweep, who runs it, where its runs are kept and where its numbers are written."""
+def sweep_and_print(
+    source: str,
+    program: str,
+    *,
+    processes: int | None = None,
+    scheduler: str | None = None,
+    store: str | None = None,
+    output: str | None = None,
+    force: bool = False,
+) -> int:
+    """Run a sweep, print how its cells ended, and write its data set to ``output``.
 
-    sweep: str = ""
-    processes: int | None = None
-    scheduler: str | None = None
-    store: str | None = None
-    output: str | None = None
-    force: bool = False
-
-
-def sweep_and_print(options: SweepOptions, program: str) -> int:
-    """Run a sweep, print how its cells ended, and write its data set.
-
-    Exit status 0, 1 if a cell did not come to its end or could not be written, 2 for bad input,
-    told in one line, and 130 after Ctrl-C, which ``program`` tells: what was done is in the store
-    then, and the same command goes on with what is missing. More than 5 s are announced, and 2 s
-    that nobody foresaw.
+    Its runs are kept in the folder ``store``. Exit status 0, 1 if a cell did not come to its end or
+    could not be written, 2 for bad input, told in one line, and 130 after Ctrl-C, which ``program``
+    tells: what was done is in the store then, and the same command goes on with what is missing.
+    More than 5 s are announced, and 2 s that nobody foresaw.
     """
     from longwave.runs.sweep_dataset import write_sweep
 
@@ -59,19 +55,19 @@ def sweep_and_print(options: SweepOptions, program: str) -> int:
         with store_messages():
             errors = plain_console(stderr=True, soft_wrap=True)
             with progress_bar("reading", "reading the sweep", errors):
-                sweep = load_sweep(options.sweep)
+                sweep = load_sweep(source)
                 told.cells = len(sweep)
-                output = options.output or f"{sweep.name}.nc"
+                output = output or f"{sweep.name}.nc"
                 check_run_output(output, force=True)
-                _check_overwriting(sweep, Path(output), options.force)
-                store = RunStore(Path(options.store or f"{sweep.name}.store"))
-                _check_apart(Path(output), Path(store.folder))
-                settled = settled_keys(store)
-                expected = expected_sweep_cost(sweep, store, settled)
-            with sweep_workers(options.processes, options.scheduler) as workers:
+                _check_overwriting(sweep, Path(output), force)
+                kept = RunStore(Path(store or f"{sweep.name}.store"))
+                _check_apart(Path(output), Path(kept.folder))
+                settled = settled_keys(kept)
+                expected = expected_sweep_cost(sweep, kept, settled)
+            with sweep_workers(processes, scheduler) as workers:
                 told.workers = workers.count
-                _run_with_bar(sweep, store, workers, told, expected, settled)
-            found = write_sweep(sweep, store, output)
+                _run_with_bar(sweep, kept, workers, told, expected, settled)
+            found = write_sweep(sweep, kept, output)
     except KeyboardInterrupt:
         return interrupted(program, _kept(told))
     except OSError as error:
@@ -84,7 +80,7 @@ def sweep_and_print(options: SweepOptions, program: str) -> int:
     console = plain_console(soft_wrap=True)
     for line in summary_lines(sweep, found, told):
         console.print(line)
-    console.print(f"written: {output}; runs: {store.folder}")
+    console.print(f"written: {output}; runs: {kept.folder}")
     return 0 if bool((found["status"] == DONE).all()) else 1
 
 

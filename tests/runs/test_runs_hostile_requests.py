@@ -69,7 +69,7 @@ def test_a_limit_is_raised_and_lowered_by_an_option(capsys: pytest.CaptureFixtur
     assert "must take at most 0.5 s, got about" in capsys.readouterr().err
     assert main(["run", "dimer_peregrine", "--max-memory", "100M"]) == 2
     assert "must fit 100 MB, got about" in capsys.readouterr().err
-    assert main(["prove", "rational_99"]) == 2
+    assert main(["verify", "--only", "rational_99"]) == 2
     assert "must take at most 60 min, got about" in capsys.readouterr().err
 
 
@@ -78,7 +78,7 @@ COMMANDS = (
     "run dimer_peregrine",
     "plot rogue_cn_k_0.5_long",
     "converge toda_soliton",
-    "prove rational_12",
+    "verify --only rational_12",
     "derive mass_dimer",
     "verify accuracy",
     "verify mutations",
