@@ -185,8 +185,9 @@ def _run(command: click.Command, program: str, called: str, argv: Sequence[str])
     except BrokenPipeError:
         _drop_output()
         return NO_READER
-    except OSError as error:
-        _drop_output()
+    except (ValueError, OSError) as error:
+        if isinstance(error, OSError) and error.filename is None:
+            _drop_output()
         return fail(error)
     except MemoryError:
         return fail("the request must fit the memory, got one that does not (make it smaller)")

@@ -118,8 +118,9 @@ def decide_and_print(
 ) -> int:
     """Decide the statements that are ``read``, of ``files`` if of any, and print the verdicts.
 
-    Returns 0 if all are proved or as expected, 1 if not, 2 for what cannot be read, 130 after
-    Ctrl-C, which ``program`` tells. Proofs are written as `ProofFile` does.
+    Returns 0 if all are proved or as expected, 1 if not, 2 for a wrong formula, which is shown, 130
+    after Ctrl-C, which ``program`` tells. Proofs are written as `ProofFile` does. Raises ValueError
+    and OSError for what else cannot be read or written.
     """
     try:
         proofs = ProofFile(output, system, force)
@@ -133,8 +134,6 @@ def decide_and_print(
         status = fail(error)
         print(error.picture, file=sys.stderr)
         return status
-    except (ValueError, OSError) as error:
-        return fail(error)
     decisions = [(problems[place], verdict) for place, verdict in found]
     _print(decisions, json_wanted, latex)
     if not complete:
@@ -154,7 +153,7 @@ def _decided(
 ) -> Iterator[tuple[int, StatementVerdict]]:
     """The verdicts by processes of this machine, or of a cluster."""
     if scheduler is None:
-        return decided(problems, limit, hinting=hinting, late=_say_late)
+        return decided(problems, limit, hinting=hinting, late=_announce_rest)
     from longwave.cli.cluster_verdicts import decided_on_cluster
 
     return decided_on_cluster(problems, limit, hinting, scheduler)
@@ -171,7 +170,7 @@ def _limit(given: float | None) -> float:
     return limit
 
 
-def _say_late(count: int, seconds: float) -> None:
+def _announce_rest(count: int, seconds: float) -> None:
     work = f"{count} statement{'' if count == 1 else 's'} to be decided"
     give_notice(work, f"at most {duration(seconds)} more")
 

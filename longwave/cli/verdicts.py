@@ -16,7 +16,7 @@ from rich.table import Table
 
 from longwave.cli.exporting import ProofFile
 from longwave.solutions.catalogue import CATALOGUE
-from longwave.support.command_line import check_and_announce, fail, interrupted
+from longwave.support.command_line import check_and_announce, interrupted
 from longwave.support.console import finished, print_lines, table_console, tracked
 from longwave.verify.evidence.mutations import MutationCount, count_mutants
 from longwave.verify.evidence.residual import Sampling, check_residual, scientific
@@ -73,24 +73,21 @@ def print_verdicts(
     """Decide the closed forms, all if none is named, and print the verdicts; the exit status.
 
     ``sampled`` may say ``digits`` (precisions with commas between), ``points`` and ``seed`` of the
-    residual. Proofs are written as `ProofFile` does. 0, 1 if any form does not stand, 2 for bad
-    options, 130 after Ctrl-C, which ``program`` tells.
+    residual. Proofs are written as `ProofFile` does. 0, 1 if any form does not stand, 130 after
+    Ctrl-C, which ``program`` tells. Raises ValueError for bad options, OSError as writing does.
     """
     names = tuple(dict.fromkeys(only)) or NAMES
     exact = {"--output": output, "--export": system, "--stable": stable}
     proofs = ProofFile(output, system, force)
-    try:
-        sampling = sampling_of(method, [name for name in exact if exact[name]], **sampled)
-        law = STABLE if stable else PROOF if sampling is None else RESIDUAL
-        expected = law.total(names) * (1.0 if sampling is None else _effort(sampling))
-        cheaper = "take a lower order, fewer forms or another method"
-        check_and_announce(f"{_noun(len(names))} to be checked", expected, cheaper=cheaper)
-        proofs.check()
-        work = _verdicts(names, stable, sampling)
-        found, complete = finished(tracked(work, len(names), "checking"))
-        proofs.write(_certificates(found))
-    except (ValueError, OSError) as error:
-        return fail(error)
+    sampling = sampling_of(method, [name for name in exact if exact[name]], **sampled)
+    law = STABLE if stable else PROOF if sampling is None else RESIDUAL
+    expected = law.total(names) * (1.0 if sampling is None else _effort(sampling))
+    cheaper = "take a lower order, fewer forms or another method"
+    check_and_announce(f"{_noun(len(names))} to be checked", expected, cheaper=cheaper)
+    proofs.check()
+    work = _verdicts(names, stable, sampling)
+    found, complete = finished(tracked(work, len(names), "checking"))
+    proofs.write(_certificates(found))
     if json_wanted:
         print(json.dumps([verdict.json() for verdict in found], indent=2))
     else:
@@ -234,14 +231,11 @@ def summary(verdicts: Sequence[Verdict], noun: str = "closed form") -> str:
 def print_mutations(only: Sequence[str], json_wanted: bool, program: str) -> int:
     """Decide all mutants of the forms (all if none is named) and print the counts.
 
-    Returns 0, 1 if any is undecided, 2 for a name that is none, 130 after Ctrl-C.
+    Returns 0, 1 if any is undecided, 130 after Ctrl-C. Raises ValueError for a name that is none.
     """
     names = only or list(CATALOGUE.names)
-    try:
-        named = f"the misprints of {', '.join(only or ['all forms'])}"
-        check_and_announce(named, MUTANTS.total(names), cheaper="take fewer forms, of lower order")
-    except ValueError as error:
-        return fail(error)
+    named = f"the misprints of {', '.join(only or ['all forms'])}"
+    check_and_announce(named, MUTANTS.total(names), cheaper="take fewer forms, of lower order")
     work = (count_mutants(named_form(name)) for name in names)
     counts, complete = finished(tracked(work, len(names), "refuting"))
     if json_wanted:

@@ -21,7 +21,6 @@ import longwave.cli.verdicts
 import longwave.derive.output.printout
 import longwave.reports.build
 from longwave.__main__ import main
-from longwave.cli import run_words
 from longwave.derive.__main__ import CONSTANTS
 from longwave.derive.models.lattices import FPUT_STRAIN
 from longwave.runs import load_run
@@ -147,10 +146,10 @@ def test_wrong_input_is_one_line_and_status_2(
 
 
 def test_what_is_declared_is_what_the_rooms_take() -> None:
-    assert run_words.ENGINES == ENGINES
+    assert tree.ENGINES == ENGINES
     assert tuple(str(constant) for constant in FPUT_STRAIN.constants) == CONSTANTS
     known = (*shipped_scenes(), *further_scenes(), *shipped_lattice_scenes())
-    assert run_words.scene_names() == sorted(known)
+    assert tree.scene_names() == sorted(known)
 
 
 NOTHING = (None, False, ())

@@ -104,7 +104,10 @@ def test_what_is_not_installed_is_said_and_never_accepted(
     assert "accepted" not in said.out
 
 
-def test_a_name_of_nothing_is_an_error(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_name_of_nothing_is_an_error_and_installs_nothing(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(recheck, "install_systems", lambda: pytest.fail("installed first"))
     assert main(["verify", "recheck", "--only", "no such wave"]) == 2
     assert "name must be of the library" in capsys.readouterr().err
 
