@@ -1,7 +1,6 @@
 """Names that are not known: which ones may have been meant, and which there are."""
 
 from collections.abc import Iterable
-from difflib import get_close_matches
 
 LOOKED_AT = 60
 """Characters of an unknown name that are compared."""
@@ -16,6 +15,8 @@ def did_you_mean(name: object, known: Iterable[str]) -> str:
     >>> did_you_mean("Kinck", ["wave_cn", "kink"]), did_you_mean("peakon", ["wave_cn", "kink"])
     ('did you mean kink?', '')
     """
+    from difflib import get_close_matches  # for errors alone
+
     plain = {text.lower(): text for text in known}
     close = get_close_matches(str(name)[:LOOKED_AT].lower(), plain, MOST)
     return f"did you mean {', '.join(plain[text] for text in close)}?" if close else ""

@@ -9,6 +9,8 @@ import time
 from collections.abc import Callable, Mapping
 from importlib import import_module
 
+from longwave.support.known_names import one_of
+
 BEGUN = time.time()
 """When the first room was imported: what runs is older."""
 
@@ -24,7 +26,7 @@ def lazy_face(
 
     def get(noun: str) -> object:
         if noun not in module_of:
-            known = "" if noun.startswith("_") else f"; it has {', '.join(sorted(module_of))}"
+            known = "" if noun.startswith("_") else f" ({one_of(noun, sorted(module_of))})"
             raise AttributeError(f"{room} has no noun {noun!r}{known}")
         value = getattr(import_module(module_of[noun]), noun)
         setattr(sys.modules[room], noun, value)

@@ -35,10 +35,10 @@ def published() -> tuple[ProblemText, ...]:
     return tuple(sorted(found, key=lambda text: text.equation_name.lower()))
 
 
-def chosen(names: Sequence[str] = ()) -> list[ProblemText]:
+def chosen(names: Sequence[str] = (), others: Sequence[str] = ()) -> list[ProblemText]:
     """The statements of these names or of the equations of these names; without names all.
 
-    Raises ValueError for a name that is neither, with those that are like it.
+    Raises ValueError for a name that is neither, with those, and ``others``, that are like it.
 
     >>> [text.name for text in chosen(["kdv_one_soliton"])]
     ['kdv_one_soliton']
@@ -46,7 +46,10 @@ def chosen(names: Sequence[str] = ()) -> list[ProblemText]:
     known = {word for text in published() for word in (text.name, text.equation_name)}
     for name in names:
         if name not in known:
-            remedy = did_you_mean(name, sorted(known)) or "longwave list --library shows them"
+            remedy = (
+                did_you_mean(name, (*sorted(known), *others))
+                or "longwave list --library shows them"
+            )
             words = "name must be of the library, a statement's or an equation's"
             raise ValueError(f"{words}, got {shown(name)} ({remedy})")
     return [

@@ -49,7 +49,7 @@ _export = click.option(
     "--export",
     "system",
     type=click.Choice(ALGEBRA_SYSTEMS),
-    help="Write scripts to --output in place of certificates.",
+    help="Write scripts for this system to --output, no certificates.",
 )
 
 

@@ -117,7 +117,7 @@ def proofs_of(names: Sequence[str] = ()) -> Proofs:
     found: Proofs = [(v.name, [v.certificate]) for v in verdicts if v.certificate is not None]
     rest = [name for name in names if name not in NAMES]
     if rest or not names:
-        problems = [text.problem() for text in chosen(rest)]
+        problems = [text.problem() for text in chosen(rest, NAMES)]
         stated = [p for p in problems if p.expect in ("", Outcome.PROVED)]
         for place, verdict in sorted(decided(stated), key=lambda pair: pair[0]):
             if verdict.outcome is Outcome.PROVED:

@@ -125,8 +125,9 @@ def decide_and_print(
     try:
         proofs = ProofFile(output, system, force)
         proofs.check(files)
+        seconds = _limit(limit)
         problems = read()
-        verdicts = _decided(problems, _limit(limit), hinting, scheduler)
+        verdicts = _decided(problems, seconds, hinting, scheduler)
         found, complete = finished(tracked(verdicts, len(problems), "deciding"))
         found.sort(key=lambda pair: pair[0])
         proofs.write([c for _, verdict in found for c in verdict.certificates])

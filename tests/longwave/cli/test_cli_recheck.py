@@ -110,6 +110,8 @@ def test_a_name_of_nothing_is_an_error_and_installs_nothing(
     monkeypatch.setattr(recheck, "install_systems", lambda: pytest.fail("installed first"))
     assert main(["verify", "recheck", "--only", "no such wave"]) == 2
     assert "name must be of the library" in capsys.readouterr().err
+    assert main(["verify", "recheck", "--only", "kinck"]) == 2
+    assert "(did you mean kink?)" in capsys.readouterr().err
 
 
 def test_a_statement_is_accepted_only_if_all_of_its_equations_are() -> None:
