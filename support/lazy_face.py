@@ -9,8 +9,6 @@ import time
 from collections.abc import Callable, Mapping
 from importlib import import_module
 
-from longwave.support.known_names import one_of
-
 BEGUN = time.time()
 """When the first room was imported: what runs is older."""
 
@@ -26,6 +24,8 @@ def lazy_face(
 
     def get(noun: str) -> object:
         if noun not in module_of:
+            from longwave.support.known_names import one_of
+
             known = "" if noun.startswith("_") else f" ({one_of(noun, sorted(module_of))})"
             raise AttributeError(f"{room} has no noun {noun!r}{known}")
         value = getattr(import_module(module_of[noun]), noun)
