@@ -19,7 +19,7 @@ from longwave.lattice.dynamics import dynamics_of
 from longwave.lattice.field_state import FieldState
 from longwave.lattice.model import Held, Model, State
 from longwave.lattice.numeric_lattice import NumericLattice
-from longwave.lattice.refine import TooDearError, refine
+from longwave.lattice.refine import refine
 from longwave.lattice.run_times import check_positive, checked_times
 from longwave.lattice.scheme_order import check_order
 from longwave.lattice.schemes import REDUCED_PHASE_6, SCHEMES, Scheme, check_step, stability_limit
@@ -35,6 +35,7 @@ from longwave.lattice.trial import (
     nudged,
     rounding_error,
 )
+from longwave.support.request_limits import OverBudgetError
 
 Array = NDArray[np.float64]
 Judged = Callable[[Array, Array, float], ArrayLike]
@@ -197,7 +198,7 @@ def _found(engine: RingSearch[Any], tolerance: float, times: Array) -> tuple[Tri
     check_positive("tolerance", tolerance, remedy)
     try:
         found = refine(engine, tolerance)
-    except TooDearError as dear:
+    except OverBudgetError as dear:
         raise ValueError(
             f"times must end before strains run away, got {times[-1]:g} ({dear.work:.1g} steps "
             "follow them so far; end earlier or take smaller strains)"

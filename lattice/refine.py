@@ -39,6 +39,7 @@ from longwave.lattice.trial import (
 )
 from longwave.support.checkpoint import branches
 from longwave.support.compiled.cores import usable_cores
+from longwave.support.request_limits import OverBudgetError
 
 Announce = Callable[[float], None]
 """Called with the seconds that the runs to come are expected to take, however few."""
@@ -81,14 +82,6 @@ by as little were seen to differ by less."""
 
 LEAST = 1e-5
 """Least share that an error is told as elsewhere: no run was looked at more closely."""
-
-
-class TooDearError(ValueError):
-    """The next runs would take ``work``, more than the engine is given."""
-
-    def __init__(self, work: float) -> None:
-        super().__init__(f"runs that take {work:.2g}")
-        self.work = work
 
 
 class StoppedSearch(KeyboardInterrupt):
@@ -383,11 +376,11 @@ class _Search:
     def _tell(self, missing: Collection[Choices]) -> None:
         """Announce runs that will take long, going by what those before them took.
 
-        Raises TooDearError for more than the engine is given.
+        Raises OverBudgetError for more than the engine is given.
         """
         asked = sum(map(self.engine.work, missing))
         if asked > self.engine.most_work:
-            raise TooDearError(asked)
+            raise OverBudgetError(f"runs that take {asked:.2g}", asked)
         spent = sum(trial.seconds for trial in self._done.values())
         work = sum(trial.work for trial in self._done.values())
         if work > 0.0:

@@ -21,6 +21,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from longwave.support.known_names import one_of
+
 Array = NDArray[np.float64]
 Exact = tuple[Fraction, ...]
 
@@ -444,5 +446,5 @@ def scheme_named(name: str) -> Scheme:
     for scheme in SCHEMES:
         if scheme.name == name:
             return scheme
-    known = ", ".join(scheme.name for scheme in SCHEMES)
-    raise ValueError(f"scheme must be a known one, got {name!r} (one of {known})")
+    known = one_of(name, [scheme.name for scheme in SCHEMES])
+    raise ValueError(f"scheme must be a known one, got {name!r} ({known})")

@@ -30,10 +30,10 @@ def report(output: Path, force: bool, full: bool, workers: int | None) -> int:
 
     It goes to the folder longwave-report in the working folder.
     """
-    from longwave.reports.build import ReportOptions, write_report
+    from longwave.reports.build import write_report
 
     processes = os.cpu_count() or 1 if workers is None else workers
-    return write_report(ReportOptions(output, force, full, processes), called_by())
+    return write_report(output, called_by(), force=force, full=full, workers=processes)
 
 
 def main(argv: Sequence[str] | None = None) -> int:

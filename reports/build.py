@@ -318,44 +318,35 @@ def write_source(found: Findings, folder: Path, full: bool, wrote: Callable[[], 
     return write(folder / SOURCE, source(content, found.evidence.scenes, full))
 
 
-@dataclass(frozen=True)
-class ReportOptions:
-    """The folder of a report, whether an older one is overwritten, what it holds, processes."""
-
-    output: Path
-    force: bool = False
-    full: bool = False
-    workers: int = 1
-
-    def check(self) -> None:
-        """Raise ValueError, before anything is computed, if it cannot or may not be written."""
-        if self.workers < 1:
-            raise ValueError(f"workers must be at least 1, got {self.workers} (2 is usual)")
-        if not self.force and (self.output / SOURCE).exists():
-            raise ValueError(
-                f"--output must name a folder without a report, got {self.output}, which has one "
-                "(--force overwrites it)"
-            )
-        self.output.mkdir(parents=True, exist_ok=True)
-        check_output(str(self.output / SOURCE), force=True)
+def _check_folder(output: Path, force: bool) -> None:
+    """Raise ValueError, before anything is computed, if no report can or may be written there."""
+    if not force and (output / SOURCE).exists():
+        raise ValueError(
+            f"--output must name a folder without a report, got {output}, which has one "
+            "(--force overwrites it)"
+        )
+    output.mkdir(parents=True, exist_ok=True)
+    check_output(str(output / SOURCE), force=True)
 
 
-def write_report(options: ReportOptions, program: str) -> int:
-    """Build the report in a folder; ``program`` is what Ctrl-C is told by.
+def write_report(output: Path, program: str, *, force: bool, full: bool, workers: int) -> int:
+    """Build the report in a folder, if ``full`` with long scenes; Ctrl-C is told by ``program``.
 
     Returns 0, 1 if a check, a run or LaTeX failed, 2 for bad input, 130 after Ctrl-C.
     """
-    console, output = plain_console(), options.output
+    console = plain_console()
     try:
-        options.check()
+        if workers < 1:
+            raise ValueError(f"workers must be at least 1, got {workers} (2 is usual)")
+        _check_folder(output, force)
         scenes = report_scenes()
-        jobs = all_jobs(scenes, options.full)
-        cost = report_cost(jobs, options.workers)
+        jobs = all_jobs(scenes, full)
+        cost = report_cost(jobs, workers)
         check_request("the report", cost, "take fewer --workers or no --full")
         missing = _missing_engine(console)
         will_keep(f"what was written is in {shown(output)}")
         announce("the report", cost.seconds)
-        tex, sound = build(options, scenes, jobs, console)
+        tex, sound = build(output, scenes, jobs, console, full, workers)
         if missing:
             return 1
         pdf = compile_pdf(tex)
@@ -381,7 +372,12 @@ def _missing_engine(console: Console) -> bool:
 
 
 def build(
-    options: ReportOptions, scenes: Mapping[str, Scene], jobs: Mapping[Key, Job], console: Console
+    output: Path,
+    scenes: Mapping[str, Scene],
+    jobs: Mapping[Key, Job],
+    console: Console,
+    full: bool,
+    workers: int,
 ) -> tuple[Path, bool]:
     """Do the jobs on the scenes; write figures, tables and source below the folder.
 
@@ -390,16 +386,14 @@ def build(
     figures = len(SNAPSHOT_FIGURES) + len(ERROR_FIGURES) + STUDY_FIGURES + CHAPTER_FIGURES
     with bars(console) as bar:
         working = bar.add_task("proving and running", total=1.0)
-        found = find(
-            scenes, jobs, options.workers, lambda share: bar.update(working, completed=share)
-        )
+        found = find(scenes, jobs, workers, lambda share: bar.update(working, completed=share))
         drawing = bar.add_task("drawing", total=figures)
-        for _ in write_figures(found, options.output):
+        for _ in write_figures(found, output):
             bar.advance(drawing)
         writing = bar.add_task(
             "writing", total=len(TABLES) + len(STUDY_TABLES) + len(CHAPTER_TABLES)
         )
-        tex = write_source(found, options.output, options.full, partial(bar.advance, writing))
+        tex = write_source(found, output, full, partial(bar.advance, writing))
     return tex, found.sound
 
 

@@ -3,6 +3,8 @@ r"""The paper's own numbers: of its equations, figures and sections by their lab
 Numbers are those that LaTeX gives the paper's source, in which equations are numbered through.
 """
 
+from longwave.support.known_names import one_of
+
 EQUATIONS = (
     "standard mKdV", "FPUT lattice in displacement", "(3)", "FPUT in strain",
     "ldr of the FPUT lattice", "positive branch ldr", "multi-scale variables",
@@ -70,5 +72,5 @@ def cited(label: str) -> str:
         return f"fig.~{FIGURES.index(label) + 1}"
     if label in SECTIONS:
         return f"sec.~{SECTIONS[label]}"
-    known = ", ".join((*EQUATIONS, *UNNUMBERED, *FIGURES, *SECTIONS))
-    raise ValueError(f"label must be one of the paper's, got {label!r} (one of: {known})")
+    known = one_of(label, (*EQUATIONS, *UNNUMBERED, *FIGURES, *SECTIONS))
+    raise ValueError(f"label must be one of the paper's, got {label!r} ({known})")

@@ -7,9 +7,9 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from longwave.runs.rescue import save_or_rescue
 from longwave.runs.run_store import run_key, runs_its_sources
-from longwave.runs.told_store import kept_in, store_told
+from longwave.runs.save_elsewhere import save_anywhere
+from longwave.runs.store_messages import kept_in, store_messages
 from longwave.support.checkpoint import kept_by
 from longwave.support.checkpoint_folder import LEAST, SHARE, CheckpointFolder, run_stamp
 
@@ -48,7 +48,7 @@ class OutputCheckpoint:
             yield
             return
         self._folder = CheckpointFolder(self._place, run_stamp(run_key(scene)), *PACE)
-        with store_told(), kept_by(self._folder):
+        with store_messages(), kept_by(self._folder):
             self._folder.tell(scene.name)
             yield
 
@@ -67,9 +67,9 @@ class OutputCheckpoint:
         """Write what is ``made`` of the run to the output, if there is one, and remove them.
 
         This comes before the run is printed: nobody may read that. Returns the exit status, as
-        `save_or_rescue` does; without an output nothing is made.
+        `save_anywhere` does; without an output nothing is made.
         """
-        status = 0 if self._output is None else save_or_rescue(made(), self._output, force)
+        status = 0 if self._output is None else save_anywhere(made(), self._output, force)
         if status == 0 and self._folder is not None:
             self._folder.clear()
         return status

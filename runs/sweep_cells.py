@@ -32,7 +32,12 @@ from longwave.runs.run_pack import (
 from longwave.runs.run_store import RunStore, UnkeptRunError, runs_its_sources
 from longwave.runs.worker_code import check_code
 from longwave.support.compiled.cores import keep_to_one_core
-from longwave.support.request_limits import RequestLimits, TooMuchError, request_limits
+from longwave.support.request_limits import (
+    Cancelled,
+    OverBudgetError,
+    RequestLimits,
+    request_limits,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -69,10 +74,6 @@ class Batch:
 
 class StoppedWorker(BaseException):
     """The worker is to end; what catches every Exception does not catch this."""
-
-
-class LongCell(Exception):
-    """A cell that is expected to take ``LONG`` or more."""
 
 
 def run_cells(
@@ -164,18 +165,18 @@ def run_cell(cell: Cell, store: RunStore | None = None) -> CellRecord:
 
     def told(seconds: float) -> None:
         if store is not None and seconds >= LONG:
-            raise LongCell
+            raise Cancelled
 
     try:
         try:
             run = named_scenes.run(cell.scene, announce=told)
-        except LongCell:
+        except Cancelled:
             assert store is not None
             alone = True
             run = load_run(store.fetch(cell.scene))
     except UnkeptRunError as error:
         run, alone = error.run, False
-    except TooMuchError as error:  # the next attempt may be allowed more
+    except OverBudgetError as error:  # the next attempt may be allowed more
         return CellRecord(cell.key, FAILED, _line(error))
     except ValueError as error:
         changed = alone and not runs_its_sources()  # which the store refuses, and not the scene

@@ -49,6 +49,7 @@ from longwave.runs.sweep_scene import (
 from longwave.scenes.scene import Scene
 from longwave.scenes.scene_checks import finite, text, whole
 from longwave.scenes.scene_file import read_document, refuse_unknown, table
+from longwave.support.known_names import one_of
 from longwave.support.user_files import shown
 
 MOST_CELLS = 1_000_000
@@ -152,8 +153,8 @@ def load_sweep(source: str | Path) -> Sweep:
         with as_file(FOLDER / f"{source}.toml") as found:
             return _read(found)
     raise ValueError(
-        f"sweep must be a TOML file or a shipped sweep, got {shown(str(source))} (one of "
-        f"{', '.join(shipped_sweeps())})"
+        f"sweep must be a TOML file or a shipped sweep, got {shown(str(source))} "
+        f"({one_of(source, shipped_sweeps())})"
     )
 
 

@@ -21,6 +21,7 @@ from longwave.scenes.scene_file import (
     read_document,
     scene_fields,
 )
+from longwave.support.known_names import one_of
 from longwave.support.user_files import shown
 
 Document: TypeAlias = Mapping[str, Any]
@@ -87,7 +88,7 @@ def check_field(field: str) -> None:
         ),
         *(f"{name}.NAME" for name in PAIRS),
     ]
-    raise ValueError(f"fields must be known ones, got {shown(field)} (one of {', '.join(names)})")
+    raise ValueError(f"fields must be known ones, got {shown(field)} ({one_of(field, names)})")
 
 
 def changed_document(document: Document, changes: Mapping[str, Any]) -> Document:

@@ -19,7 +19,7 @@ from longwave.verify.proof.text_prover import prove
 from longwave.verify.published import published
 from searches.forged_proofs import Data, Proof, signed
 from searches.random_texts import ONE_PLACE, RandomText, condition, points
-from searches.text_balls import TextBalls, Unsaid, words
+from searches.text_balls import CannotJudge, TextBalls, words
 
 Texts = Mapping[str, Sequence[str]]
 
@@ -70,7 +70,7 @@ def shown_false(rng: Random, texts: Texts) -> bool:
             try:
                 seen += not balls.value(text, point).contains(0)
                 break
-            except (Unsaid, LookupError, ValueError, TypeError, AttributeError):
+            except (CannotJudge, LookupError, ValueError, TypeError, AttributeError):
                 continue
         if seen >= SEEN:
             return True

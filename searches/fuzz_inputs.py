@@ -77,7 +77,7 @@ def problem(draw: Random) -> FuzzCase:
     if draw.random() < 0.3:
         words.append(draw.choice(["--latex", "--json"]))
     if draw.random() < 0.1:
-        words += ["--certificate", draw.choice(outputs())]
+        words += ["--output", draw.choice(outputs())]
     return FuzzCase("problem", tuple(words), {"hostile.toml": content})
 
 
@@ -99,9 +99,7 @@ def certificate(draw: Random) -> FuzzCase:
         content = changed_bytes(draw, content)
     words = ["check", "hostile.json"]
     if draw.random() < 0.2:
-        words = ["prove", "--certificate", "hostile.json"]
-        if draw.random() < 0.5:
-            words += ["--export", draw.choice(["pari", "maxima", "coq"]), "--output", "s.txt"]
+        words += ["--export", draw.choice(["pari", "maxima", "coq"]), "--output", "s.txt"]
     if draw.random() < 0.3:
         words.append("--json")
     return FuzzCase("certificate", tuple(words), {"hostile.json": content})
@@ -220,7 +218,7 @@ def commands() -> tuple[tuple[tuple[str, ...], click.Command], ...]:
     return tuple(below((), longwave))
 
 
-LASTING = ("report", "explore", "recheck", "verify")
+LASTING = ("report", "explore", "recheck", "verify", "library")
 """Commands that take long or until they are stopped; drawn less often."""
 
 

@@ -109,7 +109,7 @@ def warm_up() -> None:
         for line in (
             *("list", "derive lattice.toml", "derive mass_dimer --envelope k=pi", "derive toda"),
             *("run small.toml", "run toda_soliton --output run.nc", "run rogue_cn_k_0.5"),
-            *("prove kink --output c.json", "check c.json"),
+            *("verify --only kink --output c.json", "check c.json"),
             *("prove problems.toml --limit 5", "plot small.toml --output picture.png"),
             *("verify --only kink --method residual", "list waves", "doctor"),
         ):

@@ -34,7 +34,7 @@ from longwave.verify.proof.statement_text import read_statement as typed_stateme
 from longwave.verify.proof.typed_balls import TypedBalls
 from searches.false_certificates import false_certificates
 from searches.random_texts import ONE_PLACE, RandomText, condition, points
-from searches.text_balls import BITS, TextBalls, Unsaid, Values, words
+from searches.text_balls import BITS, CannotJudge, TextBalls, Values, words
 
 Texts = dict[str, list[str]]
 Found = Iterator[tuple[str, str]]
@@ -215,7 +215,7 @@ def reading(rng: Random) -> Found:
         for text, their in zip(own, theirs, strict=True):
             try:
                 mine = balls.value(text, real)
-            except Unsaid:
+            except CannotJudge:
                 continue
             if their.is_finite():
                 yield (
@@ -243,7 +243,7 @@ def trees_against(trees: TypedBalls | None, balls: TextBalls, texts: Texts, poin
     try:
         mine = [balls.value(text, point) for text in texts["equations"]]
         theirs = list(trees.residuals(exact, BITS))
-    except (*ERRORS, Unsaid):
+    except (*ERRORS, CannotJudge):
         return
     for text, own, other in zip(texts["equations"], mine, theirs, strict=True):
         yield "trees", "" if own.overlaps(other) else line(own, other, text, texts, point)
@@ -277,7 +277,7 @@ def signs(rng: Random) -> Found:
         for point in inside:
             try:
                 value = balls.value(text, point)
-            except Unsaid:
+            except CannotJudge:
                 continue
             yield kind, "" if test(value) else line(kind, text, value, texts["domain"], point)
     yield from denominators(rng, nodes, statement, scope, parts, (balls, inside))
@@ -379,7 +379,7 @@ def denominators(
         try:
             if balls.value(below, point).contains(0):
                 zeros.add(point["n"] if of_sites else tuple(point.values()))
-        except Unsaid:
+        except CannotJudge:
             continue
         failed = len(zeros) > (DEGREE_IN_N if of_sites else 2)
         yield "denominator", line(below, statement.domain, point) if failed else ""

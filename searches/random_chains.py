@@ -18,6 +18,7 @@ from longwave.lattice.field_state import FieldState
 from longwave.lattice.force_program import ForceProgram
 from longwave.lattice.integration import Judged, integrate
 from longwave.lattice.numeric_lattice import Entry, NumericBond, NumericLattice
+from longwave.support.request_limits import Cancelled
 
 Array = NDArray[np.float64]
 Random = np.random.Generator
@@ -182,10 +183,6 @@ def _apart(one: Array, other: Array) -> float:
     return found if math.isfinite(found) else math.inf
 
 
-class _TooDearError(Exception):
-    """The reference takes too long."""
-
-
 def reference(case: ChainCase, rtol: float) -> Array | None:
     """Fields at the times; None where DOP853 gives up."""
     from scipy.integrate import solve_ivp
@@ -196,7 +193,7 @@ def reference(case: ChainCase, rtol: float) -> Array | None:
         nonlocal calls
         calls += 1
         if calls > DEAREST:
-            raise _TooDearError
+            raise Cancelled
         f, v = both.reshape(2, *shape)
         return np.concatenate([v.ravel(), case.lattice.acceleration(f).ravel()])
 
@@ -210,7 +207,7 @@ def reference(case: ChainCase, rtol: float) -> Array | None:
                 solved = solve_ivp(
                     rate, (0.0, gap), both, "DOP853", rtol=rtol, atol=0.1 * rtol * unit
                 )
-        except _TooDearError:
+        except Cancelled:
             return None
         if not solved.success:
             return None

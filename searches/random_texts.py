@@ -7,7 +7,7 @@ from random import Random
 
 from flint import fmpq
 
-from searches.text_balls import TextBalls, Unsaid, Values, symbols, words
+from searches.text_balls import CannotJudge, TextBalls, Values, symbols, words
 
 KINDS = ("integer", "complex", "real", "nonzero")
 ONE_PLACE = (
@@ -141,7 +141,7 @@ def points(
             if all(balls.holds(text, point) for text in chains):
                 yield point
                 count -= 1
-        except Unsaid:
+        except CannotJudge:
             continue
         if not count:
             return

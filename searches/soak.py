@@ -30,11 +30,12 @@ from numpy.typing import NDArray
 
 from longwave.reports.studies.estimate_scenes import random_scene
 from longwave.reports.studies.estimates import ANSWER_SECONDS, judge_scene, warm_up
-from longwave.scenes.chain import run
+from longwave.scenes.chain.scene_run import run
 from longwave.scenes.lattice_run import run_lattice_scene
 from longwave.scenes.scene import Scene
 from longwave.scenes.sideband_growth import measure_growth
 from longwave.support.processes import OutOfTime, time_limit
+from longwave.support.request_limits import Cancelled
 from searches.soak_scenes import soak_scene
 
 BUDGET = 2.0
@@ -48,10 +49,6 @@ LATE = 3.0
 
 LEAST = 1e-11
 SAID = 60.0
-
-
-class TooDearError(Exception):
-    """The scene says that it will take long."""
 
 
 class Measured(NamedTuple):
@@ -125,7 +122,7 @@ def _of_lattice(seed: int, index: int, judging: bool) -> tuple[str, str, bool]:
         work = partial(_run, scene, found, BUDGET)
         try:
             ending, reason = _ended(work)
-        except TooDearError:
+        except Cancelled:
             continue
         if ending != "result" or not judging:
             return ending, reason, False
@@ -136,7 +133,7 @@ def _of_lattice(seed: int, index: int, judging: bool) -> tuple[str, str, bool]:
 def _run(scene: Scene, found: list[Measured], budget: float) -> tuple[str, str]:
     def announce(seconds: float) -> None:
         if seconds > budget:
-            raise TooDearError
+            raise Cancelled
 
     found.append(_measured(scene, announce))
     return _within(found[-1].estimate, scene.target.tolerance)
@@ -157,7 +154,7 @@ def _judged(scene: Scene, first: Measured) -> tuple[str, str, bool]:
     found: list[Measured] = []
     try:
         ending, _ = _ended(lambda: _run(tighter, found, 10.0 * BUDGET))
-    except TooDearError:
+    except Cancelled:
         return "result", "", False
     if ending != "result":
         return "result", "", False
@@ -173,8 +170,6 @@ def _ended(work: Callable[[], tuple[str, str]], limit: float = ANSWER_SECONDS) -
         with time_limit(limit), warnings.catch_warnings():
             warnings.simplefilter("ignore")
             return work()
-    except TooDearError:
-        raise
     except ValueError as error:
         return ("no answer" if "\n" in str(error) else "refused"), str(error)
     except OutOfTime:

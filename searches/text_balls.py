@@ -2,7 +2,7 @@
 
 It shares nothing with the kernel but FLINT.  Every function is written in exp, log, sqrt and theta
 functions, by the definitions in ``docs/trust.md``; a derivative is a coefficient of the power
-series along its variable.  What has no sharp value raises `Unsaid`.
+series along its variable.  What has no sharp value raises `CannotJudge`.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ Value = Any
 Values = Mapping[str, Value]
 
 
-class Unsaid(ValueError):
+class CannotJudge(ValueError):
     """A text has no value at a point, or none that is known sharply enough."""
 
 
@@ -67,7 +67,7 @@ class TextBalls:
                     return _sharp(left - right)
                 return _sharp(Walk(self, found, values).whole())
         except (ZeroDivisionError, OverflowError, RecursionError) as error:
-            raise Unsaid(str(error)) from error
+            raise CannotJudge(str(error)) from error
 
     def holds(self, text: str, values: Values) -> bool:
         """Whether a chain of inequalities is shown to hold strictly; != says nothing."""
@@ -176,7 +176,7 @@ class Walk:
         """D_1 ... D_k f is a sum over subsets of +-(D_a + D_b + ...)**k f / k!."""
         order = len(steps)
         if any(isinstance(value, acb_series) for value in self._values.values()):
-            raise Unsaid("a derivative in a derivative")
+            raise CannotJudge("a derivative in a derivative")
         if len(set(steps)) == 1:
             return self._along(inner, {steps[0]: 1}, order)
         total = acb(0)
@@ -204,7 +204,7 @@ def _ball(value: Value) -> Value:
 
 def _sharp(value: acb) -> acb:
     if not value.is_finite() or value.rad() > 2.0**-50 * (1 + float(abs(value).mid())):
-        raise Unsaid("a value is not sharp")
+        raise CannotJudge("a value is not sharp")
     return value
 
 
@@ -216,7 +216,7 @@ def head(value: Value) -> acb:
 def inverse(value: Value) -> Value:
     """1 over a value that is not 0."""
     if head(value).contains(0):
-        raise Unsaid("1/0")
+        raise CannotJudge("1/0")
     return 1 / value
 
 
@@ -238,7 +238,7 @@ def log(value: Value) -> Value:
     """The principal logarithm, off its cut or exactly on it."""
     first = head(value)
     if first.contains(0) or (first.real < 0 and first.imag.contains(0) and first.imag != 0):
-        raise Unsaid("a logarithm on its cut")
+        raise CannotJudge("a logarithm on its cut")
     return value.log()
 
 
@@ -320,7 +320,7 @@ FUNCTIONS = {
 def jacobi(name: str, z: Value, m: Value) -> Value:
     """A Jacobi function of a number m, 0 < m < 1, by theta functions and their series."""
     if not isinstance(m, acb) or not (m.imag == 0 and 0 < m.real < 1):
-        raise Unsaid("m must be a number between 0 and 1")
+        raise CannotJudge("m must be a number between 0 and 1")
     first, second = m.elliptic_k(), m.elliptic_e()
     tau = I * (1 - m).elliptic_k() / first
     scaled = z / (2 * first)

@@ -17,7 +17,7 @@ from longwave.verify.proof.text_prover import prove
 from longwave.verify.verdict import Outcome, ProofVerdict
 from searches.statements.library import statement
 from searches.statements.random_statement import RandomStatement, Truth
-from searches.texts.ball_judge import Judge, Unsaid
+from searches.texts.ball_judge import CannotJudge, Judge
 from searches.texts.text_library import TEXT_KINDS, text_statement
 from searches.texts.text_statement import TextStatement
 from searches.verdict_search import LIMIT, Judgement, Mark, judge, marked_answer
@@ -80,7 +80,7 @@ def _witnessed(given: TextStatement, witness: dict[str, str]) -> tuple[Mark, str
         return Mark.WRONG, f"REFUTED at {witness}, which is not in the domain"
     try:
         fails = Judge(given).fails_at(point)
-    except Unsaid as reason:
+    except CannotJudge as reason:
         return Mark.UNJUDGED, f"REFUTED at {witness}; the judge cannot say: {reason}"
     if not fails:
         return Mark.WRONG, f"REFUTED at {witness}, where the residual is 0 as far as can be seen"

@@ -157,9 +157,10 @@ def closed_form(name: str, parameters: Iterable[str] = ()) -> "ClosedForm":
         return rational(int(match[1]), shifts)
     if is_printed:
         return _made(name)
+    from longwave.support.known_names import one_of
     from longwave.support.user_files import shown
 
     raise ValueError(
         f"name must be a closed form of the catalogue, got {shown(name)} "
-        f"(one of {', '.join(CATALOGUE.names)}; rational_<j> for j up to {LARGEST_ORDER})"
+        f"({one_of(name, CATALOGUE.names)}; rational_<j> for j up to {LARGEST_ORDER})"
     )

@@ -19,7 +19,7 @@ from longwave.support.interruption import (
     interruptible,
     was_interrupted,
 )
-from longwave.support.open_end import speaking_up, spoke
+from longwave.support.known_names import did_you_mean, one_of
 from longwave.support.request_limits import (
     LONG,
     USUAL_SECONDS,
@@ -29,6 +29,7 @@ from longwave.support.request_limits import (
     duration,
     request_limits,
 )
+from longwave.support.slow_work import SILENT, announce, notice_when_silent
 from longwave.support.user_files import printable
 
 __all__ = [
@@ -36,7 +37,7 @@ __all__ = [
     "LONG",
     "NO_READER",
     "WRONG",
-    "Words",
+    "CommandGroup",
     "announce",
     "called_by",
     "check_and_announce",
@@ -61,7 +62,7 @@ NO_READER = 141
 QUOTED, LONGEST = 200, 4000
 """Most characters of the input that an error quotes, and of an error with all that it lists."""
 
-_WORDS = "longwave.words"
+_ARGV = "longwave.argv"
 
 Wrapped = TypeVar("Wrapped", bound=Callable[..., Any])
 
@@ -71,20 +72,27 @@ force_option = click.option(
 json_option = click.option("--json", "json_wanted", is_flag=True, help="Print JSON.")
 
 
-class Words(click.Group):
-    """A group whose unknown word is told together with the known ones."""
+class CommandGroup(click.Group):
+    """A group of commands, in the order in which they are declared.
+
+    An unknown one is told together with those, and with what else to write, if that is given.
+    """
+
+    def __init__(self, *arguments: Any, otherwise: str = "", **options: Any) -> None:
+        super().__init__(*arguments, **options)
+        self._otherwise = f"; {otherwise}" if otherwise else ""
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        """Find the command of the first word; a UsageError lists the words if it is none."""
+        """The command of the first argument; a UsageError lists the commands if it is none."""
         if self.get_command(ctx, args[0]) is None and not args[0].startswith("-"):
-            known = ", ".join(self.commands)
-            raise click.UsageError(f"COMMAND must be a known one, got {args[0]} (one of {known})")
+            known = one_of(args[0], self.commands) + self._otherwise
+            raise click.UsageError(f"COMMAND must be a known one, got {args[0]} ({known})")
         return super().resolve_command(ctx, args)
 
     def list_commands(self, ctx: click.Context) -> list[str]:
-        """The words in the order in which they are declared."""
+        """The names of the commands."""
         return list(self.commands)
 
 
@@ -147,38 +155,39 @@ def called_by() -> str:
 
 
 def run_words(command: click.Command, program: str, argv: Sequence[str] | None = None) -> int:
-    """Run a command (by default on the words of the command line); return its exit status.
+    """Run a command (by default on the arguments of the process); return its exit status.
 
     0 if all is well; 1 if something is refuted, undecided, rejected, missing or did not come to its
     end; 2 for wrong input, told in one line; 130 after Ctrl-C; 141 if the reader of the output has
-    gone. The process is watched for silence and Ctrl-C as a whole if the words are its own.
+    gone. The process is watched for silence and Ctrl-C as a whole if they are its own.
     """
-    words = list(sys.argv[1:] if argv is None else argv)
+    arguments = list(sys.argv[1:] if argv is None else argv)
     known = command.commands if isinstance(command, click.Group) else ()
-    called = f"{program} {words[0]}" if words and words[0] in known else program
+    called = f"{program} {arguments[0]}" if arguments and arguments[0] in known else program
     call_it(called)
     whole = argv is None
-    with speaking_up(called) if whole else nullcontext():
-        return interruptible(called, lambda: _run(command, program, called, words), whole)
+    with notice_when_silent(called, SILENT) if whole else nullcontext():
+        return interruptible(called, lambda: _run(command, program, called, arguments), whole)
 
 
-def _run(command: click.Command, program: str, called: str, words: Sequence[str]) -> int:
+def _run(command: click.Command, program: str, called: str, argv: Sequence[str]) -> int:
     try:
-        with command.make_context(program, [*words], help_option_names=["-h", "--help"]) as context:
-            context.meta[_WORDS] = words
+        with command.make_context(program, [*argv], help_option_names=["-h", "--help"]) as context:
+            context.meta[_ARGV] = argv
             status = command.invoke(context)
         sys.stdout.flush()
     except click.exceptions.Exit as stop:
         return stop.exit_code
     except click.ClickException as error:
-        return _wrong(error, called, words)
+        return _wrong(error, called, argv)
     except (click.Abort, KeyboardInterrupt):
         return interrupted(called)
     except BrokenPipeError:
         _drop_output()
         return NO_READER
-    except OSError as error:
-        _drop_output()
+    except (ValueError, OSError) as error:
+        if isinstance(error, OSError) and error.filename is None:
+            _drop_output()
         return fail(error)
     except MemoryError:
         return fail("the request must fit the memory, got one that does not (make it smaller)")
@@ -190,13 +199,23 @@ def _drop_output() -> None:
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
-def _wrong(error: click.ClickException, called: str, words: Sequence[str]) -> int:
-    """Tell a wrong word or option in one line, with the command whose help explains it."""
-    line = " ".join(_quoting_little(error.format_message(), words).split()).removesuffix(".")
+def _wrong(error: click.ClickException, called: str, argv: Sequence[str]) -> int:
+    """Tell a wrong command or option in one line, with the command whose help explains it."""
     context = error.ctx if isinstance(error, click.UsageError) else None
+    message, remedy = error.format_message(), ""
+    if isinstance(error, click.NoSuchOption) and context is not None:
+        message = f"no such option {error.option_name}"
+        known = [name for parameter in context.command.params for name in parameter.opts]
+        instead = context.command.context_settings.get("obj", {}).get(error.option_name)
+        remedy = instead or did_you_mean(error.option_name, known)
+    elif isinstance(error, click.BadParameter):
+        choices = getattr(getattr(error.param, "type", None), "choices", ())
+        remedy = did_you_mean(error.message.partition(" is not ")[0].strip("'"), choices)
+    line = " ".join(_quoting_little(message, argv).split()).removesuffix(".")
     if not line.startswith("COMMAND"):
         line = f"{line[0].lower()}{line[1:]}" if line[1:2].islower() else line
-        line += f" (see {context.command_path if context else called} --help)"
+        see = f"see {context.command_path if context else called} --help"
+        line += f" ({remedy} {see})" if remedy else f" ({see})"
     return fail(line)
 
 
@@ -214,17 +233,17 @@ def fail(message: object) -> int:
     if isinstance(message, OSError) and message.strerror:
         message = f"{message.filename or 'output'}: {message.strerror}"
     context = click.get_current_context(silent=True)
-    words = context.meta.get(_WORDS, ()) if context is not None else ()
-    print(f"error: {one_line(_quoting_little(str(message), words))}", file=sys.stderr)
+    argv = context.meta.get(_ARGV, ()) if context is not None else ()
+    print(f"error: {one_line(_quoting_little(str(message), argv))}", file=sys.stderr)
     return WRONG
 
 
-def _quoting_little(message: str, words: Iterable[str]) -> str:
-    """The message with long words of the command line cut, as they are or as Python writes them,
-    and whatever else is long without a space."""
+def _quoting_little(message: str, argv: Iterable[str]) -> str:
+    """The message with long arguments cut, as they are or as Python writes them, and whatever else
+    is long without a space."""
     if len(message) <= QUOTED:
         return message
-    for part in {part for word in words for part in (word, word.partition("=")[2])}:
+    for part in {part for argument in argv for part in (argument, argument.partition("=")[2])}:
         for text in (part, repr(part)[1:-1]):
             if len(text) > QUOTED // 2:
                 message = message.replace(text, cut(text, QUOTED // 2))
@@ -257,16 +276,6 @@ def one_line(message: object) -> str:
 def check_and_announce(
     work: str, seconds: float, memory: float = 0.0, cheaper: str = "take less at once"
 ) -> None:
-    """`announce` the work; TooMuchError if it takes more than the limits allow."""
+    """`announce` the work; OverBudgetError if it takes more than the limits allow."""
     check_request(work, ExpectedCost(seconds, memory), cheaper)
     announce(work, seconds)
-
-
-def announce(work: str, seconds: float) -> None:
-    """Say on stderr, before it begins, how long ``work`` will take, if that is ``LONG`` or more.
-
-    >>> announce("rational_9", 0.5)
-    """
-    if seconds >= LONG:
-        spoke()
-        print(f"{work}: about {duration(seconds)} (Ctrl-C stops it)", file=sys.stderr, flush=True)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import tempfile
-import threading
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -15,8 +14,8 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn, track
 from rich.text import Text
 
-from longwave.support.command_line import LONG, announce
-from longwave.support.open_end import say_open_end, spoke
+from longwave.support.request_limits import Announcer
+from longwave.support.slow_work import announce, count_notice, notice_when_silent
 from longwave.support.user_files import printable, shown
 
 PIPE_WIDTH = 120
@@ -36,7 +35,7 @@ def tracked(items: Iterable[T], count: int, words: str) -> Iterator[T]:
     """``items`` as they come, with a progress bar on stderr if that is a terminal."""
     console = Console(stderr=True)
     if console.is_terminal:
-        spoke()
+        count_notice()
         items = track(items, words, count, console=console, transient=True)
     yield from items
 
@@ -151,51 +150,21 @@ QUIET = 2.0
 """Seconds after which work that was not announced is: how long it takes was not foreseen."""
 
 
-class _Quiet:
-    """Says of work where no bar is seen how long it will take, or after `QUIET` that it goes on.
-
-    A thread looks at the ``clock``: what is slow may not come to tell its progress.
-    """
-
-    def __init__(self, work: str, clock: Callable[[], float]) -> None:
-        self._work, self._clock, self._end = work, clock, clock() + QUIET
-        self._over = threading.Event()
-        threading.Thread(target=self._watch, daemon=True).start()
-
-    def _watch(self) -> None:
-        while not self._over.wait(0.1):
-            if self._clock() > self._end:
-                say_open_end(self._work)
-                return
-
-    def tell(self, seconds: float) -> None:
-        """Announce work to come."""
-        if seconds >= LONG:
-            self.stop()
-        announce(self._work, seconds)
-
-    def stop(self) -> None:
-        """Say nothing from here on."""
-        self._over.set()
-
-
 @contextmanager
 def progress_bar(
     name: str, work: str, console: Console, clock: Callable[[], float] = process_time
 ) -> Iterator[tuple[Tell, Tell]]:
     """A bar, where the console is a terminal, as `run` takes it.
 
-    Yields what the share done is told to, and what the seconds of long ``work`` are told to. Where
-    there is no bar, what takes `QUIET` seconds of the ``clock`` without a word gets one.
+    Yields what the share done is told to, and what the seconds of ``work`` are told to: many are
+    announced, and again where they have doubled. Where there is no bar, what takes `QUIET` seconds
+    of the ``clock`` without a word gets one.
     """
     if not console.is_terminal:
-        quiet = _Quiet(work, clock)
-        try:
-            yield lambda _: None, quiet.tell
-        finally:
-            quiet.stop()
+        with notice_when_silent(work, QUIET, clock):
+            yield lambda _: None, Announcer(lambda seconds: announce(work, seconds))
         return
-    spoke()
+    count_notice()
     columns = (TextColumn("{task.description}", markup=False), BarColumn(), TimeRemainingColumn())
     with Progress(*columns, console=console, transient=True) as bar:
         task = bar.add_task(name, total=1.0)
@@ -205,4 +174,4 @@ def progress_bar(
             announce(work, seconds)
             bar.start()
 
-        yield lambda share: bar.update(task, completed=share), tell
+        yield lambda share: bar.update(task, completed=share), Announcer(tell)

@@ -117,8 +117,8 @@ def _told(called: str, work: Callable[[], int]) -> int:
             raise  # an interrupted import raises whatever it likes
         return interrupted(called)
     finally:
-        # What runs a text, as this does, makes CPython forget that it ran one that was interrupted:
-        # else it ends by the signal and not with a status.
+        # CPython remembers that a source it ran, as `python -c` does, was interrupted, and ends by
+        # the signal and not with the status, until it has run another: namedtuple runs one.
         namedtuple("Forget", ())
 
 

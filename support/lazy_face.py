@@ -24,7 +24,9 @@ def lazy_face(
 
     def get(noun: str) -> object:
         if noun not in module_of:
-            known = "" if noun.startswith("_") else f"; it has {', '.join(sorted(module_of))}"
+            from longwave.support.known_names import one_of
+
+            known = "" if noun.startswith("_") else f" ({one_of(noun, sorted(module_of))})"
             raise AttributeError(f"{room} has no noun {noun!r}{known}")
         value = getattr(import_module(module_of[noun]), noun)
         setattr(sys.modules[room], noun, value)

@@ -36,8 +36,16 @@ TIME_UNITS = {"": 1.0, "s": 1.0, "min": 60.0, "m": 60.0, "h": 3600.0, "d": 86_40
 _QUANTITY = re.compile(r"\s*(\d{1,12}(?:\.\d{1,12})?(?:e\d{1,2})?)\s*([A-Za-z]*)\s*", re.ASCII)
 
 
-class TooMuchError(ValueError):
-    """A request whose estimated cost is beyond the limit."""
+class OverBudgetError(ValueError):
+    """More than a limit allows: a request, or the next runs of a search, which take ``work``."""
+
+    def __init__(self, message: str, work: float = math.nan) -> None:
+        super().__init__(message)
+        self.work = work
+
+
+class Cancelled(BaseException):
+    """The work is ended by what it tells its progress; who catches every Exception lets it pass."""
 
 
 @dataclass(frozen=True)
@@ -90,19 +98,19 @@ def request_limits(
 
 
 def check_request(what: str, cost: ExpectedCost, cheaper: str) -> None:
-    """Raise TooMuchError, which says the estimate and what makes ``what`` ``cheaper``, or return.
+    """Raise OverBudgetError, with the estimate and what makes ``what`` ``cheaper``, or return.
 
     >>> check_request("the run", ExpectedCost(seconds=3.0, memory_bytes=1e6), "take fewer sites")
     """
     limits = current_limits()
     steps = f" for {cost.steps:.2g} steps" if cost.steps else ""
     if cost.memory_bytes > limits.memory_bytes:
-        raise TooMuchError(
+        raise OverBudgetError(
             f"{what} must fit {memory_text(limits.memory_bytes)}, got about "
             f"{memory_text(cost.memory_bytes)} ({cheaper}, or raise --max-memory)"
         )
     if cost.seconds > limits.seconds:
-        raise TooMuchError(
+        raise OverBudgetError(
             f"{what} must take at most {duration(limits.seconds)}, got about "
             f"{duration(cost.seconds)}{steps} ({cheaper}, or raise --max-time)"
         )

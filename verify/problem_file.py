@@ -27,6 +27,7 @@ from pathlib import Path
 from typing import Any
 
 from longwave.derive.algebra.formula_text import FormulaError
+from longwave.support.known_names import one_of
 from longwave.support.user_files import file_stem, read_toml, shown, shown_path
 from longwave.verify.proof.statement_text import read_statement
 from longwave.verify.proof.typed_statement import Statement
@@ -130,7 +131,9 @@ def _problem(
     known = (*FORMULAS, *TEXTS, *REMARKS)
     for key in table:
         if key not in known:
-            raise ValueError(f"{where}: keys must be among {', '.join(known)}, got {shown(key)}")
+            raise ValueError(
+                f"{where}: keys must be known ones, got {shown(key)} ({one_of(key, known)})"
+            )
     original = table.get("variant_of")
     if isinstance(original, str) and original in earlier:
         taken = {key: getattr(earlier[original], key) for key in TAKEN}

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from difflib import get_close_matches
 from functools import cache
 from importlib.resources import as_file, files
 
 from rich.table import Table
 
 from longwave.support.console import table_console
+from longwave.support.known_names import did_you_mean
 from longwave.support.user_files import shown
 from longwave.verify.problem_file import ProblemText, problem_texts
 
@@ -35,10 +35,10 @@ def published() -> tuple[ProblemText, ...]:
     return tuple(sorted(found, key=lambda text: text.equation_name.lower()))
 
 
-def chosen(names: Sequence[str] = ()) -> list[ProblemText]:
+def chosen(names: Sequence[str] = (), others: Sequence[str] = ()) -> list[ProblemText]:
     """The statements of these names or of the equations of these names; without names all.
 
-    Raises ValueError for a name that is neither, with those that are like it.
+    Raises ValueError for a name that is neither, with those, and ``others``, that are like it.
 
     >>> [text.name for text in chosen(["kdv_one_soliton"])]
     ['kdv_one_soliton']
@@ -46,8 +46,10 @@ def chosen(names: Sequence[str] = ()) -> list[ProblemText]:
     known = {word for text in published() for word in (text.name, text.equation_name)}
     for name in names:
         if name not in known:
-            like = ", ".join(get_close_matches(name, sorted(known), 5, 0.4))
-            remedy = f"did you mean {like}?" if like else "longwave list --library shows them"
+            remedy = (
+                did_you_mean(name, (*sorted(known), *others))
+                or "longwave list --library shows them"
+            )
             words = "name must be of the library, a statement's or an equation's"
             raise ValueError(f"{words}, got {shown(name)} ({remedy})")
     return [

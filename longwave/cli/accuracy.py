@@ -20,8 +20,9 @@ from longwave.reports.studies.evaluation_accuracy import (
     wave_names,
     worst_of,
 )
-from longwave.support.command_line import check_and_announce, fail, interrupted
+from longwave.support.command_line import check_and_announce, interrupted
 from longwave.support.console import finished, table_console
+from longwave.support.known_names import one_of
 from longwave.support.processes import ignore_interrupt, pool_context, starting_workers, stopping
 from longwave.support.user_files import shown
 
@@ -40,33 +41,30 @@ def print_accuracy(
 ) -> int:
     """Measure the waves (all if none is named) and print the table; return the exit status.
 
-    By default on all cores, with ``DRAWN`` random cases a wave.
+    By default on all cores, with ``DRAWN`` random cases a wave. Raises ValueError for bad options.
     """
     jobs = os.cpu_count() or 1 if jobs is None else jobs
     drawn = DRAWN if drawn is None else drawn
     unknown = sorted(set(only) - set(wave_names()))
     if unknown:
-        names = ", ".join(wave_names())
-        return fail(f"--only must be a wave, got {unknown[0]} (one of {names})")
+        known = one_of(unknown[0], wave_names())
+        raise ValueError(f"--only must be a wave, got {unknown[0]} ({known})")
     if not 1 <= jobs <= MOST_JOBS:
-        return fail(
+        raise ValueError(
             f"--jobs must satisfy 1 <= --jobs <= {MOST_JOBS}, got {shown(jobs)} (2 is usual)"
         )
     if not 0 <= drawn <= MOST_DRAWN:
         got = f"{shown(drawn)} ({DRAWN} is usual)"
-        return fail(f"--drawn must satisfy 0 <= --drawn <= {MOST_DRAWN}, got {got}")
+        raise ValueError(f"--drawn must satisfy 0 <= --drawn <= {MOST_DRAWN}, got {got}")
     chosen = only or wave_names()
     cases = sum(len(list(all_cases(name, 0))) + drawn for name in chosen)
     cores = min(jobs, os.cpu_count() or 1)
-    try:
-        check_and_announce(
-            f"{len(chosen)} waves to be measured",
-            CASE_SECONDS * cases / cores + WORKER_SECONDS * jobs / cores,
-            WORKER_BYTES * jobs,
-            "take fewer waves, --drawn or --jobs",
-        )
-    except ValueError as error:
-        return fail(error)
+    check_and_announce(
+        f"{len(chosen)} waves to be measured",
+        CASE_SECONDS * cases / cores + WORKER_SECONDS * jobs / cores,
+        WORKER_BYTES * jobs,
+        "take fewer waves, --drawn or --jobs",
+    )
     results, complete = finished(_measured(chosen, jobs, drawn))
     if json_wanted:
         print(json.dumps([result.json() for result in results], indent=2))

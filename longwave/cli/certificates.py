@@ -17,7 +17,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, NoReturn
 
-from longwave.cli.exporting import Scripts
+from longwave.cli.exporting import ProofFile
 from longwave.support.command_line import fail, one_line
 from longwave.support.processes import limit_memory
 from longwave.support.user_files import QUOTED, read_text, shown_path
@@ -29,18 +29,23 @@ CERTIFICATES = 100
 
 
 def print_certificates(
-    path: Path, json_wanted: bool = False, scripts: Scripts | None = None
+    path: Path,
+    json_wanted: bool = False,
+    output: str | None = None,
+    system: str | None = None,
+    force: bool = False,
 ) -> int:
     """Check every certificate of a file: what it states and "accepted", 1 at the first failure.
 
     As JSON a list of the accepted, name and statement. 2 if the file cannot be read at all.
-    ``scripts`` are written if all are accepted.
+    Scripts for a ``system`` are written to ``output`` if all are accepted.
     """
     accepted: list[dict[str, str]] = []
-    status = 0
+    status, scripts = 0, ProofFile(output, system, force)
     try:
-        if scripts is not None:
-            scripts.check([path])
+        scripts.check([path])
+        if output is not None and system is None:
+            raise ValueError("--output must be given with --export, got it alone (leave it)")
     except ValueError as error:
         return fail(error)
     try:
@@ -50,16 +55,15 @@ def print_certificates(
             accepted.append(record)
             if not json_wanted:
                 print(lines_of(record))
-        if scripts is not None:
-            scripts.write(certificates)
+        scripts.write(certificates)
     except BrokenPipeError:
         raise
     except OSError as error:
-        if scripts is not None and error.filename == scripts.output:
+        if output is not None and error.filename == output:
             return fail(error)
         return fail(
             f"FILE must be readable, got {shown_path(path)}: {error.strerror} "
-            "(one that --certificate wrote)"
+            "(one that --output wrote)"
         )
     except CertificateError as error:
         print(f"{shown_path(path)}: rejected: {error}", file=sys.stderr)

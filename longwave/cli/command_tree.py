@@ -1,20 +1,20 @@
-"""The words of the command line and their options: one tree, declared with click.
+"""The commands and their options: one tree, declared with click.
 
 Nothing of the rooms is imported before a command runs, so help and completion answer at once.
 """
 
 import json
+from pathlib import Path
 from typing import Any
 
 import click
-from click.shell_completion import get_completion_class
+from click.shell_completion import CompletionItem, get_completion_class
 
-from longwave.cli.commands import check, prove, verify
-from longwave.cli.run_words import complete_scenes, run, sweep
+from longwave.cli.commands import check, library, prove, verify
 from longwave.derive.__main__ import derive
 from longwave.reports.__main__ import report
 from longwave.support.command_line import (
-    Words,
+    CommandGroup,
     called_by,
     example,
     force_option,
@@ -30,6 +30,31 @@ KINDS = ("lattices", "waves", "schemes", "scenes", "lattice-scenes", "sweeps", "
 PICTURES = ("all", "snapshots", "space_time", "spectra", "errors", "crest", "growth")
 SWEEP_PICTURES = ("values", "work_precision", "growth_map")
 SHELLS = ("bash", "zsh", "fish")
+ROOMS = Path(__file__).parents[1]
+SWEEPS = ROOMS / "runs" / "sweeps"
+"""Where the shipped sweeps lie."""
+
+ENGINES = ("stencil", "spectral")
+SCENES = ROOMS / "scenes"
+"""Where the shipped scenes lie."""
+
+
+def scene_names() -> list[str]:
+    """The names of the shipped scenes, found as files: importing the lattice takes seconds."""
+    return sorted(path.stem for path in SCENES.rglob("*.toml"))
+
+
+def complete_scenes(_: click.Context, __: click.Parameter, begun: str) -> list[CompletionItem]:
+    """Files, where a path or nothing that is shipped has been begun, else the shipped scenes."""
+    names = [name for name in scene_names() if name.startswith(begun)]
+    items = [CompletionItem(name) for name in names]
+    return items if begun and names else [*items, CompletionItem(begun, type="file")]
+
+
+def complete_sweeps(_: click.Context, __: click.Parameter, begun: str) -> list[CompletionItem]:
+    """The shipped sweeps, and files."""
+    names = sorted(path.stem for path in SWEEPS.glob("*.toml") if path.stem.startswith(begun))
+    return [*map(CompletionItem, names), CompletionItem(begun, type="file")]
 
 
 def _version(context: click.Context, _: click.Parameter, wanted: bool) -> None:
@@ -48,7 +73,7 @@ def _completion(context: click.Context, _: click.Parameter, shell: str | None) -
 
 
 @click.group(
-    cls=Words,
+    cls=CommandGroup,
     context_settings={"help_option_names": ["-h", "--help"]},
     epilog=example("longwave run rogue_cn_k_0.5")
     + "\n\nExit status: 0 all is well, 1 something is refuted, undecided, missing or broke off, "
@@ -76,8 +101,64 @@ def longwave() -> None:
     """
 
 
-for word in (derive, prove, check, verify, run, sweep):
-    longwave.add_command(word)
+for command in (derive, prove, library, check, verify):
+    longwave.add_command(command)
+
+
+@longwave.command(epilog=example("longwave run rational_2_eps_0.05 --tolerance 1e-3"))
+@click.argument("scene", shell_complete=complete_scenes)
+@click.option(
+    "--tolerance",
+    type=float,
+    metavar="X",
+    help="Sup error of y/eps to be kept; step and domain are then chosen by the program.",
+)
+@click.option("--engine", metavar="E", help=f"{' or '.join(ENGINES)}, with a tolerance.")
+@click.option("--output", metavar="FILE.nc", type=click.Path(), help="Write the run as NetCDF-4.")
+@click.option(
+    "--store",
+    metavar="FOLDER",
+    type=click.Path(),
+    help="Keep the run in this folder; one that is there is not run again, one that was broken off "
+    "is gone on with.",
+)
+@click.option("--force", is_flag=True, help="Let --output overwrite an older run.")
+@limit_options
+def run(scene: str, **options: Any) -> int:
+    """Run the lattice from a wave and compare the two.
+
+    SCENE is a TOML file or the name of a shipped scene (`longwave list scenes`, `longwave list
+    lattice-scenes`); one that names a lattice has its equation derived first. Or it is the file of
+    a run: its scene is run again, and it is told whether that gave the same bits (exit status 0)
+    or what differs (1).
+    """
+    from longwave.cli.scene_command import run_and_print
+
+    return run_and_print(scene, called_by(), **options)
+
+
+@longwave.command(epilog=example("longwave sweep error_over_k --processes 2 --output errors.nc"))
+@click.argument("sweep", shell_complete=complete_sweeps)
+@click.option("--processes", type=int, metavar="N", help="Worker processes (all cores).")
+@click.option("--scheduler", metavar="ADDRESS", help="A Dask scheduler, tcp://HOST:PORT, instead.")
+@click.option(
+    "--store", metavar="FOLDER", type=click.Path(), help="Keeps the runs (default SWEEP.store)."
+)
+@click.option(
+    "--output", metavar="FILE.nc", type=click.Path(), help="The cells' numbers (SWEEP.nc)."
+)
+@click.option("--force", is_flag=True, help="Overwrite what is no result of this sweep, too.")
+@limit_options
+def sweep(sweep: str, **options: Any) -> int:
+    """Run a scene for many values of its fields.
+
+    SWEEP is a TOML file that says which, or the name of a shipped sweep (`longwave list sweeps`).
+    Runs are kept in a folder: the same command goes on where it was stopped. A cell that fails is
+    recorded with its error.
+    """
+    from longwave.cli.sweep_command import sweep_and_print
+
+    return sweep_and_print(sweep, called_by(), **options)
 
 
 @longwave.command(epilog=example("longwave plot rogue_cn_k_0.5 --output rogue_cn.pdf"))
@@ -143,16 +224,16 @@ longwave.add_command(report)
 @force_option
 @json_option
 @limit_options
-def converge(**options: Any) -> int:
+def converge(scene: str, **options: Any) -> int:
     """Run a scene at several eps and fit its rate.
 
     SCENE is a TOML file that names a lattice, or a shipped scene of one (`longwave list
     lattice-scenes`). Slow times and the compared range of X stay what they are. The error of each
     run stands beside its own.
     """
-    from longwave.cli.lattice_plotting import ConvergeOptions, converge_and_draw
+    from longwave.cli.converge import converge_and_draw
 
-    return converge_and_draw(ConvergeOptions(**options), called_by())
+    return converge_and_draw(scene, called_by(), **options)
 
 
 @longwave.command(epilog=example("longwave explore --no-browser --port 5006"))

@@ -1,15 +1,16 @@
-"""The words of ``python -m verify``, which are those of ``longwave verify`` and ``prove``.
+"""The commands of proofs: `prove`, `library`, `check`, and `verify` with what stands below it.
 
 Nothing of the room is imported before a command runs, so help and completion answer at once.
 """
 
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import click
 
 from longwave.support.command_line import (
-    Words,
+    CommandGroup,
     called_by,
     example,
     force_option,
@@ -20,6 +21,8 @@ from longwave.support.command_line import (
 METHODS = ("proof", "residual")
 ALGEBRA_SYSTEMS = ("pari", "maxima", "coq")
 
+Wrapped = TypeVar("Wrapped", bound=Callable[..., Any])
+
 
 def complete_waves(_: click.Context, __: click.Parameter, begun: str) -> list[str]:
     """The closed forms whose names begin like that."""
@@ -28,10 +31,8 @@ def complete_waves(_: click.Context, __: click.Parameter, begun: str) -> list[st
     return [name for name in CATALOGUE.names if name.startswith(begun)]
 
 
-def complete_provable(context: click.Context, parameter: click.Parameter, begun: str) -> list[str]:
-    """The closed forms whose names begin like that, or with --library the statements there."""
-    if not context.params.get("library"):
-        return complete_waves(context, parameter, begun)
+def complete_published(_: click.Context, __: click.Parameter, begun: str) -> list[str]:
+    """The statements of the library whose names begin like that."""
     from longwave.verify.published import published
 
     return [text.name for text in published() if text.name.startswith(begun)]
@@ -44,129 +45,131 @@ _only = click.option(
     shell_complete=complete_waves,
     help="Take this form; may be repeated.",
 )
+_export = click.option(
+    "--export",
+    "system",
+    type=click.Choice(ALGEBRA_SYSTEMS),
+    help="Write scripts for this system to --output, no certificates.",
+)
 
 
-STATEMENT_OPTIONS = ("parameters", "domain", "variables", "solve", "limit", "latex", "scheduler")
-"""What is said of a statement in text, and of no closed form."""
+def _output(said: str) -> Callable[[Wrapped], Wrapped]:
+    return click.option("--output", metavar="FILE", type=click.Path(), help=said)
+
+
+def _deciding(command: Wrapped) -> Wrapped:
+    """The options of a command that decides statements in text."""
+    for option in (
+        limit_options,
+        json_option,
+        force_option,
+        _export,
+        _output("Write the proofs' certificates."),
+        click.option("--latex", is_flag=True, help="Print a sentence on each in LaTeX."),
+        click.option("--scheduler", metavar="ADDRESS", help="A Dask cluster, tcp://HOST:PORT."),
+        click.option("--limit", type=float, metavar="SECONDS", help="For each (default 60)."),
+    ):
+        command = option(command)
+    return command
+
+
+def _refuse_both(*pairs: tuple[object, str, object, str]) -> None:
+    """Raise UsageError for the first two options of which both are given."""
+    for one, option, other, name in pairs:
+        if one and other:
+            raise click.UsageError(f"{option} must not be given with {name}, got both")
+
+
+CHECKS = "--output FILE writes certificates, longwave check FILE repeats them;"
+WRITES = {"--certificate": CHECKS}
 
 
 @click.command(
-    epilog=example("longwave prove rogue_cn --output rogue_cn.json")
-    + '\n  longwave prove --equation "u_t + c*u_x" --solution "u = sin(x - c*t)"'
+    epilog=example('longwave prove --equation "u_t + c*u_x" --solution "u = sin(x - c*t)"')
+    + "\n  longwave prove problems.toml --output proofs.json",
+    context_settings={"obj": WRITES | {"--library": "write longwave library;"}},
 )
-@click.argument("names", nargs=-1, metavar="[NAME|FILE.toml]...", shell_complete=complete_provable)
+@click.argument("files", nargs=-1, metavar="[FILE.toml]...", type=click.Path())
 @click.option("--equation", "equations", multiple=True, metavar="TEXT", help="As u_t + u*u_x = 0.")
 @click.option("--solution", "solutions", multiple=True, metavar="TEXT", help="As u = x/t.")
 @click.option("--parameters", metavar="TEXT", help="Domains and names, as k: k>0; m = k**2.")
 @click.option("--domain", metavar="TEXT", help="Of the variables, as t > 0.")
 @click.option("--variables", metavar="NAMES", help="As r,t (default x, y, z, t and n).")
 @click.option("--solve", metavar="NAMES", help="For which values of c, b does it hold?")
-@click.option("--library", is_flag=True, help="The published solutions; NAME chooses among them.")
-@click.option("--limit", type=float, metavar="SECONDS", help="For a statement (default 60).")
-@click.option("--scheduler", metavar="ADDRESS", help="Decide on a Dask cluster, tcp://HOST:PORT.")
-@click.option("--latex", is_flag=True, help="Print a sentence on each statement in LaTeX.")
-@click.option(
-    "--certificate",
-    metavar="FILE",
-    type=click.Path(),
-    help="Write the proofs of statements; without any: check the proofs in this file.",
+@_deciding
+def prove(files: tuple[str, ...], **options: Any) -> int:
+    """Prove formulas of your own.
+
+    One is stated by --equation and --solution, which may be repeated; others are in a FILE.toml of
+    [[problem]] tables, or on the standard input (-). Closed forms are proved by `longwave verify`,
+    published solutions by `longwave library`.
+    """
+    for name in files:
+        if not name.endswith(".toml") and name != "-":
+            raise click.UsageError(
+                f"FILE must end in .toml, got {name} (a closed form: longwave verify --only "
+                f"{name}; a published solution: longwave library {name})"
+            )
+    stated = bool(options["equations"]), bool(options["solutions"])
+    if not files and not any(stated):
+        raise click.UsageError("--equation or FILE.toml must be given, got neither")
+    if any(stated) and (files or not all(stated)):
+        missing = "no --solution" if stated[0] else "no --equation"
+        got = f"{files[0]} as well" if files else missing
+        raise click.UsageError(f"--equation must be given with --solution alone, got {got}")
+    typed = ("parameters", "domain", "variables", "solve")
+    _refuse_both(
+        *((options[name], f"--{name}", files, "a FILE.toml") for name in typed),
+        (options["solve"], "--solve", options["system"], "--export"),
+        (options["json_wanted"], "--json", options["latex"], "--latex"),
+    )
+    from longwave.cli.statements import prove_and_print
+
+    return prove_and_print(called_by(), files, **options)
+
+
+@click.command(
+    epilog=example("longwave library kdv_one_soliton kdv_soliton_speed"),
+    context_settings={"obj": WRITES},
 )
-@click.option("--output", metavar="FILE", type=click.Path(), help="Write the proofs' certificates.")
-@click.option(
-    "--export",
-    "system",
-    type=click.Choice(ALGEBRA_SYSTEMS),
-    help="Write scripts to --output in place of certificates.",
-)
+@click.argument("names", nargs=-1, metavar="[NAME]...", shell_complete=complete_published)
+@_deciding
+def library(names: tuple[str, ...], **options: Any) -> int:
+    """Decide the published solutions that come along.
+
+    NAME is a statement's or an equation's (`longwave list --library`); without any all are decided.
+    """
+    _refuse_both((options["json_wanted"], "--json", options["latex"], "--latex"))
+    from longwave.cli.statements import decide_library_and_print
+
+    return decide_library_and_print(called_by(), names, **options)
+
+
+@click.command(epilog=example("longwave check c.json"))
+@click.argument("file", type=click.Path(path_type=Path))
+@_output("Write the scripts of --export.")
+@_export
 @force_option
 @json_option
-@limit_options
-def prove(names: tuple[str, ...], **options: Any) -> int:
-    """Prove formulas of your own or by name, or check proofs.
-
-    A formula of your own is stated by --equation and --solution, or with others in a FILE.toml of
-    [[problem]] tables; --library decides the published solutions that come with the package.
-    Closed forms are proved for all X and T, all lattice constants and all their
-    parameters; `longwave list waves` shows the names; rational_<j> is there for every order j.
-    """
-    if options["system"] and not options["output"]:
-        raise click.UsageError("--export must be given with --output FILE, got no file")
-    files = [name for name in names if name.endswith(".toml") or name == "-"]
-    if options["equations"] or options["solutions"] or options["library"] or files:
-        return _prove_statements(names, files, options)
-    for option in STATEMENT_OPTIONS:
-        if options[option]:
-            raise click.UsageError(f"--{option} must stand with --equation or FILE.toml, got none")
-    return _prove_names(names, options)
-
-
-def _prove_statements(names: tuple[str, ...], files: list[str], options: dict[str, Any]) -> int:
-    """Decide statements in text; raises UsageError for options that contradict each other."""
-    texts = bool(options["equations"]), bool(options["solutions"])
-    written, library = options.pop("output"), options.pop("library")
-    scripts = written if options["system"] else None
-    if any(texts) and (names or library or not all(texts)):
-        missing = "no --solution" if texts[0] else "no --equation"
-        others = (*names, "--library") if library else names
-        got = f"{others[0]} as well" if others else missing
-        raise click.UsageError(f"--equation must be given with --solution alone, got {got}")
-    stated = "--library" if library else "a FILE.toml" if files else ""
-    for wrong, option, other in (
-        (library and files, "FILE.toml", "--library"),
-        (not library and len(files) < len(names), "FILE.toml", "names of forms"),
-        (stated and options["parameters"], "--parameters", stated),
-        (stated and options["domain"], "--domain", stated),
-        (stated and options["variables"], "--variables", stated),
-        (stated and options["solve"], "--solve", stated),
-        (scripts and options["solve"], "--solve", "--export"),
-        (options["json_wanted"] and options["latex"], "--json", "--latex"),
-        (options["certificate"] and written and not scripts, "--certificate", "--output"),
-    ):
-        if wrong:
-            raise click.UsageError(f"{option} must not be given with {other}, got both")
-    from longwave.cli.statements import Options, print_statement_verdicts
-
-    options["certificate"] = options["certificate"] or (None if scripts else written)
-    chosen = names if library else None
-    stated_options = Options(files=files, library=chosen, scripts=scripts, **options)
-    return print_statement_verdicts(stated_options, called_by())
-
-
-def _prove_names(names: tuple[str, ...], options: dict[str, Any]) -> int:
-    """Prove closed forms, or check a file; raises UsageError unless it is one of both."""
-    certificate, output, system = (options[key] for key in ("certificate", "output", "system"))
-    if bool(names) == (certificate is not None):
-        got = "both" if names else "neither"
-        raise click.UsageError(
-            f"either NAME or --certificate FILE must be given, got {got} "
-            "(--output FILE writes certificates)"
-        )
-    if certificate is None:
-        from longwave.cli.verdicts import VerdictOptions, print_verdicts
-
-        chosen = tuple(dict.fromkeys(names))
-        verdicts = VerdictOptions(
-            chosen, options["json_wanted"], output, system=system, force=options["force"]
-        )
-        return print_verdicts(verdicts, called_by())
-    if output is not None and system is None:
-        raise click.UsageError("--output must not be given with --certificate, got both")
+def check(file: Path, **options: Any) -> int:
+    """Repeat the proofs in FILE with other arithmetic."""
     from longwave.cli.certificates import print_certificates
-    from longwave.cli.exporting import Scripts
 
-    scripts = None if system is None else Scripts(output, system, options["force"])
-    return print_certificates(Path(certificate), options["json_wanted"], scripts)
+    return print_certificates(file, **options)
 
 
 @click.group(
-    cls=Words,
+    cls=CommandGroup,
+    otherwise="--only NAME takes a form",
     invoke_without_command=True,
     subcommand_metavar="[COMMAND [ARGS]...]",
-    epilog=example("longwave verify --digits 30,50,100"),
+    epilog=example("longwave verify --only kink --output kink.json"),
+    context_settings={"obj": WRITES},
 )
 @_only
-@click.option("--json", "json_wanted", is_flag=True, help="Print the verdicts as JSON.")
-@click.option("--certificate", metavar="FILE", type=click.Path(), help="Write the certificates.")
+@json_option
+@_output("Write the proofs' certificates.")
+@_export
 @force_option
 @click.option("--stable", is_flag=True, help="Prove instead that evaluation form = canonical form.")
 @click.option("--method", type=click.Choice(METHODS), help="A residual is evidence, no proof.")
@@ -177,31 +180,22 @@ def _prove_names(names: tuple[str, ...], options: dict[str, Any]) -> int:
 def verify(**options: Any) -> int:
     """Prove every closed form, or measure its residual.
 
-    The words below check misprints and proofs by other systems, and measure the evaluation.
+    Forms are proved for all X and T, all lattice constants and all their parameters; `longwave list
+    waves` shows the names; rational_<j> is there for every order j. The commands below check
+    misprints and proofs by other systems, and measure the evaluation.
     """
-    subcommand = click.get_current_context().invoked_subcommand
-    if subcommand is not None:
-        given = [name for name, value in options.items() if value not in (None, False, ())]
-        if given:
-            option = given[0].removesuffix("_wanted")
-            raise click.UsageError(
-                f"--{option} must stand behind the word that it is meant for, got it before "
-                f"{subcommand}"
-            )
+    context = click.get_current_context()
+    if context.invoked_subcommand is not None:
+        for parameter in context.command.params:
+            if options.get(str(parameter.name)) not in (None, False, ()):
+                raise click.UsageError(
+                    f"{parameter.opts[0]} must stand behind the command that it is meant for, got "
+                    f"it before {context.invoked_subcommand}"
+                )
         return 0
-    from longwave.cli.verdicts import VerdictOptions, print_verdicts
+    from longwave.cli.verdicts import print_verdicts
 
-    return print_verdicts(VerdictOptions(**options), called_by())
-
-
-@click.command(epilog=example("longwave check c.json"))
-@click.argument("file", type=click.Path(path_type=Path))
-@json_option
-def check(file: Path, json_wanted: bool) -> int:
-    """Repeat the proofs in FILE with other arithmetic."""
-    from longwave.cli.certificates import print_certificates
-
-    return print_certificates(file, json_wanted)
+    return print_verdicts(called_by(), **options)
 
 
 @verify.command(epilog=example("longwave verify recheck --only kink"))

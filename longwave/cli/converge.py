@@ -1,15 +1,19 @@
-"""``longwave converge SCENE``: a scene at several eps, its errors and their rate."""
+"""``longwave converge SCENE``: a scene at several eps, its errors, their rate, and a picture."""
 
 from __future__ import annotations
 
 import json
 from typing import TYPE_CHECKING
 
+import numpy as np
+from matplotlib.figure import Figure
 from rich.table import Table
 
+from longwave.reports.pictures.drawing import CURVES, TEXT_WIDTH, save, styled
 from longwave.scenes.named_scenes import load_scene
 from longwave.scenes.scene_checks import finite
-from longwave.support.console import plain_console, progress_bar
+from longwave.support.command_line import fail_for_memory, interrupted
+from longwave.support.console import check_output, picture_path, plain_console, progress_bar
 
 if TYPE_CHECKING:
     from longwave.scenes.scene_convergence import SceneConvergence
@@ -34,7 +38,6 @@ def eps_values(text: str | None) -> tuple[float, ...]:
 def measured_convergence(source: str, eps: str | None, tolerance: float | None) -> SceneConvergence:
     """The convergence of the scene that is named."""
     from longwave.scenes.scene_convergence import scene_convergence
-    from longwave.support.request_limits import Announcer
 
     values = eps_values(eps)
     scene = load_scene(source)
@@ -42,7 +45,7 @@ def measured_convergence(source: str, eps: str | None, tolerance: float | None) 
         scene = scene.with_tolerance(tolerance)
     errors = plain_console(stderr=True, soft_wrap=True)
     with progress_bar(scene.name, f"{scene.name} at several eps", errors) as bar:
-        return scene_convergence(scene, values, bar[0], Announcer(bar[1]))
+        return scene_convergence(scene, values, *bar)
 
 
 def print_convergence(study: SceneConvergence, json_wanted: bool) -> None:
@@ -80,3 +83,53 @@ def _lines(study: SceneConvergence) -> list[str]:
         f"the wave's size as eps^{study.power}",
         f"rate {study.rate}, theory {theory}",
     ]
+
+
+def convergence_figure(study: SceneConvergence) -> Figure:
+    """The errors over eps, both in logarithms, with the runs' own errors and the fitted power."""
+    eps = np.array([point.eps for point in study.points])
+    errors = np.array([point.error for point in study.points])
+    own = np.array([point.discretisation for point in study.points])
+    figure = Figure((0.7 * TEXT_WIDTH, 3.0), layout="constrained")
+    ax = figure.subplots()
+    rate = study.rate.value
+    power = np.exp(np.mean(np.log(errors) - rate * np.log(eps))) * eps**rate
+    ax.loglog(eps, errors, label="sup error", **(CURVES[0] | {"linestyle": ""}))
+    theory = "" if study.theory is None else f", theory {study.theory}"
+    ax.loglog(eps, power, color="black", linewidth=0.8, label=f"rate {study.rate}{theory}")
+    ax.loglog(eps, own, label="discretisation", **(CURVES[1] | {"linestyle": ""}))
+    ax.set_xlabel(r"$\epsilon$")
+    ax.set_xticks(eps, [f"{value:g}" for value in eps], minor=False)
+    ax.set_xticks([], minor=True)
+    ax.legend()
+    figure.suptitle(study.scene.title or study.scene.name, parse_math=False, fontsize="medium")
+    return figure
+
+
+def converge_and_draw(
+    scene: str,
+    program: str,
+    *,
+    eps: str | None,
+    tolerance: float | None,
+    output: str | None,
+    force: bool,
+    json_wanted: bool,
+) -> int:
+    """Run, print, and draw if asked; return the exit status: 0, or 130 after Ctrl-C.
+
+    Raises ValueError for wrong input.
+    """
+    try:
+        check_output(output, "rate.png", force=force)
+        path = None if output is None else picture_path(output)
+        study = measured_convergence(scene, eps, tolerance)
+        if path is not None:
+            with styled():
+                save(convergence_figure(study), path)
+        print_convergence(study, json_wanted)
+    except KeyboardInterrupt:
+        return interrupted(program, "nothing was kept")
+    except MemoryError as error:
+        return fail_for_memory(error, "cells")
+    return 0

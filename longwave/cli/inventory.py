@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from rich.console import Console
 from rich.table import Table
@@ -29,8 +29,8 @@ def inventory(kinds: Iterable[str]) -> dict[str, list[Record]]:
     from longwave.solutions import kept_data
 
     return {
-        kind: kept_data(__name__, kind, _RECORDS[kind]) if kind in SYMBOLIC else _RECORDS[kind]()
-        for kind in kinds
+        kind: kept_data(__name__, kind, made) if kind in SYMBOLIC else made()
+        for kind, made in ((kind, _KINDS[kind].records) for kind in kinds)
     }
 
 
@@ -185,17 +185,6 @@ def observables() -> list[Record]:
     ]
 
 
-_RECORDS: Mapping[str, Callable[[], list[Record]]] = {
-    "lattices": lattices,
-    "waves": waves,
-    "schemes": schemes,
-    "scenes": scenes,
-    "lattice-scenes": lattice_scenes,
-    "sweeps": sweeps,
-    "observables": observables,
-}
-
-
 def _lattice_row(record: Record) -> Record:
     return record | {name: ", ".join(record[name]) for name in ("fields", "constants", "forces")}
 
@@ -261,21 +250,34 @@ def _observable_row(record: Record) -> Record:
     return {"name": record["name"], "what": what, "arrays": ", ".join(record["arrays"])}
 
 
-_ROWS: Mapping[str, Callable[[Record], Record]] = {
-    "lattices": _lattice_row,
-    "waves": _wave_row,
-    "schemes": _scheme_row,
-    "scenes": _scene_row,
-    "lattice-scenes": _lattice_scene_row,
-    "sweeps": _sweep_row,
-    "observables": _observable_row,
-}
+class _Kind(NamedTuple):
+    """Of one kind of things: their records, the row of a table for one, and what stands below."""
 
-_NOTES: Mapping[str, str] = {
-    "waves": "rational_<j> is there for every order j: to be run up to 12, to be proved up to 99",
-    "scenes": "a scene of your own is a TOML file: longwave run FILE.toml",
-    "lattice-scenes": "each is derived anew when it is run; longwave converge NAME fits its rate",
-    "sweeps": "a sweep of your own is a TOML file: longwave sweep FILE.toml",
+    records: Callable[[], list[Record]]
+    row: Callable[[Record], Record]
+    note: str = ""
+
+
+_KINDS: Mapping[str, _Kind] = {
+    "lattices": _Kind(lattices, _lattice_row),
+    "waves": _Kind(
+        waves,
+        _wave_row,
+        "rational_<j> is there for every order j: to be run up to 12, to be proved up to 99",
+    ),
+    "schemes": _Kind(schemes, _scheme_row),
+    "scenes": _Kind(
+        scenes, _scene_row, "a scene of your own is a TOML file: longwave run FILE.toml"
+    ),
+    "lattice-scenes": _Kind(
+        lattice_scenes,
+        _lattice_scene_row,
+        "each is derived anew when it is run; longwave converge NAME fits its rate",
+    ),
+    "sweeps": _Kind(
+        sweeps, _sweep_row, "a sweep of your own is a TOML file: longwave sweep FILE.toml"
+    ),
+    "observables": _Kind(observables, _observable_row),
 }
 
 
@@ -284,10 +286,9 @@ def print_tables(found: Mapping[str, Iterable[Record]]) -> None:
     width = None if Console().is_terminal else PIPE_WIDTH
     console = Console(highlight=False, markup=False, emoji=False, width=width)
     for kind, records in found.items():
-        rows = [_ROWS[kind](record) for record in records]
-        console.print(_table(kind, rows))
-        if kind in _NOTES:
-            console.print(_NOTES[kind], soft_wrap=True)
+        console.print(_table(kind, map(_KINDS[kind].row, records)))
+        if _KINDS[kind].note:
+            console.print(_KINDS[kind].note, soft_wrap=True)
 
 
 def _table(title: str, rows: Iterable[Record]) -> Table:

@@ -10,43 +10,48 @@ from rich.console import Console
 from rich.table import Table
 
 from longwave.runs.output_checkpoint import OutputCheckpoint
-from longwave.runs.rescue import fail_or_rescue
-from longwave.runs.told_store import fetch_told
+from longwave.runs.save_elsewhere import fail_or_save_elsewhere
+from longwave.runs.store_messages import fetch_with_messages
 from longwave.scenes.scene import Scene
 from longwave.support.command_line import fail_for_memory, interrupted
 from longwave.support.console import plain_console, progress_bar
-from longwave.support.request_limits import Announcer
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from longwave.cli.scene_command import RunOptions
 
-
-def run_lattice_and_print(scene: Scene, options: RunOptions, program: str) -> int:
+def run_lattice_and_print(
+    scene: Scene,
+    program: str,
+    tolerance: float | None,
+    engine: str | None,
+    output: str | None,
+    store: str | None,
+    force: bool,
+) -> int:
     """Run the scene, print its errors and its cost, and write it if asked.
 
     Exit status 0, 1 if it could not be written, 2 for bad input, told in one line, and 130 after
     Ctrl-C, which ``program`` tells. More than 5 s are announced.
     """
-    checkpoint = OutputCheckpoint(options.output, options.store)
+    checkpoint = OutputCheckpoint(output, store)
     try:
-        if options.engine is not None:
+        if engine is not None:
             raise ValueError(
                 f"--engine must not be given for a scene that names a lattice, got "
-                f"{options.engine} (leave it out)"
+                f"{engine} (leave it out)"
             )
-        if options.tolerance is not None:
-            scene = scene.changed(tolerance=options.tolerance)
+        if tolerance is not None:
+            scene = scene.changed(tolerance=tolerance)
         with checkpoint.kept(scene):
-            run = run_with_bar(scene, options.store)
+            run = run_with_bar(scene, store)
     except KeyboardInterrupt:
         return interrupted(program, checkpoint.left("nothing was kept"))
     except (ValueError, OSError) as error:
-        return fail_or_rescue(error)
+        return fail_or_save_elsewhere(error)
     except MemoryError as error:
         return fail_for_memory(error)
-    status = checkpoint.settle(lambda: run, options.force)
+    status = checkpoint.settle(lambda: run, force)
     print_lattice_run(run, scene, plain_console())
     return status
 
@@ -56,8 +61,8 @@ def run_with_bar(scene: Scene, store: str | None) -> xr.Dataset:
     errors = plain_console(stderr=True, soft_wrap=True)
     with progress_bar(scene.name, f"{scene.name} to {scene.target.tolerance:g}", errors) as bar:
         if store is None:
-            return scene.run(bar[0], Announcer(bar[1]))
-        return fetch_told(store, scene, bar[0], Announcer(bar[1]))
+            return scene.run(*bar)
+        return fetch_with_messages(store, scene, *bar)
 
 
 def print_lattice_run(run: xr.Dataset, scene: Scene, console: Console) -> None:

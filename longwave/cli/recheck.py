@@ -18,7 +18,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from longwave.cli.statements import decided
-from longwave.support.command_line import check_and_announce, fail, interrupted
+from longwave.support.command_line import check_and_announce, interrupted
 from longwave.support.console import finished, print_lines, table_console, tracked
 from longwave.verify.proof import CertificateError
 from longwave.verify.proof.catalogue_proofs import NAMES, prove_named
@@ -62,20 +62,17 @@ def print_rechecks(
     """Have all proofs repeated and print the table; the exit status.
 
     0 if every system that is there accepts every statement, or has no answer; 1 if one rejects;
-    2 for a name that is none; 130 after Ctrl-C.
+    130 after Ctrl-C. Raises ValueError for a name that is none.
     """
     seconds = LIMIT if limit is None else limit
-    try:
-        if not 0 < seconds < 1e6:
-            raise ValueError(f"--limit must be more than 0 and less than 1e6, got {seconds:g}")
-        install_systems()
-        count = len(names) or len(NAMES) + len(chosen([]))
-        each = PROVING + min(REPEATING, len(SYSTEMS) * seconds) / (os.cpu_count() or 1)
-        work = f"the proofs of {count} statements, repeated"
-        check_and_announce(work, count * each, cheaper="name fewer with --only")
-        proofs = proofs_of(names)
-    except ValueError as error:
-        return fail(error)
+    if not 0 < seconds < 1e6:
+        raise ValueError(f"--limit must be more than 0 and less than 1e6, got {seconds:g}")
+    count = len(names) or len(NAMES) + len(chosen([]))
+    each = PROVING + min(REPEATING, len(SYSTEMS) * seconds) / (os.cpu_count() or 1)
+    work = f"the proofs of {count} statements, repeated"
+    check_and_announce(work, count * each, cheaper="name fewer with --only")
+    proofs = proofs_of(names)
+    install_systems()
     found, complete = finished(tracked(rechecks(proofs, seconds), len(proofs), "rechecking"))
     if json_wanted:
         print(json.dumps([asdict(entry) for entry in found], indent=2))
@@ -120,7 +117,7 @@ def proofs_of(names: Sequence[str] = ()) -> Proofs:
     found: Proofs = [(v.name, [v.certificate]) for v in verdicts if v.certificate is not None]
     rest = [name for name in names if name not in NAMES]
     if rest or not names:
-        problems = [text.problem() for text in chosen(rest)]
+        problems = [text.problem() for text in chosen(rest, NAMES)]
         stated = [p for p in problems if p.expect in ("", Outcome.PROVED)]
         for place, verdict in sorted(decided(stated), key=lambda pair: pair[0]):
             if verdict.outcome is Outcome.PROVED:

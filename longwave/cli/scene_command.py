@@ -2,16 +2,15 @@
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 from rich.console import Console
 from rich.table import Table
 
 from longwave.runs.output_checkpoint import OutputCheckpoint
-from longwave.runs.rescue import check_run_output, fail_or_rescue, save_or_rescue
 from longwave.runs.run_file import names_a_run
-from longwave.runs.told_store import fetch_told
+from longwave.runs.save_elsewhere import check_run_output, fail_or_save_elsewhere, save_anywhere
+from longwave.runs.store_messages import fetch_with_messages
 from longwave.scenes.chain.expected_cost import check_cost
 from longwave.scenes.chain.recorders import Variables
 from longwave.scenes.chain.scene_run import record_with_trust
@@ -24,60 +23,61 @@ from longwave.support.console import plain_console, progress_bar
 from longwave.support.interruption import keeping
 
 
-@dataclass
-class RunOptions:
-    """Which scene, with what in the place of what it says, and where the run is written or kept."""
-
-    scene: str = ""
-    tolerance: float | None = None
-    engine: str | None = None
-    output: str | None = None
-    force: bool = False
-    store: str | None = None
-
-
-def run_and_print(options: RunOptions, program: str) -> int:
+def run_and_print(
+    source: str,
+    program: str,
+    *,
+    tolerance: float | None = None,
+    engine: str | None = None,
+    output: str | None = None,
+    store: str | None = None,
+    force: bool = False,
+) -> int:
     """Run one scene, or the scene in a run's file again; print errors and cost, write it if asked.
+
+    ``tolerance`` and ``engine`` stand in the place of the scene's; the run is written to ``output``
+    and kept in the ``store``.
 
     Exit status 0, 1 if the run blew up, could not be written or has other bits than in its file, 2
     for bad input, told in one line, and 130 after Ctrl-C, which ``program`` tells: what was
     recorded until then is printed and written, too. More than 5 s are announced.
     """
     try:
-        check_run_output(options.output, options.force)
-        if names_a_run(options.scene):
+        check_run_output(output, force)
+        if names_a_run(source):
             from longwave.cli.repeat_command import repeat_and_print
 
-            return repeat_and_print(options, program)
-        found = load_scene(options.scene)
+            changed = {"tolerance": tolerance, "engine": engine, "store": store}
+            return repeat_and_print(source, program, output, force, changed)
+        found = load_scene(source)
     except (ValueError, OSError) as error:
         return fail(error)
     if not found.has_moving_wave:
         from longwave.cli.lattice_scene_command import run_lattice_and_print
 
-        return run_lattice_and_print(found, options, program)
-    checkpoint = OutputCheckpoint(options.output, options.store)
+        return run_lattice_and_print(found, program, tolerance, engine, output, store, force)
+    checkpoint = OutputCheckpoint(output, store)
     try:
-        scene = _changed(found, options.tolerance, options.engine)
+        scene = _changed(found, tolerance, engine)
         check_cost(scene)
         with checkpoint.kept(scene):
-            run = _run_with_bar(scene, options.store)
+            run = _run_with_bar(scene, store)
     except UnfinishedRun as stop:
         with keeping():
             status = 0
-            if options.output is not None:
-                status = save_or_rescue(stop.record.dataset, options.output, options.force)
+            if output is not None:
+                status = save_anywhere(stop.record.dataset, output, force)
             print_summary(stop.record, scene, plain_console())
-        where = f" in {options.output}" if options.output and not status else ""
+        where = f" in {output}" if output and not status else ""
         count = f"{len(stop.record.reached)} snapshots are kept{where}"
         return interrupted(program, checkpoint.left(count, written=bool(where)))
     except KeyboardInterrupt:
         return interrupted(program, checkpoint.left("nothing was recorded yet"))
     except (ValueError, OSError) as error:
-        return fail_or_rescue(error)
+        return fail_or_save_elsewhere(error)
     except MemoryError as error:
         return fail_for_memory(error)
-    status = checkpoint.settle(lambda: run.dataset, options.force)
+    status = checkpoint.settle(lambda: run.dataset, force)
     print_summary(run, scene, plain_console())
     return status or int(bool(run.attrs["blow_up"]))
 
@@ -93,10 +93,10 @@ def _run_with_bar(scene: Scene, store: str | None) -> RunRecord:
     """Run a scene, or find its run in the store, with a bar where there is a terminal."""
     wanted = "" if scene.tolerance is None else f" to {scene.tolerance:g}"
     console = plain_console(stderr=True, soft_wrap=True)
-    with progress_bar(scene.name, f"{scene.name}{wanted}", console) as (advance, tell):
+    with progress_bar(scene.name, f"{scene.name}{wanted}", console) as bar:
         if store is None:
-            return record_with_trust(scene, advance, tell)
-        run = fetch_told(store, scene, advance, tell)
+            return record_with_trust(scene, *bar)
+        run = fetch_with_messages(store, scene, *bar)
     variables: Variables = {
         str(name): (tuple(map(str, value.dims)), value.values, dict(value.attrs))
         for name, value in run.variables.items()

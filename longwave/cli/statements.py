@@ -1,4 +1,4 @@
-"""Statements of a user's own: ``longwave prove --equation ... --solution ...`` and problem files.
+"""Statements in text, decided: a user's own by ``longwave prove``, published ones by ``library``.
 
 Each statement is decided in a process of its own, which ends at a limit of time and of memory;
 where processes cannot be forked, it is decided here without limits.
@@ -21,14 +21,14 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-from longwave.cli.exporting import Scripts, write_text
+from longwave.cli.exporting import ProofFile
 from longwave.cli.verdicts import STYLES, summary
 from longwave.derive.algebra.formula_text import FormulaError
 from longwave.support.command_line import duration, fail, interrupted
-from longwave.support.console import check_output, finished, print_lines, table_console, tracked
-from longwave.support.open_end import say_open_end, spoke
+from longwave.support.console import finished, print_lines, table_console, tracked
 from longwave.support.processes import OutOfTime, ignore_interrupt, limit_memory, time_limit
-from longwave.verify.problem_file import StatedProblem, problem_texts
+from longwave.support.slow_work import give_notice
+from longwave.verify.problem_file import ProblemText, StatedProblem, problem_texts
 from longwave.verify.proof.conditions import ConditionalVerdict, conditional_sentence
 from longwave.verify.proof.near_misses import SECONDS as HINT_SECONDS
 from longwave.verify.proof.near_misses import with_hint
@@ -69,65 +69,84 @@ STAGES = {
 """What the prover is doing, by the functions that do it."""
 
 
-@dataclass(frozen=True)
-class Options:
-    """The texts of a statement, or the files of many; how to decide and what to print.
+def prove_and_print(
+    program: str,
+    files: Sequence[str],
+    equations: Sequence[str],
+    solutions: Sequence[str],
+    *,
+    parameters: str | None,
+    domain: str | None,
+    variables: str | None,
+    solve: str | None,
+    **options: Any,
+) -> int:
+    """Decide a statement in texts, or those of problem files; as `decide_and_print`."""
 
-    ``library`` has names in the library of published solutions; none of them mean all of it,
-    without hints at what would hold, which take longer than the verdicts. ``scripts`` is the file
-    for scripts that ``system`` reads.
+    def read() -> list[StatedProblem]:
+        if files:
+            return stated([text for path in files for text in problem_texts(Path(path))])
+        texts = parameters or "", domain or ""
+        names = {"solve": solve or "", "variables": variables or ""}
+        return [StatedProblem(read_statement(equations, solutions, *texts, **names))]
+
+    return decide_and_print(read, program, files=files, **options)
+
+
+def decide_library_and_print(program: str, names: Sequence[str], **options: Any) -> int:
+    """Decide published solutions, without names all; as `decide_and_print`.
+
+    Of all of them without hints at what would hold, which take longer than the verdicts.
     """
-
-    equations: Sequence[str] = ()
-    solutions: Sequence[str] = ()
-    parameters: str | None = None
-    domain: str | None = None
-    variables: str | None = None
-    files: Sequence[str] = ()
-    library: Sequence[str] | None = None
-    json_wanted: bool = False
-    latex: bool = False
-    certificate: str | None = None
-    limit: float | None = None
-    system: str | None = None
-    scripts: str | None = None
-    force: bool = False
-    solve: str | None = None
-    scheduler: str | None = None
+    hinting = HINT_SECONDS if names else 0.0
+    return decide_and_print(lambda: stated(chosen(names)), program, hinting=hinting, **options)
 
 
-def print_statement_verdicts(options: Options, program: str) -> int:
-    """Decide statements and print the verdicts; the exit status.
+def decide_and_print(
+    read: Callable[[], list[StatedProblem]],
+    program: str,
+    *,
+    files: Sequence[str] = (),
+    hinting: float = HINT_SECONDS,
+    limit: float | None = None,
+    scheduler: str | None = None,
+    output: str | None = None,
+    system: str | None = None,
+    force: bool = False,
+    latex: bool = False,
+    json_wanted: bool = False,
+) -> int:
+    """Decide the statements that are ``read``, of ``files`` if of any, and print the verdicts.
 
-    0 if all are proved or as expected, 1 if not, 2 for what cannot be read, 130 after Ctrl-C.
+    Returns 0 if all are proved or as expected, 1 if not, 2 for a wrong formula, which is shown, 130
+    after Ctrl-C, which ``program`` tells. Proofs are written as `ProofFile` does. Raises ValueError
+    and OSError for what else cannot be read or written.
     """
     try:
-        path, scripts = options.certificate, None
-        if options.scripts is not None and options.system is not None:
-            scripts = Scripts(options.scripts, options.system, options.force)
-            scripts.check(options.files)
-        check_output(path, "c.json", force=options.force, option="FILE", read=options.files)
-        problems = _problems(options)
-        limit = _limit(options)
-        hinting = 0.0 if options.library == () else HINT_SECONDS
-        verdicts = _decided(problems, limit, hinting, options.scheduler)
+        proofs = ProofFile(output, system, force)
+        proofs.check(files)
+        seconds = _limit(limit)
+        problems = read()
+        verdicts = _decided(problems, seconds, hinting, scheduler)
         found, complete = finished(tracked(verdicts, len(problems), "deciding"))
-        if path is not None:
-            write_text(Path(path), _certificates([v for _, v in found]), options.force)
-        if scripts is not None:
-            scripts.write([c for _, verdict in found for c in verdict.certificates])
+        found.sort(key=lambda pair: pair[0])
+        proofs.write([c for _, verdict in found for c in verdict.certificates])
     except FormulaError as error:
         status = fail(error)
         print(error.picture, file=sys.stderr)
         return status
-    except (ValueError, OSError) as error:
-        return fail(error)
-    found.sort(key=lambda pair: pair[0])
-    _print([(problems[place], verdict) for place, verdict in found], options)
+    decisions = [(problems[place], verdict) for place, verdict in found]
+    _print(decisions, json_wanted, latex)
     if not complete:
         return interrupted(program, f"after {len(found)} of {len(problems)} statements")
-    met = all(_is_met(problems[place], verdict) for place, verdict in found)
-    return 0 if met else 1
+    return 0 if all(_is_met(problem, verdict) for problem, verdict in decisions) else 1
+
+
+def stated(texts: Sequence[ProblemText]) -> list[StatedProblem]:
+    """The statements in the texts, which take a while where they are many."""
+    if len(texts) > MANY:
+        give_notice(f"{len(texts)} statements to be read and decided")
+    return [text.problem() for text in tracked(texts, len(texts), "reading")]
 
 
 def _decided(
@@ -135,7 +154,7 @@ def _decided(
 ) -> Iterator[tuple[int, StatementVerdict]]:
     """The verdicts by processes of this machine, or of a cluster."""
     if scheduler is None:
-        return decided(problems, limit, hinting=hinting, late=_say_late)
+        return decided(problems, limit, hinting=hinting, late=_announce_rest)
     from longwave.cli.cluster_verdicts import decided_on_cluster
 
     return decided_on_cluster(problems, limit, hinting, scheduler)
@@ -145,39 +164,16 @@ def _is_met(problem: StatedProblem, verdict: StatementVerdict) -> bool:
     return verdict.outcome == (problem.expect or Outcome.PROVED)
 
 
-# what is to be decided
-
-
-def _problems(options: Options) -> list[StatedProblem]:
-    texts = [text for path in options.files for text in problem_texts(Path(path))]
-    if options.library is not None:
-        texts = chosen(options.library)
-    if texts:
-        if len(texts) > MANY:
-            say_open_end(f"{len(texts)} statements to be read and decided")
-        return [text.problem() for text in tracked(texts, len(texts), "reading")]
-    statement = read_statement(
-        options.equations,
-        options.solutions,
-        options.parameters or "",
-        options.domain or "",
-        solve=options.solve or "",
-        variables=options.variables or "",
-    )
-    return [StatedProblem(statement)]
-
-
-def _limit(options: Options) -> float:
-    limit = LIMIT if options.limit is None else options.limit
+def _limit(given: float | None) -> float:
+    limit = LIMIT if given is None else given
     if not LEAST <= limit <= LONGEST:
         raise ValueError(f"--limit must be {LEAST} to {LONGEST:g} seconds, got {limit:g}")
     return limit
 
 
-def _say_late(count: int, seconds: float) -> None:
-    spoke()
-    words = f"{count} statement{'' if count == 1 else 's'} to be decided: at most"
-    print(f"{words} {duration(seconds)} more (Ctrl-C stops it)", file=sys.stderr, flush=True)
+def _announce_rest(count: int, seconds: float) -> None:
+    work = f"{count} statement{'' if count == 1 else 's'} to be decided"
+    give_notice(work, f"at most {duration(seconds)} more")
 
 
 # processes
@@ -332,20 +328,17 @@ def _doing(trace: TracebackType | None) -> str:
     return f", {found}" if found else ""
 
 
-# what is printed and written
+# what is printed
 
 
-def _certificates(verdicts: Sequence[StatementVerdict]) -> str:
-    texts = [json.dumps(c) for verdict in verdicts for c in verdict.certificates]
-    return "[" + ",\n".join(texts) + "]\n"
-
-
-def _print(found: Sequence[tuple[StatedProblem, StatementVerdict]], options: Options) -> None:
-    if options.json_wanted:
+def _print(
+    found: Sequence[tuple[StatedProblem, StatementVerdict]], json_wanted: bool, latex: bool
+) -> None:
+    if json_wanted:
         records = [_record(problem, verdict) for problem, verdict in found]
         print(json.dumps(records, indent=2))
         return
-    if options.latex:
+    if latex:
         print("\n\n".join(_sentence(problem.statement, verdict) for problem, verdict in found))
         return
     console = table_console()

@@ -4,25 +4,24 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Collection, Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from longwave.runs.rescue import BROKEN, check_run_output
 from longwave.runs.run_file import SWEPT, open_run
 from longwave.runs.run_pack import DONE
 from longwave.runs.run_store import RunStore
+from longwave.runs.save_elsewhere import BROKEN, check_run_output
+from longwave.runs.store_messages import store_messages
 from longwave.runs.sweep import SweepState, run_sweep, settled_keys
 from longwave.runs.sweep_cost import SweepCost, expected_sweep_cost
 from longwave.runs.sweep_file import Sweep, load_sweep
 from longwave.runs.sweep_workers import LocalWorkers, Workers, sweep_workers
-from longwave.runs.told_store import store_told
 from longwave.support.command_line import duration, fail, interrupted
 from longwave.support.console import plain_console, progress_bar
-from longwave.support.request_limits import Announcer, check_request, current_limits
+from longwave.support.request_limits import check_request, current_limits
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -32,46 +31,43 @@ PACED = 4
 """Cells of each worker by whose pace the rest is judged: the first ones wait for what is loaded."""
 
 
-@dataclass
-class SweepOptions:
-    """Which sweep, who runs it, where its runs are kept and where its numbers are written."""
+def sweep_and_print(
+    source: str,
+    program: str,
+    *,
+    processes: int | None = None,
+    scheduler: str | None = None,
+    store: str | None = None,
+    output: str | None = None,
+    force: bool = False,
+) -> int:
+    """Run a sweep, print how its cells ended, and write its data set to ``output``.
 
-    sweep: str = ""
-    processes: int | None = None
-    scheduler: str | None = None
-    store: str | None = None
-    output: str | None = None
-    force: bool = False
-
-
-def sweep_and_print(options: SweepOptions, program: str) -> int:
-    """Run a sweep, print how its cells ended, and write its data set.
-
-    Exit status 0, 1 if a cell did not come to its end or could not be written, 2 for bad input,
-    told in one line, and 130 after Ctrl-C, which ``program`` tells: what was done is in the store
-    then, and the same command goes on with what is missing. More than 5 s are announced, and 2 s
-    that nobody foresaw.
+    Its runs are kept in the folder ``store``. Exit status 0, 1 if a cell did not come to its end or
+    could not be written, 2 for bad input, told in one line, and 130 after Ctrl-C, which ``program``
+    tells: what was done is in the store then, and the same command goes on with what is missing.
+    More than 5 s are announced, and 2 s that nobody foresaw.
     """
     from longwave.runs.sweep_dataset import write_sweep
 
     told = SweepState(0)
     try:
-        with store_told():
+        with store_messages():
             errors = plain_console(stderr=True, soft_wrap=True)
             with progress_bar("reading", "reading the sweep", errors):
-                sweep = load_sweep(options.sweep)
+                sweep = load_sweep(source)
                 told.cells = len(sweep)
-                output = options.output or f"{sweep.name}.nc"
+                output = output or f"{sweep.name}.nc"
                 check_run_output(output, force=True)
-                _check_overwriting(sweep, Path(output), options.force)
-                store = RunStore(Path(options.store or f"{sweep.name}.store"))
-                _check_apart(Path(output), Path(store.folder))
-                settled = settled_keys(store)
-                expected = expected_sweep_cost(sweep, store, settled)
-            with sweep_workers(options.processes, options.scheduler) as workers:
+                _check_overwriting(sweep, Path(output), force)
+                kept = RunStore(Path(store or f"{sweep.name}.store"))
+                _check_apart(Path(output), Path(kept.folder))
+                settled = settled_keys(kept)
+                expected = expected_sweep_cost(sweep, kept, settled)
+            with sweep_workers(processes, scheduler) as workers:
                 told.workers = workers.count
-                _run_with_bar(sweep, store, workers, told, expected, settled)
-            found = write_sweep(sweep, store, output)
+                _run_with_bar(sweep, kept, workers, told, expected, settled)
+            found = write_sweep(sweep, kept, output)
     except KeyboardInterrupt:
         return interrupted(program, _kept(told))
     except OSError as error:
@@ -84,7 +80,7 @@ def sweep_and_print(options: SweepOptions, program: str) -> int:
     console = plain_console(soft_wrap=True)
     for line in summary_lines(sweep, found, told):
         console.print(line)
-    console.print(f"written: {output}; runs: {store.folder}")
+    console.print(f"written: {output}; runs: {kept.folder}")
     return 0 if bool((found["status"] == DONE).all()) else 1
 
 
@@ -125,7 +121,7 @@ def _run_with_bar(
     expected: SweepCost,
     settled: Collection[str],
 ) -> None:
-    """Run it, announced; TooMuchError if it is expected to be beyond the limits."""
+    """Run it, announced; OverBudgetError if it is expected to be beyond the limits."""
     here = isinstance(workers, LocalWorkers)
     cost = expected.by(workers.count, together=here)
     work = f"{sweep.name}, {expected.words},"
@@ -134,13 +130,12 @@ def _run_with_bar(
     check_request(work, cost, f"take {fewer}fewer or cheaper cells")
     errors = plain_console(stderr=True, soft_wrap=True)
     with progress_bar(sweep.name, work.removesuffix(","), errors, perf_counter) as (advance, tell):
-        announce = Announcer(tell)
-        announce(cost.seconds)
+        tell(cost.seconds)
 
         def show(state: SweepState) -> None:
             advance((state.found + state.done) / state.cells)
             if state.done >= PACED * state.workers:
-                announce(state.seconds_left)
+                tell(state.seconds_left)
 
         run_sweep(sweep, store, workers, show, told, settled)
 

@@ -10,23 +10,20 @@ import math
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from rich.table import Table
 
-from longwave.cli.exporting import Scripts, write_text
+from longwave.cli.exporting import ProofFile
 from longwave.solutions.catalogue import CATALOGUE
-from longwave.support.command_line import check_and_announce, fail, interrupted
-from longwave.support.console import check_output, finished, print_lines, table_console, tracked
+from longwave.support.command_line import check_and_announce, interrupted
+from longwave.support.console import finished, print_lines, table_console, tracked
 from longwave.verify.evidence.mutations import MutationCount, count_mutants
 from longwave.verify.evidence.residual import Sampling, check_residual, scientific
 from longwave.verify.proof import ProofVerdict, prove_stable
 from longwave.verify.proof.catalogue_proofs import NAMES, higher_order, named_form, prove_all
 from longwave.verify.verdict import Outcome, Verdict
 
-RESIDUAL_OPTIONS = ("digits", "points", "seed")
-PROOF_OPTIONS = ("certificate", "stable")
 MUTATION_COLUMNS = ("mutants", "refuted", "proved", "undecided")
 
 
@@ -61,58 +58,40 @@ one core of a 3 GHz server: orders 7 to 12 for proofs, 4 to 8 for stable forms, 
 Beyond, they are orders of magnitude."""
 
 
-@dataclass
-class VerdictOptions:
-    """What is to be decided, and how; None where nothing is said.
+def print_verdicts(
+    program: str,
+    *,
+    only: Sequence[str] = (),
+    json_wanted: bool = False,
+    output: str | None = None,
+    system: str | None = None,
+    force: bool = False,
+    stable: bool = False,
+    method: str | None = None,
+    **sampled: Any,
+) -> int:
+    """Decide the closed forms, all if none is named, and print the verdicts; the exit status.
 
-    ``only`` are names of forms (all if empty), ``digits`` (precisions with commas between) and the
-    rest the residual's sampling; with ``system`` the file gets scripts for it.
+    ``sampled`` may say ``digits`` (precisions with commas between), ``points`` and ``seed`` of the
+    residual. Proofs are written as `ProofFile` does. 0, 1 if any form does not stand, 130 after
+    Ctrl-C, which ``program`` tells. Raises ValueError for bad options, OSError as writing does.
     """
-
-    only: Sequence[str] = ()
-    json_wanted: bool = False
-    certificate: str | None = None
-    stable: bool = False
-    method: str | None = None
-    digits: str | None = None
-    points: int | None = None
-    seed: int | None = None
-    system: str | None = None
-    force: bool = False
-
-    @property
-    def scripts(self) -> Scripts | None:
-        """The scripts that are asked for in the place of certificates."""
-        if self.system is None or self.certificate is None:
-            return None
-        return Scripts(self.certificate, self.system, self.force)
-
-
-def print_verdicts(options: VerdictOptions, program: str) -> int:
-    """Decide the closed forms and print the verdicts; the exit status.
-
-    0, 1 if any form does not stand, 2 for bad options, 130 after Ctrl-C, which ``program`` tells.
-    """
-    names = options.only or NAMES
-    try:
-        _settle_method(options)
-        work = _verdicts(names, options)
-        expected = _law(options).total(names) * _effort(options)
-        cheaper = "take a lower order, fewer forms or another method"
-        check_and_announce(f"{_noun(len(names))} to be checked", expected, cheaper=cheaper)
-        scripts = options.scripts
-        if scripts is not None:
-            scripts.check()
-        else:
-            check_output(options.certificate, "c.json", force=options.force, option="FILE")
-        found, complete = finished(tracked(work, len(names), "checking"))
-        if scripts is not None:
-            scripts.write(_proofs(found))
-        elif options.certificate is not None:
-            write_text(Path(options.certificate), _certificates(found), options.force)
-    except (ValueError, OSError) as error:
-        return fail(error)
-    _print(found, options)
+    names = tuple(dict.fromkeys(only)) or NAMES
+    exact = {"--output": output, "--export": system, "--stable": stable}
+    proofs = ProofFile(output, system, force)
+    sampling = sampling_of(method, [name for name in exact if exact[name]], **sampled)
+    law = STABLE if stable else PROOF if sampling is None else RESIDUAL
+    expected = law.total(names) * (1.0 if sampling is None else _effort(sampling))
+    cheaper = "take a lower order, fewer forms or another method"
+    check_and_announce(f"{_noun(len(names))} to be checked", expected, cheaper=cheaper)
+    proofs.check()
+    work = _verdicts(names, stable, sampling)
+    found, complete = finished(tracked(work, len(names), "checking"))
+    proofs.write(_certificates(found))
+    if json_wanted:
+        print(json.dumps([verdict.json() for verdict in found], indent=2))
+    else:
+        _print(found, "stable form" if stable else "closed form")
     if not complete:
         return interrupted(program, f"after {len(found)} of {_noun(len(names))}")
     return 0 if all(verdict.passed for verdict in found) else 1
@@ -122,29 +101,29 @@ def _noun(count: int) -> str:
     return "1 form" if count == 1 else f"{count} forms"
 
 
-def _law(options: VerdictOptions) -> TimeLaw:
-    """What a form costs with the method and the options chosen."""
-    if options.stable:
-        return STABLE
-    if options.method == "residual":
-        return RESIDUAL
-    return PROOF
-
-
-def _effort(options: VerdictOptions) -> float:
+def _effort(asked: Sampling) -> float:
     """Work in units of the usual: a residual's points, and the square of its digits."""
-    if options.method != "residual":
-        return 1.0
-    usual, asked = Sampling(), _sampling(options)
+    usual = Sampling()
     wanted = sum(max(number, 30) ** 2 for number in asked.digits)
     return asked.points / usual.points * wanted / sum(number**2 for number in usual.digits)
 
 
-def _sampling(options: VerdictOptions) -> Sampling:
-    given = {name: getattr(options, name) for name in RESIDUAL_OPTIONS}
-    if options.digits is not None:
-        given["digits"] = digits_in(options.digits)
-    return Sampling(**{name: value for name, value in given.items() if value is not None})
+def sampling_of(method: str | None, exact: Sequence[str], **given: Any) -> Sampling | None:
+    """How the residual is sampled, by what is ``given``; None where the forms are proved.
+
+    The residual is taken where an option of it is given. Raises ValueError for options of both
+    methods; ``exact`` are those of proofs.
+    """
+    sampled = {name: value for name, value in given.items() if value is not None}
+    method = method or ("residual" if sampled else "proof")
+    wrong = exact if method == "residual" else [f"--{name}" for name in sampled]
+    if wrong:
+        raise ValueError(
+            f"{wrong[0]} must not be given with the method {method}, got it (leave it)"
+        )
+    if "digits" in sampled:
+        sampled["digits"] = digits_in(sampled["digits"])
+    return None if method == "proof" else Sampling(**sampled)
 
 
 def digits_in(text: str) -> tuple[int, ...]:
@@ -161,43 +140,20 @@ def digits_in(text: str) -> tuple[int, ...]:
         ) from None
 
 
-def _settle_method(options: VerdictOptions) -> None:
-    """Residual if an option of it is given; raises ValueError for options of both methods."""
-    sampled = [name for name in RESIDUAL_OPTIONS if getattr(options, name) is not None]
-    exact = [name for name in PROOF_OPTIONS if getattr(options, name)]
-    options.method = options.method or ("residual" if sampled else "proof")
-    wrong = exact if options.method == "residual" else sampled
-    if wrong:
-        raise ValueError(
-            f"--{wrong[0]} must not be given with the method {options.method}, got it (leave it)"
-        )
-
-
-def _verdicts(names: Sequence[str], options: VerdictOptions) -> Iterator[Verdict]:
-    if options.stable:
+def _verdicts(names: Sequence[str], stable: bool, sampling: Sampling | None) -> Iterator[Verdict]:
+    if stable:
         return (prove_stable(named_form(name)) for name in names)
-    if options.method == "proof":
+    if sampling is None:
         return prove_all(names)
-    sampling = _sampling(options)
     return (check_residual(named_form(name), sampling) for name in names)
 
 
-def _proofs(verdicts: Sequence[Verdict]) -> list[Mapping[str, Any]]:
-    certificates = [v.certificate for v in verdicts if isinstance(v, ProofVerdict)]
-    return [certificate for certificate in certificates if certificate is not None]
+def _certificates(verdicts: Sequence[Verdict]) -> list[Mapping[str, Any]]:
+    found = [verdict.certificate for verdict in verdicts if isinstance(verdict, ProofVerdict)]
+    return [certificate for certificate in found if certificate is not None]
 
 
-def _certificates(verdicts: Sequence[Verdict]) -> str:
-    proofs = [verdict for verdict in verdicts if isinstance(verdict, ProofVerdict)]
-    texts = [text for proof in proofs if (text := proof.certificate_text()) is not None]
-    return "[" + ",\n".join(texts) + "]\n"
-
-
-def _print(verdicts: Sequence[Verdict], options: VerdictOptions) -> None:
-    if options.json_wanted:
-        print(json.dumps([verdict.json() for verdict in verdicts], indent=2))
-        return
-    noun = "stable form" if options.stable else "closed form"
+def _print(verdicts: Sequence[Verdict], noun: str) -> None:
     console = table_console()
     console.print(verdict_table(verdicts))
     print_lines(console, [*failure_lines(verdicts), summary(verdicts, noun)])
@@ -275,14 +231,11 @@ def summary(verdicts: Sequence[Verdict], noun: str = "closed form") -> str:
 def print_mutations(only: Sequence[str], json_wanted: bool, program: str) -> int:
     """Decide all mutants of the forms (all if none is named) and print the counts.
 
-    Returns 0, 1 if any is undecided, 2 for a name that is none, 130 after Ctrl-C.
+    Returns 0, 1 if any is undecided, 130 after Ctrl-C. Raises ValueError for a name that is none.
     """
     names = only or list(CATALOGUE.names)
-    try:
-        named = f"the misprints of {', '.join(only or ['all forms'])}"
-        check_and_announce(named, MUTANTS.total(names), cheaper="take fewer forms, of lower order")
-    except ValueError as error:
-        return fail(error)
+    named = f"the misprints of {', '.join(only or ['all forms'])}"
+    check_and_announce(named, MUTANTS.total(names), cheaper="take fewer forms, of lower order")
     work = (count_mutants(named_form(name)) for name in names)
     counts, complete = finished(tracked(work, len(names), "refuting"))
     if json_wanted:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 from longwave.scenes.named_scenes import lattice_scenes, load_scene
 from longwave.scenes.scene import Scene
 from longwave.scenes.scene_checks import finite, positive
+from longwave.support.known_names import one_of
 from longwave.support.user_files import shown
 
 if TYPE_CHECKING:
@@ -305,8 +306,8 @@ def _setting(wave: str, name: str | None) -> WaveSetting:
     for setting in found:
         if name in (None, setting.name):
             return setting
-    known = ", ".join(setting.name for setting in found)
-    raise ValueError(f"setting must be one of {wave}, got {shown(name)} (one of {known})")
+    known = one_of(name, [setting.name for setting in found])
+    raise ValueError(f"setting must be one of {wave}, got {shown(name)} ({known})")
 
 
 def scene_of_choices(choices: Chosen) -> Scene:

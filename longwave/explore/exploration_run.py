@@ -26,9 +26,10 @@ from longwave.scenes.scene import Scene
 from longwave.support.command_line import duration, one_line
 from longwave.support.processes import ignore_interrupt, limit_memory
 from longwave.support.request_limits import (
+    Cancelled,
     ExpectedCost,
+    OverBudgetError,
     RequestLimits,
-    TooMuchError,
     check_request,
     request_limits,
 )
@@ -55,14 +56,6 @@ TOLD_EVERY = 0.1
 
 MAP_COLUMNS = 300
 """Most columns of a space-time map."""
-
-
-class TooDear(Exception):
-    """A run would take longer than it may; what catches a ValueError goes on without it."""
-
-
-class Superseded(BaseException):
-    """Something else is asked for; what catches every Exception does not catch this."""
 
 
 LONGEST_FORMULA = 1500
@@ -154,8 +147,8 @@ def compare(
     def announce(seconds: float) -> None:
         try:
             check_request("the run", ExpectedCost(seconds), CHEAPER)
-        except TooMuchError as error:
-            raise TooDear(str(error)) from None
+        except OverBudgetError as error:
+            raise Cancelled from error  # what catches a ValueError would go on without the run
 
     _check_cells(scene)
     try:
@@ -163,8 +156,8 @@ def compare(
             check_request("the run", scene.expected_cost(), CHEAPER)
             compared = _of_chain if scene.has_moving_wave else _of_lattice
             return compared(scene, progress, announce)
-    except TooDear as stop:
-        raise ValueError(str(stop)) from None
+    except Cancelled as stop:
+        raise (stop.__cause__ or stop) from None
     except MemoryError:
         raise ValueError(
             "sites must fit the memory, got a scene that does not (a larger eps or a smaller "
@@ -384,18 +377,18 @@ def _serve(connection: Connection, limits: RequestLimits) -> None:
             asked, scene = connection.recv()
             while connection.poll():
                 asked, scene = connection.recv()
-            with suppress(Superseded):
+            with suppress(Cancelled):
                 connection.send((asked, _answer(scene, limits, asked, connection)))
 
 
 def _answer(scene: Scene, limits: RequestLimits, asked: int, connection: Connection) -> Answer:
-    """The comparison, or why there is none; raises Superseded if something else is asked for."""
+    """The comparison, or why there is none; raises Cancelled if something else is asked for."""
     told = time.monotonic()
 
     def progress(share: float) -> None:
         nonlocal told
         if connection.poll():
-            raise Superseded
+            raise Cancelled
         if time.monotonic() - told > TOLD_EVERY:
             told = time.monotonic()
             connection.send((asked, float(share)))

@@ -12,8 +12,8 @@ from contextlib import closing
 from typing import Any
 
 from longwave.support.command_line import fail, interrupted
-from longwave.support.open_end import spoke
 from longwave.support.request_limits import RequestLimits, current_limits
+from longwave.support.slow_work import count_notice
 
 HOST = "127.0.0.1"
 """The loopback: nothing outside this machine reaches it."""
@@ -81,7 +81,7 @@ def _free_port(port: int) -> int:
 def _serve(server: Any, pages: Pages, address: str, browser: bool, program: str) -> int:
     loop = server.io_loop
     server.start()
-    spoke()
+    count_notice()
     print(f"longwave explore: {address} (Ctrl-C ends it)", flush=True)
     if browser:
         threading.Thread(target=webbrowser.open, args=(address,), daemon=True).start()

@@ -46,8 +46,8 @@ from longwave.reports.pictures.run_quantities import (
 from longwave.reports.pictures.sweep_plotting import SWEEP_PICTURES, Choice, is_sweep, sweep_parts
 from longwave.runs import load_run
 from longwave.runs.run_file import REMEDY, names_a_run
-from longwave.scenes.chain import run
 from longwave.scenes.chain.observables import MEASURED
+from longwave.scenes.chain.scene_run import run
 from longwave.scenes.chain.stated_run import UnfinishedRun
 from longwave.scenes.named_scenes import load_scene
 from longwave.scenes.scene import Scene

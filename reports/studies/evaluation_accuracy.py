@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 
 from longwave.derive import NormalForm, mkdv_normal_form
 from longwave.solutions import CATALOGUE, ClosedForm, Wave, closed_form, rational
+from longwave.support.known_names import one_of
 from longwave.support.processes import Job, Key
 
 Array = NDArray[np.float64]
@@ -177,7 +178,7 @@ def all_cases(name: str, drawn: int = DRAWN) -> Iterator[WaveCase]:
     Raises ValueError for a name that is no wave of the study.
     """
     if name not in wave_names():
-        raise ValueError(f"name must be a wave, got {name!r} (one of {', '.join(wave_names())})")
+        raise ValueError(f"name must be a wave, got {name!r} ({one_of(name, wave_names())})")
     parameters = [parameter.name for parameter in WaveCase(name).form.parameters]
     if name in SOLITON_VALUES:
         yield from (WaveCase(name, values) for values in SOLITON_VALUES[name])

@@ -58,7 +58,7 @@ CHEAPER_STATED = "take a larger step or fewer sites, or see fewer times"
 
 
 def check_cost(scene: Scene) -> ExpectedCost:
-    """What the scene is expected to cost; TooMuchError if that is more than the limits allow.
+    """What the scene is expected to cost; OverBudgetError if that is more than the limits allow.
 
     Raises ValueError as making its wave does.
     """

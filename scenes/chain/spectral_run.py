@@ -12,7 +12,7 @@ from functools import lru_cache
 import numpy as np
 
 from longwave.lattice.model import empty_state, find_blow_up
-from longwave.lattice.refine import Announce, Refined, StoppedSearch, TooDearError
+from longwave.lattice.refine import Announce, Refined, StoppedSearch
 from longwave.lattice.spectral.exponential import ORDER
 from longwave.lattice.spectral.ring import ALIKE, telling_step
 from longwave.lattice.trial import Progress, Trial
@@ -36,6 +36,7 @@ from longwave.scenes.chain.stated_run import (
 )
 from longwave.scenes.chain.view import View
 from longwave.scenes.scene import Scene
+from longwave.support.request_limits import OverBudgetError
 
 START_SECONDS = 0.08
 """Before the first step, measured with the planning."""
@@ -154,7 +155,7 @@ def run_spectral(
             f"tolerance must be larger than {tolerance:g}: it needs {error} "
             "(raise it, end earlier or compare fewer sites)"
         ) from None
-    except TooDearError as error:
+    except OverBudgetError as error:
         raise ValueError(
             f"engine must be 'stencil' for tolerance {tolerance:g}, got 'spectral': the next "
             f"rings alone would take {SECONDS_PER_WORK * error.work:.2g} s, site by site about "

@@ -1,7 +1,7 @@
 """Residuals of statements in text, as balls: Taylor series of trees at rational points.
 
 A ball that excludes 0 shows that an equation fails there.  What cannot be said with certainty (a
-value on a branch cut, a pole, a point where a modulus has no slope) raises Unsaid.
+value on a branch cut, a pole, a point where a modulus has no slope) raises CannotJudge.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ BITS = (100, 400, 1600, 6400)
 AtBall = Callable[[acb, int], list[acb]]
 
 
-class Unsaid(ArithmeticError):
+class CannotJudge(ArithmeticError):
     """There is no certain value."""
 
 
@@ -106,7 +106,7 @@ TAYLOR: Mapping[str, AtBall] = {
 def _theta(place: int, z: TaylorSum, q: TaylorSum) -> TaylorSum:
     """A theta function; by w = log q its slope is -1/4 of the second one by z."""
     if not q.value.real > 0:
-        raise Unsaid(f"a theta function of the nome {q.value}")
+        raise CannotJudge(f"a theta function of the nome {q.value}")
     w = _applied("log", [q])
     slopes = special_series.theta(place, z.value, w.value, 3 * z.order)
     start = (0,) * len(next(iter(w.terms)))
@@ -150,37 +150,37 @@ class Judge:
         self.order = max(map(_order, self.equations)) + max(map(_order, inner), default=0)
 
     def residuals(self, point: TextPoint, bits: int) -> Iterator[acb]:
-        """The residual of each equation; raises Unsaid."""
+        """The residual of each equation; raises CannotJudge."""
         with precision(bits):
             for equation in self.equations:
                 place = _Place(self, point)
                 found = place.value(equation, self.order).value
                 if not found.is_finite():
-                    raise Unsaid(f"no finite value of {equation}")
+                    raise CannotJudge(f"no finite value of {equation}")
                 yield found
 
     def fails_at(self, point: TextPoint, bits: Sequence[int] = BITS) -> bool:
         """Whether an equation has a residual other than 0.
 
         False says that at the highest precision all residuals are in small balls around 0.  Raises
-        Unsaid where there is no value, or none in a small ball.
+        CannotJudge where there is no value, or none in a small ball.
         """
-        reason = Unsaid("no precision was tried")
+        reason = CannotJudge("no precision was tried")
         for size in bits:
             try:
                 found = list(self.residuals(point, size))
-            except Unsaid as error:
+            except CannotJudge as error:
                 reason = error
                 continue
             except (ZeroDivisionError, ValueError, OverflowError) as error:
-                reason = Unsaid(str(error))
+                reason = CannotJudge(str(error))
                 continue
             if any(not residual.contains(0) for residual in found):
                 return True
             with precision(size):
                 small = arb(2) ** (-size // 4)
                 wide = [residual for residual in found if not residual.abs_upper() < small]
-            reason = Unsaid(f"a residual is only known to be in {wide[0]}" if wide else "")
+            reason = CannotJudge(f"a residual is only known to be in {wide[0]}" if wide else "")
         if str(reason):
             raise reason
         return False
@@ -267,7 +267,7 @@ class _Place:
         if whole is not None:
             return _whole_power(below, whole)
         if not _off_negative_axis(below):
-            raise Unsaid(f"a power of {below.value}, perhaps on the cut")
+            raise CannotJudge(f"a power of {below.value}, perhaps on the cut")
         return _applied("exp", [above * _applied("log", [below])])
 
 
@@ -288,7 +288,7 @@ def _integer(exponent: Tree, point: TextPoint) -> int | None:
 def _whole_power(base: TaylorSum, exponent: int) -> TaylorSum:
     if exponent < 0:
         if base.value.contains(0):
-            raise Unsaid("a division by what may be 0")
+            raise CannotJudge("a division by what may be 0")
         inverse = acb_series([base.value, 1], base.order + 1).inv()
         return _whole_power(base.of(_listed(inverse, base.order)), -exponent)
     found = TaylorSum(base.order, {(0,) * len(next(iter(base.terms))): acb(1)})
@@ -314,7 +314,7 @@ def _applied(name: str, parts: Sequence[TaylorSum]) -> TaylorSum:
     if name.startswith("bessel_"):
         order, at = _constant_of(z), parts[1]
         if not special_series.is_off_cut(name, order, at.value):
-            raise Unsaid(f"{name} of {at.value}, perhaps on the cut")
+            raise CannotJudge(f"{name} of {at.value}, perhaps on the cut")
         return at.of(special_series.bessel(name, order, at.value, at.order))
     if name.startswith("weierstrass_"):
         g, h = map(_constant_of, parts[1:])
@@ -325,15 +325,15 @@ def _applied(name: str, parts: Sequence[TaylorSum]) -> TaylorSum:
         _check_parameter(z)
         return TaylorSum(z.order, {i: getattr(c, name)() for i, c in z.terms.items() if not any(i)})
     if name in ("log", "sqrt") and not _off_negative_axis(z):
-        raise Unsaid(f"{name} of {z.value}, perhaps on the cut")
+        raise CannotJudge(f"{name} of {z.value}, perhaps on the cut")
     if name in CUTS and not CUTS[name](z.value):
-        raise Unsaid(f"{name} of {z.value}, perhaps on the cut")
+        raise CannotJudge(f"{name} of {z.value}, perhaps on the cut")
     return z.of(TAYLOR[name](z.value, z.order))
 
 
 def _constant_of(parameter: TaylorSum) -> acb:
     if not parameter.is_constant:
-        raise Unsaid("a parameter that has a slope")
+        raise CannotJudge("a parameter that has a slope")
     return parameter.value
 
 
@@ -346,7 +346,7 @@ def _by_conjugate(name: str, z: TaylorSum) -> TaylorSum:
     if name == "im":
         return (z + other.times(acb(-1))).times(acb(0, fmpq(-1, 2)))
     if z.value.contains(0):
-        raise Unsaid(f"{name} of what may be 0")
+        raise CannotJudge(f"{name} of what may be 0")
     if z.is_real:
         sign = acb(1 if z.value.real > 0 else -1)
         return z.times(sign) if name == "abs" else z.of([sign] + [acb(0)] * z.order)
@@ -357,7 +357,7 @@ def _by_conjugate(name: str, z: TaylorSum) -> TaylorSum:
 
 def _check_parameter(m: TaylorSum) -> None:
     if not m.is_constant or m.value.imag != 0 or not m.value.real < 1:
-        raise Unsaid(f"an elliptic function of the parameter {m.value}")
+        raise CannotJudge(f"an elliptic function of the parameter {m.value}")
 
 
 def _elliptic(name: str, z: TaylorSum, m: TaylorSum) -> TaylorSum:
@@ -365,7 +365,7 @@ def _elliptic(name: str, z: TaylorSum, m: TaylorSum) -> TaylorSum:
     _check_parameter(m)
     k = m.value
     if not k.real > 0:
-        raise Unsaid(f"an elliptic function of the parameter {k}")
+        raise CannotJudge(f"an elliptic function of the parameter {k}")
     quarter, other = k.elliptic_k(), (1 - k).elliptic_k()
     tau, place = acb(0, 1) * other / quarter, z.value / (2 * quarter)
     one, two, three, four = acb.modular_theta(place, tau)
@@ -381,7 +381,7 @@ def _elliptic(name: str, z: TaylorSum, m: TaylorSum) -> TaylorSum:
     if name in listed:
         return z.of(listed[name])
     if name not in ("jacobi_zeta", "jacobi_epsilon"):
-        raise Unsaid(f"{name} has no value here")
+        raise CannotJudge(f"{name} has no value here")
     mean = k.elliptic_e() / quarter
     slope = [_convolved(d, d, n) for n in range(z.order + 1)]
     value = acb.modular_theta(place, tau, 1)[3] / four / (2 * quarter)

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 from fractions import Fraction
 
 from searches.statements.random_statement import Truth
-from searches.texts.ball_judge import BITS, Judge, Unsaid
+from searches.texts.ball_judge import BITS, CannotJudge, Judge
 from searches.texts.rewordings import mutated, reworded
 from searches.texts.text_statement import VARIABLES, Letter, TextPoint, TextStatement
 from searches.texts.trees import (
@@ -98,7 +98,7 @@ class Draft:
             try:
                 if judge.fails_at(point, BITS[:1]):
                     raise AssertionError(f"a true statement fails at {point}:\n{made.script()}")
-            except Unsaid:
+            except CannotJudge:
                 continue
             return False
         return True
@@ -170,7 +170,7 @@ def shown_false(
         try:
             if judge.fails_at(tried, BITS[: 1 if attempt else 2]):
                 return replace(made, counterexample=tried)
-        except Unsaid:
+        except CannotJudge:
             continue
     return None
 

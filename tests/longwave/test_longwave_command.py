@@ -15,11 +15,12 @@ import longwave.cli.accuracy
 import longwave.cli.command_tree as tree
 import longwave.cli.inventory
 import longwave.cli.scene_command
+import longwave.cli.statements
+import longwave.cli.sweep_command
 import longwave.cli.verdicts
 import longwave.derive.output.printout
 import longwave.reports.build
 from longwave.__main__ import main
-from longwave.cli import run_words
 from longwave.derive.__main__ import CONSTANTS
 from longwave.derive.models.lattices import FPUT_STRAIN
 from longwave.runs import load_run
@@ -79,8 +80,8 @@ def test_the_examples_are_read_as_they_stand(words: str, monkeypatch: pytest.Mon
 def test_a_wrong_word_is_one_line_and_status_2(capsys: Output) -> None:
     assert main(["vreify"]) == 2
     error = capsys.readouterr().err
-    known = ", ".join(WORDS)
-    assert error == f"error: COMMAND must be a known one, got vreify (one of {known})\n"
+    known = f"did you mean verify? one of {', '.join(WORDS)}"
+    assert error == f"error: COMMAND must be a known one, got vreify ({known})\n"
 
 
 @pytest.mark.parametrize(
@@ -93,12 +94,22 @@ def test_a_wrong_word_is_one_line_and_status_2(capsys: Output) -> None:
         (["derive", "--k2", "__import__('os')"], "K2 must be a rational number"),
         (["derive", "--k4", "--"], "K4 must be a rational number, got '--'"),
         (["derive", "--json", "--latex"], "--json must not be given with --latex"),
-        (["prove"], "either NAME or --certificate FILE must be given, got neither"),
-        (["prove", "kink", "--certificate", "x"], "must be given, got both"),
-        (["prove", "--certificate", "x", "--output", "y"], "--output must not be given with"),
-        (["prove", "peakon"], "'peakon' (one of rational_1, "),
-        (["prove", "kink", "--output", "/nowhere/x"], "must lie in an existing folder"),
-        (["prove", "--certificate", "/nowhere/x"], "/nowhere/x: No such file or directory"),
+        (["prove"], "--equation or FILE.toml must be given, got neither"),
+        (["prove", "--library"], "no such option --library (write longwave library; see longwave"),
+        (["prove", "--certificate", "x"], "--certificate (--output FILE writes certificates, long"),
+        (["prove", "--limt", "3"], "no such option --limt (did you mean --limit, "),
+        (["prove", "kink"], "got kink (a closed form: longwave verify --only kink; a published"),
+        (["prove", "peakon.tml"], "FILE must end in .toml, got peakon.tml"),
+        (["library", "--certificate", "x"], "--output FILE writes certificates"),
+        (["library", "kdv_positn"], "got 'kdv_positn' (did you mean kdv_positon"),
+        (["library", "--json", "--latex"], "--json must not be given with --latex, got both"),
+        (["check", "x", "--output", "y"], "--output must be given with --export, got it alone"),
+        (["check", "x", "--export", "coq"], "--export must be given with --output FILE, got no"),
+        (["check", "/nowhere/x"], "/nowhere/x: No such file or directory"),
+        (["verify", "kink"], "got kink (one of recheck, mutations, accuracy; --only NAME takes a"),
+        (["verify", "--only", "kinck"], "'kinck' (did you mean kink? one of rational_1, "),
+        (["verify", "--certificate", "x"], "--output FILE writes certificates"),
+        (["verify", "--only", "kink", "--output", "/nowhere/x"], "must lie in an existing folder"),
         (["verify", "--only", "peakon"], "'peakon' (one of rational_1, "),
         (["verify", "--digits", "30,x"], "digits must be integers with commas between"),
         (["verify", "--points", "many"], "'many' is not a valid integer (see longwave verify"),
@@ -107,7 +118,7 @@ def test_a_wrong_word_is_one_line_and_status_2(capsys: Output) -> None:
         (["check"], "missing argument 'FILE'"),
         (["verify", "mutations", "--only", "peakon"], "'peakon' (one of rational_1, "),
         (["verify", "accuracy", "--jobs", "0"], "--jobs must satisfy 1 <= --jobs <= 1000, got 0"),
-        (["verify", "--json", "mutations"], "--json must stand behind the word that it is meant"),
+        (["verify", "--json", "mutations"], "--json must stand behind the command that it is"),
         (["verify", "--only"], "requires an argument (see longwave verify --help)"),
         (["run"], "missing argument 'SCENE' (see longwave run --help)"),
         (["run", "nowhere"], "scene must be a TOML file or a shipped scene, got 'nowhere'"),
@@ -120,6 +131,7 @@ def test_a_wrong_word_is_one_line_and_status_2(capsys: Output) -> None:
         (["converge", "rogue_cn_k_0.5"], "tolerance must be given for this, got a stated step"),
         (["run", "toda_soliton", "--engine", "stencil"], "--engine must not be given for a scene"),
         (["list", "wavse"], "'wavse' is not one of 'lattices', 'waves'"),
+        (["list", "wavse"], "(did you mean waves? see longwave list --help)"),
         (["--completion", "tcsh"], "'tcsh' is not one of 'bash', 'zsh', 'fish'"),
     ],
 )
@@ -135,59 +147,71 @@ def test_wrong_input_is_one_line_and_status_2(
 
 
 def test_what_is_declared_is_what_the_rooms_take() -> None:
-    assert run_words.ENGINES == ENGINES
+    assert tree.ENGINES == ENGINES
     assert tuple(str(constant) for constant in FPUT_STRAIN.constants) == CONSTANTS
     known = (*shipped_scenes(), *further_scenes(), *lattice_scenes())
-    assert run_words.scene_names() == sorted(known)
+    assert tree.scene_names() == sorted(known)
+
+
+NOTHING = (None, False, ())
 
 
 def test_options_reach_the_rooms(monkeypatch: pytest.MonkeyPatch) -> None:
-    got: list[object] = []
+    got: list[Any] = []
 
-    def keep(*given: object) -> int:
-        got.append(given)
+    def keep(*given: object, **options: object) -> int:
+        got.append((*given, options))
         return 1
 
     monkeypatch.setattr(longwave.derive.output.printout, "print_derivation", keep)
+    monkeypatch.setattr(longwave.cli.statements, "prove_and_print", keep)
+    monkeypatch.setattr(longwave.cli.statements, "decide_library_and_print", keep)
     monkeypatch.setattr(longwave.cli.verdicts, "print_verdicts", keep)
     monkeypatch.setattr(longwave.cli.verdicts, "print_mutations", keep)
     monkeypatch.setattr(longwave.cli.scene_command, "run_and_print", keep)
+    monkeypatch.setattr(longwave.cli.sweep_command, "sweep_and_print", keep)
     monkeypatch.setattr(longwave.cli.accuracy, "print_accuracy", keep)
     monkeypatch.setattr(longwave.reports.build, "write_report", keep)
     Wanted = longwave.derive.output.printout.Wanted
-    verdicts, RunOptions = (
-        longwave.cli.verdicts.VerdictOptions,
-        longwave.cli.scene_command.RunOptions,
-    )
     for line in (
         "derive --k4 -1/2 --orders 5 --latex",
-        "prove kink wave_cn kink --json --output c.json",
+        "prove a.toml --limit 3 --output c.json",
+        "library kdv_positon --json",
         "verify --only kink --digits 20,40 --seed 3",
         "verify mutations --only kink",
         "verify accuracy --only kink --jobs 2 --json",
         "run x.toml --tolerance 1e-3 --engine stencil --output x.nc",
+        "sweep x.toml --processes 2",
         "report --output there --full --workers 3",
     ):
         assert main(line.split()) == 1
-    assert got == [
-        (Wanted(constants={"K4": "-1/2"}, orders="5", form="latex"),),
-        (verdicts(("kink", "wave_cn"), True, "c.json"), "longwave prove"),
-        (verdicts(("kink",), digits="20,40", seed=3), "longwave verify"),
-        (("kink",), False, "longwave verify mutations"),
-        (("kink",), 2, None, True, "longwave verify accuracy"),
-        (RunOptions("x.toml", 1e-3, "stencil", "x.nc"), "longwave run"),
-        (longwave.reports.build.ReportOptions(Path("there"), False, True, 3), "longwave report"),
+    given = [
+        (*where, {k: v for k, v in named.items() if v not in NOTHING}) for *where, named in got
+    ]
+    assert given == [
+        (Wanted(constants={"K4": "-1/2"}, orders="5", form="latex"), {}),
+        ("longwave prove", ("a.toml",), {"limit": 3.0, "output": "c.json"}),
+        ("longwave library", ("kdv_positon",), {"json_wanted": True}),
+        ("longwave verify", {"only": ("kink",), "digits": "20,40", "seed": 3}),
+        (("kink",), False, "longwave verify mutations", {}),
+        (("kink",), 2, None, True, "longwave verify accuracy", {}),
+        (
+            *("x.toml", "longwave run"),
+            {"tolerance": 1e-3, "engine": "stencil", "output": "x.nc"},
+        ),
+        ("x.toml", "longwave sweep", {"processes": 2}),
+        (Path("there"), "longwave report", {"full": True, "workers": 3}),
     ]
 
 
 def test_a_proof_is_written_and_checked(tmp_path: Path, capsys: Output) -> None:
     path = tmp_path / "kink.json"
-    assert main(["prove", "kink", "--json", "--output", str(path)]) == 0
+    assert main(["verify", "--only", "kink", "--json", "--output", str(path)]) == 0
     (proved,) = json.loads(capsys.readouterr().out)
     assert (proved["name"], proved["outcome"]) == ("kink", "PROVED")
-    assert main(["prove", "--certificate", str(path)]) == 0
+    assert main(["check", str(path)]) == 0
     assert capsys.readouterr().out.endswith("kink: accepted\n")
-    assert main(["prove", "--certificate", str(path), "--json"]) == 0
+    assert main(["check", str(path), "--json"]) == 0
     (accepted,) = json.loads(capsys.readouterr().out)
     assert accepted["name"] == "kink"
     assert "A*tanh(" in accepted["statement"]
@@ -198,7 +222,7 @@ def test_a_rejected_certificate_gives_status_1_and_json_without_it(
 ) -> None:
     path = tmp_path / "c.json"
     path.write_text("{}", encoding="utf-8")
-    assert main(["prove", "--certificate", str(path), "--json"]) == 1
+    assert main(["check", str(path), "--json"]) == 1
     output = capsys.readouterr()
     assert json.loads(output.out) == []
     assert "rejected: " in output.err
@@ -251,8 +275,8 @@ def test_the_completion_script_asks_by_the_variable_that_is_answered(
     [
         ("longwave ver", ["verify"]),
         ("longwave run rogue_cn_k_0.5", ["rogue_cn_k_0.5", "rogue_cn_k_0.5_long"]),
-        ("longwave prove rog", ["rogue_cn"]),
-        ("longwave prove --library kdv_pos", ["kdv_positon", "kdv_positon_speed"]),
+        ("longwave verify --only rog", ["rogue_cn"]),
+        ("longwave library kdv_pos", ["kdv_positon", "kdv_positon_speed"]),
         ("longwave list sc", ["schemes", "scenes"]),
         ("longwave verify --me", ["--method"]),
         ("longwave run mine/", ["mine/"]),
@@ -359,14 +383,12 @@ def test_ctrl_c_is_one_line_and_status_130(seconds: float, press_ctrl_c: Any) ->
 def test_no_command_of_the_process_stays_silent() -> None:
     """It is the words of the process that are watched, though they are handed on."""
     script = (
-        "import sys, threading\n"
-        "import longwave.support.open_end as open_end\n"
+        "import sys, time\n"
+        "import longwave.support.command_line as command_line\n"
         "import longwave.cli.inventory as inventory\n"
         "from longwave.__main__ import main\n"
-        "say, said = open_end.say_open_end, threading.Event()\n"
-        "open_end.SILENT = 0.1\n"
-        "open_end.say_open_end = lambda work: (say(work), said.set())\n"
-        "inventory.print_tables = lambda *_: said.wait(60.0)\n"
+        "command_line.SILENT = 0.1\n"
+        "inventory.print_tables = lambda *_: time.sleep(1.0)\n"
         "sys.argv = ['longwave', 'list']\n"
         "sys.exit(main())\n"
     )

@@ -9,7 +9,7 @@ import pytest
 from longwave.__main__ import main
 from longwave.cli.command_tree import longwave
 
-WRITING = ("output", "certificate")
+WRITING = {"output"}
 """Options that name what is written."""
 
 UNASKED: dict[tuple[str, str], str] = {}
@@ -33,21 +33,22 @@ def test_every_option_that_writes_a_file_has_force_beside_it() -> None:
         options = {str(o.name): o for o in command.params if isinstance(o, click.Option)}
         writing = {n for n, o in options.items() if isinstance(o.type, click.Path)}
         writing -= {option for word, option in PATHS_READ if word == words}
-        assert writing <= set(WRITING), words
+        assert writing <= WRITING, words
         assert not writing or "force" in options or (words, *writing) in UNASKED, words
         found |= {words} if writing else set()
-    assert found == {"prove", "verify", "run", "sweep", "plot", "animate", "report", "converge"}
+    written = {"run", "sweep", "plot", "animate", "report", "converge"}
+    assert found == {"prove", "library", "check", "verify"} | written
 
 
 @pytest.mark.parametrize(
     ("words", "name"),
     [
-        ("prove kink --output", "c.json"),
-        ("prove kink --export pari --output", "c.gp"),
-        ("prove --library --output", "c.json"),
-        ("prove --equation u_t+u_x --solution u=sin(x-t) --certificate", "c.json"),
+        ("library --output", "c.json"),
+        ("check c.json --export coq --output", "c.v"),
+        ("prove --equation u_t+u_x --solution u=sin(x-t) --output", "c.json"),
         ("prove --equation u_t+u_x --solution u=sin(x-t) --export coq --output", "c.v"),
-        ("verify --only kink --certificate", "c.json"),
+        ("verify --only kink --output", "c.json"),
+        ("verify --only kink --export pari --output", "c.gp"),
         ("plot rogue_cn_k_0.5_long --output", "c.png"),
         ("animate rogue_cn_k_0.5_long --output", "c.gif"),
         ("converge toda_soliton --output", "c.png"),
@@ -77,10 +78,10 @@ def test_a_picture_by_its_usual_name_is_not_overwritten_either(
 def test_force_overwrites(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "c.json"
     path.write_text("older")
-    assert main(["prove", "kink", "--output", str(path), "--force"]) == 0
+    assert main(["verify", "--only", "kink", "--output", str(path), "--force"]) == 0
     assert path.read_text().startswith("[")
     transport = ["--equation", "u_t+u_x", "--solution", "u=sin(x-t)"]
-    assert main(["prove", *transport, "--certificate", str(path), "--force"]) == 0
+    assert main(["prove", *transport, "--output", str(path), "--force"]) == 0
     assert "sin" in path.read_text()
 
 
@@ -88,7 +89,7 @@ def test_numbered_scripts_are_looked_for_before_the_work(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / "s_1.gp").write_text("older")
-    words = ["prove", "kink", "--export", "pari", "--output", str(tmp_path / "s.gp")]
+    words = ["verify", "--only", "kink", "--export", "pari", "--output", str(tmp_path / "s.gp")]
     assert main(words) == 2
     assert "beside s_1.gp, which is there (--force overwrites it)" in capsys.readouterr().err
     assert main([*words, "--force"]) == 0

@@ -130,6 +130,6 @@ def test_bad_workers_are_one_line(capsys: pytest.CaptureFixture[str], tmp_path: 
 
 def test_it_is_written_into_the_working_folder(monkeypatch: pytest.MonkeyPatch) -> None:
     folders: list[Path] = []
-    monkeypatch.setattr(build, "write_report", lambda options, *_: folders.append(options.output))
+    monkeypatch.setattr(build, "write_report", lambda output, *_, **__: folders.append(output))
     assert main([]) == 0
     assert folders == [Path("longwave-report")]

@@ -17,7 +17,7 @@ from tempfile import TemporaryDirectory
 import xarray as xr
 
 import longwave.runs.run_file
-from longwave.cli.scene_command import RunOptions, run_and_print
+from longwave.cli.scene_command import run_and_print
 from longwave.runs import output_checkpoint
 from longwave.runs.run_store import RunStore
 from tests.runs.unfinished_scenes import SCENES
@@ -37,9 +37,9 @@ def write(name: str, folder: str, least: str) -> int:
     output_checkpoint.PACE = float(least), 1e9
     scene = Path(folder) / "scene.toml"
     scene.write_text(SCENES[name].toml(), encoding="utf-8")
-    options = RunOptions(str(scene), output=str(Path(folder) / "out.nc"))
+    output = str(Path(folder) / "out.nc")
     with open(os.devnull, "w") as nowhere, redirect_stdout(nowhere), redirect_stderr(nowhere):
-        return run_and_print(options, "longwave run")
+        return run_and_print(str(scene), "longwave run", output=output)
 
 
 def keep(name: str, folder: str) -> int:

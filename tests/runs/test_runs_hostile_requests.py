@@ -8,8 +8,7 @@ from typing import Any
 import pytest
 
 from longwave.__main__ import main
-from longwave.support import open_end
-from longwave.support.command_line import announce
+from longwave.support.slow_work import announce, notice_when_silent
 
 SCENE = """
 wave = "soliton_sech"
@@ -70,7 +69,7 @@ def test_a_limit_is_raised_and_lowered_by_an_option(capsys: pytest.CaptureFixtur
     assert "must take at most 0.5 s, got about" in capsys.readouterr().err
     assert main(["run", "dimer_peregrine", "--max-memory", "100M"]) == 2
     assert "must fit 100 MB, got about" in capsys.readouterr().err
-    assert main(["prove", "rational_99"]) == 2
+    assert main(["verify", "--only", "rational_99"]) == 2
     assert "must take at most 60 min, got about" in capsys.readouterr().err
 
 
@@ -79,7 +78,7 @@ COMMANDS = (
     "run dimer_peregrine",
     "plot rogue_cn_k_0.5_long",
     "converge toda_soliton",
-    "prove rational_12",
+    "verify --only rational_12",
     "derive mass_dimer",
     "verify accuracy",
     "verify mutations",
@@ -122,15 +121,14 @@ def test_a_derivation_of_hours_is_refused_before_it_begins(
 def test_a_silent_command_says_that_it_goes_on(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(open_end, "SILENT", 0.0)
     begun: list[Thread] = []
     monkeypatch.setattr(Thread, "start", lambda thread: begun.append(thread))
-    with open_end.speaking_up("longwave derive"):
+    with notice_when_silent("longwave derive", 0.0):
         begun[0].run()
         announce("the run", 1.0)
         silent = capsys.readouterr().err
     assert silent == "longwave derive: takes more than some seconds (Ctrl-C stops it)\n"
-    with open_end.speaking_up("longwave derive"):
+    with notice_when_silent("longwave derive", 0.0):
         announce("the run", 20.0)
         begun[1].run()
     assert capsys.readouterr().err == "the run: about 20 s (Ctrl-C stops it)\n"

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from longwave.cli.scene_command import RunOptions, run_and_print
+from longwave.cli.scene_command import run_and_print
 from longwave.runs import output_checkpoint
 from longwave.runs.run_file import load_run
 from longwave.scenes import named_scenes
@@ -38,7 +38,7 @@ def kept(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
 def run(folder: Path, output: str = "run.nc", **changes: Any) -> int:
     scene = folder / "scene.toml"
     scene.write_text(SCENES[NAME].changed(**changes).toml(), encoding="utf-8")
-    return run_and_print(RunOptions(str(scene), output=str(folder / output)), "longwave run")
+    return run_and_print(str(scene), "longwave run", output=str(folder / output))
 
 
 def test_a_run_is_gone_on_with_beside_its_output(

@@ -14,7 +14,7 @@ import pytest
 import xarray as xr
 
 from longwave.cli import scene_command
-from longwave.cli.scene_command import RunOptions, run_and_print
+from longwave.cli.scene_command import run_and_print
 from longwave.runs import run_pack, run_store, sweep_cells
 from longwave.runs.run_file import load_run
 from longwave.runs.run_pack import CellRecord, packed_records, read_pack, write_pack
@@ -282,8 +282,8 @@ def test_a_run_is_found_whoever_made_it(
     run_sweep(sweep, store, HereWorkers())
     monkeypatch.setattr(named_scenes, "run", None)
     monkeypatch.setattr(scene_command, "record_with_trust", None)
-    options = RunOptions(str(tmp_path / "small.toml"), store=str(store.folder))
-    assert run_and_print(options, "longwave run") == 0
+    path, kept = str(tmp_path / "small.toml"), str(store.folder)
+    assert run_and_print(path, "longwave run", store=kept) == 0
     told = capsys.readouterr()
     place = packed_records(store.folder)[store.key(scene)][1]
     assert place is not None

@@ -132,7 +132,7 @@ def test_the_effective_medium_is_that_of_springs_in_series(
     """<1/(1 + d)> over d uniform within r is artanh(r)/r, whatever the springs' mean."""
     scene = SOLITON | {"lattice": lattice, "constants": SOLITON["constants"] | constants}
     disorder = MASSES | {"of": of, "spread": 0.4}
-    wave = lattice_wave(LatticeScene.of(**(scene | {"disorder": disorder})))
+    wave = lattice_wave(Scene.of(**(scene | {"disorder": disorder})))
     assert isinstance(wave, DisorderedWave)
     mean = np.arctanh(0.4) / 0.4 if share else 1.0
     assert wave.effective_speed == pytest.approx(mean**-0.5, rel=1e-14)

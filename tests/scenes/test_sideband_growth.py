@@ -18,7 +18,7 @@ from longwave.scenes.sideband_growth import (
     growth_plan,
     measure_growth,
 )
-from longwave.support.request_limits import TooMuchError, request_limits
+from longwave.support.request_limits import OverBudgetError, request_limits
 
 CUBIC: dict[str, Any] = {"K2": 1, "K3": "1/4", "K4": 1}
 PINNED: dict[str, Any] = {"K2": 1, "g1": 2, "g2": 1, "g3": 4}
@@ -223,5 +223,5 @@ def test_what_cannot_be_measured_is_refused_in_one_line(name: str) -> None:
 
 
 def test_what_would_take_long_is_refused_before_it_begins() -> None:
-    with request_limits(seconds=1.0), pytest.raises(TooMuchError, match="another k or kappa"):
+    with request_limits(seconds=1.0), pytest.raises(OverBudgetError, match="another k or kappa"):
         rate(eps=1e-4)

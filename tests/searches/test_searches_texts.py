@@ -9,7 +9,7 @@ from flint import acb
 
 from searches.statements.random_statement import Truth
 from searches.texts import ball_judge
-from searches.texts.ball_judge import Judge, Unsaid, precision
+from searches.texts.ball_judge import CannotJudge, Judge, precision
 from searches.texts.composition_statements import COMPOSED
 from searches.texts.drafts import (
     Draft,
@@ -127,7 +127,7 @@ def test_a_residual_is_seen(equation: str, solution: str, fails: bool) -> None:
     ],
 )
 def test_of_what_is_not_certain_nothing_is_said(solution: str) -> None:
-    with pytest.raises(Unsaid):
+    with pytest.raises(CannotJudge):
         judged("u_x - u", solution)
 
 
@@ -135,8 +135,8 @@ def test_the_precision_is_put_back() -> None:
     from flint import ctx
 
     before = ctx.prec
-    with pytest.raises(Unsaid), precision(3 * before):
-        raise Unsaid("by hand")
+    with pytest.raises(CannotJudge), precision(3 * before):
+        raise CannotJudge("by hand")
     assert ctx.prec == before
 
 
@@ -156,7 +156,7 @@ def test_a_text_statement_is_the_same_each_time_and_well_labelled(kind: str) -> 
             assert all(letter.holds(point[letter.name]) for letter in made.letters)
             assert Judge(made).fails_at(point)
         if made.truth is Truth.VOID:
-            with pytest.raises(Unsaid):
+            with pytest.raises(CannotJudge):
                 Judge(made).fails_at(made.point(random.Random(index)))
 
 
@@ -170,7 +170,7 @@ def test_true_statements_hold_at_further_points(kind: str) -> None:
                 fails = Judge(made).fails_at(
                     made.point(random.Random(attempt)), ball_judge.BITS[:1]
                 )
-            except Unsaid:
+            except CannotJudge:
                 continue
             assert not fails, made.script()
 

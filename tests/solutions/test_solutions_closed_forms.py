@@ -105,7 +105,9 @@ def test_catalogue_names_are_unique_and_free_symbols_declared() -> None:
 
 
 def test_unknown_name_lists_the_catalogue() -> None:
-    with pytest.raises(ValueError, match=r"got 'rogue' \(one of rational_1, .*kink"):
+    with pytest.raises(
+        ValueError, match=r"got 'rogue' \(did you mean rogue_cn.* one of rational_1, .*kink"
+    ):
         closed_form("rogue")
 
 

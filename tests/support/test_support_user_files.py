@@ -12,7 +12,7 @@ from longwave.__main__ import main
 from longwave.support.command_line import QUOTED
 from longwave.support.request_limits import (
     ExpectedCost,
-    TooMuchError,
+    OverBudgetError,
     check_request,
     current_limits,
     machine_memory,
@@ -80,8 +80,8 @@ def test_a_limit_holds_in_its_body_alone() -> None:
     assert before.seconds == math.inf
     with request_limits("1M", "10s"), request_limits(seconds="1min"):
         check_request("it", ExpectedCost(59.0, 1e6), "less")
-        with pytest.raises(TooMuchError, match=r"it must fit 1 MB, got about 2 MB \(less, or "):
+        with pytest.raises(OverBudgetError, match=r"it must fit 1 MB, got about 2 MB \(less, or "):
             check_request("it", ExpectedCost(0.0, 2e6), "less")
-        with pytest.raises(TooMuchError, match="it must take at most 60 s, got about 2 min"):
+        with pytest.raises(OverBudgetError, match="it must take at most 60 s, got about 2 min"):
             check_request("it", ExpectedCost(120.0), "less")
     assert current_limits() == before

@@ -1,4 +1,4 @@
-"""`--certificate` and `check`: written, accepted, and rejected in one line."""
+"""`--output` and `check`: written, accepted, and rejected in one line."""
 
 import json
 import random
@@ -16,7 +16,7 @@ Output = pytest.CaptureFixture[str]
 @pytest.fixture(scope="module")
 def written(tmp_path_factory: pytest.TempPathFactory) -> str:
     path = tmp_path_factory.mktemp("certificates") / "two.json"
-    assert main(["--only", "kink", "--only", "wave_cn", "--certificate", str(path)]) == 0
+    assert main(["--only", "kink", "--only", "wave_cn", "--output", str(path)]) == 0
     return path.read_text(encoding="utf-8")
 
 
@@ -95,12 +95,12 @@ def test_what_is_read_is_not_overwritten(
     Path("p.toml").write_text(
         '[[problem]]\nequation = "u_t + u_x"\nsolution = "u = x - t"\n', encoding="utf-8"
     )
-    assert longwave(["prove", "p.toml", "--certificate", "p.json"]) == 0
+    assert longwave(["prove", "p.toml", "--output", "p.json"]) == 0
     before = {name: Path(name).read_bytes() for name in ("p.toml", "p.json")}
     for words in (
-        "prove p.toml --certificate ./p.toml",
+        "prove p.toml --output ./p.toml",
         "prove p.toml --export pari --output p.toml",
-        "prove --certificate p.json --export pari --output p.json",
+        "check p.json --export pari --output p.json",
     ):
         for force in ([], ["--force"]):
             assert longwave([*words.split(), *force]) == 2

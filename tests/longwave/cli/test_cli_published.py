@@ -77,7 +77,7 @@ def test_the_list_shows_every_statement(capsys: Output) -> None:
 
 
 def test_statements_of_the_library_are_decided_by_name(capsys: Output) -> None:
-    assert main(["prove", "--library", "kdv_one_soliton", "kdv_soliton_speed", "--json"]) == 0
+    assert main(["library", "kdv_one_soliton", "kdv_soliton_speed", "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     assert [record["verdict"] for record in found] == ["PROVED", "REFUTED"]
 

@@ -1,4 +1,4 @@
-"""`prove --export` and `verify recheck`: files, tables and exit status, systems of cardboard."""
+"""`--export` and `verify recheck`: files, tables and exit status, systems of cardboard."""
 
 import json
 from pathlib import Path
@@ -25,14 +25,14 @@ def cardboard(folder: Path, words: str) -> None:
 @pytest.mark.parametrize("system", SYSTEMS)
 def test_a_proof_of_a_form_is_written_as_a_script(system: str, tmp_path: Path) -> None:
     file = tmp_path / "script"
-    assert main(["prove", "kink", "--export", system, "--output", str(file)]) == 0
+    assert main(["verify", "--only", "kink", "--export", system, "--output", str(file)]) == 0
     assert "longwave: kink" in file.read_text()
 
 
 def test_a_certificate_is_written_as_a_script(tmp_path: Path) -> None:
     kept, file = tmp_path / "c.json", tmp_path / "c.gp"
     assert main(["prove", *TRANSPORT, "--output", str(kept)]) == 0
-    words = ["prove", "--certificate", str(kept), "--export", "pari", "--output", str(file)]
+    words = ["check", str(kept), "--export", "pari", "--output", str(file)]
     assert main(words) == 0
     assert file.read_text().endswith("print(answer(e)))\n")
 
@@ -53,7 +53,7 @@ def test_what_is_refuted_has_no_script(tmp_path: Path, capsys: pytest.CaptureFix
 
 
 def test_a_script_needs_a_file(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["prove", "kink", "--export", "coq"]) == 2
+    assert main(["verify", "--only", "kink", "--export", "coq"]) == 2
     assert "--output" in capsys.readouterr().err
 
 
@@ -89,7 +89,7 @@ def test_accepted_is_told_with_its_premises(
     assert "A > 0; a > 0; c > 0; 1 more" in said
     assert "accepted means proved if the premises hold" in said
     file = str(tmp_path / "kink.v")
-    assert main(["prove", "kink", "--export", "coq", "--output", file]) == 0
+    assert main(["verify", "--only", "kink", "--export", "coq", "--output", file]) == 0
     assert "accepted will mean proved if A > 0; a > 0; c > 0; 1 more" in capsys.readouterr().err
 
 
@@ -104,9 +104,14 @@ def test_what_is_not_installed_is_said_and_never_accepted(
     assert "accepted" not in said.out
 
 
-def test_a_name_of_nothing_is_an_error(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_name_of_nothing_is_an_error_and_installs_nothing(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(recheck, "install_systems", lambda: pytest.fail("installed first"))
     assert main(["verify", "recheck", "--only", "no such wave"]) == 2
     assert "name must be of the library" in capsys.readouterr().err
+    assert main(["verify", "recheck", "--only", "kinck"]) == 2
+    assert "(did you mean kink?)" in capsys.readouterr().err
 
 
 def test_a_statement_is_accepted_only_if_all_of_its_equations_are() -> None:

@@ -55,11 +55,11 @@ def test_files_have_names_to_solve_for_and_their_proofs_are_written(
         "(c, a)",
         "(c,)",
     ]
-    assert main(["prove", str(path), "--certificate", str(proofs)]) == 0
+    assert main(["prove", str(path), "--output", str(proofs)]) == 0
     text = capsys.readouterr().out
     assert "PROVED speed: holds if and only if c = 4*k**2, a = 2*k**2\n" in text
     assert "REFUTED none: holds for no value of c\n" in text
-    assert main(["prove", "--certificate", str(proofs)]) == 0
+    assert main(["check", str(proofs)]) == 0
     assert "speed: accepted" in capsys.readouterr().out
     assert main(["prove", str(path), "--json"]) == 0
     first, second = json.loads(capsys.readouterr().out)

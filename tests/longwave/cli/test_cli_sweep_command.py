@@ -8,7 +8,7 @@ import pytest
 
 from longwave.__main__ import main
 from longwave.cli import sweep_command
-from longwave.cli.sweep_command import SweepOptions, sweep_and_print
+from longwave.cli.sweep_command import sweep_and_print
 from longwave.runs import sweep_dataset
 from longwave.runs.run_store import RunStore
 from longwave.runs.sweep_file import load_sweep
@@ -26,8 +26,8 @@ def test_force_overwrites_nothing_but_results(
     path = tmp_path / "sw.toml"
     for file in (path, tmp_path / name):
         file.write_text(TEXT, encoding="utf-8")
-    options = SweepOptions(str(path), 1, output=str(tmp_path / name), force=True)
-    assert sweep_and_print(options, "longwave sweep") == 2
+    written = str(tmp_path / name)
+    assert sweep_and_print(str(path), "sweep", processes=1, output=written, force=True) == 2
     assert told in capsys.readouterr().err
     assert (tmp_path / name).read_text(encoding="utf-8") == TEXT
 
@@ -38,7 +38,7 @@ def test_a_store_is_not_the_file_of_its_sweep(
     """Else all was run before it could not be written."""
     path, both = tmp_path / "sw.toml", str(tmp_path / "both.nc")
     path.write_text(TEXT, encoding="utf-8")
-    assert sweep_and_print(SweepOptions(str(path), 1, output=both, store=both), "sweep") == 2
+    assert sweep_and_print(str(path), "sweep", output=both, store=both) == 2
     assert "--output must not be the --store, a folder, got" in capsys.readouterr().err
     assert not Path(both).exists()
 
@@ -54,7 +54,7 @@ def test_a_disk_that_is_full_at_the_end_is_told_with_what_is_kept(
     monkeypatch.setattr(sweep_dataset, "write_sweep", full)
     Path("sw.toml").write_text(TEXT, encoding="utf-8")
     for _ in ("run", "found again"):
-        assert sweep_and_print(SweepOptions("sw.toml", 1), "longwave sweep") == 1
+        assert sweep_and_print("sw.toml", "longwave sweep", processes=1) == 1
         *_, told = capsys.readouterr().err.splitlines()
         kept = "2 of 2 cells are kept; again goes on with the rest"
         assert told == f"error: sw.nc: No space left on device ({kept})"
@@ -67,7 +67,7 @@ def test_one_damaged_pack_is_told_once_and_one_cell_as_one(
     monkeypatch.chdir(tmp_path)
     Path("sw.toml").write_text(TEXT.replace("0.1, 0.2", "0.2"), encoding="utf-8")
     for damaged in (0, 1):
-        assert sweep_and_print(SweepOptions("sw.toml", 1), "longwave sweep") == 0
+        assert sweep_and_print("sw.toml", "longwave sweep", processes=1) == 0
         told = capsys.readouterr()
         assert "1 was run now by 1 worker, " in told.out
         (error,) = (line for line in told.out.splitlines() if line.startswith("relative error"))
@@ -103,8 +103,8 @@ def test_a_sweep_that_takes_its_time_says_so(
     monkeypatch.setattr(sweep_command, "run_sweep", nothing_yet)
     path = tmp_path / "sw.toml"
     path.write_text(TEXT, encoding="utf-8")
-    options = SweepOptions(str(path), 1, store=str(tmp_path / "store"))
-    assert sweep_and_print(options, "longwave sweep") == 1
+    store = str(tmp_path / "store")
+    assert sweep_and_print(str(path), "longwave sweep", processes=1, store=store) == 1
     assert "sw, 2 cells: takes more than some seconds (Ctrl-C stops it)" in said
 
 
@@ -119,7 +119,7 @@ def test_what_the_store_says_is_told_in_lines(
     path.write_bytes(b"damaged")
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(sweep_command, "run_sweep", lambda *_: None)
-    options = SweepOptions("sw.toml", 1, store=str(store.folder))
-    assert sweep_and_print(options, "longwave sweep") == 1
+    kept = str(store.folder)
+    assert sweep_and_print("sw.toml", "longwave sweep", processes=1, store=kept) == 1
     told = f"{path} is damaged: it counts as missing, and is made anew"
     assert told in capsys.readouterr().err.splitlines()

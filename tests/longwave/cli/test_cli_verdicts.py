@@ -99,7 +99,7 @@ def test_a_wrong_form_gives_status_1_and_its_witness(
     ("argv", "message"),
     [
         (["--only", "peakon"], "'peakon' (one of rational_1, "),
-        (["--only", "rational_0"], "'rational_0' (one of rational_1, "),
+        (["--only", "rational_0"], "'rational_0' (did you mean rational_"),
         (["--digits", "30"], "digits must be two or more"),
         (["--digits", "30,x"], "digits must be integers with commas between, got '30,x'"),
         (["--digits", "30,999999999999"], "from 15 to 10000"),
@@ -112,7 +112,7 @@ def test_a_wrong_form_gives_status_1_and_its_witness(
         ),
         (["--seed", "1", "--stable"], "--stable must not be given with the method residual"),
         (
-            ["--only", "kink", "--certificate", "/nowhere/x"],
+            ["--only", "kink", "--output", "/nowhere/x"],
             "must lie in an existing folder, got /nowhere/x",
         ),
         (["--nonsense"], "no such option"),
@@ -135,7 +135,7 @@ def test_a_file_that_cannot_be_written_is_told_before_anything_is_proved(
     monkeypatch.setattr(
         command, "prove_all", lambda names: (pytest.fail("proved first") for _ in names)
     )
-    assert main(["--certificate", str(tmp_path / "none" / "x.json")]) == 2
+    assert main(["--output", str(tmp_path / "none" / "x.json")]) == 2
     assert "must lie in an existing folder" in capsys.readouterr().err
 
 

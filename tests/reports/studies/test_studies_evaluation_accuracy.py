@@ -104,4 +104,6 @@ def test_command_prints_the_table(capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_command_refuses_what_it_does_not_know(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["accuracy", "--only", "soliton"]) == 2
-    assert "--only must be a wave, got soliton (one of rational_1" in capsys.readouterr().err
+    assert (
+        "--only must be a wave, got soliton (did you mean soliton_dn, " in capsys.readouterr().err
+    )

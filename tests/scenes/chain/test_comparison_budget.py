@@ -12,11 +12,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from longwave.lattice.refine import TooDearError, refine
+from longwave.lattice.refine import refine
 from longwave.lattice.trial import Choices, Engine, Kind, Progress, Trial
 from longwave.reports.studies.estimate_scenes import random_scene
-from longwave.scenes.chain import run
+from longwave.scenes.chain.scene_run import run
 from longwave.scenes.scene import Scene
+from longwave.support.request_limits import OverBudgetError
 
 
 @dataclass
@@ -113,7 +114,7 @@ def test_what_becomes_of_rounding_is_part_of_the_error() -> None:
 
 
 def test_an_engine_gives_up_where_it_is_too_dear() -> None:
-    with pytest.raises(TooDearError):
+    with pytest.raises(OverBudgetError):
         refine(Toy(plateau=1e-2, most_work=1e2), 1e-6)
 
 

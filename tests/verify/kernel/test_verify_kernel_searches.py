@@ -14,7 +14,7 @@ from longwave.verify.kernel.signs import Signs
 from longwave.verify.proof.typed_balls import TypedBalls, TypedPlace
 from searches import kernel_attacks
 from searches.false_certificates import false_certificates
-from searches.text_balls import TextBalls, Unsaid
+from searches.text_balls import CannotJudge, TextBalls
 
 
 @pytest.mark.parametrize(("name", "count"), [("reading", 400), ("signs", 1500)])
@@ -102,5 +102,5 @@ def test_the_second_reader(text: str, value: int) -> None:
     statement = {"variables": ["x", "n"], "parameters": [], "solutions": ["u = x + n**2"]}
     point = {"x": fmpq(1, 1), "n": fmpq(2), "y": fmpq(1, 3)}
     assert TextBalls(statement).value(text, point).contains(value)
-    with pytest.raises(Unsaid):
+    with pytest.raises(CannotJudge):
         TextBalls(statement).value("1/(x - 1)", point)

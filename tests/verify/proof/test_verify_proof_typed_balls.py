@@ -16,7 +16,7 @@ from longwave.verify.proof.typed_balls import TypedBalls
 from longwave.verify.proof.typed_values import TypedValues
 from longwave.verify.verdict import Outcome
 from searches.statements.random_statement import Truth
-from searches.texts.ball_judge import Judge, Unsaid
+from searches.texts.ball_judge import CannotJudge, Judge
 from searches.texts.text_library import TEXT_KINDS, text_statement
 
 X, Y, A, N = Fraction(-7, 10), Fraction(13, 10), Fraction(3, 4), -3
@@ -125,7 +125,7 @@ def test_the_judge_of_the_searches_finds_the_same_residuals(kind: str, index: in
     integers = {str(s) for s, domain in stated.domains.items() if domain.integer}
     try:
         others = list(Judge(given).residuals(point, 200))
-    except (Unsaid, ArithmeticError, ValueError):
+    except (CannotJudge, ArithmeticError, ValueError):
         with pytest.raises((ArithmeticError, ValueError)):
             list(TypedBalls(stated.trees, integers).residuals(point, 200))
         return

@@ -31,7 +31,7 @@ def check_run_output(output: str | None, force: bool) -> None:
         )
 
 
-def save_or_rescue(run: xr.Dataset, output: str, force: bool) -> int:
+def save_anywhere(run: xr.Dataset, output: str, force: bool) -> int:
     """Write a run; where that fails, keep it in a folder that is named in one line on stderr.
 
     Returns the exit status: 0, or ``BROKEN`` if it is not where it was asked for.
@@ -39,18 +39,18 @@ def save_or_rescue(run: xr.Dataset, output: str, force: bool) -> int:
     try:
         save_run(run, output, force)
     except OSError as error:
-        return _rescue(run, output, error)
+        return _save_elsewhere(run, output, error)
     return 0
 
 
-def fail_or_rescue(error: ValueError | OSError) -> int:
+def fail_or_save_elsewhere(error: ValueError | OSError) -> int:
     """Tell an error; a finished run that a store could not write is kept elsewhere."""
     if isinstance(error, UnkeptRunError):
-        return _rescue(error.run, str(error.filename), error)
+        return _save_elsewhere(error.run, str(error.filename), error)
     return fail(error)
 
 
-def _rescue(run: xr.Dataset, output: str, error: OSError) -> int:
+def _save_elsewhere(run: xr.Dataset, output: str, error: OSError) -> int:
     """Keep a run that could not be written; tell why, and where it is now."""
     reason = f"{output}: {error.strerror or error}"
     kept = _kept_elsewhere(run, Path(output).name)

@@ -35,7 +35,7 @@ class _Lines(logging.Handler):
 
 
 @contextmanager
-def store_told() -> Iterator[None]:
+def store_messages() -> Iterator[None]:
     """Tell on the standard error what a store says while the body runs."""
     handler, level = _Lines(), LOG.level
     LOG.addHandler(handler)
@@ -52,7 +52,9 @@ def kept_in(store: str) -> str:
     return f"what was done is kept in {store}; the same command goes on"
 
 
-def fetch_told(folder: str, scene: Scene, progress: Progress, announce: Announce) -> xr.Dataset:
+def fetch_with_messages(
+    folder: str, scene: Scene, progress: Progress, announce: Announce
+) -> xr.Dataset:
     """The scene's run from the store in the folder, made if it is not there; raises as `fetch`."""
-    with store_told():
+    with store_messages():
         return RunStore(folder).run(scene, progress, announce)
