@@ -97,6 +97,7 @@ DIMENSIONS: Mapping[str, tuple[str, ...]] = {
     "domain_error": TIME,
     "error_curve": CURVE,
     "error_curve_far_field": CURVE,
+    "own": CURVE,
     "space_time": ("look_time", "map_site"),
     "crest_position": LOOK,
     "crest_strain": LOOK,
