@@ -16,8 +16,8 @@ import time
 from concurrent.futures import ProcessPoolExecutor
 
 from longwave.reports.studies.estimate_scenes import random_scene
+from longwave.scenes.chain import run
 from longwave.scenes.chain.expected_cost import expected_cost
-from longwave.scenes.chain.scene_run import run
 
 
 def ratios(seed: int, index: int, budget: float) -> tuple[str, float, float] | None:

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import xarray as xr
+from matplotlib.figure import Figure
 from rich.console import Console
 from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
 from rich.progress import Progress as Bars
@@ -28,7 +29,7 @@ from longwave.reports.lattice_chapter import (
     write_chapter_figures,
 )
 from longwave.reports.paper import SOURCES
-from longwave.reports.pictures.drawing import CostAxes, cost_figure, save, snapshot_figure, styled
+from longwave.reports.pictures.drawing import cost_figure, save, snapshot_figure, styled
 from longwave.reports.pictures.paper_figures import ERROR_FIGURES, SNAPSHOT_FIGURES, draw_all
 from longwave.reports.sections import costs, literature, other_lattices, runs, theory
 from longwave.reports.studies.claims import all_claims
@@ -260,32 +261,48 @@ def source(content: Mapping[str, str], scenes: Mapping[str, Scene], full: bool) 
 
 def write_figures(found: Findings, folder: Path) -> Iterator[Path]:
     """Draw every figure below the folder, yielding each path when it is written."""
-    yield from draw_all(found.evidence.runs, found.evidence.scenes, folder / "figures")
+    yield from draw_all(found.evidence.runs, folder / "figures")
     yield from write_study_figures(found.studies, folder)
     yield from write_chapter_figures(found.chapter, found.evidence, folder)
 
 
 def write_study_figures(found: Studies, folder: Path) -> Iterator[Path]:
     """Draw the figures of the studies, yielding each path when it is written."""
-    digits = CostAxes("seconds a point", "digits", digits=(0, 30, 60, 90))
-    error = CostAxes("seconds", r"error of $y/\epsilon$")
-    scaling = CostAxes(r"$1/\epsilon$", "seconds", x_ticks=(10, 20, 40, 80, 160))
+    with styled():
+        for name, figure in study_figures(found).items():
+            yield save(figure, folder / "figures" / f"{name}.pdf")
+
+
+def study_figures(found: Studies) -> dict[str, Figure]:
+    """The figures of the studies by their names."""
+    error, eps, inverse = r"error of $y/\epsilon$", r"$\epsilon$", r"$1/\epsilon$"
     figures = {
-        "evaluation_costs": (costs.cost_panels(found.evaluation), digits, 4, 1.35),
-        "work_precision": (costs.precision_panels(found.precision), error, 2, 2.7),
-        "cost_scaling": (costs.scaling_panels(found.scaling), scaling, 1, 2.8),
+        "evaluation_costs": cost_figure(
+            costs.cost_panels(found.evaluation),
+            "seconds a point",
+            "digits",
+            4,
+            1.35,
+            digits=(0, 30, 60, 90),
+        ),
+        "work_precision": cost_figure(
+            costs.precision_panels(found.precision), "seconds", error, 2, 2.7
+        ),
+        "cost_scaling": cost_figure(
+            costs.scaling_panels(found.scaling),
+            inverse,
+            "seconds",
+            1,
+            2.8,
+            x_ticks=(10, 20, 40, 80, 160),
+        ),
     }
     if found.peaks:
-        peaks = runs.peak_panels(found.peaks)
-        reduction = CostAxes(r"$\epsilon$", r"$L^\infty_\epsilon$")
-        figures["reduction_error"] = (peaks, reduction, 1, 2.8)
-    with styled():
-        for name, (panels, axes, across, height) in figures.items():
-            figure = cost_figure(panels, axes, across, height)
-            yield save(figure, folder / "figures" / f"{name}.pdf")
-        if found.split:
-            rows = runs.split_rows(found.split)
-            yield save(snapshot_figure(rows), folder / "figures" / "split.pdf")
+        panels = runs.peak_panels(found.peaks)
+        figures["reduction_error"] = cost_figure(panels, eps, r"$L^\infty_\epsilon$", 1, 2.8)
+    if found.split:
+        figures["split"] = snapshot_figure(runs.split_rows(found.split))
+    return figures
 
 
 def write_tables(found: Findings, folder: Path) -> Iterator[tuple[str, str]]:

@@ -9,18 +9,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import xarray as xr
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from longwave.reports.pictures.drawing import Snapshot, save, snapshot_figure, styled
+from longwave.reports.pictures.drawing import save, snapshot_figure, styled
 from longwave.reports.pictures.lattice_figures import (
     even_times,
-    lattice_snapshots,
     map_figure,
     modulation_figure,
     rate_figure,
 )
-from longwave.reports.pictures.paper_figures import snapshots
+from longwave.reports.pictures.run_data import snapshots
 from longwave.reports.sections.lattice_runs import (
     is_map,
     rate_panels,
@@ -112,7 +112,7 @@ def write_chapter_figures(
 
 def chapter_figures(found: LatticeChapter, paper: MeasuredRuns) -> Iterator[tuple[str, Figure]]:
     """Each figure under its name; scenes that did not run are left out."""
-    own = list(snapshots(paper.runs[SPLIT], paper.scenes[SPLIT], ROGUE_CELLS))
+    own = snapshots(paper.runs[SPLIT], ROGUE_CELLS)
     rogues = [_rogue_row(found.scenes[name]) for name in ROGUES]
     yield "lattice_rogues", snapshot_figure([own, *filter(None, rogues)], "theory")
     peregrines = [_peregrine_row(found.scenes[name]) for name in PEREGRINES]
@@ -124,16 +124,16 @@ def chapter_figures(found: LatticeChapter, paper: MeasuredRuns) -> Iterator[tupl
     yield "modulation", modulation_figure(*found.plane)
 
 
-def _rogue_row(found: SceneRun) -> list[Snapshot]:
+def _rogue_row(found: SceneRun) -> list[xr.Dataset]:
     if found.run is None:
         return []
-    return lattice_snapshots(found.run, found.scene.eps, ROGUE_CELLS, even_times(found.run))
+    return snapshots(found.run, ROGUE_CELLS, even_times(found.run))
 
 
-def _peregrine_row(found: SceneRun) -> list[Snapshot]:
+def _peregrine_row(found: SceneRun) -> list[xr.Dataset]:
     """The wave at its crest, and its carrier there and at the end."""
     if found.run is None:
         return []
     crest = int(np.argmin(np.abs(found.run["time"].values)))
-    wide = lattice_snapshots(found.run, found.scene.eps, PEREGRINE_CELLS, (crest,))
-    return [*wide, *lattice_snapshots(found.run, found.scene.eps, NEAR, (crest, -1))]
+    wide = snapshots(found.run, PEREGRINE_CELLS, (crest,))
+    return [*wide, *snapshots(found.run, NEAR, (crest, -1))]

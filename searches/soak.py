@@ -30,7 +30,7 @@ from numpy.typing import NDArray
 
 from longwave.reports.studies.estimate_scenes import random_scene
 from longwave.reports.studies.estimates import ANSWER_SECONDS, judge_scene, warm_up
-from longwave.scenes.chain.scene_run import run
+from longwave.scenes.chain import run
 from longwave.scenes.lattice_run import run_lattice_scene
 from longwave.scenes.scene import Scene
 from longwave.scenes.sideband_growth import measure_growth

@@ -34,13 +34,6 @@ class Kind(enum.IntEnum):
     DERIVATIVE = enum.auto()
 
 
-_KINDS = {
-    sp.exp: Kind.EXPONENTIAL,
-    sp.Function: Kind.FUNCTION,
-    sp.Derivative: Kind.DERIVATIVE,
-}
-
-
 def function_name(function: sp.Expr) -> str:
     """Return the name of an elliptic function as LaTeX."""
     return str(function.latex_symbol).replace("operatorname", "mathrm")

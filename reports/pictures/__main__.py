@@ -5,18 +5,18 @@ As .gif or .mp4 it is a film of how the wave rises and falls.
 
 import sys
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 
 import click
 import numpy as np
 from matplotlib.figure import Figure
 
+from longwave.reports.pictures.animation import film_of
 from longwave.reports.pictures.drawing import save, snapshot_figure, styled
-from longwave.reports.pictures.film import ChainFilm, Film, FilmWords
+from longwave.reports.pictures.film import Film
 from longwave.reports.pictures.film_files import SUFFIXES, film_path, save_film
-from longwave.reports.pictures.paper_figures import snapshots
-from longwave.scenes.chain.scene_run import run
+from longwave.reports.pictures.run_data import snapshots
+from longwave.scenes.chain import run
 from longwave.scenes.named_scenes import load_scene
 from longwave.support.command_line import called_by, fail, interrupted, run_words
 
@@ -49,20 +49,16 @@ def figure(file: Path) -> int:
 
 def readme_figure() -> Figure:
     """Run the scene for its snapshots alone and draw them."""
-    scene = replace(load_scene(SCENE), observables=("strain",))
-    return snapshot_figure([list(snapshots(run(scene), scene, HALF_WIDTH))])
+    scene = load_scene(SCENE).changed(observables=("strain",))
+    return snapshot_figure([snapshots(run(scene), HALF_WIDTH)])
 
 
 def readme_film() -> Film:
     """Run the scene for the film's frames and show them with the time and the error."""
     times = tuple(np.linspace(*TIMES, FRAMES).tolist())
-    scene = load_scene(SCENE).changed(observables=("strain",), snapshots=times)
-    found = run(scene)
-    errors = found["error"].values
-    clock = [f"$t = {t:.0f}$\nerror {error:.3f}" for t, error in zip(times, errors, strict=True)]
-    words = FilmWords("Third-order rogue wave on the FPUT lattice", "mKdV wave", clock)
-    frames = list(snapshots(found, scene, HALF_WIDTH))
-    return ChainFilm(frames, errors, words, DPI, float(found["background"].mean()))
+    title = "Third-order rogue wave on the FPUT lattice"
+    scene = load_scene(SCENE).changed(title=title, observables=("strain",), snapshots=times)
+    return film_of(run(scene), DPI, HALF_WIDTH)
 
 
 def main(argv: Sequence[str] | None = None) -> int:

@@ -18,19 +18,11 @@ from numpy.typing import NDArray
 
 from longwave.lattice.refine import Announce
 from longwave.lattice.trial import Progress
-from longwave.reports.pictures.drawing import Snapshot, styled
-from longwave.reports.pictures.film import (
-    FILM_SIZE,
-    ChainFilm,
-    Film,
-    FilmWords,
-    PlaneFilm,
-    PlaneFrames,
-)
+from longwave.reports.pictures.drawing import styled
+from longwave.reports.pictures.film import FILM_SIZE, ChainFilm, Film, PlaneFilm
 from longwave.reports.pictures.film_files import film_path, has_ffmpeg, save_film
-from longwave.reports.pictures.lattice_figures import lattice_snapshots
 from longwave.reports.pictures.plotting import Source, default_output, read_source, shown_half_width
-from longwave.reports.pictures.run_quantities import RunFrame, check_run, frame_of
+from longwave.reports.pictures.run_data import check_run, placed
 from longwave.runs.run_file import SWEPT, names_a_run
 from longwave.scenes import named_scenes
 from longwave.scenes.scene import Scene
@@ -212,40 +204,19 @@ def _within(data: xr.Dataset, times: tuple[float, float] | None) -> xr.Dataset:
     return data.isel(time=kept)
 
 
-def film_of(data: xr.Dataset, dpi: float = 110.0) -> Film:
-    """The film of a run's snapshots: a chain's as lines, on two axes as maps."""
-    frame = frame_of(data)
-    errors = np.asarray(data["error"], dtype=float)
-    times = np.asarray(data["time"], dtype=float)
-    words = FilmWords(
-        one_line(data.attrs.get("title", ""))[:LONGEST_TITLE],
-        "wave" if "sup_error" in data else "mKdV wave",
-        _clock(times, errors),
-    )
-    if "row" in data.dims:
-        return PlaneFilm(_plane_frames(data, times), errors, words, dpi)
-    level = float(data["background"].mean()) if "background" in data else 0.0
-    return ChainFilm(_chain_frames(data, frame), errors, words, dpi, level)
+def film_of(data: xr.Dataset, dpi: float = 110.0, half_width: int | None = None) -> Film:
+    """The film of a run's snapshots: a chain's as lines, on two axes as maps.
 
-
-def _chain_frames(data: xr.Dataset, frame: RunFrame) -> list[Snapshot]:
-    half_width, places = shown_half_width(data), range(data.sizes["time"])
-    return lattice_snapshots(data, frame.eps, half_width, places, frame.speed)
-
-
-def _plane_frames(data: xr.Dataset, times: Array) -> PlaneFrames:
-    along, across, lattice, wave = (
-        np.asarray(data[name], dtype=float) for name in ("site", "row", "strain", "analytic")
-    )
-    return PlaneFrames(times, along, across, lattice, wave)
-
-
-def _clock(times: Array, errors: Array) -> list[str]:
-    """The time and the error of each frame, the time to the digits that the frames need."""
-    step = float(np.min(np.diff(times))) if times.size > 1 else 1.0
-    digits = max(0, min(6, 1 - int(np.floor(np.log10(step))))) if step < 10.0 else 0
-    told = [f"error {error:.3f}" if np.isfinite(error) else "no error" for error in errors]
-    return [f"$t = {t:.{digits}f}$\n{error}" for t, error in zip(times, told, strict=True)]
+    ``half_width`` is how many sites are shown to either side of c t, by default those where the
+    wave is seen.
+    """
+    run, title = placed(data), one_line(data.attrs.get("title", ""))[:LONGEST_TITLE]
+    if "row" in run.dims:
+        return PlaneFilm(run, title, dpi)
+    level = float(run["background"].mean()) if "background" in run else 0.0
+    width = shown_half_width(run) if half_width is None else half_width
+    shown = run.sel(site=slice(-width, width)).assign_attrs(level=level)
+    return ChainFilm(shown, title, dpi)
 
 
 def draw_film(

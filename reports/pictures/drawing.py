@@ -1,4 +1,4 @@
-"""Drawing: snapshots, error curves, space-time maps, crest tracks and costs, in one style.
+"""Drawing: snapshots, errors, space-time maps, crest tracks, spectra and costs, in one style.
 
 Colours can be told apart by colour-blind readers.
 """
@@ -6,7 +6,6 @@ Colours can be told apart by colour-blind readers.
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -101,25 +100,10 @@ PANEL_HEIGHT = 1.55
 """Height of one row of panels, in inches."""
 
 
-@dataclass(frozen=True)
-class Snapshot:
-    """The strain at one time, on the sites shown.
+def snapshot_figure(rows: Sequence[Sequence[xr.Dataset]], wave: str = "") -> Figure:
+    """Draw one panel for each of `run_data.snapshots`, one row per run, lettered (A), (B), ... .
 
-    `offset` is n - c t in sites; `numerical` is the lattice's y_n and `analytical` is eps Y,
-    both with the shape of `offset`.
-    """
-
-    time: float
-    eps: float
-    offset: Sites
-    numerical: Sites
-    analytical: Sites
-
-
-def snapshot_figure(rows: Sequence[Sequence[Snapshot]], wave: str = "mKdV wave") -> Figure:
-    """Draw one panel per snapshot, one row per run; panels are lettered (A), (B), ... .
-
-    ``wave`` is what the legend calls the analytical strain.
+    ``wave`` is what the legend calls the analytical strain, where the run's own word is not taken.
     """
     figure = Figure((TEXT_WIDTH, snapshot_height(len(rows))), layout="constrained")
     draw_snapshot_panels(figure, rows, wave)
@@ -132,17 +116,17 @@ def snapshot_height(rows: int) -> float:
 
 
 def draw_snapshot_panels(
-    figure: FigureBase, rows: Sequence[Sequence[Snapshot]], wave: str = "mKdV wave"
+    figure: FigureBase, rows: Sequence[Sequence[xr.Dataset]], wave: str = ""
 ) -> None:
     """Draw the panels of `snapshot_figure` into a figure; shorter rows end in empty places."""
     across = max(len(row) for row in rows)
     panels = figure.subplots(len(rows), across, squeeze=False)
     letters = map(chr, range(ord("A"), ord("Z") + 1))
     for row, axes in zip(rows, panels, strict=True):
-        low, high = _limits(row)
-        for column, (snapshot, ax) in enumerate(zip(row, axes, strict=False)):
-            _draw_snapshot(ax, snapshot, next(letters), wave)
-            ax.set_ylim(low, high)
+        limits = spread_limits([at[name].values for at in row for name in ("strain", "analytic")])
+        for column, (at, ax) in enumerate(zip(row, axes, strict=False)):
+            _draw_snapshot(ax, at, next(letters), wave or at.attrs["wave"])
+            ax.set_ylim(*limits)
             ax.tick_params(labelleft=column == 0)
         axes[0].set_ylabel("$y_n$")
         for ax in axes[len(row) :]:
@@ -161,19 +145,16 @@ def even_places(count: int, most: int) -> list[int]:
     return [round(place) for place in np.linspace(0, count - 1, min(count, most)).tolist()]
 
 
-def _draw_snapshot(ax: Axes, snapshot: Snapshot, letter: str, wave: str) -> None:
+def _draw_snapshot(ax: Axes, at: xr.Dataset, letter: str, wave: str) -> None:
     """Draw one panel: the numerical strain solid blue, the analytical one dashed red on it."""
-    ax.plot(snapshot.offset, snapshot.numerical, label="lattice", **NUMERICAL)
-    ax.plot(snapshot.offset, snapshot.analytical, label=wave, **ANALYTICAL)
-    ax.set_title(rf"({letter})  $\epsilon={snapshot.eps:g}$, $t={snapshot.time:g}$", loc="left")
-    if np.unique(snapshot.offset).size > 1:
-        ax.set_xlim(snapshot.offset[0], snapshot.offset[-1])
+    offset = at["offset"].values
+    ax.plot(offset, at["strain"], label="lattice", **NUMERICAL)
+    ax.plot(offset, at["analytic"], label=wave, **ANALYTICAL)
+    eps, time = at.attrs["eps"], float(at["time"])
+    ax.set_title(rf"({letter})  $\epsilon={eps:g}$, $t={time:g}$", loc="left")
+    if np.unique(offset).size > 1:
+        ax.set_xlim(offset[0], offset[-1])
     ax.locator_params(axis="x", nbins=5)
-
-
-def _limits(row: Sequence[Snapshot]) -> tuple[float, float]:
-    """Return the strain axis that all panels of a row share."""
-    return spread_limits([part for s in row for part in (s.numerical, s.analytical)])
 
 
 def spread_limits(arrays: Sequence[Sites]) -> tuple[float, float]:
@@ -195,52 +176,39 @@ ERROR_HEIGHT = 2.0
 """Height of a panel of error curves, in inches."""
 
 
-@dataclass(frozen=True)
-class ErrorCurve:
-    """The relative sup error at each of the times; `label` may hold mathematics in dollars.
+ErrorPanels = Mapping[str, Mapping[str, xr.DataArray]]
+"""For each title the relative sup errors over time, by labels that may hold mathematics in dollars.
 
-    ``own`` is the run's own error in the same units, NaN at times where it was not measured.
-    """
-
-    label: str
-    times: NDArray[np.float64]
-    errors: NDArray[np.float64]
-    own: NDArray[np.float64] | None = None
+The coordinate ``own`` is the run's own error in the same units, NaN where it was not measured.
+"""
 
 
-def error_figure(panels: Sequence[tuple[str, Sequence[ErrorCurve]]]) -> Figure:
-    """Draw one panel of curves for each (title, curves)."""
+def error_figure(panels: ErrorPanels) -> Figure:
+    """Draw one panel of curves for each title."""
     size = (TEXT_WIDTH if len(panels) > 1 else 0.5 * TEXT_WIDTH, ERROR_HEIGHT)
     figure = Figure(size, layout="constrained")
     draw_error_panels(figure, panels)
     return figure
 
 
-def draw_error_panels(
-    figure: FigureBase, panels: Sequence[tuple[str, Sequence[ErrorCurve]]]
-) -> None:
-    """Draw the panels of `error_figure` into a figure."""
-    for ax, (title, curves) in zip(
-        figure.subplots(1, len(panels), squeeze=False)[0], panels, strict=True
-    ):
+def draw_error_panels(figure: FigureBase, panels: ErrorPanels) -> None:
+    """Draw the curves through all their points, without markers but of one alone."""
+    axes = figure.subplots(1, len(panels), squeeze=False)[0]
+    for ax, (title, curves) in zip(axes, panels.items(), strict=True):
         ax.set_title(title, loc="left")
-        _draw_curves(ax, curves)
-
-
-def _draw_curves(ax: Axes, curves: Sequence[ErrorCurve]) -> None:
-    """Draw the curves of one panel through all their points, without markers but of one alone."""
-    for curve, look in zip(curves, CURVES, strict=False):
-        marker = "" if curve.times.size > 1 else look["marker"]
-        errors = np.where(np.isfinite(curve.errors), curve.errors, np.nan)
-        ax.plot(curve.times, errors, label=curve.label, **look | {"marker": marker})
-        if curve.own is not None and np.isfinite(curve.own).any():
-            _draw_own(ax, curve, curve.own, look["color"])
-    ax.set_xlabel("$t$")
-    ax.set_ylabel(r"$L^\infty_\epsilon$")
-    ax.set_ylim(bottom=0)
-    ax.locator_params(axis="x", nbins=6)
-    ax.ticklabel_format(axis="y", scilimits=(-3, 3), useMathText=True)
-    ax.legend()
+        for (label, curve), look in zip(curves.items(), CURVES, strict=False):
+            marker = "" if curve.size > 1 else look["marker"]
+            errors = np.where(np.isfinite(curve), curve, np.nan)
+            (along,) = curve.dims
+            ax.plot(curve[along].values, errors, label=label, **look | {"marker": marker})
+            if "own" in curve.coords and np.isfinite(curve["own"]).any():
+                _draw_own(ax, curve[along].values, curve.values, curve["own"].values, look["color"])
+        ax.set_xlabel("$t$")
+        ax.set_ylabel(r"$L^\infty_\epsilon$")
+        ax.set_ylim(bottom=0)
+        ax.locator_params(axis="x", nbins=6)
+        ax.ticklabel_format(axis="y", scilimits=(-3, 3), useMathText=True)
+        ax.legend()
 
 
 def scientific(value: float) -> str:
@@ -256,7 +224,7 @@ def scientific(value: float) -> str:
     return f"${'' if digits == '1' else digits + chr(92) + 'times'}10^{{{int(power)}}}$"
 
 
-def _draw_own(ax: Axes, curve: ErrorCurve, own: NDArray[np.float64], colour: str) -> None:
+def _draw_own(ax: Axes, times: Sites, errors: Sites, own: Sites, colour: str) -> None:
     """Draw a band about a curve, or bars where the run's own error is known at a few times.
 
     It is often thinner than the line, so its label says how much it is.
@@ -264,12 +232,11 @@ def _draw_own(ax: Axes, curve: ErrorCurve, own: NDArray[np.float64], colour: str
     label = rf"own error $\leq$ {scientific(float(np.nanmax(own)))}"
     known = np.isfinite(own)
     if known.sum() > BARS * own.size:
-        low, high = curve.errors - own, curve.errors + own
-        ax.fill_between(curve.times, low, high, color=colour, alpha=0.3, lw=0, label=label)
+        ends = errors - own, errors + own
+        ax.fill_between(times, *ends, color=colour, alpha=0.3, lw=0, label=label)
     else:
-        bars = own[known]
         look: dict[str, Any] = {"color": colour, "linestyle": "", "marker": "o", "capsize": 3.0}
-        ax.errorbar(curve.times[known], curve.errors[known], bars, label=label, **look)
+        ax.errorbar(times[known], errors[known], own[known], label=label, **look)
 
 
 BARS = 0.5
@@ -350,6 +317,77 @@ def draw_crest(figure: FigureBase, run: xr.Dataset) -> None:
         ax.ticklabel_format(axis="y", scilimits=(-3, 3), useMathText=True)
 
 
+SPECTRA_ACROSS, MOST_SPECTRA = 3, 6
+"""Spectra side by side, and most of them."""
+
+SPECTRUM_HEIGHT = 1.9
+"""Height of a row of spectra, in inches."""
+
+DECADES = 1.0
+"""How far below the rounding the axis of amplitudes ends."""
+
+
+def spectra_height(count: int) -> float:
+    """Height in inches of that many spectra and their legend."""
+    return SPECTRUM_HEIGHT * -(-count // SPECTRA_ACROSS) + 0.35
+
+
+def draw_spectra(figure: FigureBase, found: xr.Dataset) -> None:
+    """Draw `run_data.spectra`, one panel for each time, all with the same axes."""
+    times = found["time"].values
+    grid = panel_grid(
+        figure, len(times), SPECTRA_ACROSS, "wavenumber  (1/site)", "amplitude of $y$"
+    )
+    for ax, place in zip(grid.flat, range(len(times)), strict=False):
+        _draw_spectrum(ax, found.isel(time=place))
+    grid[0, 0].set_ylim(*_amplitude_limits(found))
+    handles = {h.get_label(): h for h in grid[0, 0].get_legend_handles_labels()[0]}
+    figure.legend(handles=list(handles.values()), loc="outside upper right", ncols=len(handles))
+
+
+def panel_grid(figure: FigureBase, count: int, across: int, x: str, y: str) -> Any:
+    """That many panels with the same axes, the lowest of each column and the left ones labelled."""
+    across = min(across, count)
+    down = -(-count // across)
+    grid = figure.subplots(down, across, squeeze=False, sharex=True, sharey=True)
+    for ax in list(grid.flat)[count:]:
+        ax.set_visible(False)
+    for ax in list(grid.flat)[max(0, count - across) : count]:
+        ax.set_xlabel(x)
+        ax.tick_params(labelbottom=True)
+    for ax in grid[:, 0]:
+        ax.set_ylabel(y)
+    return grid
+
+
+def _draw_spectrum(ax: Axes, at: xr.Dataset) -> None:
+    lattice, wave = (
+        at[name].where(np.isfinite(at[name]) & (at[name] > 0.0)) for name in ("lattice", "wave")
+    )
+    if np.isfinite([lattice, wave]).any():
+        ax.set_yscale("log")
+    ax.plot(at["wavenumber"], lattice, label="lattice", **NUMERICAL)
+    ax.plot(at["wavenumber"], wave, label="wave", **ANALYTICAL)
+    own, rounding = float(at["own"]), float(at["rounding"])
+    if np.isfinite(own):
+        ax.axhspan(0.0, own, color="#E69F00", alpha=0.25, lw=0, label="own error, at most")
+    level = rounding if 0.0 < rounding < np.inf else np.nan
+    ax.axhline(level, color="black", linestyle=":", linewidth=0.8, label="rounding")
+    ax.set_xlim(0.0, np.pi)
+    ax.set_xticks([0.0, np.pi / 2, np.pi], ["0", r"$\pi/2$", r"$\pi$"])
+    ax.set_title(f"$t={float(at['time']):g}$", loc="left")
+
+
+def _amplitude_limits(found: xr.Dataset) -> tuple[float, float]:
+    """From below the rounding to above all amplitudes; some range where all is constant."""
+    every = np.concatenate([found["lattice"].values.ravel(), found["wave"].values.ravel()])
+    every = every[np.isfinite(every) & (every > 0.0)]
+    high = float(every.max()) if every.size else 1.0
+    floors = [floor for floor in found["rounding"].values.tolist() if 0.0 < floor < high]
+    low = min([*floors, 0.1 * high]) / 10.0**DECADES
+    return low, 3.0 * high
+
+
 LEGEND = 4
 """Most entries of the legend side by side."""
 
@@ -357,74 +395,56 @@ COST_HEIGHT = 1.8
 """Height of one row of panels, in inches."""
 
 
-@dataclass(frozen=True)
-class CostPanel:
-    """Curves of one panel: for each label the points (x, y), both positive."""
-
-    title: str
-    curves: Mapping[str, Sequence[tuple[float, float]]]
-
-
-@dataclass(frozen=True)
-class CostAxes:
-    """The axes that all panels share: labels, and ticks where they are not those of a logarithm.
-
-    With ``digits`` the vertical axis is linear with these ticks, the last one its end.
-    """
-
-    x: str
-    y: str
-    x_ticks: Sequence[float] = ()
-    digits: Sequence[float] = ()
+CostPanels = Mapping[str, Mapping[str, Sequence[tuple[float, float]]]]
+"""For each title the curves by their labels: points (x, y), both positive."""
 
 
 def cost_figure(
-    panels: Sequence[CostPanel], axes: CostAxes, across: int = 3, height: float = COST_HEIGHT
+    panels: CostPanels,
+    x: str,
+    y: str,
+    across: int = 3,
+    height: float = COST_HEIGHT,
+    x_ticks: Sequence[float] = (),
+    digits: Sequence[float] = (),
 ) -> Figure:
-    """Draw the panels, ``across`` in a row of that height, with the same axes and one legend."""
-    across = min(across, len(panels))
-    down = -(-len(panels) // across)
+    """Draw the panels, ``across`` in a row of that height, with the same axes and one legend.
+
+    ``x_ticks`` are those of a logarithmic axis where they are not the usual ones. With ``digits``
+    the vertical axis is linear with these ticks, the last one its end.
+    """
+    down = -(-len(panels) // min(across, len(panels)))
     figure = Figure((TEXT_WIDTH, height * down + 0.4), layout="constrained")
-    grid = figure.subplots(down, across, squeeze=False, sharex=True, sharey=True)
-    looks = dict(zip(_labels(panels), CURVES, strict=False))
-    for panel, ax in zip(panels, grid.flat, strict=False):
-        _draw_costs(ax, panel, looks)
-    _set_ticks(grid[0, 0], axes)
-    for ax in list(grid.flat)[len(panels) :]:
-        ax.set_visible(False)
-    for ax in list(grid.flat)[max(0, len(panels) - across) : len(panels)]:
-        ax.set_xlabel(axes.x)
-        ax.tick_params(labelbottom=True)
-    for ax in grid[:, 0]:
-        ax.set_ylabel(axes.y)
+    grid = panel_grid(figure, len(panels), across, x, y)
+    labels = dict.fromkeys(label for curves in panels.values() for label in curves)
+    looks = dict(zip(labels, CURVES, strict=False))
+    for (title, curves), ax in zip(panels.items(), grid.flat, strict=False):
+        _draw_costs(ax, curves, looks)
+        ax.set_title(title, loc="left")
+    first = grid[0, 0]
+    if x_ticks:
+        shown = first.get_xlim()
+        first.set_xticks(x_ticks, [f"{tick:g}" for tick in x_ticks])
+        first.set_xticks([], minor=True)
+        first.set_xlim(shown)
+    if digits:
+        first.set_yscale("linear")
+        first.set_ylim(0, digits[-1])
+        first.set_yticks(digits)
     handles = {h.get_label(): h for ax in grid.flat for h in ax.lines}
     ordered = [handles[label] for label in looks]
     figure.legend(handles=ordered, loc="outside upper center", ncols=min(len(ordered), LEGEND))
     return figure
 
 
-def _set_ticks(ax: Axes, axes: CostAxes) -> None:
-    """Set the ticks that are given, on an axis that the other panels share."""
-    if axes.x_ticks:
-        shown = ax.get_xlim()
-        ax.set_xticks(axes.x_ticks, [f"{tick:g}" for tick in axes.x_ticks])
-        ax.set_xticks([], minor=True)
-        ax.set_xlim(shown)
-    if axes.digits:
-        ax.set_yscale("linear")
-        ax.set_ylim(0, axes.digits[-1])
-        ax.set_yticks(axes.digits)
-
-
-def _labels(panels: Sequence[CostPanel]) -> list[str]:
-    return list(dict.fromkeys(label for panel in panels for label in panel.curves))
-
-
-def _draw_costs(ax: Axes, panel: CostPanel, looks: Mapping[str, dict[str, object]]) -> None:
+def _draw_costs(
+    ax: Axes,
+    curves: Mapping[str, Sequence[tuple[float, float]]],
+    looks: Mapping[str, dict[str, object]],
+) -> None:
     """Draw one panel; points that are not finite and positive are left out."""
-    for label, points in panel.curves.items():
+    for label, points in curves.items():
         values = np.array([p for p in points if min(p) > 0 and np.all(np.isfinite(p))])
         style = dict(looks[label], markersize=4.0)
         ax.loglog(*values.reshape(-1, 2).T, label=label, **style)
-    ax.set_title(panel.title, loc="left")
     ax.grid(visible=True, which="major", linewidth=0.3, alpha=0.5)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,7 +11,7 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure, FigureBase
 from numpy.typing import NDArray
 
-from longwave.reports.pictures.drawing import CURVES, TEXT_WIDTH, Snapshot, even_places
+from longwave.reports.pictures.drawing import CURVES, TEXT_WIDTH, even_places
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -23,31 +23,6 @@ Array = NDArray[np.float64]
 
 ACROSS = 3
 """Times of a scene side by side."""
-
-
-def lattice_snapshots(
-    run: xr.Dataset,
-    eps: float,
-    half_width: int,
-    places: Iterable[int],
-    speed: float | None = None,
-) -> list[Snapshot]:
-    """A scene's run at some of its times, ``half_width`` cells to either side of c t.
-
-    ``speed`` is the frame's, where the run does not say it.
-    """
-    shown = run.sel(site=slice(-half_width, half_width))
-    speed = run.attrs["frame_speed"] if speed is None else speed
-    return [
-        Snapshot(
-            float(at["time"]),
-            eps,
-            at["n"].values - speed * float(at["time"]),
-            at["strain"].values,
-            at["analytic"].values,
-        )
-        for at in (shown.isel(time=place) for place in places)
-    ]
 
 
 def even_times(run: xr.Dataset) -> list[int]:

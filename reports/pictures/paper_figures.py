@@ -1,21 +1,13 @@
 """The paper's figures: which scenes each shows, and drawing them from the scenes' runs."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 import xarray as xr
-from matplotlib.figure import Figure
 
-from longwave.reports.pictures.drawing import (
-    ErrorCurve,
-    Snapshot,
-    error_figure,
-    save,
-    snapshot_figure,
-    styled,
-)
-from longwave.scenes.scene import Scene
+from longwave.reports.pictures.drawing import error_figure, save, snapshot_figure, styled
+from longwave.reports.pictures.run_data import snapshots
 
 Runs = Mapping[str, xr.Dataset]
 
@@ -88,38 +80,15 @@ ERROR_FIGURES = (
 )
 
 
-def draw_all(runs: Runs, scenes: Mapping[str, Scene], folder: Path) -> Iterator[Path]:
+def draw_all(runs: Runs, folder: Path) -> Iterator[Path]:
     """Draw every figure of the paper as PDF into the folder, yielding each path when written."""
     with styled():
         for figure in SNAPSHOT_FIGURES:
-            yield save(draw_snapshots(figure, runs, scenes), folder / f"{figure.name}.pdf")
+            rows = [snapshots(runs[name], figure.half_width) for name in figure.scenes]
+            yield save(snapshot_figure(rows), folder / f"{figure.name}.pdf")
         for curves in ERROR_FIGURES:
-            yield save(draw_errors(curves, runs), folder / f"{curves.name}.pdf")
-
-
-def draw_snapshots(figure: SnapshotFigure, runs: Runs, scenes: Mapping[str, Scene]) -> Figure:
-    """Draw one snapshot figure from its runs."""
-    return snapshot_figure(
-        [list(snapshots(runs[name], scenes[name], figure.half_width)) for name in figure.scenes]
-    )
-
-
-def snapshots(run: xr.Dataset, scene: Scene, half_width: int) -> Iterator[Snapshot]:
-    """Yield the run's snapshots, cut to the sites shown."""
-    speed = scene.model.sound_speed()
-    for time in run["time"].values:
-        at = run.sel(time=time, site=slice(-half_width, half_width))
-        offset = at["n"].values - speed * time
-        yield Snapshot(float(time), scene.eps, offset, at["strain"].values, at["analytic"].values)
-
-
-def draw_errors(figure: ErrorFigure, runs: Runs) -> Figure:
-    """Draw one figure of error curves from its runs."""
-    return error_figure([(title, list(_curves(pairs, runs))) for title, pairs in figure.panels])
-
-
-def _curves(pairs: Iterable[tuple[str, str]], runs: Runs) -> Iterator[ErrorCurve]:
-    """Yield the error curves of the (label, scene) pairs."""
-    for label, name in pairs:
-        curve = runs[name]["error_curve"]
-        yield ErrorCurve(label, curve["curve_time"].values, curve.values)
+            panels = {
+                title: {label: runs[name]["error_curve"] for label, name in pairs}
+                for title, pairs in curves.panels
+            }
+            yield save(error_figure(panels), folder / f"{curves.name}.pdf")

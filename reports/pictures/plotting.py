@@ -21,33 +21,34 @@ from longwave.reports.pictures.drawing import (
     CREST_HEIGHT,
     ERROR_HEIGHT,
     MAP_HEIGHT,
+    MOST_SPECTRA,
     TEXT_WIDTH,
-    ErrorCurve,
     draw_crest,
     draw_error_panels,
     draw_snapshot_panels,
     draw_space_time,
+    draw_spectra,
     even_places,
     save,
     snapshot_height,
+    spectra_height,
     styled,
 )
-from longwave.reports.pictures.growth_figures import SIZES_HEIGHT, draw_sideband_sizes
-from longwave.reports.pictures.lattice_figures import draw_maps, lattice_snapshots, maps_height
-from longwave.reports.pictures.run_figures import MOST_SPECTRA, draw_spectra, spectra_height
-from longwave.reports.pictures.run_quantities import (
+from longwave.reports.pictures.growth_plotting import SIZES_HEIGHT, draw_sideband_sizes
+from longwave.reports.pictures.lattice_figures import draw_maps, maps_height
+from longwave.reports.pictures.run_data import (
     LEAST_LOOKS,
-    RunFrame,
-    frame_of,
-    own_relative_error,
-    spectrum_panel,
+    error_curves,
+    placed,
+    snapshots,
+    spectra,
     with_looks,
 )
 from longwave.reports.pictures.sweep_plotting import SWEEP_PICTURES, Choice, is_sweep, sweep_parts
 from longwave.runs import load_run
 from longwave.runs.run_file import REMEDY, names_a_run
+from longwave.scenes.chain import run
 from longwave.scenes.chain.observables import MEASURED
-from longwave.scenes.chain.scene_run import run
 from longwave.scenes.chain.stated_run import UnfinishedRun
 from longwave.scenes.named_scenes import load_scene
 from longwave.scenes.scene import Scene
@@ -83,7 +84,7 @@ class Picture:
     observable: str
     variables: Mapping[str, int]
     height: Callable[[xr.Dataset], float]
-    draw: Callable[[FigureBase, xr.Dataset, RunFrame], None]
+    draw: Callable[[FigureBase, xr.Dataset], None]
 
 
 def plot(
@@ -158,8 +159,8 @@ def _run(
     times = own
     if kind not in ("snapshots", "spectra") and len(own) + LATTICE_LOOKS <= MOST_TIMES:
         times = tuple(sorted({*own, *np.linspace(own[0], own[-1], LATTICE_LOOKS).tolist()}))
-    data = scene.changed(**{named: times}).run(progress, announce)
-    return with_looks(data, frame_of(data)).isel(time=[times.index(t) for t in own])
+    made = scene.changed(**{named: times}).run(progress, announce)
+    return with_looks(placed(made)).isel(time=[times.index(t) for t in own])
 
 
 def read_source(source: Source) -> xr.Dataset | Scene:
@@ -212,13 +213,11 @@ def _for_pictures(scene: Scene, kind: str) -> Scene:
 
 def _draw(data: xr.Dataset, kind: str) -> Figure:
     """Draw the pictures of that kind, one below the other, the run's title above them."""
-    frame = frame_of(data)
-    if "sup_error" in data:
-        data = with_looks(data, frame, LEAST_LOOKS if kind == ALL else 2)
+    data = with_looks(placed(data), LEAST_LOOKS if kind == ALL else 2)
     drawn = _pictures(data, kind)
     figure, parts = _stacked(_title(data), [picture.height(data) for picture in drawn])
     for part, picture in zip(parts, drawn, strict=True):
-        picture.draw(part, data, frame)
+        picture.draw(part, data)
     return figure
 
 
@@ -285,22 +284,22 @@ def _snapshot_height(data: xr.Dataset) -> float:
     return maps_height() if "row" in data.dims else snapshot_height(len(_shown_snapshots(data)))
 
 
-def _draw_snapshots(figure: FigureBase, data: xr.Dataset, frame: RunFrame) -> None:
+def _draw_snapshots(figure: FigureBase, data: xr.Dataset) -> None:
     """Lattice against wave on a chain; on two axes maps of the strain and of the difference."""
     if "row" in data.dims:
         draw_maps(figure, data)
         return
-    half_width, rows = shown_half_width(data), _shown_snapshots(data)
-    panels = [lattice_snapshots(data, frame.eps, half_width, row, frame.speed) for row in rows]
-    draw_snapshot_panels(figure, panels, "wave" if "sup_error" in data else "mKdV wave")
+    half_width = shown_half_width(data)
+    rows = [snapshots(data, half_width, places) for places in _shown_snapshots(data)]
+    draw_snapshot_panels(figure, rows)
 
 
 def _shown_spectra(data: xr.Dataset) -> list[int]:
     return even_places(data.sizes["time"], MOST_SPECTRA)
 
 
-def _draw_spectra(figure: FigureBase, data: xr.Dataset, frame: RunFrame) -> None:
-    draw_spectra(figure, [spectrum_panel(data, frame, place) for place in _shown_spectra(data)])
+def _draw_spectra(figure: FigureBase, data: xr.Dataset) -> None:
+    draw_spectra(figure, spectra(data, _shown_spectra(data)))
 
 
 def shown_half_width(data: xr.Dataset) -> int:
@@ -318,32 +317,19 @@ def shown_half_width(data: xr.Dataset) -> int:
     return int(max(1.25 * seen.max(), LEAST_SHOWN)) if seen.size else int(sites.max())
 
 
-def _draw_map(figure: FigureBase, data: xr.Dataset, _: RunFrame) -> None:
+def _draw_map(figure: FigureBase, data: xr.Dataset) -> None:
     """Draw the map about the sites that the snapshots show, if there are snapshots."""
     shown = shown_half_width(data) if _has(data, PICTURES["snapshots"]) else None
     draw_space_time(figure, data["space_time"], shown)
 
 
-def _draw_crest(figure: FigureBase, data: xr.Dataset, _: RunFrame) -> None:
-    draw_crest(figure, data)
+def _draw_errors(figure: FigureBase, data: xr.Dataset) -> None:
+    draw_error_panels(figure, {rf"$\epsilon={data.attrs['eps']:g}$": error_curves(data)})
 
 
-def _draw_errors(figure: FigureBase, data: xr.Dataset, frame: RunFrame) -> None:
-    """Draw the error against the bare background, and against the far field if that is there."""
-    names = {"error_curve": "over background", "error_curve_far_field": "over far field"}
-    curves = []
-    for name, label in names.items():
-        if name in data:
-            times = data[name]["curve_time"].values
-            own = own_relative_error(data, frame, times, far_field=name != "error_curve")
-            curves.append(ErrorCurve(label, times, data[name].values, own))
-    draw_error_panels(figure, [(rf"$\epsilon={frame.eps:g}$", curves)])
-
-
-def _draw_sizes(figure: FigureBase, data: xr.Dataset, _: RunFrame) -> None:
-    names = ("slow_time", "sideband_size", "sideband_theory")
-    T, sizes, theory = (np.asarray(data[name], dtype=float) for name in names)
-    draw_sideband_sizes(figure, T, sizes, theory, one_line(data.attrs.get("verdict", ""))[:MOST])
+def _draw_sizes(figure: FigureBase, data: xr.Dataset) -> None:
+    verdict = one_line(data.attrs.get("verdict", ""))[:MOST]
+    draw_sideband_sizes(figure, data, verdict)
 
 
 PICTURES: Mapping[str, Picture] = {
@@ -365,7 +351,7 @@ PICTURES: Mapping[str, Picture] = {
         "crest_track",
         {"crest_position": 1, "crest_strain": 1},
         lambda _: CREST_HEIGHT,
-        _draw_crest,
+        draw_crest,
     ),
     GROWTH: Picture(
         "",

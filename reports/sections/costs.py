@@ -12,7 +12,7 @@ from operator import attrgetter
 from typing import TYPE_CHECKING
 
 from longwave.reports.latex import block, duration, escape, mathematics, scientific, table
-from longwave.reports.pictures.drawing import CostPanel
+from longwave.reports.pictures.drawing import CostPanels
 from longwave.reports.studies.lattice_cost import (
     REDUCTION,
     SPECTRAL,
@@ -119,15 +119,15 @@ def digits(value: float) -> str:
     return "exact" if math.isinf(value) else f"{value:.1f}"
 
 
-def cost_panels(costs: Iterable[EvaluationCost]) -> list[CostPanel]:
+def cost_panels(costs: Iterable[EvaluationCost]) -> CostPanels:
     """One panel a wave: digits against seconds for each family of arithmetics."""
-    panels = []
+    panels = {}
     for wave, group in groupby(costs, attrgetter("wave")):
         curves: dict[str, list[tuple[float, float]]] = {}
         for cost in group:
             family = cost.arithmetic.partition(",")[0]
             curves.setdefault(family, []).append((cost.seconds, cost.digits))
-        panels.append(CostPanel(wave.replace("_", " "), curves))
+        panels[wave.replace("_", " ")] = curves
     return panels
 
 
@@ -180,13 +180,13 @@ def _cheapest(points: Iterable[CostPoint], error: float) -> str:
     return duration(min(seconds)) if seconds else "--"
 
 
-def precision_panels(points: Iterable[CostPoint]) -> list[CostPanel]:
+def precision_panels(points: Iterable[CostPoint]) -> CostPanels:
     """One panel a problem: error against seconds for each series."""
     panels: dict[str, dict[str, list[tuple[float, float]]]] = {}
     for point in points:
         curves = panels.setdefault(point.problem, {})
         curves.setdefault(PRINTED[point.series], []).append((point.seconds, point.error))
-    return [CostPanel(problem, curves) for problem, curves in panels.items()]
+    return panels
 
 
 def scaling_table(points: Sequence[ScalingPoint]) -> str:
@@ -215,14 +215,14 @@ def _scaled(point: ScalingPoint) -> str:
     return f"({seconds})" if point.scaled else seconds
 
 
-def scaling_panels(points: Iterable[ScalingPoint]) -> list[CostPanel]:
+def scaling_panels(points: Iterable[ScalingPoint]) -> CostPanels:
     """Seconds against 1/eps for each way; a way of which a part was timed says so."""
     curves: dict[str, list[tuple[float, float]]] = {}
     for point in points:
         if point.series not in (REDUCTION, TRUE_ERROR):
             label = f"{point.series}{' (scaled)' if point.scaled else ''}"
             curves.setdefault(label, []).append((point.x, point.value))
-    return [CostPanel("", curves)]
+    return {"": curves}
 
 
 def rk4_table(points: Iterable[ScalingPoint]) -> str:

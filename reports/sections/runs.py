@@ -13,8 +13,9 @@ import xarray as xr
 
 from longwave.reports.latex import duration, escape, mathematics, measured, scientific, table
 from longwave.reports.paper import cited
-from longwave.reports.pictures.drawing import CostPanel, Snapshot
-from longwave.reports.pictures.paper_figures import ERROR_FIGURES, SNAPSHOT_FIGURES, snapshots
+from longwave.reports.pictures.drawing import CostPanels
+from longwave.reports.pictures.paper_figures import ERROR_FIGURES, SNAPSHOT_FIGURES
+from longwave.reports.pictures.run_data import snapshots
 from longwave.reports.studies.lattice_cost import PeakError, peak_laws
 from longwave.scenes.named_scenes import load_scene
 from longwave.scenes.scene import Scene
@@ -173,7 +174,7 @@ def _peak(point: PeakError) -> list[str]:
     return [value, rf"$\le$ {scientific(point.own)}", point.engine, time]
 
 
-def peak_panels(points: Iterable[PeakError]) -> list[CostPanel]:
+def peak_panels(points: Iterable[PeakError]) -> CostPanels:
     """The resolved errors against eps, a curve an order, and eps squared through the last."""
     curves: dict[str, list[tuple[float, float]]] = {}
     for point in points:
@@ -183,14 +184,14 @@ def peak_panels(points: Iterable[PeakError]) -> list[CostPanel]:
         eps, value = min(next(iter(curves.values())))
         ends = (eps, max(x for curve in curves.values() for x, _ in curve))
         curves[r"$\propto\epsilon^2$"] = [(x, 0.7 * value * (x / eps) ** 2) for x in ends]
-    return [CostPanel("", curves)]
+    return {"": curves}
 
 
-def split_rows(runs: Mapping[str, xr.Dataset]) -> list[list[Snapshot]]:
+def split_rows(runs: Mapping[str, xr.Dataset]) -> list[list[xr.Dataset]]:
     """The snapshots of the split wave's run, in rows of ``ACROSS``."""
     rows = []
-    for name, run in runs.items():
-        seen = list(snapshots(run, load_scene(name), SPLIT_HALF_WIDTH))
+    for run in runs.values():
+        seen = snapshots(run, SPLIT_HALF_WIDTH)
         rows += [seen[i : i + ACROSS] for i in range(0, len(seen) - ACROSS + 1, ACROSS)]
     return rows
 

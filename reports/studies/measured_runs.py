@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
+from longwave.scenes.chain import run
 from longwave.scenes.chain.observables import measured_error
-from longwave.scenes.chain.scene_run import run
 from longwave.scenes.chain.stated_run import stated_seconds
 from longwave.scenes.named_scenes import load_scene, shipped_scenes
 from longwave.scenes.scene import Scene

@@ -4,7 +4,7 @@ import pytest
 
 from longwave.lattice.schemes import SCHEMES
 from longwave.reports.latex import escape
-from longwave.reports.pictures.drawing import CostAxes, CostPanel, cost_figure
+from longwave.reports.pictures.drawing import cost_figure
 from longwave.reports.sections.costs import (
     PRINTED,
     hard_case_table,
@@ -82,11 +82,11 @@ def test_a_hard_case_that_fails_is_seen() -> None:
 
 def test_panels_share_their_axes_and_one_look_a_label() -> None:
     """Catches points that are not positive, which logarithmic axes cannot show."""
-    panels = [
-        CostPanel("one", {"double": [(1e-8, 15.0), (1e-8, float("inf"))], "balls": [(1e-3, 40.0)]}),
-        CostPanel("two", {"balls": [(1e-3, 40.0), (2e-3, 0.0)]}),
-    ]
-    first, second = cost_figure(panels, CostAxes("seconds", "digits")).axes[:2]
+    panels = {
+        "one": {"double": [(1e-8, 15.0), (1e-8, float("inf"))], "balls": [(1e-3, 40.0)]},
+        "two": {"balls": [(1e-3, 40.0), (2e-3, 0.0)]},
+    }
+    first, second = cost_figure(panels, "seconds", "digits").axes[:2]
     assert first.get_xlim() == second.get_xlim()
     assert [line.get_xdata().size for line in first.lines] == [1, 1]
     assert second.lines[0].get_color() == first.lines[1].get_color()
@@ -95,17 +95,17 @@ def test_panels_share_their_axes_and_one_look_a_label() -> None:
 
 def test_the_lowest_panel_of_each_column_is_labelled() -> None:
     """Catches a column that ends above an empty place, whose labels matplotlib hides."""
-    panels = [CostPanel(name, {"one": [(1.0, 2.0)]}) for name in "abc"]
-    figure = cost_figure(panels, CostAxes("seconds", "digits"), across=2)
+    panels = {name: {"one": [(1.0, 2.0)]} for name in "abc"}
+    figure = cost_figure(panels, "seconds", "digits", across=2)
     assert [ax.get_xlabel() for ax in figure.axes] == ["", "seconds", "seconds", ""]
     assert figure.axes[1].xaxis.get_tick_params()["labelbottom"]
 
 
 def test_digits_are_linear_and_given_ticks_are_the_only_ones() -> None:
     """Catches the labels 2x10^1 and 6x10^1 that a logarithm gives within a decade."""
-    panels = [CostPanel(name, {"balls": [(20.0, 15.0), (50.0, 60.0)]}) for name in "ab"]
-    axes = CostAxes("x", "digits", x_ticks=(10, 20, 40, 80), digits=(0, 30, 60))
-    for ax in cost_figure(panels, axes).axes[:2]:
+    panels = {name: {"balls": [(20.0, 15.0), (50.0, 60.0)]} for name in "ab"}
+    figure = cost_figure(panels, "x", "digits", x_ticks=(10, 20, 40, 80), digits=(0, 30, 60))
+    for ax in figure.axes[:2]:
         assert (ax.get_xscale(), ax.get_yscale()) == ("log", "linear")
         assert ax.get_ylim() == (0, 60)
         assert [label.get_text() for label in ax.get_xticklabels()] == ["10", "20", "40", "80"]

@@ -5,23 +5,17 @@ from pathlib import Path
 import matplotlib as mpl
 import numpy as np
 import pytest
+import xarray as xr
 
-from longwave.reports.pictures.drawing import (
-    CURVES,
-    ErrorCurve,
-    Snapshot,
-    error_figure,
-    save,
-    snapshot_figure,
-    styled,
-)
+from longwave.reports.pictures.drawing import CURVES, error_figure, save, snapshot_figure, styled
 
 SITES = np.arange(-20.0, 21.0)
 
 
-def snapshot(time: float, eps: float = 0.05) -> Snapshot:
+def snapshot(time: float, eps: float = 0.05) -> xr.Dataset:
     wave = eps / (1 + SITES**2)
-    return Snapshot(time, eps, SITES, 0.9 * wave, wave)
+    data = {"strain": ("site", 0.9 * wave), "analytic": ("site", wave)}
+    return xr.Dataset(data, {"offset": ("site", SITES), "time": time}, {"eps": eps, "wave": "wave"})
 
 
 def test_numerical_is_solid_blue_and_analytical_dashed_red() -> None:
@@ -29,8 +23,8 @@ def test_numerical_is_solid_blue_and_analytical_dashed_red() -> None:
     lattice, wave = figure.axes[0].lines
     assert (lattice.get_color(), lattice.get_linestyle()) == ("blue", "-")
     assert (wave.get_color(), wave.get_linestyle()) == ("red", "--")
-    assert np.array_equal(lattice.get_ydata(), snapshot(0.0).numerical)
-    assert np.array_equal(wave.get_ydata(), snapshot(0.0).analytical)
+    assert np.array_equal(lattice.get_ydata(), snapshot(0.0)["strain"])
+    assert np.array_equal(wave.get_ydata(), snapshot(0.0)["analytic"])
 
 
 def test_panels_are_lettered_row_by_row_and_share_the_strain_axis() -> None:
@@ -43,8 +37,9 @@ def test_panels_are_lettered_row_by_row_and_share_the_strain_axis() -> None:
 
 
 def test_error_axis_starts_at_zero_and_curves_differ_without_colour() -> None:
-    curves = [ErrorCurve(str(n), np.arange(5.0), np.arange(5.0) + n) for n in range(3)]
-    (ax,) = error_figure([("(A)", curves)]).axes
+    times = {"curve_time": np.arange(5.0)}
+    curves = {str(n): xr.DataArray(np.arange(5.0) + n, times, "curve_time") for n in range(3)}
+    (ax,) = error_figure({"(A)": curves}).axes
     assert ax.get_ylim()[0] == 0
     assert len({(line.get_linestyle(), line.get_marker()) for line in ax.lines}) == 3
     assert len({look["color"] for look in CURVES}) == len(CURVES)

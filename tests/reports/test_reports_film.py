@@ -12,11 +12,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+import xarray as xr
 from PIL import Image
 
 from longwave.reports.pictures import film_files
-from longwave.reports.pictures.drawing import Snapshot, styled
-from longwave.reports.pictures.film import ChainFilm, FilmWords, PlaneFilm, PlaneFrames
+from longwave.reports.pictures.drawing import styled
+from longwave.reports.pictures.film import ChainFilm, PlaneFilm
 from longwave.reports.pictures.film_files import film_path, has_ffmpeg, save_film
 
 OFFSET = np.arange(-20.0, 21.0)
@@ -34,20 +35,22 @@ def bump(height: float) -> np.ndarray:
     return height * np.exp(-((OFFSET / 4.0) ** 2))
 
 
-def words(count: int, title: str = "A bump") -> FilmWords:
-    return FilmWords(title, "wave", [f"$t = {place}$" for place in range(count)])
+def made(strain: np.ndarray, wave: np.ndarray, errors: np.ndarray, *axes: str) -> xr.Dataset:
+    over = ("time", *axes)
+    data = {"strain": (over, strain), "analytic": (over, wave), "error": ("time", errors)}
+    places = {"time": np.arange(float(len(errors))), **dict.fromkeys(axes, OFFSET)}
+    offset = {"offset": (over[:2], np.tile(OFFSET, (len(errors), 1)))}
+    return xr.Dataset(data, {**places, **offset}, {"wave": "wave"})
 
 
 def chain(count: int = 4, title: str = "A bump", dpi: float = 40.0) -> ChainFilm:
-    frames = [Snapshot(float(t), 0.1, OFFSET, bump(t + 1.0), bump(t + 0.5)) for t in range(count)]
-    return ChainFilm(frames, ERRORS[:count], words(count, title), dpi)
+    strain, wave = (np.array([bump(t + add) for t in range(count)]) for add in (1.0, 0.5))
+    return ChainFilm(made(strain, wave, ERRORS[:count], "site"), title, dpi)
 
 
 def plane() -> PlaneFilm:
-    times = np.arange(3.0)
-    values = np.array([np.outer(bump(t + 1.0), bump(1.0)) for t in times])
-    frames = PlaneFrames(times, OFFSET, OFFSET, values, 0.9 * values)
-    return PlaneFilm(frames, ERRORS[:3], words(3), 40.0)
+    values = np.array([np.outer(bump(t + 1.0), bump(1.0)) for t in range(3)])
+    return PlaneFilm(made(values, 0.9 * values, ERRORS[:3], "site", "row"), "A bump", 40.0)
 
 
 def test_a_frame_shows_the_lattice_the_wave_and_the_time_of_its_place() -> None:
@@ -57,10 +60,10 @@ def test_a_frame_shows_the_lattice_the_wave_and_the_time_of_its_place() -> None:
     lattice, wave = upper.lines
     assert np.array_equal(lattice.get_ydata(), bump(4.0))
     assert np.array_equal(wave.get_ydata(), bump(3.5))
-    assert upper.texts[0].get_text() == "$t = 3$"
+    assert upper.texts[0].get_text() == "$t = 3.0$\nerror 0.300"
     assert upper.get_ylim()[1] > 4.0
-    assert film._track._past.get_xydata().tolist()[:2] == [[0.0, 0.0], [1.0, 0.1]]
-    assert film._track._now.get_xydata().tolist() == [[3.0, 0.3]]
+    assert film._past.get_xydata().tolist()[:2] == [[0.0, 0.0], [1.0, 0.1]]
+    assert film._now.get_xydata().tolist() == [[3.0, 0.3]]
 
 
 def test_frames_do_not_depend_on_those_shown_before() -> None:
@@ -74,17 +77,17 @@ def test_frames_do_not_depend_on_those_shown_before() -> None:
 def test_a_frame_is_what_the_figure_is_when_drawn_at_once() -> None:
     film = chain()
     quick = film.frame(2).astype(int)
-    for artist in film._canvas._moving:
+    for artist in film._moving:
         artist.set_animated(False)
-    film._canvas._agg.draw()
-    whole = np.asarray(film._canvas._agg.buffer_rgba())[:, :, :3].astype(int)
+    film._agg.draw()
+    whole = np.asarray(film._agg.buffer_rgba())[:, :, :3].astype(int)
     assert np.mean(np.abs(quick - whole).max(axis=2) > 64) < 2e-3
 
 
 def test_on_two_axes_map_and_contours_are_those_of_the_frame() -> None:
     film = plane()
     film.frame(2)
-    assert np.array_equal(film._mesh.get_array(), film._frames.lattice[2].T)
+    assert np.array_equal(film._mesh.get_array(), film._strain[2].T)
     top = max(path.vertices[:, 0].max() for path in film._lines.get_paths() if len(path.vertices))
     film.frame(0)
     assert len(film._ax.collections) == 2
@@ -93,8 +96,8 @@ def test_on_two_axes_map_and_contours_are_those_of_the_frame() -> None:
 
 @pytest.mark.parametrize("values", [np.zeros(41), np.full(41, 1e300), np.full(41, -3.0)])
 def test_constant_fields_and_one_snapshot_make_a_film(values: np.ndarray) -> None:
-    shown = [Snapshot(0.0, 0.1, OFFSET, values, values)]
-    film = ChainFilm(shown, np.array([np.nan]), words(1, "50 % of $x_ [/nope] \\frac{"), 40.0)
+    shown = made(values[None], values[None], np.array([np.nan]), "site")
+    film = ChainFilm(shown, "50 % of $x_ [/nope] \\frac{", 40.0)
     assert film.frame(0).ndim == 3
 
 

@@ -57,9 +57,9 @@ def test_points_without_a_value_say_why() -> None:
 
 def test_the_figure_holds_resolved_points_and_a_slope_of_two() -> None:
     points = [PeakError(2, eps, eps, 1e-9) for eps in (0.1, 0.05)] + [PeakError(2, 0.02, 1.0, 1.0)]
-    (panel,) = peak_panels(points)
-    assert panel.curves["$Y_2$"] == [(0.1, 0.1), (0.05, 0.05)]
-    (low, first), (high, last) = panel.curves[r"$\propto\epsilon^2$"]
+    (curves,) = peak_panels(points).values()
+    assert curves["$Y_2$"] == [(0.1, 0.1), (0.05, 0.05)]
+    (low, first), (high, last) = curves[r"$\propto\epsilon^2$"]
     assert (low, high) == (0.05, 0.1)
     assert last / first == pytest.approx(4.0)
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from longwave.scenes.chain.scene_run import run
+from longwave.scenes.chain import run
 from longwave.scenes.lattice_derivation import derivation, lattice_wave, wave_of
 from longwave.scenes.lattice_run import LatticeRun, run_lattice_scene
 from longwave.scenes.named_scenes import lattice_scenes, load_scene, scene_of_toml

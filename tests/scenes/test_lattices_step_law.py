@@ -13,7 +13,7 @@ import pytest
 from longwave.lattice.refine import refine
 from longwave.reports.studies.estimate_scenes import RandomScene
 from longwave.reports.studies.estimates import judge_scene
-from longwave.scenes.chain.scene_run import run
+from longwave.scenes.chain import run
 from longwave.scenes.lattice_derivation import lattice_wave
 from longwave.scenes.lattice_run import compared_cells
 from longwave.scenes.ring_runs import RingRuns

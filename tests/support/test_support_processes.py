@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from longwave.reports.studies.measured_runs import scene_job
-from longwave.scenes.chain.scene_run import run
+from longwave.scenes.chain import run
 from longwave.scenes.named_scenes import load_scene
 from longwave.scenes.scene import Scene
 from longwave.support.processes import Job, OutOfTime, pool_context, run_jobs, time_limit

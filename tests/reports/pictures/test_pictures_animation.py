@@ -64,17 +64,14 @@ def test_a_run_is_shown_at_its_snapshots_between_the_times(
 def test_a_film_holds_the_runs_numbers_and_says_time_and_error(made: xr.Dataset) -> None:
     with styled():
         film = film_of(made, 40.0)
-    half_width = (film._snapshots[0].offset.size - 1) // 2
-    shown = np.asarray(abs(made["site"]) <= half_width)
+    half_width = (film._offset.shape[1] - 1) // 2
+    shown = made.sel(site=slice(-half_width, half_width))
     assert 0 < half_width < 60
-    for place, snapshot in enumerate(film._snapshots):
-        assert np.array_equal(
-            snapshot.offset, made.n.values[place][shown] - made.time.values[place]
-        )
-        assert np.array_equal(snapshot.numerical, made.strain.values[place][shown])
-        assert np.array_equal(snapshot.analytical, made.analytic.values[place][shown])
-    assert film._words.clock[3] == f"$t = 3.0$\nerror {float(made.error[3]):.3f}"
-    assert film._canvas.figure.get_suptitle() == SCENE.title
+    assert np.array_equal(film._offset, shown.n - shown.time)
+    assert np.array_equal(film._strain, shown.strain)
+    assert np.array_equal(film._wave, shown.analytic)
+    assert film._clock[3] == f"$t = 3.0$\nerror {float(made.error[3]):.3f}"
+    assert film.figure.get_suptitle() == SCENE.title
     assert film._ax.get_xlabel() == "$n - c\\,t$  (sites)"
 
 

@@ -13,8 +13,13 @@ from matplotlib.figure import Figure
 from longwave.__main__ import main
 from longwave.cli.command_tree import SWEEP_PICTURES as WORDS
 from longwave.reports.pictures.plotting import plot
-from longwave.reports.pictures.sweep_plotting import SWEEP_PICTURES, axis_of
-from longwave.reports.pictures.swept_figures import SweptAxis, WorkCurve, draw_work_precision
+from longwave.reports.pictures.sweep_plotting import (
+    SWEEP_PICTURES,
+    SweptAxis,
+    WorkCurve,
+    axis_of,
+    draw_work_precision,
+)
 from longwave.runs import save_run
 
 EPS = [0.2, 0.05, 0.1, 0.4]

@@ -8,9 +8,9 @@ import pytest
 
 from longwave.lattice.model import LARGEST_MISFIT, State
 from longwave.scenes.chain import domain as domain_module
+from longwave.scenes.chain import run
 from longwave.scenes.chain.domain import INTERPOLATION_ERROR, Window
 from longwave.scenes.chain.moving_wave import MovingWave
-from longwave.scenes.chain.scene_run import run
 from longwave.scenes.named_scenes import load_scene
 from longwave.scenes.scene import Scene
 

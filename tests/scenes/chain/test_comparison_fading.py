@@ -7,8 +7,8 @@ import pytest
 
 from longwave.lattice.model import State
 from longwave.lattice.seam import Fading
+from longwave.scenes.chain import run
 from longwave.scenes.chain.domain import SiteRing
-from longwave.scenes.chain.scene_run import run
 from longwave.scenes.scene import Scene
 
 SOUND = Scene.of(

@@ -14,6 +14,7 @@ from longwave.lattice.dynamics import StrainDynamics
 from longwave.lattice.model import State, empty_state
 from longwave.lattice.schemes import SCHEMES, Scheme
 from longwave.scenes.chain import observables as measures
+from longwave.scenes.chain import run
 from longwave.scenes.chain.observables import (
     OBSERVABLES,
     Observable,
@@ -22,7 +23,6 @@ from longwave.scenes.chain.observables import (
     observable_named,
 )
 from longwave.scenes.chain.recorders import LOOK_EVALUATIONS
-from longwave.scenes.chain.scene_run import run
 from longwave.scenes.chain.stated_run import build_domain
 from longwave.scenes.chain.view import View
 from longwave.scenes.named_scenes import load_scene

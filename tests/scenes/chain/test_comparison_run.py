@@ -9,8 +9,8 @@ import xarray as xr
 from scipy.integrate import solve_ivp
 
 from longwave.lattice.model import BlowUp
+from longwave.scenes.chain import run
 from longwave.scenes.chain.domain import SiteRing
-from longwave.scenes.chain.scene_run import run
 from longwave.scenes.chain.stated_run import build_domain, refined
 from longwave.scenes.chain.view import View
 from longwave.scenes.named_scenes import load_scene, scene_of

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from longwave.scenes.chain.scene_run import run
+from longwave.scenes.chain import run
 from longwave.scenes.named_scenes import load_scene, shipped_scenes
 from longwave.scenes.scene import Scene
 

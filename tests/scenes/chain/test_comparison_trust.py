@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from longwave.cli.scene_command import summary_lines
-from longwave.scenes.chain import trust
-from longwave.scenes.chain.scene_run import run
+from longwave.scenes.chain import run, trust
 from longwave.scenes.chain.stated_run import RunRecord
 from longwave.scenes.chain.trust import USUAL_TOLERANCE, horizon, trust_attributes, trust_in
 from longwave.scenes.named_scenes import load_scene

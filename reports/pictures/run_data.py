@@ -1,29 +1,25 @@
-"""What pictures of a run show and the run itself does not hold, for both kinds of runs.
+"""A run of any lattice as pictures need it: placed in its frame, with looks, errors and spectra.
 
-Errors of the run against the infinite lattice, in the units of what is drawn; spectra of lattice
-and wave; and, of a run on any lattice, which holds its snapshots alone, what a scene's observables
-are on the paper's chain: the space-time map, the error over time and the track of the crest.
+`placed` adds to a run what its scene says of it. `with_looks` adds to one that holds its snapshots
+alone the space-time map, the error over time and the track of the crest.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, NoReturn
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from longwave.reports.pictures.run_figures import SpectrumPanel
 from longwave.runs import scene_of_run
 from longwave.runs.own_error import scaled_own_error, wave_size
 from longwave.scenes.chain.observables import amplitudes, cell_width, extremum
-from longwave.scenes.scene import Scene
 from longwave.support.user_files import shown
 
 if TYPE_CHECKING:
-    from longwave.scenes.scene import Scene
+    pass
 
 Array = NDArray[np.float64]
 
@@ -40,35 +36,48 @@ UNIT_ROUNDOFF = 2.0**-53
 """Half a unit in the last place of 1."""
 
 
-@dataclass(frozen=True)
-class RunFrame:
-    """What places a run: ``eps``, the ``speed`` of its frame, and the ``unit`` of its errors."""
+def placed(data: xr.Dataset) -> xr.Dataset:
+    """A run with the attributes ``eps``, ``speed`` of its frame, ``unit`` of its errors, the name
+    of its ``wave``, ``carried`` for an envelope, and the coordinate ``offset`` n - c t in sites.
 
-    scene: Scene
-    eps: float
-    speed: float
-    unit: float
-
-
-def frame_of(data: xr.Dataset) -> RunFrame:
-    """What places a run, from its scene; ValueError if it has none that can be read."""
+    Raises ValueError in one line if it is no run with a scene that can be read.
+    """
     check_run(data)
     try:
         scene = scene_of_run(data)
-        if scene.is_growth:
-            return RunFrame(scene, scene.eps, 0.0, 1.0)
-        if not scene.has_moving_wave:
+        if scene.has_moving_wave:
+            speed, unit = scene.model.sound_speed(), scene.eps
+        elif scene.is_growth:
+            speed, unit = 0.0, 1.0
+        else:
             power = int(data["sup_error"].attrs["units"].partition("^")[2] or 1)
             if not 0 <= power <= LARGEST_POWER:
                 raise ValueError(f"errors in units of eps^{power}")
-            return RunFrame(scene, scene.eps, float(data.attrs["frame_speed"]), scene.eps**power)
-        return RunFrame(scene, scene.eps, scene.model.sound_speed(), scene.eps)
+            speed, unit = float(data.attrs["frame_speed"]), scene.eps**power
     except (KeyError, TypeError, ValueError) as error:
         reason = " ".join(str(error).split())[:150]
         raise ValueError(
             f"source must be a run with the scene that it was made from, got {reason} "
             "(write it with `longwave run SCENE --output run.nc`)"
         ) from None
+    run = data.assign_attrs(
+        eps=scene.eps,
+        speed=speed,
+        unit=unit,
+        wave="wave" if "sup_error" in data else "mKdV wave",
+        carried=int(getattr(scene, "is_envelope", False)),
+    )
+    return run.assign_coords(offset=run["n"] - speed * run["time"]) if "n" in run else run
+
+
+def snapshots(
+    run: xr.Dataset, half_width: int, places: Iterable[int] | None = None
+) -> list[xr.Dataset]:
+    """A run at all its times, or some, ``half_width`` sites to either side of that next to c t."""
+    run = run if "offset" in run.coords else placed(run)
+    shown = run.sel(site=slice(-half_width, half_width))
+    chosen = range(run.sizes["time"]) if places is None else places
+    return [shown.isel(time=place) for place in chosen]
 
 
 SNAPSHOT, TIME, LOOK, CURVE = ("time", "site"), ("time",), ("look_time",), ("curve_time",)
@@ -87,6 +96,7 @@ DIMENSIONS: Mapping[str, tuple[str, ...]] = {
     "domain_error": TIME,
     "error_curve": CURVE,
     "error_curve_far_field": CURVE,
+    "own": CURVE,
     "space_time": ("look_time", "map_site"),
     "crest_position": LOOK,
     "crest_strain": LOOK,
@@ -123,60 +133,71 @@ def _refuse(what: str) -> NoReturn:
     )
 
 
-def own_error(data: xr.Dataset, frame: RunFrame) -> Array | None:
-    """The run's own error in the strain, at each snapshot; None if the run did not measure it."""
+def own_error(data: xr.Dataset) -> Array | None:
+    """The own error of a placed run in the strain, at each snapshot; None if it has none."""
     found = scaled_own_error(data)
-    return None if found is None else frame.unit * found
+    return None if found is None else data.attrs["unit"] * found
 
 
-def spectrum_panel(data: xr.Dataset, frame: RunFrame, place: int) -> SpectrumPanel:
-    """Amplitudes of lattice and wave over the compared sites at a snapshot, with what is below
-    trust: a strain whose error is at most e has amplitudes that err by at most 2 e.
+def spectra(data: xr.Dataset, places: Sequence[int]) -> xr.Dataset:
+    """Amplitudes of ``lattice`` and ``wave`` over the compared sites at some snapshots.
+
+    ``rounding`` is the amplitude that rounding the strain to doubles has, on average, ``own`` what
+    the run's own error is at most: a strain whose error is at most e has amplitudes that err by at
+    most 2 e; NaN if it was not measured.
     """
-    at = data.isel(time=place)
-    if "row" in at.dims:
-        at = at.isel(row=_middle(at["row"].values))
+    own = own_error(data)
+    data = data.assign_coords(
+        own=("time", np.full(data.sizes["time"], np.nan) if own is None else own)
+    )
+    at = _middle_row(data.isel(time=list(places)))
     strain, analytic = (np.asarray(at[name], dtype=float) for name in ("strain", "analytic"))
-    own = own_error(data, frame)
-    rounding = UNIT_ROUNDOFF / np.sqrt(3.0) * float(np.nanmax(np.abs(strain), initial=0.0))
-    return SpectrumPanel(
-        title=f"$t={float(at['time']):g}$",
-        wavenumber=np.asarray(2.0 * np.pi * np.fft.rfftfreq(strain.size), dtype=float),
-        lattice=_amplitudes(strain),
-        wave=_amplitudes(analytic),
-        rounding=2.0 * rounding * np.sqrt(1.5 / strain.size),
-        own=None if own is None else 2.0 * float(own[place]),
+    sites = strain.shape[1]
+    largest = np.nanmax(np.abs(strain), axis=1, initial=0.0)
+    rounding = UNIT_ROUNDOFF / np.sqrt(3.0) * largest
+    wavenumber = 2.0 * np.pi * np.fft.rfftfreq(sites)
+    with np.errstate(all="ignore"):
+        lattice, wave = (np.array(list(map(amplitudes, part))) for part in (strain, analytic))
+    over = ("time", "wavenumber")
+    return xr.Dataset(
+        {
+            "lattice": (over, lattice),
+            "wave": (over, wave),
+            "rounding": ("time", 2.0 * rounding * np.sqrt(1.5 / sites)),
+            "own": ("time", 2.0 * at["own"].values),
+        },
+        {"time": at["time"].values, "wavenumber": wavenumber},
     )
 
 
-def _amplitudes(values: Array) -> Array:
-    with np.errstate(all="ignore"):
-        return amplitudes(values)
+CURVES = {"error_curve": "over background", "error_curve_far_field": "over far field"}
+"""The errors over time, and against what of the wave they are measured."""
 
 
-def own_relative_error(
-    data: xr.Dataset, frame: RunFrame, times: Array, far_field: bool = False
-) -> Array | None:
-    """The run's own error in the units of its error curve at these times; NaN where not measured.
-
-    The unit is the wave's largest deviation from its background, or its far field, at that time.
-    """
-    if "own_error_curve" in data:
-        return np.asarray(data["own_error_curve"], dtype=float)
-    own = own_error(data, frame)
+def error_curves(data: xr.Dataset) -> dict[str, xr.DataArray]:
+    """The errors over time that a placed run holds, with their own errors as the coordinate
+    ``own``: NaN where it was not measured, none if it was nowhere."""
+    curves = {label: data[name] for name, label in CURVES.items() if name in data}
+    if "own" in data.coords:
+        return curves
+    own, times = own_error(data), data.get("curve_time", xr.DataArray(np.zeros(0))).values
     if own is None or not own.size:
-        return None
+        return curves
     found = np.full(times.size, own[0] if "error_estimate" in data.attrs else np.nan)
     _, here, there = np.intersect1d(times, data["time"].values, return_indices=True)
     found[here] = own[there]
     known = np.isfinite(found)
-    scene = frame.scene
-    found[known] /= [wave_size(scene, float(t), far_field) for t in times[known]]
-    return found
+    scene = scene_of_run(data)
+    for label, curve in curves.items():
+        relative = found.copy()
+        far_field = curve.name == "error_curve_far_field"
+        relative[known] /= [wave_size(scene, float(t), far_field) for t in times[known]]
+        curves[label] = curve.assign_coords(own=("curve_time", relative))
+    return curves
 
 
-def with_looks(data: xr.Dataset, frame: RunFrame, least: int = LEAST_LOOKS) -> xr.Dataset:
-    """A run on any lattice with map, crest and errors over its snapshots, if they are ``least``.
+def with_looks(data: xr.Dataset, least: int = LEAST_LOOKS) -> xr.Dataset:
+    """A placed run with map, crest and errors over its snapshots, if it has ``least`` and no map.
 
     On two axes map and crest are those of the row nearest to the middle. Of an envelope the map
     holds the largest modulus in some cells that its carrier moves through, and the crest is one.
@@ -184,11 +205,11 @@ def with_looks(data: xr.Dataset, frame: RunFrame, least: int = LEAST_LOOKS) -> x
     needed = {"strain", "background", "n", "error", "sup_error"} <= set(data.variables)
     if not needed or data.sizes.get("time", 0) < least or "space_time" in data:
         return data
-    line = data.isel(row=_middle(data["row"].values)) if "row" in data.dims else data
+    line, speed = _middle_row(data), data.attrs["speed"]
     strain, background, sites = (
         np.asarray(line[name], dtype=float) for name in ("strain", "background", "n")
     )
-    carried = frame.scene.is_envelope
+    carried = data.attrs["carried"]
     background = 0.0 * background if carried else background
     crests = [_crest(*row) for row in zip(strain, background, sites, strict=True)]
     position, height = np.array(crests).T
@@ -197,20 +218,20 @@ def with_looks(data: xr.Dataset, frame: RunFrame, least: int = LEAST_LOOKS) -> x
     starts = np.arange(0, strain.shape[1], width)
     if not carried:
         strain, background = (
-            _at_offsets(values, sites - frame.speed * times[:, None], data["site"].values)
+            _at_offsets(values, sites - speed * times[:, None], data["site"].values)
             for values in (strain, background)
         )
     space_time = _farthest(np.abs(strain) if carried else strain, background, starts)
     found = {
-        "space_time": (("look_time", "map_site"), space_time, {"carried": int(carried)}),
-        "crest_position": ("look_time", position - frame.speed * times),
+        "space_time": (("look_time", "map_site"), space_time, {"carried": carried}),
+        "crest_position": ("look_time", position - speed * times),
         "crest_strain": ("look_time", np.abs(height) if carried else height),
         "error_curve": ("curve_time", np.asarray(data["error"], dtype=float)),
-        "own_error_curve": ("curve_time", _own_relative(data)),
     }
     axes = {
         "look_time": times,
         "curve_time": times,
+        "own": ("curve_time", _own_relative(data)),
         "map_site": np.asarray(data["site"])[starts],
     }
     return data.assign(found).assign_coords(axes)
@@ -254,5 +275,6 @@ def _crest(strain: Array, background: Array, sites: Array) -> tuple[float, float
     return float(sites[top]) + offset, height + float(background[top])
 
 
-def _middle(rows: NDArray[np.integer]) -> int:
-    return int(np.argmin(np.abs(rows)))
+def _middle_row(data: xr.Dataset) -> xr.Dataset:
+    """The row nearest to the middle, if there are rows."""
+    return data.isel(row=int(np.argmin(np.abs(data["row"].values)))) if "row" in data.dims else data

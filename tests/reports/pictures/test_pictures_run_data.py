@@ -10,7 +10,7 @@ import xarray as xr
 
 from longwave.reports.pictures.animation import animate
 from longwave.reports.pictures.plotting import plot
-from longwave.reports.pictures.run_quantities import frame_of, own_error, spectrum_panel, with_looks
+from longwave.reports.pictures.run_data import own_error, placed, spectra, with_looks
 from longwave.scenes import named_scenes
 from longwave.scenes.chain.observables import amplitudes
 from longwave.scenes.named_scenes import load_scene
@@ -56,7 +56,7 @@ def toda() -> xr.Dataset:
 
 
 def test_a_stated_run_has_bars_where_its_errors_were_measured(stated: xr.Dataset) -> None:
-    own = own_error(stated, frame_of(stated))
+    own = own_error(placed(stated))
     measured = 2.0 * (stated.time_step_error.values + stated.domain_error.values)
     assert own is not None
     assert np.allclose(own, 0.2 * measured, atol=0.0)
@@ -82,11 +82,11 @@ def test_a_run_to_a_tolerance_has_a_band(to_tolerance: xr.Dataset) -> None:
 
 def test_a_run_that_measured_no_error_has_none(stated: xr.Dataset) -> None:
     bare = stated.drop_vars(["time_step_error", "domain_error"])
-    assert own_error(bare, frame_of(bare)) is None
+    assert own_error(placed(bare)) is None
     ax = plot(bare, kind="errors").get_axes()[0]
     assert not ax.containers
     assert not ax.collections
-    assert spectrum_panel(bare, frame_of(bare), 0).own is None
+    assert np.isnan(spectra(placed(bare), [0]).own).all()
 
 
 def test_spectra_are_those_of_lattice_and_wave_with_what_is_below_trust(
@@ -105,11 +105,11 @@ def test_spectra_are_those_of_lattice_and_wave_with_what_is_below_trust(
 
 def test_rounding_is_as_large_as_its_line_says(stated: xr.Dataset) -> None:
     """Noise of that size put on a strain has the amplitudes of the line, in the mean square."""
-    panel = spectrum_panel(stated, frame_of(stated), 0)
+    level = float(spectra(placed(stated), [0]).rounding[0])
     size = 2.0**-53 * float(abs(stated.strain[0]).max())
     noise = np.random.default_rng(1).uniform(-size, size, (400, 121))
     found = np.sqrt(np.mean([amplitudes(row)[5:-5] ** 2 for row in noise]))
-    assert np.isclose(found, panel.rounding, rtol=0.1, atol=0.0)
+    assert np.isclose(found, level, rtol=0.1, atol=0.0)
 
 
 @pytest.mark.parametrize("value", [0.0, np.nan, np.inf, 1e300])
@@ -123,36 +123,35 @@ def test_hostile_strains_are_drawn(stated: xr.Dataset, value: float) -> None:
 
 
 def test_a_lattices_snapshots_make_map_crest_and_errors(toda: xr.Dataset) -> None:
-    frame = frame_of(toda)
-    looked = with_looks(toda, frame)
+    looked = with_looks(placed(toda))
+    speed, unit = looked.attrs["speed"], looked.attrs["unit"]
     assert np.array_equal(looked.error_curve, toda.error)
     top = np.abs(toda.strain).argmax("site").values
     rows = np.arange(9)
-    rough = toda.n.values[rows, top] - frame.speed * toda.time.values
+    rough = toda.n.values[rows, top] - speed * toda.time.values
     assert np.all(np.abs(looked.crest_position - rough) < 0.6)
     assert np.all(np.abs(looked.crest_strain) >= np.abs(toda.strain.values[rows, top]) - 1e-12)
-    offset = toda.n.values[4] - frame.speed * toda.time.values[4]
+    offset = toda.n.values[4] - speed * toda.time.values[4]
     wanted = np.interp(toda.site.values, offset, toda.strain.values[4])
     assert np.allclose(looked.space_time.values[4], wanted)
-    apart = frame.unit * toda.sup_error.values[1:] / toda.error.values[1:]
-    own = frame.unit * toda.attrs["error_estimate"] / apart
-    assert np.allclose(looked.own_error_curve.values[1:], own, atol=0.0)
+    apart = unit * toda.sup_error.values[1:] / toda.error.values[1:]
+    own = unit * toda.attrs["error_estimate"] / apart
+    assert np.allclose(looked.own.values[1:], own, atol=0.0)
 
 
 def test_few_snapshots_are_no_curve_unless_it_is_asked_for(toda: xr.Dataset) -> None:
     few = toda.isel(time=[0, 4, 8])
-    frame = frame_of(few)
-    assert "space_time" not in with_looks(few, frame)
+    assert "space_time" not in with_looks(placed(few))
     assert plot(few, kind="errors").get_axes()[0].lines[0].get_xdata().size == 3
 
 
 def test_of_an_envelope_the_map_holds_moduli(toda: xr.Dataset) -> None:
-    looked = with_looks(toda, frame_of(toda))
+    looked = with_looks(placed(toda))
     assert float(looked.space_time.min()) < 0.0 or float(toda.strain.min()) >= 0.0
     carried: Any = load_scene("fput_peregrine")
     times = tuple(np.linspace(carried.slow_times[0], carried.slow_times[-1], 8))
     run = named_scenes.run(carried.changed(slow_times=times))
-    found = with_looks(run, frame_of(run))
+    found = with_looks(placed(run))
     assert float(found.space_time.min()) >= 0.0
     assert np.isclose(float(found.space_time.max()), float(abs(run.strain).max()))
     label = plot(run, kind="space_time").get_axes()[1].get_ylabel()
@@ -198,12 +197,12 @@ def test_what_is_no_run_is_drawn_or_told_in_one_line(
 def test_a_run_whose_estimate_is_lost_has_no_error_of_its_own(toda: xr.Dataset) -> None:
     lost = toda.copy()
     del lost.attrs["error_estimate"]
-    assert np.isnan(with_looks(lost, frame_of(toda), 2)["own_error_curve"]).all()
+    assert np.isnan(with_looks(placed(lost), 2)["own"]).all()
 
 
 def test_errors_of_any_size_are_read(toda: xr.Dataset) -> None:
     tiny = toda.assign(sup_error=0.0 * toda["sup_error"] + 5e-324, error=1.0 + toda["error"])
-    assert not np.isfinite(with_looks(tiny, frame_of(toda), 2)["own_error_curve"]).any()
+    assert not np.isfinite(with_looks(placed(tiny), 2)["own"]).any()
 
 
 def test_backgrounds_of_any_size_make_a_map(toda: xr.Dataset) -> None:
@@ -211,4 +210,4 @@ def test_backgrounds_of_any_size_make_a_map(toda: xr.Dataset) -> None:
     wild["background"] = xr.full_like(wild["strain"], 0.0)
     wild["background"].values[0, 0], wild["background"].values[1, 0] = np.inf, -np.inf
     with np.errstate(all="warn"):
-        assert with_looks(wild, frame_of(wild), 2).sizes["time"] == toda.sizes["time"]
+        assert with_looks(placed(wild), 2).sizes["time"] == toda.sizes["time"]
