@@ -234,7 +234,11 @@ class Envelope(Displayed):
             return self._at(self.point(k, branch, constants))
 
     def _at(self, point: Mapping[str, mpmath.mpc]) -> dict[str, mpmath.mpc]:
-        """The same at these values; the digits are set."""
+        """The same at these values; the digits are set.
+
+        A sum that vanishes leaves the rounding of its terms, which is 0: the group velocity where
+        a band is flat, at k = 2 pi/3 of a chain with springs to the next but one, say.
+        """
         if evaluated(self.carrier.second_harmonic, point) is None:
             raise EnvelopeError(_resonance("4 omega(k)^2 = omega(2k)^2", point))
         found: dict[str, mpmath.mpc] = {"omega": point[str(w)].imag}
@@ -249,7 +253,8 @@ class Envelope(Displayed):
                 )
             if value is None:
                 raise EnvelopeError(_resonance("the group velocity is the sound speed", point))
-            found[name] = value / 1j if name in TURNED else value
+            is_none = abs(value) < mpmath.mpf(10) ** -DIGITS * abs(point[str(w)])
+            found[name] = 0 * value if is_none else value / 1j if name in TURNED else value
         if abs(found["p"]) < ROUNDING * abs(point[str(w)]):
             raise EnvelopeError(
                 f"k must be no zero of the dispersion p, got {mpmath.nstr(point['k'], 8)} "

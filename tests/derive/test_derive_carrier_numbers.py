@@ -63,3 +63,11 @@ def test_a_resonance_is_refused() -> None:
     given = {"K2": 1, "K3": 1, "K4": 0, "L2": -Rational(1, 4), "L3": 0, "L4": 0}
     with pytest.raises(EnvelopeError, match="k must be no resonance"):
         carrier_fields(envelope(LATTICES["next_nearest"], **given), pi / 2, **given)
+
+
+def test_a_group_velocity_that_vanishes_is_0_and_no_complex_rounding() -> None:
+    """Catches: 1e-81 + 1e-82 i as the speed of a frame, which an opponent's scene stumbled on."""
+    constants = {"K2": 4, "K3": 2, "K4": Rational(1, 2), "L2": 2, "L3": 2, "L4": 0}
+    found = carrier_fields(envelope(LATTICES["next_nearest"], 2 * pi / 3), **constants)
+    assert isinstance(found.v, float)
+    assert found.v == 0.0
