@@ -187,8 +187,14 @@ def run_program(command: Sequence[str], folder: Path, seconds: float) -> tuple[i
 
 def _program(command: Sequence[str], folder: Path) -> tuple[int, str]:
     os.setpgrp()
-    out = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.STDOUT}
-    done = subprocess.run(command, cwd=folder, check=False, **out)
+    done = subprocess.run(
+        command,
+        cwd=folder,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        check=False,
+    )
     return done.returncode, done.stdout.decode(errors="replace")
 
 
@@ -305,12 +311,12 @@ class LocalWorkers:
 
     def stop(self) -> None:
         """Tell all processes to end, and kill those that do not."""
-        for worker in self._workers:
+        workers, self._workers = self._workers, []
+        for worker in workers:
             worker.process.terminate()
         end = time.monotonic() + PATIENCE
-        for worker in self._workers:
+        for worker in workers:
             worker.end(max(0.0, end - time.monotonic()))
-        self._workers = []
 
 
 @contextmanager
@@ -359,6 +365,7 @@ def _serve(
     else:
         while _do(pickle.loads(inbox.get()), pipe, inbox):
             pass
+        os._exit(1)  # at once: it was told to end
 
 
 def _receive(pipe: Connection, inbox: SimpleQueue[bytes]) -> None:
@@ -396,6 +403,7 @@ def _do(job: Job, pipe: Connection, inbox: SimpleQueue[bytes]) -> bool:
         kind, found, usable = "error", error, isinstance(error, Exception | Cancelled)
         if isinstance(error, Exception):
             error.add_note("".join(traceback.format_tb(error.__traceback__)))
+    print(end="", flush=True)
     try:
         pipe.send((kind, found))
     except Exception as error:  # it cannot be pickled
