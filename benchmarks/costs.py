@@ -9,15 +9,14 @@ largest of both.
 from __future__ import annotations
 
 import argparse
-import multiprocessing
 import resource
 import statistics
 import time
-from concurrent.futures import ProcessPoolExecutor
 
 from longwave.reports.studies.estimate_scenes import random_scene
 from longwave.scenes.chain import run
 from longwave.scenes.chain.expected_cost import expected_cost
+from longwave.support.processes import Job, LocalWorkers, in_order
 
 
 def ratios(seed: int, index: int, budget: float) -> tuple[str, float, float] | None:
@@ -41,11 +40,10 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=7)
     parser.add_argument("--budget", type=float, default=60.0, help="seconds of the longest")
     options = parser.parse_args()
-    context = multiprocessing.get_context("spawn")
     found = []
     for index in range(options.scenes):
-        with ProcessPoolExecutor(1, context) as pool:
-            one = pool.submit(ratios, options.seed, index, options.budget).result()
+        job = Job(ratios, (options.seed, index, options.budget))
+        (one,) = in_order([job], LocalWorkers(1))
         if one is not None:
             found.append(one[1:])
             print(f"seconds {one[1]:5.2f}  bytes {one[2]:5.2f}  {one[0]}", flush=True)

@@ -15,22 +15,17 @@ from __future__ import annotations
 
 import argparse
 import json
-import multiprocessing
 import os
 import re
 import resource
 import shutil
-import signal
 import statistics
 import subprocess
 import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import suppress
 from dataclasses import asdict, dataclass
 from math import ceil
-from multiprocessing.connection import Connection, wait
 from pathlib import Path
-from typing import Any
 
 import sympy as sp
 from rich.console import Console
@@ -41,6 +36,7 @@ from sympy.solvers.ode import checkodesol
 from sympy.solvers.pde import checkpdesol
 
 from longwave.derive.algebra.formula_printing import formula_as_text
+from longwave.support.processes import Job, LocalWorkers, as_ended, limit_processor
 from longwave.verify.problem_file import ProblemText
 from longwave.verify.proof.statement_problem import residual_of
 from longwave.verify.proof.statement_verdict import decide_statement
@@ -174,58 +170,30 @@ TOOLS: dict[str, Callable[[Statement], str]] = {
 # processes
 
 
-@dataclass
-class Running:
-    """An attempt under way."""
-
-    tool: str
-    text: ProblemText
-    process: Any
-    start: float
-
-
-def _work(tool: str, text: ProblemText, limit: float, pipe: Connection) -> None:
+def _work(tool: str, text: ProblemText, limit: float) -> tuple[str, float]:
+    """The answer of a tool, and the seconds of the processor that it took with what it started."""
     os.setpgrp()
-    seconds = ceil(limit + time.process_time())
-    resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds))
+    limit_processor(ceil(limit))
     start = time.process_time()
     try:
         answer = TOOLS[tool](text.problem().statement)
     except Exception:  # any failure of a tool is no answer
         answer = SILENT
     inner = resource.getrusage(resource.RUSAGE_CHILDREN)
-    pipe.send((answer, time.process_time() - start + inner.ru_utime + inner.ru_stime))
+    return answer, time.process_time() - start + inner.ru_utime + inner.ru_stime
 
 
 def attempts(
     asked: Sequence[tuple[str, ProblemText]], limit: float, workers: int, report: Progress
 ) -> Iterator[Attempt]:
     """Ask each tool about each statement, ``workers`` at a time, as they come to an end."""
-    context = multiprocessing.get_context("fork")
-    waiting, running = list(reversed(asked)), dict[Connection, Running]()
     task = report.add_task("attempts", total=len(asked))
-    while waiting or running:
-        while waiting and len(running) < workers:
-            tool, text = waiting.pop()
-            ours, theirs = context.Pipe(duplex=False)
-            process = context.Process(target=_work, args=(tool, text, limit, theirs), daemon=True)
-            process.start()
-            theirs.close()
-            running[ours] = Running(tool, text, process, time.monotonic())
-        ready = wait(list(running), timeout=0.2)
-        for pipe, own in list(running.items()):
-            late = time.monotonic() - own.start > PATIENCE * limit
-            if pipe not in ready and not late:
-                continue
-            answer, seconds = SILENT, limit
-            with suppress(EOFError):
-                answer, seconds = pipe.recv() if pipe in ready else (SILENT, limit)
-            with suppress(ProcessLookupError):
-                os.killpg(own.process.pid, signal.SIGKILL)
-            own.process.join()
-            del running[pipe]
-            report.advance(task)
-            yield Attempt(own.tool, own.text.name, _judged(answer, own.text.expect), seconds)
+    jobs = [Job(_work, (tool, text, limit), seconds=PATIENCE * limit) for tool, text in asked]
+    for place, call in as_ended(enumerate(jobs), LocalWorkers(workers, apart=True)):
+        answer, seconds = (SILENT, limit) if call.error else call.value
+        tool, text = asked[place]
+        report.advance(task)
+        yield Attempt(tool, text.name, _judged(answer, text.expect), seconds)
 
 
 def _judged(answer: str, expected: str) -> str:

@@ -10,7 +10,7 @@ holds: longer scenes, to t = END, show what is left of it.
 
 from __future__ import annotations
 
-import multiprocessing as mp
+import os
 import resource
 import sys
 import tempfile
@@ -24,9 +24,10 @@ from longwave.runs.sweep import SweepState, run_sweep
 from longwave.runs.sweep_cells import Cell, run_cells
 from longwave.runs.sweep_dataset import write_sweep
 from longwave.runs.sweep_file import Sweep, sweep_of
-from longwave.runs.sweep_workers import LocalWorkers
+from longwave.runs.sweep_workers import use_one_thread
 from longwave.scenes import named_scenes
 from longwave.support.compiled.cores import keep_to_one_core
+from longwave.support.processes import Job, LocalWorkers, in_order
 
 TEN = 10
 """Scenes that are run in one way before it is the other's turn."""
@@ -65,7 +66,8 @@ def resident(process: int | str = "self") -> float:
 
 def bookkeeping(count: int) -> None:
     """Print what a sweep takes beyond the cells' own processor time, and its memory on the way."""
-    sweep, workers = sweep_of_solitons(count, 50.0), LocalWorkers(mp.cpu_count())
+    sweep = sweep_of_solitons(count, 50.0)
+    workers = LocalWorkers(os.cpu_count() or 1, use_one_thread)
     marks = dict.fromkeys((0.1, 0.5, 1.0), False)
 
     def look(state: SweepState) -> None:
@@ -126,7 +128,7 @@ def side_by_side(sweep: Sweep) -> tuple[float, float]:
 
 def on_processes(sweep: Sweep, count: int) -> float:
     """Seconds of a sweep with so many workers, their start and the data set included."""
-    workers = LocalWorkers(count)
+    workers = LocalWorkers(count, use_one_thread)
     with tempfile.TemporaryDirectory() as folder:
         begun = time.perf_counter()
         try:
@@ -140,8 +142,7 @@ def on_processes(sweep: Sweep, count: int) -> float:
 def speed(count: int, end: float) -> None:
     """Print what a scene costs beside a plain loop, and how much faster two processes are."""
     sweep = sweep_of_solitons(count, end)
-    with mp.get_context("spawn").Pool(1) as pool:
-        loop, batch = pool.apply(side_by_side, (sweep,))
+    ((loop, batch),) = in_order([Job(side_by_side, (sweep,))], LocalWorkers(1))
     print(f"a scene: {1e3 * loop:.1f} ms of a processor in a loop, {batch / loop:.3f} of it here")
     ratios = []
     for _ in range(ROUNDS):

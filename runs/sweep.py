@@ -9,7 +9,6 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from itertools import chain, islice
 from pathlib import Path
-from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING
 
 from longwave.runs.run_pack import (
@@ -24,10 +23,10 @@ from longwave.runs.run_pack import (
 )
 from longwave.runs.run_store import RunStore
 from longwave.runs.sweep_cells import Batch, Cell, run_cells
-from longwave.runs.sweep_workers import Promise, Workers
 from longwave.runs.worker_code import code_here
 from longwave.support.atomic_file import write_atomically
 from longwave.support.command_line import one_line
+from longwave.support.processes import POLL, Call, Job, LostProcess, Workers
 from longwave.support.request_limits import current_limits
 from longwave.support.sealed_file import is_whole
 
@@ -46,9 +45,6 @@ AHEAD = 2
 
 MOST_LOSSES = 3
 """Workers that a cell may lose, alone, before it is taken to be why."""
-
-POLL = 0.2
-"""Seconds between two looks at Ctrl-C, where waiting is not interrupted."""
 
 Tell = Callable[["SweepState"], None]
 
@@ -171,9 +167,8 @@ class _March:
     progress: Tell
     token: str
     missing: Iterator[Cell]
-    sent: dict[Promise, list[Cell]] = field(default_factory=dict)
+    sent: dict[Call, list[Cell]] = field(default_factory=dict)
     suspects: deque[tuple[Cell, int]] = field(default_factory=deque)
-    answered: SimpleQueue[Promise] = field(default_factory=SimpleQueue)
 
     def run(self) -> None:
         ended = False
@@ -187,7 +182,8 @@ class _March:
                 self._send([self.suspects[0][0]])
             if not self.sent and not self.suspects:
                 return
-            self._take()
+            for call in self.workers.ended(POLL):
+                self._take(call)
 
     def _size(self) -> int:
         """Cells of the next batch."""
@@ -200,38 +196,22 @@ class _March:
         return max(1, int(min(max(fair, LEAST_SECONDS), MOST_SECONDS) / pace))
 
     def _send(self, cells: list[Cell]) -> None:
-        try:
-            folder = Path(self.store.folder).absolute()
-            promise = self.workers.submit(
-                run_cells, cells, folder, self.token, current_limits(), code_here()
-            )
-        except Exception as error:
-            if not self.workers.has_lost(error):
-                raise
-            self._lost(cells, alone=False)
-            return
-        self.sent[promise] = cells
-        promise.add_done_callback(self.answered.put)
+        folder = Path(self.store.folder).absolute()
+        given = (cells, folder, self.token, current_limits(), code_here())
+        self.sent[self.workers.submit(Job(run_cells, given))] = cells
 
-    def _take(self) -> None:
-        """Wait for one batch, or a moment."""
-        try:
-            promise = self.answered.get(timeout=POLL)
-        except Empty:
-            self.workers.look()
-            return
-        if promise not in self.sent:
-            return
-        cells = self.sent.pop(promise)
+    def _take(self, call: Call) -> None:
+        """Take in what a batch came to."""
+        cells = self.sent.pop(call)
         alone = bool(self.suspects) and cells[0] == self.suspects[0][0]
         try:
-            batch: Batch = promise.result()
+            batch: Batch = call.result()
+        except LostProcess:
+            self._lost(cells, alone)
+            return
+        except (ValueError, OSError):
+            raise
         except Exception as error:
-            if self.workers.has_lost(error):
-                self._lost(cells, alone)
-                return
-            if isinstance(error, ValueError | OSError):
-                raise
             raise ValueError(
                 f"workers must run cells, got {type(error).__name__}: {one_line(error)[:200]} "
                 "(a cluster needs its scheduler, and everywhere the longwave of this machine)"
@@ -257,8 +237,6 @@ class _March:
                 self.suspects.appendleft((cell, losses + 1))
             else:
                 self._give_up(cell)
-        if not self.sent:
-            self.workers.renew()
 
     def _give_up(self, cell: Cell) -> None:
         told = f"its worker process ended {MOST_LOSSES} times (killed, or out of memory)"

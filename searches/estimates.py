@@ -8,13 +8,11 @@ ends without an answer or a reason.
 
 import argparse
 import json
-import multiprocessing
 import os
 import sys
 import time
 from collections import Counter
 from collections.abc import Iterator
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from pathlib import Path
 
 from longwave.reports.studies.estimate_scenes import random_scene
@@ -26,9 +24,7 @@ from longwave.reports.studies.estimates import (
     judge,
     warm_up,
 )
-
-POOL = 64
-"""Scenes handed to the pool ahead, so that an interrupt is soon obeyed."""
+from longwave.support.processes import Job, LocalWorkers, as_ended
 
 
 def main() -> int:
@@ -70,16 +66,9 @@ def _options() -> argparse.Namespace:
 def _judged(seed: int, indices: list[int], workers: int) -> Iterator[Judged]:
     """The scenes' records as they come."""
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # else its idle threads use up the limits
-    context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(workers, context, warm_up) as pool:
-        try:
-            for first in range(0, len(indices), POOL):
-                part = indices[first : first + POOL]
-                for done in as_completed([pool.submit(judge, seed, index) for index in part]):
-                    yield done.result()
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
+    jobs = ((index, Job(judge, (seed, index))) for index in indices)
+    for _, call in as_ended(jobs, LocalWorkers(workers, warm_up)):
+        yield call.result()
 
 
 def _known(path: Path | None, seed: int) -> list[Judged]:

@@ -14,7 +14,6 @@ import argparse
 import contextlib
 import io
 import json
-import multiprocessing
 import re
 import resource
 import sys
@@ -22,7 +21,6 @@ import tempfile
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
@@ -32,7 +30,7 @@ from rich.table import Table
 
 import longwave
 from longwave.__main__ import main as command
-from longwave.support.processes import OutOfTime, time_limit
+from longwave.support.processes import Job, OutOfTime, run_apart, time_limit
 from tests.verify.proof.hostile_texts import FILES, Texts, generated, written
 
 SECONDS, MEGABYTES = 5.0, 500.0
@@ -138,7 +136,7 @@ DOORS: dict[str, Callable[[Any, float], tuple[int, list[str]]]] = {
 }
 
 
-def _pass(door: str, given: Any, limit: float, pipe: Connection) -> None:
+def _pass(door: str, given: Any, limit: float) -> Cost:
     """In the child: what the text costs."""
     evaluated: list[str] = []
 
@@ -157,23 +155,14 @@ def _pass(door: str, given: Any, limit: float, pipe: Connection) -> None:
     own = re.search(r"VmHWM:\s*(\d+)", Path("/proc/self/status").read_text(encoding="ascii"))
     inner = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss
     peak = max(int(own[1]) if own else 0, inner) / 1000
-    pipe.send(Cost(status, tuple(lines), seconds, peak, tuple(evaluated)))
-    pipe.close()
+    return Cost(status, tuple(lines), seconds, peak, tuple(evaluated))
 
 
 def cost(door: str, given: Any, limit: float) -> Cost:
     """What a text costs at a door, in a process of its own."""
-    context = multiprocessing.get_context("fork")
-    ours, theirs = context.Pipe(duplex=False)
-    process = context.Process(target=_pass, args=(door, given, limit, theirs), daemon=False)
-    process.start()
-    theirs.close()
-    try:
-        found: Cost = ours.recv() if ours.poll(PATIENCE) else Cost(-1, (), PATIENCE, 0.0)
-    except EOFError:
-        found = Cost(-1, (), 0.0, 0.0)
-    process.kill()
-    process.join()
+    call = run_apart(Job(_pass, (door, given, limit), seconds=PATIENCE))
+    lost = Cost(-1, (), PATIENCE if isinstance(call.error, OutOfTime) else 0.0, 0.0)
+    found: Cost = lost if call.error else call.value
     return found
 
 

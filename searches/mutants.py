@@ -13,19 +13,18 @@ from __future__ import annotations
 import argparse
 import ast
 import copy
-import os
 import random
 import shutil
-import signal
 import subprocess
 import sys
 import tempfile
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
+
+from longwave.support.processes import Job, LocalWorkers, OutOfTime, in_order, run_program
 
 HOUSE = Path(__file__).parents[1]
 
@@ -220,25 +219,13 @@ class Copy:
             target.write_text(kept, "utf-8")
 
     def _tests_pass(self) -> bool:
-        """Run the tests in a process group of their own; what takes too long has failed."""
+        """Run the tests; what takes too long has failed, and is killed with what it started."""
         words = ["-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *self._tests]
-        begun = subprocess.Popen(
-            [sys.executable, *words],
-            cwd=self._folder,
-            env={**os.environ, "PYTHONDONTWRITEBYTECODE": "1"},
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-            start_new_session=True,
-        )
+        command = ["env", "PYTHONDONTWRITEBYTECODE=1", sys.executable, *words]
         try:
-            return begun.wait(self._seconds) == 0
-        except subprocess.TimeoutExpired:
+            return run_program(command, self._folder, self._seconds)[0] == 0
+        except OutOfTime:
             return False
-        finally:
-            if begun.poll() is None:
-                os.killpg(begun.pid, signal.SIGKILL)
-                begun.wait()
 
 
 def tested(drawn: Sequence[Mutant], tests: Sequence[str], seconds: float) -> list[Mutant]:
@@ -274,9 +261,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     paths = [file.relative_to(HOUSE) for path in given.paths for file in python_files(path)]
     drawn = mutants(paths, given.count, given.seed)
     start, shares = time.monotonic(), [drawn[i :: given.workers] for i in range(given.workers)]
-    with ThreadPoolExecutor(given.workers) as pool:
-        parts = pool.map(lambda share: tested(share, given.tests, given.seconds), shares)
-        survivors = [mutant for part in parts for mutant in part]
+    jobs = (Job(tested, (share, given.tests, given.seconds)) for share in shares)
+    parts = in_order(jobs, LocalWorkers(given.workers, apart=True))
+    survivors = [mutant for part in parts for mutant in part]
     for name, number in Counter(str(mutant.path) for mutant in survivors).most_common():
         print(f"{number:5d} {name}")
     killed = len(drawn) - len(survivors)

@@ -21,16 +21,15 @@ from __future__ import annotations
 import argparse
 import json
 import math
-import multiprocessing
 import random
 import sys
 import time
 import warnings
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -51,7 +50,7 @@ from longwave.scenes.ring_runs import RingRecord, RingRuns
 from longwave.scenes.scene import PERTURBED_PLANE, Scene
 from longwave.scenes.scene_checks import Pairs
 from longwave.scenes.sideband_growth import SidebandRuns, growth_plan
-from longwave.support.processes import OutOfTime, time_limit
+from longwave.support.processes import Job, LocalWorkers, OutOfTime, as_ended, time_limit
 from searches.random_chains import random_case
 from searches.soak_scenes import soak_scene
 
@@ -459,20 +458,16 @@ def main() -> int:
     given = parser.parse_args()
     jobs = list(numbered(given.kind, given.families))
     begun, found = time.perf_counter(), []
-    context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(given.workers, context, begin, (given.unmended,)) as pool:
-        todo = [pool.submit(attack, kind, given.seed, i, given.turns) for kind, i in jobs]
-        for done in as_completed(todo):
-            one = done.result()
-            if one is None:
-                continue
-            found.append(one)
-            told = f"{one.ratio:8.3g} {one.family} ({one.answered} of {one.turns} answered)"
-            print(told, flush=True)
-            if one.ratio > 1.0:
-                print(
-                    f"  estimate {one.estimate:.3g}, true {one.true:.3g}\n{one.scene}", flush=True
-                )
+    todo = (((kind, i), Job(attack, (kind, given.seed, i, given.turns))) for kind, i in jobs)
+    for _, call in as_ended(todo, LocalWorkers(given.workers, partial(begin, given.unmended))):
+        one = call.result()
+        if one is None:
+            continue
+        found.append(one)
+        told = f"{one.ratio:8.3g} {one.family} ({one.answered} of {one.turns} answered)"
+        print(told, flush=True)
+        if one.ratio > 1.0:
+            print(f"  estimate {one.estimate:.3g}, true {one.true:.3g}\n{one.scene}", flush=True)
     turns, answered = (sum(getattr(one, key) for one in found) for key in ("turns", "answered"))
     largest = max((one.ratio for one in found), default=0.0)
     taken = time.perf_counter() - begun

@@ -13,22 +13,21 @@ complex fields, compositions and shifts of lattice sites.
 from __future__ import annotations
 
 import argparse
-import multiprocessing
 import sys
 import time
-from dataclasses import dataclass
-from multiprocessing.connection import Connection, wait
+from itertools import takewhile
 
 from rich.console import Console
 from rich.progress import Progress
 from rich.table import Table
 
+from longwave.support.processes import Job, LocalWorkers, LostProcess, OutOfTime, as_ended
 from searches.text_search import SEARCH_KINDS, any_statement, digest, full_kind, judged, kind_of
 from searches.verdict_search import HEADINGS, Judgement, Mark, tallies
 
 COUNT = 100_000
 PATIENCE = 60.0
-"""Seconds after which a worker that says nothing is stopped; its statement counts as slow."""
+"""Seconds after which a worker that says nothing is killed; its statement counts as slow."""
 
 WIDTH = 160
 """Of the tables, in a file too."""
@@ -43,90 +42,43 @@ def placed(kinds: Kinds, number: int) -> tuple[str, int]:
     return kinds[number % len(kinds)], number // len(kinds)
 
 
-def work(kinds: Kinds, seed: int, numbers: range, pipe: Connection) -> None:
-    """Judge the statements with these numbers and send each judgement."""
-    for number in numbers:
-        kind, index = placed(kinds, number)
-        pipe.send(judged(kind, seed, index))
-    pipe.close()
-
-
-@dataclass
-class Worker:
-    """A process on its way through ``numbers``; ``done`` of them are judged."""
-
-    kinds: Kinds
-    seed: int
-    numbers: range
-    done: int = 0
-
-    def __post_init__(self) -> None:
-        self.start()
-
-    def start(self) -> None:
-        """Begin, or go on behind the last one."""
-        context = multiprocessing.get_context("spawn")
-        self.pipe, theirs = context.Pipe(duplex=False)
-        arguments = (self.kinds, self.seed, self.numbers[self.done :], theirs)
-        self.process = context.Process(target=work, args=arguments, daemon=True)
-        self.process.start()
-        theirs.close()
-        self.last = time.monotonic()
-
-    def receive(self) -> Judgement:
-        """The next judgement; that the process died at a statement is one too."""
-        try:
-            found: Judgement = self.pipe.recv()
-        except EOFError:
-            return self.abandon("the process died")
-        self.done += 1
-        self.last = time.monotonic()
-        return found
-
-    def abandon(self, words: str) -> Judgement:
-        """Stop the process at its present statement and go on behind it."""
-        kind, index = placed(self.kinds, self.numbers[self.done])
-        self.process.kill()
-        self.process.join()
-        self.done += 1
-        if self.has_more:
-            self.start()
-        given = any_statement(kind, self.seed, index)
-        of = full_kind(kind, given)
-        return Judgement(of, given.truth, self.seed, index, Mark.SLOW, True, words, PATIENCE)
-
-    @property
-    def has_more(self) -> bool:
-        """Whether statements are left."""
-        return self.done < len(self.numbers)
+def judged_at(kinds: Kinds, seed: int, number: int) -> Judgement:
+    """The judgement on the statement of this number."""
+    kind, index = placed(kinds, number)
+    return judged(kind, seed, index)
 
 
 def search(
     kinds: Kinds, seed: int, count: int, workers: int, minutes: float, report: Progress
 ) -> list[Judgement]:
-    """All judgements, from ``workers`` processes that take every so manieth statement.
+    """All judgements, from ``workers`` processes.
 
-    After ``minutes`` it ends with those that it has.
+    That a process died at a statement, or said nothing for `PATIENCE`, is a judgement too. After
+    ``minutes`` it ends with those that it has.
     """
     task = report.add_task("statements", total=count)
     found: list[Judgement] = []
-    starts = range(min(workers, count))
-    team = [Worker(kinds, seed, range(start, count, workers)) for start in starts]
     end = time.monotonic() + 60 * minutes
-    while team and time.monotonic() < end:
-        ready = wait([worker.pipe for worker in team], timeout=1.0)
-        for worker in team:
-            if worker.pipe in ready:
-                found.append(worker.receive())
-            elif time.monotonic() - worker.last > PATIENCE:
-                found.append(worker.abandon(f"nothing came back in {PATIENCE:g} s"))
-            else:
-                continue
-            report.advance(task)
-            if found[-1].mark in FINDINGS:
-                report.console.print(_text(found[-1]), markup=False, highlight=False)
-        team = [worker for worker in team if worker.has_more]
+    jobs = (Job(judged_at, (kinds, seed, place), seconds=PATIENCE) for place in range(count))
+    before_the_end = takewhile(lambda _: time.monotonic() < end, enumerate(jobs))
+    for number, call in as_ended(before_the_end, LocalWorkers(workers)):
+        if isinstance(call.error, OutOfTime):
+            found.append(_abandoned(kinds, seed, number, f"nothing came back in {PATIENCE:g} s"))
+        elif isinstance(call.error, LostProcess):
+            found.append(_abandoned(kinds, seed, number, "the process died"))
+        else:
+            found.append(call.result())
+        report.advance(task)
+        if found[-1].mark in FINDINGS:
+            report.console.print(_text(found[-1]), markup=False, highlight=False)
     return found
+
+
+def _abandoned(kinds: Kinds, seed: int, number: int, words: str) -> Judgement:
+    kind, index = placed(kinds, number)
+    given = any_statement(kind, seed, index)
+    of = full_kind(kind, given)
+    return Judgement(of, given.truth, seed, index, Mark.SLOW, True, words, PATIENCE)
 
 
 def _text(judgement: Judgement) -> str:

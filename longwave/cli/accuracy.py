@@ -7,7 +7,7 @@ import json
 import os
 import sys
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
+from itertools import islice
 
 from rich.table import Table
 
@@ -23,7 +23,7 @@ from longwave.reports.studies.evaluation_accuracy import (
 from longwave.support.command_line import check_and_announce, interrupted
 from longwave.support.console import finished, table_console
 from longwave.support.known_names import one_of
-from longwave.support.processes import ignore_interrupt, pool_context, starting_workers, stopping
+from longwave.support.processes import Job, LocalWorkers, in_order
 from longwave.support.user_files import shown
 
 CASE_SECONDS = 0.3
@@ -77,15 +77,12 @@ def print_accuracy(
 
 def _measured(names: Sequence[str], jobs: int, drawn: int) -> Iterator[Accuracy]:
     """Each wave's worst errors; its cases run in ``jobs`` fresh processes."""
-    with ProcessPoolExecutor(jobs, pool_context(), ignore_interrupt) as pool, stopping(pool):
-        with starting_workers():
-            pending = [
-                (name, [pool.submit(measure_accuracy, case) for case in all_cases(name, drawn)])
-                for name in names
-            ]
-        for name, cases in pending:
-            print(f"measuring {name}", file=sys.stderr)
-            yield worst_of(case.result() for case in cases)
+    cases = {name: list(all_cases(name, drawn)) for name in names}
+    every = (Job(measure_accuracy, (case,)) for name in names for case in cases[name])
+    found = in_order(every, LocalWorkers(jobs))
+    for name in names:
+        print(f"measuring {name}", file=sys.stderr)
+        yield worst_of(islice(found, len(cases[name])))
 
 
 def _print(results: Sequence[Accuracy]) -> None:

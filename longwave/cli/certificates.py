@@ -7,22 +7,21 @@ input.
 
 from __future__ import annotations
 
-import contextlib
 import json
 import os
-import signal
 import sys
-import warnings
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any, NoReturn, TypeVar
 
 from longwave.cli.exporting import ProofFile
 from longwave.support.command_line import fail, one_line
-from longwave.support.processes import limit_memory
+from longwave.support.processes import Job, limit_processor, run_apart
 from longwave.support.user_files import QUOTED, read_text, shown_path
 from longwave.verify.kernel.limits import FILE_BYTES
 from longwave.verify.proof import CertificateError, check_certificate
+
+T = TypeVar("T")
 
 CERTIFICATES = 100
 """Most certificates in a file."""
@@ -51,7 +50,7 @@ def print_certificates(
     try:
         certificates = read_certificates(path)
         for certificate in certificates:
-            record = json.loads(limited(lambda: json.dumps(checked(certificate))))  # noqa: B023
+            record = limited(checked, certificate)
             accepted.append(record)
             if not json_wanted:
                 print(lines_of(record))
@@ -128,57 +127,18 @@ def _distinct(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 SECONDS, BYTES = 5, 500_000_000
 
 
-def limited(work: Callable[[], str]) -> str:
-    """What ``work`` returns; its CertificateError, or one that says that it took too much.
-
-    Where processes cannot be forked, ``work`` is done without limits.
-    """
-    if not hasattr(os, "fork"):
-        return work()
-    reading, writing = os.pipe()
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", DeprecationWarning)  # threads elsewhere; the child has one
-        child = os.fork()
-    if child == 0:
-        os.close(reading)
-        _work_and_exit(work, writing)
-    os.close(writing)
-    try:
-        with os.fdopen(reading, encoding="utf-8") as pipe:
-            text = pipe.read()
-    except KeyboardInterrupt:
-        os.kill(child, signal.SIGKILL)
-        raise
-    finally:
-        _, status = os.waitpid(child, 0)
-    if os.WIFEXITED(status) and os.WEXITSTATUS(status) == 0:
-        return text
-    raise CertificateError(text or f"it took more than {SECONDS} s or {BYTES // 10**6} MB")
+def limited(work: Callable[..., T], *arguments: object) -> T:
+    """What ``work`` returns; its CertificateError, or one that says that it took too much."""
+    call = run_apart(Job(_limited, (work, arguments), memory=BYTES))
+    if isinstance(call.error, CertificateError):
+        raise call.error
+    if call.error is not None:
+        raise CertificateError(f"it took more than {SECONDS} s or {BYTES // 10**6} MB")
+    found: T = call.value
+    return found
 
 
-def _work_and_exit(work: Callable[[], str], writing: int) -> NoReturn:
-    status, text = 1, ""
-    try:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), 2)  # where FLINT says that memory is short
-        _set_limits()
-        text = work()
-        status = 0
-    except CertificateError as error:
-        text = str(error)
-    except BaseException:
-        text = ""
-    finally:
-        with contextlib.suppress(OSError), os.fdopen(writing, "w", encoding="utf-8") as pipe:
-            pipe.write(text)
-        os._exit(status)
-
-
-def _set_limits() -> None:
-    import resource  # where there is fork
-
-    signal.signal(signal.SIGXCPU, signal.SIG_DFL)
-    with contextlib.suppress(OSError, ValueError):
-        usage = resource.getrusage(resource.RUSAGE_SELF)
-        used = int(usage.ru_utime + usage.ru_stime)
-        resource.setrlimit(resource.RLIMIT_CPU, (used + SECONDS, used + SECONDS + 1))
-    limit_memory(BYTES)
+def _limited(work: Callable[..., T], arguments: tuple[object, ...]) -> T:
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 2)  # where FLINT says that memory is short
+    limit_processor(SECONDS)
+    return work(*arguments)

@@ -7,10 +7,8 @@ import os
 import shutil
 import subprocess
 import sys
-import threading
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -20,6 +18,7 @@ from rich.table import Table
 from longwave.cli.statements import decided
 from longwave.support.command_line import check_and_announce, interrupted
 from longwave.support.console import finished, print_lines, table_console, tracked
+from longwave.support.processes import Job, LocalWorkers, in_order
 from longwave.verify.proof import CertificateError
 from longwave.verify.proof.catalogue_proofs import NAMES, prove_named
 from longwave.verify.proof.export.derivation import written_out
@@ -29,7 +28,6 @@ from longwave.verify.proof.export.systems import (
     REJECTED,
     SYSTEMS,
     answer,
-    stop_answers,
 )
 from longwave.verify.proof.export.terms import WrittenProof, premises_in_short
 from longwave.verify.published import chosen
@@ -127,29 +125,16 @@ def proofs_of(names: Sequence[str] = ()) -> Proofs:
 
 def rechecks(proofs: Proofs, limit: float) -> Iterator[Rechecked]:
     """What each system says of each statement, on all cores, in the order of the proofs."""
-    stopped = threading.Event()
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        try:
-            jobs = [pool.submit(_recheck, name, parts, limit, stopped) for name, parts in proofs]
-            for job in jobs:
-                yield job.result()
-        finally:
-            stopped.set()
-            stop_answers()
-            pool.shutdown(cancel_futures=True)
+    jobs = (Job(_recheck, (name, parts, limit)) for name, parts in proofs)
+    return in_order(jobs, LocalWorkers(os.cpu_count() or 1, apart=True))
 
 
-def _recheck(
-    name: str, certificates: Sequence[Mapping[str, Any]], limit: float, stopped: threading.Event
-) -> Rechecked:
+def _recheck(name: str, certificates: Sequence[Mapping[str, Any]], limit: float) -> Rechecked:
     try:
         proofs = [written_out(certificate) for certificate in certificates]
     except CertificateError:
         return Rechecked(name, dict.fromkeys(SYSTEMS, NO_SCRIPT), [], 0.0)
-    found = {
-        system: [(NO_ANSWER, 0.0)] if stopped.is_set() else _answers(proofs, system, limit)
-        for system in SYSTEMS
-    }
+    found = {system: _answers(proofs, system, limit) for system in SYSTEMS}
     worst = {system: worst_of([word for word, _ in said]) for system, said in found.items()}
     premises = list(dict.fromkeys(words for proof in proofs for words in proof.conditions))
     seconds = sum(taken for said in found.values() for _, taken in said)

@@ -1,7 +1,6 @@
 """Statements in text, decided: a user's own by ``longwave prove``, published ones by ``library``.
 
-Each statement is decided in a process of its own, which ends at a limit of time and of memory;
-where processes cannot be forked, it is decided here without limits.
+Each statement is decided in a process of its own, which ends at a limit of time and of memory.
 """
 
 from __future__ import annotations
@@ -11,22 +10,28 @@ import math
 import os
 import sys
 import time
-import warnings
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
-from itertools import islice
-from multiprocessing import get_context
-from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from types import TracebackType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from longwave.cli.exporting import ProofFile
 from longwave.cli.verdicts import STYLES, summary
 from longwave.derive.algebra.formula_text import FormulaError
 from longwave.support.command_line import duration, fail, interrupted
+from longwave.support.compiled.source_digest import all_sources, text_digest
 from longwave.support.console import finished, print_lines, table_console, tracked
-from longwave.support.processes import OutOfTime, ignore_interrupt, limit_memory, time_limit
+from longwave.support.dask_cluster import DaskWorkers
+from longwave.support.processes import (
+    Call,
+    Job,
+    LocalWorkers,
+    LostProcess,
+    OutOfTime,
+    Workers,
+    as_ended,
+    time_limit,
+)
 from longwave.support.slow_work import give_notice
 from longwave.verify.problem_file import ProblemText, StatedProblem, problem_texts
 from longwave.verify.proof.conditions import ConditionalVerdict, conditional_sentence
@@ -42,6 +47,9 @@ from longwave.verify.proof.text_prover import answer
 from longwave.verify.proof.typed_statement import Statement
 from longwave.verify.published import chosen
 from longwave.verify.verdict import Outcome
+
+if TYPE_CHECKING:
+    from distributed import Client
 
 LIMIT = 60.0
 """Seconds for a statement unless told."""
@@ -59,6 +67,8 @@ GRACE = 1.0
 
 MEMORY = 2_000_000_000
 """Bytes for a statement, beyond what the process has."""
+
+THE_BEGINNING = "the beginning"
 
 STAGES = {
     "find_witness": "looking for a counterexample",
@@ -155,9 +165,8 @@ def _decided(
     """The verdicts by processes of this machine, or of a cluster."""
     if scheduler is None:
         return decided(problems, limit, hinting=hinting, late=_announce_rest)
-    from longwave.cli.cluster_verdicts import decided_on_cluster
-
-    return decided_on_cluster(problems, limit, hinting, scheduler)
+    workers = DaskWorkers(scheduler, f"{__name__}:{proof_digest.__name__}", check_cluster)
+    return decided(problems, limit, hinting=hinting, workers=workers)
 
 
 def _is_met(problem: StatedProblem, verdict: StatementVerdict) -> bool:
@@ -179,118 +188,83 @@ def _announce_rest(count: int, seconds: float) -> None:
 # processes
 
 
-@dataclass
-class _Running:
-    """A statement that is being decided: its process, when it must end, and what it said last."""
-
-    place: int
-    process: Any
-    end: float
-    stage: str = "the beginning"
-    verdict: StatementVerdict | None = None
-
-
 def decided(
     problems: Sequence[StatedProblem],
     limit: float = LIMIT,
     processes: int | None = None,
     hinting: float = HINT_SECONDS,
     late: Callable[[int, float], None] = lambda count, seconds: None,
+    workers: Workers | None = None,
 ) -> Iterator[tuple[int, StatementVerdict]]:
     """The verdicts with the places of their problems, as they are reached.
 
     Past ``limit`` seconds a statement is undecided, and the reason says how far it came.
     ``hinting`` seconds at most are spent on what would hold in the place of a refuted one. After
     `QUIET` seconds ``late`` is told how many statements are left, and their seconds at most.
+    ``workers`` may be those of a cluster.
     """
-    if not hasattr(os, "fork"):
-        for place, problem in enumerate(problems):
-            verdict = answer(problem.statement)
-            yield place, with_hint(problem.statement, verdict, hinting) if hinting else verdict
-        return
-    waiting = iter(enumerate(problems))
-    running: dict[Connection, _Running] = {}
-    count = processes or os.cpu_count() or 1
+    workers = workers or LocalWorkers(processes or os.cpu_count() or 1, apart=True)
     left, patience = len(problems), time.monotonic() + QUIET
-    try:
-        while True:
-            for place, problem in islice(waiting, count - len(running)):
-                connection, started = _start(place, problem.statement, limit, hinting)
-                running[connection] = started
-            if not running:
-                return
-            told = _told(running, patience)
-            if time.monotonic() > patience:
-                patience = math.inf
-                late(left, math.ceil(left / count) * limit)
-            for connection in told:
-                left -= 1
-                job = running.pop(connection)
-                connection.close()
-                job.process.join()
-                yield job.place, _last_word(problems[job.place].statement, job, limit)
-    finally:
-        for connection, job in running.items():
-            job.process.kill()
-            job.process.join()
-            connection.close()
+
+    def look(_: object) -> None:
+        nonlocal patience
+        if time.monotonic() > patience:
+            patience = math.inf
+            late(left, math.ceil(left / workers.count) * limit)
+
+    jobs = (
+        Job(
+            _decide,
+            (problem.statement, limit, hinting),
+            tells=True,
+            seconds=limit + GRACE,
+            memory=MEMORY,
+        )
+        for problem in problems
+    )
+    for place, call in as_ended(enumerate(jobs), workers, look):
+        left -= 1
+        yield place, _last_word(problems[place].statement, call, limit)
 
 
-def _start(
-    place: int, statement: Statement, limit: float, hinting: float
-) -> tuple[Connection, _Running]:
-    reading, writing = get_context("fork").Pipe(duplex=False)
-    process = get_context("fork").Process(target=_decide, args=(statement, limit, hinting, writing))
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", DeprecationWarning)  # threads elsewhere; the child has one
-        process.start()
-    writing.close()
-    return reading, _Running(place, process, time.monotonic() + limit + GRACE)
+def _last_word(statement: Statement, call: Call, limit: float) -> StatementVerdict:
+    for found in (call.value, call.told):
+        if isinstance(found, StatementVerdict):
+            return found
+    late = isinstance(call.error, OutOfTime)
+    why = f"no verdict within {limit:g} s" if late else str(call.error)
+    if not isinstance(call.error, OutOfTime | LostProcess):
+        why = f"the workers ended before it was decided ({type(call.error).__name__})"
+    stage = call.told or THE_BEGINNING
+    return undecided(statement, f"{why} (it had come to {stage})", limit if late else 0.0)
 
 
-def _told(running: dict[Connection, _Running], patience: float) -> list[Connection]:
-    """Read what comes next; the connections of processes that are at their end, or put to it.
-
-    None if nothing comes until the time ``patience``.
-    """
-    nearest = min(patience, *(job.end for job in running.values()))
-    over = []
-    for ready in wait(list(running), max(0.0, nearest - time.monotonic())):
-        assert isinstance(ready, Connection)
-        try:
-            said = ready.recv()
-        except (EOFError, OSError):
-            over.append(ready)
-            continue
-        if isinstance(said, str):
-            running[ready].stage = said
-        else:
-            running[ready].verdict = said
-    for connection, job in running.items():
-        if time.monotonic() > job.end and connection not in over:
-            job.process.kill()
-            over.append(connection)
-    return over
+def proof_digest() -> str:
+    """The digest (hexadecimal) of the sources and versions that a verdict follows from."""
+    return text_digest(all_sources((__name__,)))
 
 
-def _last_word(statement: Statement, job: _Running, limit: float) -> StatementVerdict:
-    if job.verdict is not None:
-        return job.verdict
-    late = time.monotonic() > job.end
-    why = f"no verdict within {limit:g} s" if late else "the process broke off"
-    return undecided(statement, f"{why} (it had come to {job.stage})", limit if late else 0.0)
+def check_cluster(client: Client) -> None:
+    """Raise ValueError if a worker would decide by another code than this process."""
+    for worker, digest in client.run(proof_digest).items():
+        if digest != proof_digest():
+            raise ValueError(
+                "--scheduler must be of workers that prove by the sources and packages of "
+                f"this machine, got other ones on {worker} (install the same there, or start "
+                "it again where sources changed)"
+            )
 
 
-def _decide(statement: Statement, limit: float, hinting: float, writing: Connection) -> None:
-    """In the child: send stages and the verdict, then the one with a hint."""
-    ignore_interrupt()
-    limit_memory(MEMORY)
+def _decide(
+    statement: Statement, limit: float, hinting: float, send: Callable[[object], None]
+) -> StatementVerdict:
+    """In a process of its own: send stages and the verdict; return the one with a hint."""
     begun = time.monotonic()
-    stage = ["the beginning"]
+    stage = [THE_BEGINNING]
 
     def tell(words: str) -> None:
         stage[0] = words
-        writing.send(words)
+        send(words)
 
     try:
         with time_limit(limit, passing=True):
@@ -303,11 +277,11 @@ def _decide(statement: Statement, limit: float, hinting: float, writing: Connect
     except Exception as error:  # a crash of the prover is no verdict, and not the user's mistake
         words = f"{type(error).__name__}: {' '.join(str(error).split())}"
         verdict = undecided(statement, f"the prover failed ({words[:200]})")
-    writing.send(verdict)
     left = min(limit - (time.monotonic() - begun), hinting)
-    if verdict.outcome is Outcome.REFUTED and left > 0:
-        writing.send(_hinted(statement, verdict, left))
-    writing.close()
+    if verdict.outcome is not Outcome.REFUTED or left <= 0:
+        return verdict
+    send(verdict)
+    return _hinted(statement, verdict, left)
 
 
 def _hinted(statement: Statement, verdict: StatementVerdict, seconds: float) -> StatementVerdict:

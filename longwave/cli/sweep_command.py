@@ -18,9 +18,10 @@ from longwave.runs.store_messages import store_messages
 from longwave.runs.sweep import SweepState, run_sweep, settled_keys
 from longwave.runs.sweep_cost import SweepCost, expected_sweep_cost
 from longwave.runs.sweep_file import Sweep, load_sweep
-from longwave.runs.sweep_workers import LocalWorkers, Workers, sweep_workers
+from longwave.runs.sweep_workers import sweep_workers
 from longwave.support.command_line import duration, fail, interrupted
 from longwave.support.console import plain_console, progress_bar
+from longwave.support.processes import LocalWorkers, Workers
 from longwave.support.request_limits import check_request, current_limits
 
 if TYPE_CHECKING:

@@ -7,15 +7,9 @@ asked for no longer, and ends what takes too long.
 from __future__ import annotations
 
 import math
-import multiprocessing as mp
-import signal
-import time
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 from importlib import import_module
-from multiprocessing.connection import Connection
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -24,7 +18,14 @@ from numpy.typing import NDArray
 from longwave.lattice.trial import Progress
 from longwave.scenes.scene import Scene
 from longwave.support.command_line import duration, one_line
-from longwave.support.processes import ignore_interrupt, limit_memory
+from longwave.support.processes import (
+    Call,
+    Job,
+    LocalWorkers,
+    LostProcess,
+    OutOfTime,
+    limit_memory,
+)
 from longwave.support.request_limits import (
     Cancelled,
     ExpectedCost,
@@ -50,9 +51,6 @@ CHEAPER = "take a larger eps, shorter times or a smaller half_width; `longwave r
 
 MOST_CELLS = 100_000
 """Most compared cells: `FRAMES` pictures of them are sent to the page and drawn."""
-
-TOLD_EVERY = 0.1
-"""Seconds between two messages on how far a run is."""
 
 MAP_COLUMNS = 300
 """Most columns of a space-time map."""
@@ -282,75 +280,46 @@ class Explorer:
 
     def __init__(self, limits: RequestLimits = USUAL_LIMITS) -> None:
         self.limits = limits
-        self._asked = 0
-        self._waiting = False
-        self._since = 0.0
-        self._process: Any = None
-        self._connection: Connection | None = None
-
-    def ask(self, scene: Scene) -> None:
-        """Have this scene compared, and no other."""
-        if self._process is None or not self._process.is_alive():
-            self.start()
-        assert self._connection is not None
-        self._asked += 1
-        self._waiting, self._since = True, time.monotonic()
-        with suppress(OSError):  # a process that has just ended is noticed by `answer`
-            self._connection.send((self._asked, scene))
-
-    def drop(self) -> None:
-        """Ask for nothing any more; what is being run ends when something is asked again."""
-        self._asked += 1
-        self._waiting = False
-
-    def answer(self) -> Answer | None:
-        """What is new about what was asked last; None if there is nothing."""
-        if not self._waiting or self._connection is None:
-            return None
-        found: Answer | None = None
-        try:
-            while self._connection.poll():
-                asked, answer = self._connection.recv()
-                found = answer if asked == self._asked else found
-        except (EOFError, OSError):
-            self.close()
-            found = Refusal("the run's process ended before the run (too little memory?)")
-        if found is None and time.monotonic() - self._since > DEADLINE * self.limits.seconds:
-            self.close()
-            taken = duration(DEADLINE * self.limits.seconds)
-            found = Refusal(f"the run was ended after {taken} (a larger eps takes less)")
-        self._waiting = found is None or isinstance(found, float)
-        return found
+        self._workers = LocalWorkers(1, partial(_prepare, limits))
+        self._call: Call | None = None
 
     def start(self) -> None:
         """Start the process, which imports what it takes."""
-        context = mp.get_context("spawn")
-        self._connection, theirs = context.Pipe()
-        self._process = context.Process(target=_serve, args=(theirs, self.limits), daemon=True)
-        with _interrupts_ignored():
-            self._process.start()
-        theirs.close()
+        self._workers.start()
+
+    def ask(self, scene: Scene) -> None:
+        """Have this scene compared, and no other."""
+        deadline = DEADLINE * self.limits.seconds
+        job = Job(_answer, (scene, self.limits), tells=True, seconds=deadline, gives_way=True)
+        self._call = self._workers.submit(job)
+
+    def drop(self) -> None:
+        """Ask for nothing any more; what is being run ends when something is asked again."""
+        self._call = None
+
+    def answer(self) -> Answer | None:
+        """What is new about what was asked last; None if there is nothing."""
+        call, ended = self._call, self._workers.ended(0.0)
+        if call is None:
+            return None
+        if call not in ended:
+            share: float | None
+            share, call.told = call.told, None
+            return share
+        self._call = None
+        try:
+            found: Answer = call.result()
+        except LostProcess:
+            return Refusal("the run's process ended before the run (too little memory?)")
+        except OutOfTime:
+            taken = duration(DEADLINE * self.limits.seconds)
+            return Refusal(f"the run was ended after {taken} (a larger eps takes less)")
+        return found
 
     def close(self) -> None:
         """End the process."""
-        if self._process is not None:
-            self._process.kill()
-            self._process.join()
-            self._process = None
-        if self._connection is not None:
-            self._connection.close()
-            self._connection = None
-        self._waiting = False
-
-
-@contextmanager
-def _interrupts_ignored() -> Iterator[None]:
-    """Have a process that is started inside ignore Ctrl-C from its first moment on."""
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
+        self._workers.stop()
+        self._call = None
 
 
 BEFOREHAND = (
@@ -365,34 +334,16 @@ ROOM = 5e8
 """Bytes that a process may take to see that a run would not fit a smaller limit, and to say it."""
 
 
-def _serve(connection: Connection, limits: RequestLimits) -> None:
-    """Compare what is asked for, always the newest, until the page's process has gone."""
-    ignore_interrupt()
+def _prepare(limits: RequestLimits) -> None:
+    """In a new process: import, and hold the limit of memory from then on."""
     for module in BEFOREHAND:
         import_module(module)
     if math.isfinite(limits.memory_bytes):
         limit_memory(int(max(limits.memory_bytes, ROOM)))
-    with suppress(EOFError, OSError):
-        while True:
-            asked, scene = connection.recv()
-            while connection.poll():
-                asked, scene = connection.recv()
-            with suppress(Cancelled):
-                connection.send((asked, _answer(scene, limits, asked, connection)))
 
 
-def _answer(scene: Scene, limits: RequestLimits, asked: int, connection: Connection) -> Answer:
-    """The comparison, or why there is none; raises Cancelled if something else is asked for."""
-    told = time.monotonic()
-
-    def progress(share: float) -> None:
-        nonlocal told
-        if connection.poll():
-            raise Cancelled
-        if time.monotonic() - told > TOLD_EVERY:
-            told = time.monotonic()
-            connection.send((asked, float(share)))
-
+def _answer(scene: Scene, limits: RequestLimits, progress: Progress) -> Answer:
+    """The comparison, or why there is none."""
     try:
         return compare(scene, progress, limits)
     except (ValueError, OSError, ArithmeticError, RuntimeError) as error:

@@ -179,7 +179,7 @@ def test_sources_that_changed_keep_no_run(
 
 FETCH = """
 import sys
-from longwave.scenes import any_scene
+from longwave.scenes import named_scenes
 from longwave.runs.run_store import RunStore
 from tests.runs.test_runs_store import SMALL
 

@@ -4,8 +4,7 @@ import ctypes
 import errno
 import signal
 from collections.abc import Callable
-from concurrent.futures import Future
-from concurrent.futures.process import BrokenProcessPool
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +27,7 @@ from longwave.runs.worker_code import code_here
 from longwave.scenes import named_scenes
 from longwave.scenes.named_scenes import load_scene
 from longwave.support.compiled import cores
+from longwave.support.processes import Call, Job, LostProcess
 from tests.runs.unfinished_scenes import bits
 
 SMALL = {
@@ -56,27 +56,24 @@ class HereWorkers:
 
     def __init__(self, lose: Callable[[list[Cell]], bool] = lambda _: False) -> None:
         self.lose, self.cells = lose, 0
+        self.calls: list[Call] = []
 
-    def submit(self, function: Callable[..., Any], *arguments: Any) -> Future[Any]:
-        made: Future[Any] = Future()
-        if self.lose(arguments[0]):
-            made.set_exception(BrokenProcessPool("gone"))
+    def submit(self, job: Job) -> Call:
+        call = Call(job)
+        self.calls.append(call)
+        if self.lose(job.arguments[0]):
+            call.error = LostProcess("gone")
         else:
-            self.cells += len(arguments[0])
+            self.cells += len(job.arguments[0])
             try:
-                made.set_result(function(*arguments))
+                call.value = job.run(lambda _: None)
             except Exception as error:
-                made.set_exception(error)
-        return made
+                call.error = error
+        return call
 
-    def has_lost(self, error: BaseException) -> bool:
-        return isinstance(error, BrokenProcessPool)
-
-    def renew(self) -> None:
-        pass
-
-    def look(self) -> None:
-        pass
+    def ended(self, seconds: float) -> list[Call]:
+        found, self.calls = self.calls, []
+        return found
 
     def stop(self) -> None:
         pass
@@ -380,8 +377,8 @@ def test_a_worker_of_other_code_makes_no_runs(store: RunStore, tmp_path: Path) -
 
 def test_what_a_worker_raises_ends_the_sweep_in_a_line(store: RunStore) -> None:
     class Old(HereWorkers):
-        def submit(self, function: Callable[..., Any], *arguments: Any) -> Future[Any]:
-            return super().submit(function, *arguments, "more")
+        def submit(self, job: Job) -> Call:
+            return super().submit(replace(job, arguments=(*job.arguments, "more")))
 
     with pytest.raises(ValueError, match=r"^workers must run cells, got TypeError: .*longwave"):
         run_sweep(small_sweep(eps=[0.1]), store, Old())

@@ -20,7 +20,7 @@ from longwave.runs.run_store import RunStore
 from longwave.runs.sweep import SweepState, run_sweep
 from longwave.runs.sweep_dataset import sweep_dataset
 from longwave.runs.sweep_file import Sweep, sweep_of
-from longwave.runs.sweep_workers import DaskWorkers, LocalWorkers, sweep_workers
+from longwave.runs.sweep_workers import sweep_workers
 
 SOLITON = {
     "wave": "soliton_sech",
@@ -41,8 +41,9 @@ def soliton_sweep(count: int) -> Sweep:
     )
 
 
-def children(process: int) -> list[int]:
-    found = subprocess.run(["pgrep", "-P", str(process)], capture_output=True, text=True)
+def children(process: int, named: str = "") -> list[int]:
+    command = ["pgrep", "-P", str(process), "-f", named]
+    found = subprocess.run(command, capture_output=True, text=True)
     return [int(line) for line in found.stdout.split()]
 
 
@@ -67,15 +68,12 @@ def plain(tmp_path_factory: pytest.TempPathFactory) -> np.ndarray[Any, Any]:
     killed: list[int] = []
 
     def kill(_: SweepState) -> None:
-        if not killed and workers._pool is not None:
-            killed.append(next(iter(workers._pool._processes)))
+        if not killed:
+            killed.append(children(os.getpid(), "spawn_main")[0])
             os.kill(killed[0], signal.SIGKILL)
 
-    workers = LocalWorkers(2)
-    try:
+    with sweep_workers(2, None) as workers:
         state = run_sweep(sweep, store, workers, kill)
-    finally:
-        workers.stop()
     assert killed
     assert (state.done, state.faults) == (24, 0)
     found = sweep_dataset(sweep, store)
@@ -216,14 +214,14 @@ def test_workers_of_another_longwave_or_none_are_refused(
     with dask_worker(scheduler, PYTHONPATH=path):
         wait_for_worker(scheduler)
         with pytest.raises(ValueError, match=rf"^[^\n]*{told}[^\n]*\(install [^\n]*$"):
-            DaskWorkers(scheduler)
+            sweep_workers(None, scheduler).__enter__()
 
 
 @pytest.mark.slow
 def test_a_cluster_that_does_not_answer_is_told_within_seconds() -> None:
     begun = time.monotonic()
     with pytest.raises(ValueError, match="--scheduler must be the address of a Dask scheduler"):
-        DaskWorkers("tcp://127.0.0.1:9")
+        sweep_workers(None, "tcp://127.0.0.1:9").__enter__()
     assert time.monotonic() - begun < 120
 
 

@@ -1,7 +1,10 @@
-"""Jobs in processes: results under their keys, progress rises to 1, failures reach the caller."""
+"""Jobs in processes: results, progress, failures, limits; kills of a process and of its command."""
 
+import os
 import subprocess
 import sys
+import time
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
 from math import sqrt
@@ -13,7 +16,20 @@ from longwave.reports.studies.measured_runs import scene_job
 from longwave.scenes.chain import run
 from longwave.scenes.named_scenes import load_scene
 from longwave.scenes.scene import Scene
-from longwave.support.processes import Job, OutOfTime, pool_context, run_jobs, time_limit
+from longwave.support.processes import (
+    Cancelled,
+    Job,
+    LocalWorkers,
+    LostProcess,
+    OutOfTime,
+    as_ended,
+    in_order,
+    run_apart,
+    run_jobs,
+    run_program,
+    time_limit,
+)
+from tests.support.process_jobs import endless, killed, sleeping
 
 SHORT = replace(
     load_scene("rational_2_eps_0.05"),
@@ -60,13 +76,12 @@ def test_what_loses_the_limit_does_not_get_away_with_it() -> None:
 
 ENDED = """
 import os
-from concurrent.futures import ProcessPoolExecutor
-from longwave.support.processes import ignore_interrupt, pool_context
+from longwave.support.processes import Job, LocalWorkers
 if __name__ == "__main__":
-    pool = ProcessPoolExecutor(1, pool_context(), ignore_interrupt)
-    pool.submit(abs, -1).result()
-    for worker in pool._processes.values():
-        worker.kill()
+    workers = LocalWorkers(1)
+    workers.submit(Job(abs, (-1,)))
+    assert [call.value for call in workers.ended(60.0)] == [1]
+    workers._workers[0].process.kill()
     os._exit(130)
 """
 
@@ -78,7 +93,139 @@ def test_a_command_ended_over_its_pool_leaves_no_warning(tmp_path: Path) -> None
     assert (done.returncode, done.stderr) == (130, "")
 
 
-def test_workers_warn_as_ever() -> None:
-    before = sys.warnoptions[:]
-    pool_context()
-    assert sys.warnoptions == before
+def is_there(process: int) -> bool:
+    """Whether a process is, and is no zombie."""
+    try:
+        status = Path(f"/proc/{process}/stat").read_text("ascii")
+    except OSError:
+        return False
+    return status.rpartition(")")[2].split()[0] != "Z"
+
+
+def wait_until(condition: Callable[[], bool]) -> None:
+    deadline = time.monotonic() + 20
+    while not condition():
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+
+
+@pytest.mark.parametrize("apart", [False, True])
+def test_a_lost_process_costs_its_own_job_alone(apart: bool) -> None:
+    jobs = [Job(sqrt, (4.0,)), Job(killed), Job(sqrt, (9.0,)), Job(sqrt, (-1.0,))]
+    ended = dict(as_ended(enumerate(jobs), LocalWorkers(1, apart=apart)))
+    assert [ended[place].value for place in (0, 2)] == [2.0, 3.0]
+    assert isinstance(ended[1].error, LostProcess)
+    assert isinstance(ended[3].error, ValueError)
+
+
+def test_what_is_behind_a_lost_job_is_done_by_another_process() -> None:
+    workers, found = LocalWorkers(1), []
+    try:
+        calls = [workers.submit(job) for job in (Job(killed), Job(sqrt, (4.0,)))]
+        while len(found) < 2:
+            found += workers.ended(60.0)
+    finally:
+        workers.stop()
+    assert found == calls
+    assert (type(calls[0].error), calls[1].value) == (LostProcess, 2.0)
+
+
+def test_past_its_seconds_a_job_is_killed_with_what_it_started(tmp_path: Path) -> None:
+    call = run_apart(Job(sleeping, (tmp_path / "number", 100.0), seconds=4.0))
+    assert isinstance(call.error, OutOfTime)
+    program = int((tmp_path / "number").read_text())
+    wait_until(lambda: not is_there(program))
+
+
+def test_past_its_seconds_a_job_is_killed_and_its_process_replaced() -> None:
+    jobs = [Job(time.sleep, (1000.0,), seconds=0.5), Job(sqrt, (4.0,))]
+    ended = dict(as_ended(enumerate(jobs), LocalWorkers(1)))
+    assert (type(ended[0].error), ended[1].value) == (OutOfTime, 2.0)
+
+
+def test_a_program_says_what_it_is_asked_or_is_killed(tmp_path: Path) -> None:
+    command = ["sh", "-c", "pwd; echo wrong >&2; exit 3"]
+    assert run_program(command, tmp_path, 60.0) == (3, f"{tmp_path}\nwrong\n")
+    with pytest.raises(OutOfTime):
+        run_program(["sleep", "100"], tmp_path, 0.2)
+
+
+def test_memory_is_limited_to_what_is_given() -> None:
+    """Catches a limit that the process's own thread takes a part of."""
+    fits, swells = (
+        run_apart(Job(lambda size: len(bytearray(size)), (size,), memory=10**8))
+        for size in (95 * 10**6, 120 * 10**6)
+    )
+    assert fits.error is None
+    assert isinstance(swells.error, MemoryError)
+
+
+def test_what_is_told_is_there_though_the_process_is_lost() -> None:
+    def tells(tell: Callable[[str], None]) -> None:
+        tell("first")
+        tell("second")
+        killed()
+
+    call = run_apart(Job(tells, tells=True))
+    assert (call.told, type(call.error)) == ("second", LostProcess)
+
+
+def test_a_job_gives_way_to_the_next() -> None:
+    workers = LocalWorkers(1)
+    try:
+        older = workers.submit(Job(endless, tells=True, gives_way=True))
+        wait_until(lambda: not workers.ended(0.0) and older.told == 0.5)
+        newest = workers.submit(Job(sqrt, (4.0,)))
+        ended = workers.ended(60.0)
+        while newest not in ended:
+            ended += workers.ended(60.0)
+    finally:
+        workers.stop()
+    assert ended == [older, newest]
+    assert isinstance(older.error, Cancelled)
+    assert newest.value == 2.0
+
+
+def test_results_keep_the_order_of_their_jobs() -> None:
+    jobs = [Job(time.sleep, (0.3,)), Job(abs, (-1,)), Job(abs, (-2,))]
+    assert list(in_order(jobs, LocalWorkers(2, apart=True))) == [None, 1, 2]
+
+
+def test_an_error_tells_where_it_was_raised() -> None:
+    def fails() -> None:
+        raise ValueError("wrong")
+
+    call = run_apart(Job(fails))
+    assert isinstance(call.error, ValueError)
+    assert "in fails" in call.error.__notes__[0]
+
+
+def test_what_cannot_be_sent_is_an_error() -> None:
+    call = run_apart(Job(lambda: lambda: None))
+    assert isinstance(call.error, RuntimeError)
+
+
+PARENT = """
+import sys
+from pathlib import Path
+from longwave.support.processes import Job, LocalWorkers
+from tests.support.process_jobs import sleeping
+if __name__ == "__main__":
+    workers = [LocalWorkers(1), LocalWorkers(1, apart=True), LocalWorkers(1, apart=True)]
+    for place, one in enumerate(workers):
+        one.submit(Job(sleeping, (Path(sys.argv[1]) / str(place), 100.0)))
+    workers[0].ended(100.0)
+"""
+
+
+def test_processes_and_what_they_started_end_with_a_command_that_is_killed(tmp_path: Path) -> None:
+    script = tmp_path / "parent.py"
+    script.write_text(PARENT)
+    house = str(Path(__file__).parents[2])
+    given = [sys.executable, str(script), str(tmp_path)]
+    files = [tmp_path / str(place) for place in range(3)]
+    with subprocess.Popen(given, env={**os.environ, "PYTHONPATH": house}) as command:
+        wait_until(lambda: all(file.exists() for file in files))
+        command.kill()
+    programs = [int(file.read_text()) for file in files]
+    wait_until(lambda: not any(map(is_there, programs)))

@@ -6,8 +6,9 @@ from typing import Any
 
 import pytest
 
-from longwave.cli import cluster_verdicts
-from longwave.cli.cluster_verdicts import decide_apart, decided_on_cluster
+from longwave.cli import statements
+from longwave.support.dask_cluster import _outcome
+from longwave.support.processes import Job
 from longwave.verify.problem_file import StatedProblem
 from longwave.verify.proof.statement_text import read_statement
 from longwave.verify.proof.typed_statement import Statement
@@ -21,9 +22,15 @@ def soliton(speed: int) -> Statement:
     return read_statement([KDV], [solution], "k: k>0", "")
 
 
+def job(statement: Statement, limit: float) -> Job:
+    given = (statement, limit, 0.0)
+    return Job(statements._decide, given, tells=True, seconds=limit + 1.0, memory=statements.MEMORY)
+
+
 @pytest.mark.slow
 def test_a_statement_decided_apart_keeps_its_limit() -> None:
-    found = decide_apart(soliton(4), 0.01, 0.0)
+    _, found, error = _outcome(job(soliton(4), 0.01))
+    assert error is None
     assert found.outcome is Outcome.UNDECIDED
     assert "no verdict within 0.01 s" in found.detail
 
@@ -34,7 +41,7 @@ def test_a_statement_decided_apart_keeps_its_limit() -> None:
 def test_a_cluster_gives_every_verdict_though_a_worker_is_killed(dask_cluster: Any) -> None:
     speeds = [4, 2, 4, 3, 4, 5]
     problems = [StatedProblem(soliton(speed)) for speed in speeds]
-    verdicts = decided_on_cluster(problems, 60.0, 0.0, dask_cluster.scheduler_address)
+    verdicts = statements._decided(problems, 60.0, 0.0, dask_cluster.scheduler_address)
     found = [next(verdicts)]
     os.kill(dask_cluster.workers[0].process.process.pid, signal.SIGKILL)
     found += verdicts
@@ -51,9 +58,7 @@ def test_a_cluster_gives_every_verdict_though_a_worker_is_killed(dask_cluster: A
 def test_workers_that_prove_by_another_code_are_refused(
     dask_cluster: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(cluster_verdicts, "text_digest", lambda sources: "of other sources")
-    verdicts = decided_on_cluster(
-        [StatedProblem(soliton(4))], 60.0, 0.0, dask_cluster.scheduler_address
-    )
+    monkeypatch.setattr(statements, "text_digest", lambda sources: "of other sources")
+    problems = [StatedProblem(soliton(4))]
     with pytest.raises(ValueError, match="sources and packages of this machine, got other ones on"):
-        next(verdicts)
+        statements._decided(problems, 60.0, 0.0, dask_cluster.scheduler_address)

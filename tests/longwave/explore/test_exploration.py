@@ -1,5 +1,6 @@
 """What is behind the page of `longwave explore`, without a server: choices, scenes, runs, texts."""
 
+import multiprocessing
 import time
 from dataclasses import replace
 from html.parser import HTMLParser
@@ -230,6 +231,13 @@ def answered(explorer: Explorer) -> Answer:
     raise AssertionError("no answer")
 
 
+def kill() -> None:
+    """Kill the process of the one explorer that there is."""
+    (process,) = multiprocessing.active_children()
+    process.kill()
+    process.join()
+
+
 @pytest.mark.slow
 def test_the_newest_choice_is_answered_and_a_process_that_ended_is_replaced(
     found: Comparison,
@@ -247,12 +255,11 @@ def test_the_newest_choice_is_answered_and_a_process_that_ended_is_replaced(
         refusal = answered(explorer)
         assert isinstance(refusal, Refusal)
         assert refusal.line.startswith("A must satisfy 0 < A, got -1")
-        explorer._process.kill()
-        explorer._process.join()
+        kill()
         explorer.ask(scene_of_choices(SOLITON))
         assert isinstance(answered(explorer), Comparison)
         explorer.ask(scene_of_choices(SOLITON))
-        explorer._process.kill()
+        kill()
         assert answered(explorer) == Refusal(
             "the run's process ended before the run (too little memory?)"
         )

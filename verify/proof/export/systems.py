@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import contextlib
-import os
 import shutil
-import signal
-import subprocess
 import tempfile
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+
+from longwave.support.processes import LostProcess, OutOfTime, run_program
 
 from .coq import coq_script
 from .scripts import MAXIMA, PARI, script
@@ -64,45 +62,21 @@ SYSTEMS: Mapping[str, AlgebraSystem] = {
 }
 
 
-_running: set[subprocess.Popen[bytes]] = set()
-
-
-def stop_answers() -> None:
-    """End the systems that are at work, in whatever thread they are waited for: no answer."""
-    for process in tuple(_running):
-        with contextlib.suppress(ProcessLookupError):
-            os.killpg(process.pid, signal.SIGKILL)
-
-
 def answer(text: str, system: str, seconds: float) -> tuple[str, float]:
     """What a system says of a script within a limit, and the seconds that it took.
 
     It is "accepted" only if the system ends well and says so in its last line.
     """
     found = SYSTEMS[system]
-    with tempfile.TemporaryDirectory() as folder:
-        file = f"proof{found.ending}"
-        (Path(folder) / file).write_text(text, encoding="ascii")
+    with tempfile.TemporaryDirectory() as name:
+        folder, file = Path(name), f"proof{found.ending}"
+        (folder / file).write_text(text, encoding="ascii")
         begun = time.monotonic()
-        with subprocess.Popen(
-            found.command(file),
-            cwd=folder,
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            start_new_session=True,
-        ) as process:
-            _running.add(process)
-            try:
-                output, _ = process.communicate(timeout=seconds)
-            except subprocess.TimeoutExpired:
-                return NO_ANSWER, seconds
-            finally:
-                _running.discard(process)
-                with contextlib.suppress(ProcessLookupError):
-                    os.killpg(process.pid, signal.SIGKILL)
-        taken = time.monotonic() - begun
-    return _understood(output.decode(errors="replace"), process.returncode), taken
+        try:
+            status, output = run_program(found.command(file), folder, seconds)
+        except (OutOfTime, LostProcess):
+            return NO_ANSWER, seconds
+        return _understood(output, status), time.monotonic() - begun
 
 
 def _understood(output: str, status: int) -> str:

@@ -1,0 +1,24 @@
+"""Jobs that end badly, in a module that a fresh interpreter imports at once."""
+
+import os
+import signal
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+
+
+def killed() -> None:
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+def sleeping(file: Path, seconds: float) -> None:
+    """Start a program that sleeps, say in a file what its number is, and wait for it."""
+    os.setpgrp()
+    with subprocess.Popen(["sleep", str(seconds)]) as program:
+        file.with_suffix(".draft").write_text(str(program.pid))
+        file.with_suffix(".draft").rename(file)
+
+
+def endless(tell: Callable[[float], None]) -> None:
+    while True:
+        tell(0.5)
