@@ -3,7 +3,7 @@
 import ctypes
 import errno
 import signal
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -44,9 +44,11 @@ SMALL = {
 
 
 @pytest.fixture(autouse=True)
-def _cores(monkeypatch: pytest.MonkeyPatch) -> None:
+def _cores() -> Iterator[None]:
     """Cells keep their process to one core; here it is everybody's."""
-    monkeypatch.setattr(cores, "_alone", False)
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(cores, "_alone", False)
+        yield
 
 
 class HereWorkers:
