@@ -55,6 +55,7 @@ def _process_left_as_it_was() -> Iterator[None]:
 def dask_cluster() -> Iterator[Any]:
     """Two Dask workers of one thread each, on this machine alone."""
     distributed = pytest.importorskip("distributed")
+    ours = dict(os.environ)  # which its nannies change
     with distributed.LocalCluster(
         n_workers=2,
         threads_per_worker=1,
@@ -63,6 +64,8 @@ def dask_cluster() -> Iterator[Any]:
         dashboard_address="127.0.0.1:0",
     ) as cluster:
         yield cluster
+    os.environ.clear()
+    os.environ.update(ours)
 
 
 @dataclass(frozen=True)

@@ -17,8 +17,9 @@ State = Mapping[str, object]
 
 
 def environment() -> State:
-    """The variables but for the name of the running test."""
-    return {k: v for k, v in os.environ.items() if k != "PYTEST_CURRENT_TEST"}
+    """The variables but for the name of the running test, and what Panel notes on its import."""
+    others = {"PYTEST_CURRENT_TEST", "_PYVIZ_COMMS_INSTALLED"}
+    return {name: value for name, value in os.environ.items() if name not in others}
 
 
 ALWAYS: Mapping[str, Callable[[], object]] = {
