@@ -28,6 +28,7 @@ from longwave.scenes.scene import Scene
 from longwave.scenes.scene_checks import Value
 from longwave.scenes.scene_disorder import Disorder
 from longwave.solutions import CATALOGUE, ClosedForm, Wave, closed_form
+from longwave.support.known_names import one_of
 from longwave.support.user_files import shown
 
 if TYPE_CHECKING:
@@ -92,8 +93,8 @@ def declared_lattice(scene: Scene) -> Lattice:
         return lattice_of(json.loads(scene.declared), scene.lattice)
     if scene.lattice not in LATTICES:
         raise ValueError(
-            f"lattice must be one of the catalogue or a file, got {shown(scene.lattice)} (one of "
-            f"{', '.join(LATTICES)}; or FILE.toml beside the scene)"
+            f"lattice must be one of the catalogue or a file, got {shown(scene.lattice)} "
+            f"({one_of(scene.lattice, LATTICES)}; or FILE.toml beside the scene)"
         )
     return LATTICES[scene.lattice]
 

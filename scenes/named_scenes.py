@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from longwave.scenes.scene import Scene
 from longwave.scenes.scene_file import parse_document, read_document
+from longwave.support.known_names import one_of
 from longwave.support.user_files import STANDARD_INPUT, shown
 
 if TYPE_CHECKING:
@@ -63,10 +64,8 @@ def load_scene(text: str | Path) -> Scene:
         if name in _names(folder):
             with as_file(files(FOLDERS[folder]) / f"{name}.toml") as path:
                 return Scene.from_toml(path)
-    known = ", ".join(name for folder in FOLDERS for name in _names(folder))
-    raise ValueError(
-        f"scene must be a TOML file or a shipped scene, got {shown(text)} (one of {known})"
-    )
+    known = one_of(name, (one for folder in FOLDERS for one in _names(folder)))
+    raise ValueError(f"scene must be a TOML file or a shipped scene, got {shown(text)} ({known})")
 
 
 def scene_of_toml(text: str) -> Scene:

@@ -8,6 +8,7 @@ from collections.abc import Iterable, Mapping
 from numbers import Integral, Real
 from typing import TypeAlias
 
+from longwave.support import known_names
 from longwave.support.user_files import shown
 
 Value: TypeAlias = "int | float | str"
@@ -130,7 +131,7 @@ def known_fields(given: Iterable[str], known: Iterable[str]) -> None:
     for key in given:
         if key not in known:
             raise ValueError(
-                f"keywords must be known ones, got {plain(key)} (one of {', '.join(known)})"
+                f"keywords must be known ones, got {plain(key)} ({known_names.one_of(key, known)})"
             )
 
 
@@ -148,7 +149,7 @@ def one_of(name: str, value: object, known: tuple[str, ...]) -> None:
     """Refuse a word that is not known."""
     if value not in known:
         raise ValueError(
-            f"{name} must be a known one, got {shown(value)} (one of {', '.join(known)})"
+            f"{name} must be a known one, got {shown(value)} ({known_names.one_of(value, known)})"
         )
 
 

@@ -25,6 +25,7 @@ from typing import Any
 
 from longwave.scenes.scene_checks import plain, text
 from longwave.scenes.scene_disorder import Disorder
+from longwave.support.known_names import one_of
 from longwave.support.user_files import parse_toml, read_toml, shown, shown_path
 
 TOP = (
@@ -186,5 +187,5 @@ def refuse_unknown(entries: Mapping[str, Any], known: tuple[str, ...], where: st
     for key in entries:
         if key not in known:
             raise ValueError(
-                f"keys{where} must be known ones, got {plain(key)} (one of {', '.join(known)})"
+                f"keys{where} must be known ones, got {plain(key)} ({one_of(key, known)})"
             )

@@ -23,6 +23,7 @@ from longwave.derive.output.notation import aligned, text_of
 from longwave.derive.reduction import Reduction
 from longwave.derive.scaling import Scaling, SlowVariable
 from longwave.support.command_line import check_and_announce, fail
+from longwave.support.known_names import one_of
 from longwave.support.user_files import STANDARD_INPUT, shown
 
 MOST_ORDERS = 13
@@ -74,8 +75,8 @@ def _lattice(model: str | None) -> Lattice:
     if model.endswith(".toml") or model == STANDARD_INPUT:
         return read_lattice(Path(model))
     raise ValueError(
-        f"MODEL must be a lattice or a file of one, got {shown(model)} (one of "
-        f"{', '.join(LATTICES)}; or FILE.toml)"
+        f"MODEL must be a lattice or a file of one, got {shown(model)} "
+        f"({one_of(model, LATTICES)}; or FILE.toml)"
     )
 
 

@@ -36,6 +36,7 @@ from numpy.typing import NDArray
 from longwave.lattice.model import ring_energy
 from longwave.lattice.trial import SAFETY
 from longwave.scenes.chain.view import Array, View
+from longwave.support.known_names import one_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -122,8 +123,8 @@ def observable_named(name: str) -> Observable:
     ValueError: observables must be known ones, got 'colour' (one of strain, ..., domain_error)
     """
     if name not in OBSERVABLES:
-        known = ", ".join(OBSERVABLES)
-        raise ValueError(f"observables must be known ones, got {name!r} (one of {known})")
+        known = one_of(name, OBSERVABLES)
+        raise ValueError(f"observables must be known ones, got {name!r} ({known})")
     return OBSERVABLES[name]
 
 
