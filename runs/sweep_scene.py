@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 
 from longwave.scenes.chain.observables import OBSERVABLES
 from longwave.scenes.named_scenes import load_scene
-from longwave.scenes.scene import Scene
+from longwave.scenes.scene import Scene, said_otherwise
 from longwave.scenes.scene_disorder import Disorder
 from longwave.scenes.scene_file import (
     CHAIN_KEYS,
@@ -25,12 +25,6 @@ from longwave.support.known_names import one_of
 from longwave.support.user_files import shown
 
 Document: TypeAlias = Mapping[str, Any]
-
-ALTERNATIVES = (
-    (("slow_times",), ("times",), ("t0", "snapshots")),
-    (("half_width",), ("compared",)),
-)
-"""Fields that say one thing in several ways: who states one way leaves the others out."""
 
 LABELS = ("name", "title")
 """Fields on which no run depends."""
@@ -101,10 +95,13 @@ def changed_document(document: Document, changes: Mapping[str, Any]) -> Document
     if "tolerance" in changes and "tolerance" not in found:
         _leave_to_tolerance(found)
     for field, value in changes.items():
-        for ways in ALTERNATIVES:
-            stated = [way for way in ways if field in way]
-            for other in (key for way in ways if stated and way not in stated for key in way):
-                found.pop(other, None)
+        for other in said_otherwise([field]):
+            found.pop(other, None)
+        if field == "lattice" and in_one_spelling({field: value}) != {field: value}:
+            raise ValueError(
+                f"lattice must be a name or a declared lattice in a sweep, got {shown(value)} "
+                "(sweep constants.K2)"
+            )
         name, _, key = field.partition(".")
         if not key:
             found[name] = value

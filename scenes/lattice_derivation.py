@@ -14,7 +14,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, TypeAlias, cast
 
 import numpy as np
-from sympy import Expr, pi, sqrt
+from sympy import Expr, elliptic_k, pi, sqrt
 
 from longwave.derive import LATTICES, Lattice, NormalForm, Reduction, Scaling, find_scaling, reduce
 from longwave.derive.algebra.exact_numbers import exact
@@ -262,7 +262,7 @@ def formula(name: str, value: Value, names: Mapping[str, Expr]) -> Expr:
         return exact(name, value)
     words = Vocabulary({"sqrt": (sqrt, 1)}, names={"pi": pi, **names})
     found = read_formula(value, words, name)
-    if found.is_real is False or (found.is_number and not found.is_finite):
+    if found.is_real is False or (found.is_number and found.is_finite is False):
         raise ValueError(f"{name} must be a finite real number, got {shown(value)} (such as 1/3)")
     if found.is_number and found and not 1e-50 < abs(found.evalf(10)) < 1e50:
         raise ValueError(f"{name} must be 0 or within 1e-50 .. 1e50, got {shown(value)}")
@@ -281,7 +281,9 @@ def _formulas(
 
 def wave_of(scene: Scene) -> Wave:
     """The scene's wave with numbers in; ValueError for parameters that it does not admit."""
-    values = dict(_formulas(scene.parameters, {}))
+    values = dict(_formulas([pair for pair in scene.parameters if pair[0] == "k"], {}))
+    period = {"K": elliptic_k(values["k"] ** 2)} if "k" in values else {}
+    values = dict(_formulas(scene.parameters, period))
     form = closed_form(scene.wave_name, values)
     return Wave(form, derivation(scene).normal_form, **values)
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
 from functools import cached_property
 from importlib import import_module
@@ -41,8 +41,13 @@ CHAIN_CONSTANTS = ("K2", "K3", "K4")
 NOT_GIVEN = -math.inf
 """The start of a scene that gives slow times."""
 
-SAID_IN_ONE_WAY = ("t0", "snapshots", "slow_times", "compared", "half_width")
-"""Keywords some of which say what the others would; None is as if it were not given."""
+ALTERNATIVES = (
+    (("slow_times",), ("times",), ("t0", "snapshots")),
+    (("half_width",), ("compared",)),
+)
+"""Keywords that say one thing in several ways; None is as if it were not given."""
+
+SAID_IN_ONE_WAY = [key for ways in ALTERNATIVES for way in ways for key in way]
 
 ORDERS = ("leading", "slaved", "corrected")
 """What the data hold: the wave alone; the fields that follow it too; the next order as well."""
@@ -56,6 +61,9 @@ units of the one that grows fastest, which it is if neither is given."""
 
 LARGEST_EPS = 1.0
 """A parameter that is not small is a mistake in its unit."""
+
+ROUNDING = 1e-12
+"""Share by which a half-width may be above whole cells for rounding."""
 
 METHODS = {
     "moving_wave": "longwave.scenes.chain.scene_run",
@@ -154,9 +162,17 @@ class Scene:
         if "compared" in found:
             found["compared"] = check.whole("compared", found["compared"])
         own = {key: given[key] for key in CHAIN_CONSTANTS if key in given}
-        if own:
-            found["constants"] = {**dict(found.get("constants", ())), **own}
-        if given.get("times"):
+        if own and found.get("constants"):
+            raise ValueError(
+                f"constants must not be given with {', '.join(own)}, got both (leave one out)"
+            )
+        found |= {"constants": tuple(own.items())} if own else {}
+        if _is_said(given, "times"):
+            for key in ("t0", "snapshots"):
+                if _is_said(given, key):
+                    raise ValueError(
+                        f"{key} must not be given with times, got both (times are t0 and snapshots)"
+                    )
             moments = check.times("times", given["times"], 2)
             found |= {"t0": moments[0], "snapshots": moments}
         for key in ("name", "wave", "eps"):
@@ -180,7 +196,10 @@ class Scene:
     @classmethod
     def from_json(cls, text: str) -> Scene:
         """The scene that `json` wrote. One with a wave of your own can be shown, but not run."""
-        return cls.of(**json.loads(text))
+        given = json.loads(text)
+        if not isinstance(given, Mapping):
+            raise ValueError(f"a scene must be an object of JSON, got {shown(given)}")
+        return cls.of(**given)
 
     def __post_init__(self) -> None:
         for key in ("name", "lattice", "order", "declared", "title"):
@@ -192,9 +211,15 @@ class Scene:
         self._set("eps", check.finite("eps", self.eps))
         check.positive("eps", self.eps)
         check.one_of("order", self.order, ORDERS)
-        self._set("slow_times", self.slow_times or ())
         for key in ("constants", "parameters"):
             self._set(key, check.pairs(key, getattr(self, key)))
+        self._check_constants()
+        if self.t0 != NOT_GIVEN:
+            self._set("t0", check.finite("t0", self.t0))
+        for key, least, start in (("snapshots", 1, self.t0), ("slow_times", 2, -math.inf)):
+            said = _is_said({key: getattr(self, key)}, key)
+            times = check.times(key, getattr(self, key), least, start) if said else ()
+            self._set(key, times)
         self._set("carrier", check.value("k", self.carrier))
         self._set("background", check.value("background", self.background))
         self._set("disorder", disorder_pairs(self.disorder))
@@ -225,8 +250,8 @@ class Scene:
         object.__setattr__(self, name, value)
 
     def _check_growth(self) -> None:
-        self._set("t0", NOT_GIVEN)
-        given = {"times": self.snapshots, "compared": self.compared or None}
+        given: dict[str, object] = {"times": self.snapshots, "compared": self.compared or None}
+        given |= {"t0": None if self.t0 == NOT_GIVEN else self.t0}
         for key in ("slow_times", "half_width"):
             given[key] = getattr(self, key)
         for key, value in given.items():
@@ -259,49 +284,43 @@ class Scene:
             )
 
     def _check_moments(self) -> None:
-        has_start = self.t0 != NOT_GIVEN
-        is_slow, is_timed = bool(self.slow_times), has_start or bool(self.snapshots)
-        if is_slow == is_timed:
-            got = "both" if is_slow else "neither"
+        is_timed = self.t0 != NOT_GIVEN or bool(self.snapshots)
+        stated, got = (self.t0, self.snapshots), "both" if is_timed else "neither"
+        if self.slow_times and self.has_moving_wave:
+            moments = check.times("snapshots", tuple(T / self.eps**3 for T in self.slow_times), 2)
+            self._set("t0", moments[0])
+            self._set("snapshots", moments)
+            is_timed = is_timed and stated != (moments[0], moments)
+        if bool(self.slow_times) == is_timed:
             raise ValueError(
                 f"either slow_times or times must be given, got {got} (slow_times = [0, 1] is from "
                 "T = 0 to T = 1, times are t0 and snapshots)"
             )
-        if is_slow:
-            self._set("t0", NOT_GIVEN)
-            self._set("slow_times", check.times("slow_times", self.slow_times, 2))
-            if self.has_moving_wave:
-                moments = tuple(T / self.eps**3 for T in self.slow_times)
-                self._set("t0", moments[0])
-                self._set("snapshots", moments)
-                self._set("slow_times", ())
-            return
-        if not has_start:
+        if is_timed and self.t0 == NOT_GIVEN:
             raise ValueError("t0 must be stated with snapshots, got nothing (state it)")
-        self._set("t0", check.finite("t0", self.t0))
-        self._set("snapshots", check.times("snapshots", self.snapshots, start=self.t0))
+        if is_timed:
+            check.times("snapshots", self.snapshots)
 
     def _check_region(self) -> None:
-        if (self.half_width is None) == (self.compared == 0):
+        if self.half_width is not None:
+            self._set("half_width", check.finite("half_width", self.half_width))
+            check.positive("half_width", self.half_width or 0.0)
+        stated, admitted = self.compared, {0}
+        if self.half_width is not None and self.has_moving_wave:
+            self._set("compared", check.whole("compared", self.cells_within(1)))
+            admitted.add(self.compared)
+        if (stated == 0) if self.half_width is None else (stated not in admitted):
             got = "neither" if self.half_width is None else "both"
             raise ValueError(
                 f"either half_width or compared must be given, got {got} (half_width = 10 is in X, "
                 "compared = 200 in cells)"
             )
-        if self.half_width is None:
-            self._set("compared", check.whole("compared", self.compared))
-            return
-        self._set("half_width", check.finite("half_width", self.half_width))
-        check.positive("half_width", self.half_width or 0.0)
-        if self.has_moving_wave:
-            self._set("compared", check.whole("compared", self.cells_within(1)))
-            self._set("half_width", None)
 
     def cells_within(self, power: int) -> int:
         """Cells that are compared on either side, along an axis that is slow as eps^power."""
         if self.half_width is None:
             return self.compared
-        return max(1, math.ceil(self.half_width / self.eps**power))
+        return max(1, math.ceil(self.half_width / self.eps**power * (1.0 - ROUNDING)))
 
     def _check_ansatz(self) -> None:
         for key, most in (("amplitude", 8), ("time", 9)):
@@ -329,8 +348,10 @@ class Scene:
                 "the carrier's k)"
             )
 
-    def _check_moving_wave(self) -> None:
-        """Refuse constants that are missing, and numerics that do not go with what is asked for."""
+    def _check_constants(self) -> None:
+        """Put the constants of the paper's chain in order; K3 is 0 where it is not given."""
+        if self.lattice != CHAIN or self.declared:
+            return
         given: dict[str, Value] = {"K3": 0} | dict(self.constants)
         for name in given:
             check.one_of("name in [constants]", name, CHAIN_CONSTANTS)
@@ -338,6 +359,9 @@ class Scene:
             if name not in given:
                 raise ValueError(f"{name} in [constants] must be stated, got nothing (state it)")
         self._set("constants", tuple((name, given[name]) for name in CHAIN_CONSTANTS))
+
+    def _check_moving_wave(self) -> None:
+        """Refuse numerics that do not go with what is asked for."""
         numerics = self.numerics
         if isinstance(numerics, Discretisation):
             check.enough_steps(numerics.step, self.end - self.t0)
@@ -381,10 +405,17 @@ class Scene:
                 f"observables must be 'strain' for {self.wave} on {self.lattice}, got "
                 f"{', '.join(self.observables)} (mKdV waves on {CHAIN} have others)"
             )
-        count = len(self.slow_times or self.snapshots)
-        if count > check.MOST_TIMES:
+        for key, usual in (("curve_points", 201), ("look_points", None)):
+            if getattr(self, key) != usual:
+                raise ValueError(
+                    f"{key} must not be given for {self.wave} on {self.lattice}, got "
+                    f"{getattr(self, key)} (its curves are of its snapshots)"
+                )
+        count = len(self.slow_times or {self.t0, *self.snapshots})
+        if not self.is_growth and not 2 <= count <= check.MOST_TIMES:
             raise ValueError(
-                f"times must be at most {check.MOST_TIMES}, got {count} (leave some out)"
+                f"times must be 2 to {check.MOST_TIMES}, with the start, got {count} (such as "
+                "times = [0, 100])"
             )
 
     def __getstate__(self) -> dict[str, Any]:
@@ -554,8 +585,19 @@ class Scene:
         return import_module(METHODS[self.method])
 
     def changed(self, **changes: Any) -> Scene:
-        """The scene with other values for some keywords of `of`."""
-        return Scene.of(**(self._keywords() | changes))
+        """The scene with other values for some keywords of `of`.
+
+        What a change says in one way is no longer said in another: slow_times in place of t0.
+        """
+        given = self._keywords()
+        for other in said_otherwise([key for key in changes if _is_said(changes, key)]):
+            given.pop(other, None)
+        own = {key: changes[key] for key in CHAIN_CONSTANTS if key in changes}
+        if own:
+            stated = dict(check.pairs("constants", changes.get("constants", self.constants)))
+            changes = {key: value for key, value in changes.items() if key not in own}
+            changes["constants"] = {**stated, **own}
+        return Scene.of(**(given | changes))
 
     def with_tolerance(self, tolerance: float) -> Scene:
         """The scene with a tolerance in the place of its step, domain and measured refinements."""
@@ -578,11 +620,34 @@ class Scene:
         """The keywords of `of`, those apart that say what is usual."""
         given = {key: getattr(self, key) for key in FIELDS} | asdict(self.numerics)
         usual = _USUAL | {"observables": USUAL_OBSERVABLES[self.method]}
+        for key in said_otherwise([k for k in ("slow_times", "half_width") if given[k]]):
+            given.pop(key, None)
         return {key: value for key, value in given.items() if value != usual.get(key, "")}
 
 
 FIELDS = tuple(field.name for field in fields(Scene) if field.name != "numerics")
 _USUAL = {field.name: field.default for field in fields(Scene)}
+
+
+def _is_said(given: Mapping[str, Any], key: str) -> bool:
+    """Whether a keyword is given, and neither None nor an empty list."""
+    value = given.get(key)
+    return value is not None and not (isinstance(value, list | tuple) and not value)
+
+
+def said_otherwise(said: Sequence[str]) -> list[str]:
+    """The keywords that say in other ways what the given ones say.
+
+    >>> said_otherwise(["times", "eps"])
+    ['slow_times', 't0', 'snapshots']
+    """
+    return [
+        key
+        for ways in ALTERNATIVES
+        for way in ways
+        for key in way
+        if any(one in said for other in ways for one in other) and not any(k in said for k in way)
+    ]
 
 
 def _canonical(declared: str) -> str:

@@ -116,10 +116,7 @@ def at_eps(scene: Scene, eps: float) -> Scene:
     times = tuple(t * scene.eps**slow for t in scene.lattice_times(slow))
     return scene.changed(
         eps=eps,
-        t0=None,
-        snapshots=None,
         slow_times=scene.slow_times or times,
-        compared=None,
         half_width=scene.half_width or scene.compared * scene.eps,
     )
 

@@ -86,11 +86,15 @@ def in_one_spelling(document: Mapping[str, Any]) -> dict[str, Any]:
     lattice = found.get("lattice")
     if isinstance(lattice, Mapping) and not any(key in lattice for key in LATTICE_KEYS):
         refuse_unknown(lattice, CHAIN_KEYS, " in [lattice]")
-        table(document, "constants")
-        found["lattice"] = CHAIN
-        found["constants"] = {**lattice, **found.get("constants", {})}
+        if table(document, "constants"):
+            raise ValueError(
+                "K2, K3 and K4 must be in [constants] or in [lattice], got both (leave one out)"
+            )
+        found |= {"lattice": CHAIN, "constants": dict(lattice)}
     domain = found.get("domain")
     if isinstance(domain, Mapping) and "compared" in domain:
+        if "compared" in found:
+            raise ValueError("compared must be given once, got it in [domain], too (leave one out)")
         rest = {key: value for key, value in domain.items() if key != "compared"}
         found.pop("domain")
         found |= ({"domain": rest} if rest else {}) | {"compared": domain["compared"]}
@@ -116,7 +120,7 @@ def scene_fields(given: Mapping[str, Any], folder: Path = Path()) -> dict[str, A
         found |= {fields[key]: value for key, value in entries.items()}
     if "disorder" in document:
         found["disorder"] = Disorder.of_pairs(table(document, "disorder")).pairs
-    if "envelope" in document and "carrier" not in found:
+    if "envelope" in document and found.get("carrier", "") == "":
         raise ValueError('k in [envelope] must be stated, got nothing (such as k = "pi/2")')
     if "long_wave" in document and "envelope" in document:
         raise ValueError("[long_wave] must not be given with [envelope], got both (leave one)")

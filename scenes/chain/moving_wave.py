@@ -12,6 +12,7 @@ round a ring or be cut off by a window.
 import math
 import re
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache, lru_cache, partial
@@ -55,11 +56,18 @@ def quarter_period_multiple(name: str, text: str) -> Fraction:
 def exact_quantity(name: str, value: float | str, k: "sp.Expr | None") -> "float | sp.Expr":
     """``value`` as a wave takes it: a number unchanged, "K/2" as SymPy's elliptic_k(k**2)/2.
 
-    ``k`` is the exact modulus, None if the wave has none (then a multiple of K is refused).
+    ``k`` is the exact modulus, None if the wave has none (then a multiple of K is refused). Other
+    texts are formulas without names, such as "1/3" or "sqrt(2)".
     """
     if not isinstance(value, str):
         return value
     import sympy as sp
+
+    if not GRAMMAR.fullmatch(value.strip()):
+        from longwave.scenes.lattice_derivation import formula
+
+        with suppress(ValueError):
+            return formula(name, value, {})
 
     multiple = quarter_period_multiple(name, value)
     if k is None:

@@ -214,5 +214,5 @@ def resume(
     later = tuple(t for t in (scene.snapshots if snapshots is None else snapshots) if t > start.t)
     if not later:
         raise ValueError(f"snapshots must lie after t = {start.t:g}, got none (name later ones)")
-    scene = replace(scene, snapshots=later)
+    scene = scene.changed(t0=scene.t0, snapshots=later)
     return run_from(scene, scene.moving_wave, start, progress).dataset

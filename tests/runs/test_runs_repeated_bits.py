@@ -18,7 +18,7 @@ from longwave.scenes.named_scenes import (
     rational_family_scenes,
     scene_of_toml,
 )
-from longwave.scenes.scene import Scene
+from longwave.scenes.scene import CHAIN, CHAIN_CONSTANTS, Scene
 
 HOUSE = Path(__file__).parents[2]
 
@@ -141,6 +141,8 @@ def ring_scenes(draw: st.DrawFn) -> Scene:
     if draw(st.booleans()):
         declared = {"fields": ["u"]} | draw(st.dictionaries(TEXTS, VALUES, max_size=3))
         changes |= {"lattice": draw(TEXTS), "declared": json.dumps(declared)}
+    elif scene.lattice == CHAIN:
+        changes["constants"] = {name: draw(NUMBERS | TEXTS) for name in CHAIN_CONSTANTS}
     return scene.changed(**changes)
 
 

@@ -224,3 +224,13 @@ def test_what_is_no_toml_is_called_a_sweep(tmp_path: Path) -> None:
     (tmp_path / "broken.toml").write_text("x = [", encoding="utf-8")
     with pytest.raises(ValueError, match=r"^sweep must be a TOML file, got .*broken\.toml"):
         load_sweep(str(tmp_path / "broken.toml"))
+
+
+def test_a_table_of_the_chain_is_not_swept_but_its_constants_are() -> None:
+    """Catches: cells that all run the constants of the base."""
+    tables = [{"K2": 1, "K4": 1}, {"K2": 4, "K4": 1}]
+    sweep = sweep_of({"scene": "rogue_cn_k_0.5", "grid": {"lattice": tables}})
+    with pytest.raises(ValueError, match=r"lattice must be a name or a declared lattice in a swe"):
+        sweep.scene(1)
+    sweep = sweep_of({"scene": "rogue_cn_k_0.5", "grid": {"lattice.K2": [1, 4]}})
+    assert [sweep.scene(cell).model.K2 for cell in (0, 1)] == [1.0, 4.0]

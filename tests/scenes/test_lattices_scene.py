@@ -1,13 +1,17 @@
 """Scenes that name a lattice: what a file may say, what the record refuses, what comes back."""
 
+import copy
+import pickle
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
-from longwave.scenes.named_scenes import lattice_scenes, load_scene
+from longwave.scenes.named_scenes import lattice_scenes, load_scene, scene_of_toml
 from longwave.scenes.ring_runs import ComparedCells
 from longwave.scenes.scene import Scene
+from longwave.scenes.scene_convergence import at_eps
 
 GIVEN: dict[str, Any] = {
     "name": "short",
@@ -120,6 +124,124 @@ def test_what_is_wrong_is_told_in_one_line(changes: dict[str, Any], message: str
         Scene.of(**(GIVEN | changes))
     assert message in str(raised.value)
     assert "\n" not in str(raised.value)
+
+
+CHAIN: dict[str, Any] = {
+    "name": "chain",
+    "wave": "soliton_sech",
+    "parameters": {"A": 1},
+    "eps": 0.1,
+    "K2": 1,
+    "K4": 1,
+    "tolerance": 1e-3,
+}
+TIMED = {"t0": 0, "snapshots": [0, 50], "compared": 60}
+
+
+def same(scene: Scene, other: Scene) -> bool:
+    return scene == other and scene.json() == other.json()
+
+
+def test_what_can_be_said_in_two_ways_means_the_same() -> None:
+    wanted = Scene.of(**CHAIN | TIMED)
+    bare = {key: value for key, value in (CHAIN | TIMED).items() if key not in ("K2", "K4")}
+    constants = {"K4": 1, "K2": 1.0, "K3": 0}
+    assert same(Scene.of(**bare, constants=constants), wanted)
+    moments = {key: value for key, value in (CHAIN | TIMED).items() if key not in TIMED}
+    assert same(Scene.of(**moments, times=[0, 50], compared=60), wanted)
+    slow = Scene.of(**moments, slow_times=[0, 0.05], half_width=6)
+    assert (slow.t0, slow.snapshots, slow.compared) == (0.0, (0.0, 0.05 / 0.1**3), 60)
+
+
+@pytest.mark.parametrize("given", [TIMED, {"slow_times": [0, 0.1], "half_width": 5.5}])
+@pytest.mark.parametrize("changes", [{}, {"K3": 1}, {"order": "slaved"}, {"wave": "kink"}])
+def test_a_scene_comes_back_as_it_was(given: dict[str, Any], changes: dict[str, Any]) -> None:
+    scene = Scene.of(**CHAIN | given).changed(**changes)
+    for again in (
+        Scene.from_json(scene.json()),
+        scene_of_toml(scene.toml()),
+        scene.changed(),
+        pickle.loads(pickle.dumps(scene)),
+        copy.deepcopy(scene),
+    ):
+        assert same(again, scene)
+    assert hash(scene) == hash(scene.changed())
+
+
+def test_slow_times_and_half_width_stay_where_others_change() -> None:
+    """Catches: the chain's scene keeping the lattice's times and cells of its first eps."""
+    given = CHAIN | {"slow_times": [0, 0.1], "half_width": 6}
+    scene = Scene.of(**given)
+    assert same(scene.changed(eps=0.05), Scene.of(**given | {"eps": 0.05}))
+    assert same(scene.changed(order="slaved"), Scene.of(**given | {"order": "slaved"}))
+    assert scene.changed(slow_times=[0, 0.2]).end == pytest.approx(200.0)
+    assert scene.changed(times=[0, 30]).slow_times == ()
+    assert scene.changed(compared=7).half_width is None
+    assert scene.changed(half_width=8).compared == 80
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        (TIMED | {"times": [5, 9]}, "t0 must not be given with times, got both"),
+        (TIMED | {"constants": {"K2": 9}}, "constants must not be given with K2, K4, got both"),
+        (TIMED | {"times": 0}, "t0 must not be given with times"),
+        (TIMED | {"slow_times": np.array([0.0, 1.0])}, "slow_times must be a list of at least two"),
+        (TIMED | {"order": "slaved", "curve_points": 7}, "curve_points must not be given for"),
+        ({"t0": 0, "snapshots": [0], "compared": 9, "K3": 1}, "times must be 2 to 200, with the"),
+        ({"slow_times": [0, 1e-80], "compared": 9}, "slow_times must be 0 or satisfy"),
+    ],
+)
+def test_what_is_said_twice_or_cannot_be_is_one_line(given: dict[str, Any], told: str) -> None:
+    with pytest.raises(ValueError, match=rf"^{told}[^\n]*$"):
+        Scene.of(**CHAIN | given)
+
+
+FILE_OF_CHAIN = """
+wave = "soliton_sech"
+eps = 0.1
+times = [0, 50]
+tolerance = 1e-3
+compared = 9
+lattice = {K2 = 1, K4 = 1}
+"""
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("[constants]\nK2 = 7", "K2, K3 and K4 must be"),
+        (
+            "[domain]\ncompared = 7",
+            "compared must be given",
+        ),
+        (
+            "[envelope]\nk = ''",
+            r"k in \[envelope\] must be",
+        ),
+    ],
+)
+def test_a_file_that_says_a_thing_twice_is_refused(text: str, told: str) -> None:
+    with pytest.raises(ValueError, match=told) as caught:
+        scene_of_toml(FILE_OF_CHAIN + text)
+    assert "\n" not in str(caught.value)
+
+
+def test_parameters_are_formulas_or_multiples_of_K_at_every_order() -> None:
+    half = Scene.of(**CHAIN | TIMED | {"parameters": {"A": "1/2"}})
+    assert half.moving_wave.wave.numbers.a == pytest.approx(
+        Scene.of(**CHAIN | TIMED | {"parameters": {"A": 0.5}}).moving_wave.wave.numbers.a
+    )
+    snoidal = {"wave": "breather_sn", "parameters": {"k": 0.7, "alpha": "K/2"}, "K4": -1}
+    for order in ("leading", "slaved"):
+        scene = Scene.of(**CHAIN | TIMED | snoidal | {"order": order})
+        assert scene.expected_cost().seconds > 0.0
+
+
+def test_cells_of_a_half_width_are_whole_at_any_eps() -> None:
+    for compared in range(1, 400):
+        scene = Scene.of(**CHAIN | TIMED | {"compared": compared})
+        assert at_eps(scene, scene.eps).compared == compared
 
 
 def test_a_ring_holds_all_that_is_compared_and_what_reaches_it() -> None:
