@@ -11,9 +11,9 @@ from typing import Any, TypeAlias
 from longwave.scenes.chain.observables import OBSERVABLES
 from longwave.scenes.named_scenes import load_scene
 from longwave.scenes.scene import Scene, said_otherwise
+from longwave.scenes.scene_checks import CHAIN_CONSTANTS
 from longwave.scenes.scene_disorder import Disorder
 from longwave.scenes.scene_file import (
-    CHAIN_KEYS,
     PAIRS,
     TABLES,
     TOP,
@@ -64,7 +64,7 @@ def field_in_one_spelling(field: str) -> str:
     if field == "domain.compared":
         return "compared"
     table, _, key = field.partition(".")
-    return f"constants.{key}" if table == "lattice" and key in CHAIN_KEYS else field
+    return f"constants.{key}" if table == "lattice" and key in CHAIN_CONSTANTS else field
 
 
 def check_field(field: str) -> None:

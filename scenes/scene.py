@@ -18,9 +18,17 @@ from longwave.lattice.model import Model
 from longwave.scenes import scene_checks as check
 from longwave.scenes.chain.observables import OBSERVABLES, observable_named
 from longwave.scenes.numerics import NUMERICS, Discretisation, Tolerance, numerics_of
-from longwave.scenes.scene_checks import Pairs, Value
+from longwave.scenes.scene_checks import CHAIN, CHAIN_CONSTANTS, Pairs, Value
 from longwave.scenes.scene_disorder import Stated, disorder_pairs
 from longwave.scenes.scene_file import document_of, read_document, scene_fields
+from longwave.scenes.scene_rules import (
+    NOT_GIVEN,
+    PERTURBED_PLANE,
+    USUAL_OBSERVABLES,
+    check_any_lattice,
+    check_growth,
+    check_moving_wave,
+)
 from longwave.scenes.toml_text import toml_text
 from longwave.support.user_files import file_stem, shown, shown_path
 
@@ -33,14 +41,6 @@ if TYPE_CHECKING:
     from longwave.solutions import ClosedForm
     from longwave.support.request_limits import ExpectedCost
 
-CHAIN = "fput_strain"
-"""The paper's lattice, which K2, K3, K4 alone stand for."""
-
-CHAIN_CONSTANTS = ("K2", "K3", "K4")
-
-NOT_GIVEN = -math.inf
-"""The start of a scene that gives slow times."""
-
 ALTERNATIVES = (
     (("slow_times",), ("times",), ("t0", "snapshots")),
     (("half_width",), ("compared",)),
@@ -52,16 +52,6 @@ SAID_IN_ONE_WAY = [key for ways in ALTERNATIVES for way in ways for key in way]
 ORDERS = ("leading", "slaved", "corrected")
 """What the data hold: the wave alone; the fields that follow it too; the next order as well."""
 
-PERTURBED_PLANE = "perturbed_plane"
-"""The wave of a scene that measures how fast a perturbed plane wave grows."""
-
-PERTURBATION = ("amplitude", "kappa", "share")
-"""Its parameters: |A| of the plane wave, and the wavenumber of the perturbation in X, or that in
-units of the one that grows fastest, which it is if neither is given."""
-
-LARGEST_EPS = 1.0
-"""A parameter that is not small is a mistake in its unit."""
-
 ROUNDING = 1e-12
 """Share by which a half-width may be above whole cells for rounding."""
 
@@ -71,12 +61,6 @@ METHODS = {
     "sidebands": "longwave.scenes.sideband_growth",
 }
 """Where a scene is run: `run_scene`, `scene_cost` and `PROCESS_SECONDS` of each module."""
-
-USUAL_OBSERVABLES = {
-    "moving_wave": ("strain", "error_curve"),
-    "ring": ("strain",),
-    "sidebands": ("strain",),
-}
 
 
 @dataclass(frozen=True, repr=False)
@@ -233,7 +217,7 @@ class Scene:
                 "(such as Tolerance(1e-4))"
             )
         if self.is_growth:
-            self._check_growth()
+            check_growth(self)
         else:
             self._check_moments()
             self._check_region()
@@ -242,46 +226,12 @@ class Scene:
         asked = USUAL_OBSERVABLES[self.method] if is_usual else self.observables
         self._set("observables", check.names("observables", asked, tuple(OBSERVABLES)))
         if self.has_moving_wave:
-            self._check_moving_wave()
+            check_moving_wave(self)
         else:
-            self._check_any_lattice()
+            check_any_lattice(self)
 
     def _set(self, name: str, value: object) -> None:
         object.__setattr__(self, name, value)
-
-    def _check_growth(self) -> None:
-        given: dict[str, object] = {"times": self.snapshots, "compared": self.compared or None}
-        given |= {"t0": None if self.t0 == NOT_GIVEN else self.t0}
-        for key in ("slow_times", "half_width"):
-            given[key] = getattr(self, key)
-        for key, value in given.items():
-            if value not in ((), None):
-                raise ValueError(
-                    f"{key} must not be given with the wave {PERTURBED_PLANE}, got {shown(value)} "
-                    "(when its growth is measured is found)"
-                )
-        if not self.is_envelope:
-            raise ValueError(
-                f"k in [envelope] must be given with the wave {PERTURBED_PLANE}, got nothing "
-                '(such as k = "pi/2")'
-            )
-        if self.disorder:
-            raise ValueError(
-                f"disorder must not be given with the wave {PERTURBED_PLANE}, got "
-                f"{shown(dict(self.disorder))} (its waves would be scattered into all others)"
-            )
-        names = [name for name, _ in self.parameters]
-        unknown = [name for name in names if name not in PERTURBATION]
-        if unknown or "amplitude" not in names or {"kappa", "share"} <= {*names}:
-            raise ValueError(
-                f"parameters of {PERTURBED_PLANE} must be amplitude, and kappa or share or "
-                f"neither, got {shown(', '.join(names) or 'none')} (such as amplitude = 0.5)"
-            )
-        if self.order == "corrected":
-            raise ValueError(
-                f"order must be leading or slaved with the wave {PERTURBED_PLANE}, got corrected "
-                "(its theory is the envelope equation alone)"
-            )
 
     def _check_moments(self) -> None:
         is_timed = self.t0 != NOT_GIVEN or bool(self.snapshots)
@@ -359,64 +309,6 @@ class Scene:
             if name not in given:
                 raise ValueError(f"{name} in [constants] must be stated, got nothing (state it)")
         self._set("constants", tuple((name, given[name]) for name in CHAIN_CONSTANTS))
-
-    def _check_moving_wave(self) -> None:
-        """Refuse numerics that do not go with what is asked for."""
-        numerics = self.numerics
-        if isinstance(numerics, Discretisation):
-            check.enough_steps(numerics.step, self.end - self.t0)
-        for name in self.observables:
-            asked = observable_named(name)
-            if isinstance(numerics, Tolerance) and asked.seen == "refinement":
-                raise ValueError(
-                    f"observables must have no refinement with a tolerance, got {name} "
-                    "(leave it out: the run reports an estimate of its own)"
-                )
-            if asked.needs_ring and getattr(numerics, "domain", "") == "window":
-                raise ValueError(
-                    f"domain must be 'ring' for {name}, got 'window' (a window drops sites)"
-                )
-        check.within_reach(self.model.sound_speed(), (self.t0, self.end))
-
-    def _check_any_lattice(self) -> None:
-        """Refuse what is there for mKdV waves on the paper's chain alone."""
-        if not isinstance(self.wave, str):
-            raise ValueError(
-                f"wave must be the name of a closed form on {self.lattice}, got {self.wave.name}, "
-                "which is not in the catalogue"
-            )
-        if self.eps > LARGEST_EPS:
-            raise ValueError(
-                f"eps must satisfy eps <= {LARGEST_EPS:g}, got {self.eps:g} (such as 0.05)"
-            )
-        numerics = self.numerics
-        if isinstance(numerics, Discretisation):
-            raise ValueError(
-                f"tolerance must be given for {self.wave} on {self.lattice}, got {numerics} "
-                f"(a step may be stated for mKdV waves on {CHAIN} with K3 = 0 alone)"
-            )
-        if numerics.engine not in ("", "stencil") or numerics.scheme:
-            raise ValueError(
-                f"engine must be 'stencil', and scheme left out, for {self.wave} on "
-                f"{self.lattice}, got {numerics} (mKdV waves on {CHAIN} have others)"
-            )
-        if self.observables != USUAL_OBSERVABLES[self.method]:
-            raise ValueError(
-                f"observables must be 'strain' for {self.wave} on {self.lattice}, got "
-                f"{', '.join(self.observables)} (mKdV waves on {CHAIN} have others)"
-            )
-        for key, usual in (("curve_points", 201), ("look_points", None)):
-            if getattr(self, key) != usual:
-                raise ValueError(
-                    f"{key} must not be given for {self.wave} on {self.lattice}, got "
-                    f"{getattr(self, key)} (its curves are of its snapshots)"
-                )
-        count = len(self.slow_times or {self.t0, *self.snapshots})
-        if not self.is_growth and not 2 <= count <= check.MOST_TIMES:
-            raise ValueError(
-                f"times must be 2 to {check.MOST_TIMES}, with the start, got {count} (such as "
-                "times = [0, 100])"
-            )
 
     def __getstate__(self) -> dict[str, Any]:
         """The fields alone: the wave and its programs are made again where they are asked for."""

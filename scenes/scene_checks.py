@@ -17,6 +17,11 @@ Value: TypeAlias = "int | float | str"
 Pairs: TypeAlias = "tuple[tuple[str, Value], ...]"
 """Names and values."""
 
+CHAIN = "fput_strain"
+"""The paper's lattice, which K2, K3, K4 alone stand for."""
+
+CHAIN_CONSTANTS = ("K2", "K3", "K4")
+
 MOST_STEPS = 1e10
 
 LONGEST_FORMULA = 200

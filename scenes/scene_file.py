@@ -23,7 +23,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from longwave.scenes.scene_checks import plain, text
+from longwave.scenes.scene_checks import CHAIN, CHAIN_CONSTANTS, plain, text
 from longwave.scenes.scene_disorder import Disorder
 from longwave.support.known_names import one_of
 from longwave.support.user_files import parse_toml, read_toml, shown, shown_path
@@ -46,9 +46,6 @@ TABLES = {
 
 LATTICE_KEYS = ("fields", "masses", "positive", "spring", "site", "bond")
 """Keys of which a table that declares a lattice has one."""
-
-CHAIN = "fput_strain"
-CHAIN_KEYS = ("K2", "K3", "K4")
 
 STATED = {"step": "step in [scheme]", "domain": "kind in [domain]", "sites": "sites in [domain]"}
 """Required unless there is a tolerance."""
@@ -85,7 +82,7 @@ def in_one_spelling(document: Mapping[str, Any]) -> dict[str, Any]:
     found = dict(document)
     lattice = found.get("lattice")
     if isinstance(lattice, Mapping) and not any(key in lattice for key in LATTICE_KEYS):
-        refuse_unknown(lattice, CHAIN_KEYS, " in [lattice]")
+        refuse_unknown(lattice, CHAIN_CONSTANTS, " in [lattice]")
         if table(document, "constants"):
             raise ValueError(
                 "K2, K3 and K4 must be in [constants] or in [lattice], got both (leave one out)"

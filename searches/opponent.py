@@ -47,8 +47,9 @@ from longwave.reports.studies.estimates import judge_scene, warm_up
 from longwave.scenes.lattice_derivation import lattice_wave
 from longwave.scenes.lattice_run import compared_cells
 from longwave.scenes.ring_runs import RingRecord, RingRuns
-from longwave.scenes.scene import PERTURBED_PLANE, Scene
+from longwave.scenes.scene import Scene
 from longwave.scenes.scene_checks import Pairs
+from longwave.scenes.scene_rules import PERTURBED_PLANE
 from longwave.scenes.sideband_growth import SidebandRuns, growth_plan
 from longwave.support.processes import Job, LocalWorkers, OutOfTime, as_ended, time_limit
 from searches.random_chains import random_case

@@ -18,7 +18,8 @@ from longwave.scenes.named_scenes import (
     rational_family_scenes,
     scene_of_toml,
 )
-from longwave.scenes.scene import CHAIN, CHAIN_CONSTANTS, Scene
+from longwave.scenes.scene import Scene
+from longwave.scenes.scene_checks import CHAIN, CHAIN_CONSTANTS
 
 HOUSE = Path(__file__).parents[2]
 

@@ -1,0 +1,133 @@
+"""What goes together in a scene: rules that ask more than one of its fields.
+
+Each raises ValueError in one line: argument, condition, value, remedy.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from longwave.scenes import scene_checks as check
+from longwave.scenes.chain.observables import observable_named
+from longwave.scenes.numerics import Discretisation, Tolerance
+from longwave.scenes.scene_checks import CHAIN
+from longwave.support.user_files import shown
+
+if TYPE_CHECKING:
+    from longwave.scenes.scene import Scene
+
+NOT_GIVEN = -math.inf
+"""The start of a scene that gives slow times."""
+
+PERTURBED_PLANE = "perturbed_plane"
+"""The wave of a scene that measures how fast a perturbed plane wave grows."""
+
+PERTURBATION = ("amplitude", "kappa", "share")
+"""Its parameters: |A| of the plane wave, and the wavenumber of the perturbation in X, or that in
+units of the one that grows fastest, which it is if neither is given."""
+
+LARGEST_EPS = 1.0
+"""A parameter that is not small is a mistake in its unit."""
+
+USUAL_OBSERVABLES = {
+    "moving_wave": ("strain", "error_curve"),
+    "ring": ("strain",),
+    "sidebands": ("strain",),
+}
+
+
+def check_growth(scene: Scene) -> None:
+    """Refuse what does not go with a growth rate: what is found, and what it has no theory for."""
+    given: dict[str, object] = {"times": scene.snapshots, "compared": scene.compared or None}
+    given |= {"t0": None if scene.t0 == NOT_GIVEN else scene.t0}
+    for key in ("slow_times", "half_width"):
+        given[key] = getattr(scene, key)
+    for key, value in given.items():
+        if value not in ((), None):
+            raise ValueError(
+                f"{key} must not be given with the wave {PERTURBED_PLANE}, got {shown(value)} "
+                "(when its growth is measured is found)"
+            )
+    if not scene.is_envelope:
+        raise ValueError(
+            f"k in [envelope] must be given with the wave {PERTURBED_PLANE}, got nothing "
+            '(such as k = "pi/2")'
+        )
+    if scene.disorder:
+        raise ValueError(
+            f"disorder must not be given with the wave {PERTURBED_PLANE}, got "
+            f"{shown(dict(scene.disorder))} (its waves would be scattered into all others)"
+        )
+    names = [name for name, _ in scene.parameters]
+    unknown = [name for name in names if name not in PERTURBATION]
+    if unknown or "amplitude" not in names or {"kappa", "share"} <= {*names}:
+        raise ValueError(
+            f"parameters of {PERTURBED_PLANE} must be amplitude, and kappa or share or "
+            f"neither, got {shown(', '.join(names) or 'none')} (such as amplitude = 0.5)"
+        )
+    if scene.order == "corrected":
+        raise ValueError(
+            f"order must be leading or slaved with the wave {PERTURBED_PLANE}, got corrected "
+            "(its theory is the envelope equation alone)"
+        )
+
+
+def check_moving_wave(scene: Scene) -> None:
+    """Refuse numerics that do not go with what is asked for."""
+    numerics = scene.numerics
+    if isinstance(numerics, Discretisation):
+        check.enough_steps(numerics.step, scene.end - scene.t0)
+    for name in scene.observables:
+        asked = observable_named(name)
+        if isinstance(numerics, Tolerance) and asked.seen == "refinement":
+            raise ValueError(
+                f"observables must have no refinement with a tolerance, got {name} "
+                "(leave it out: the run reports an estimate of its own)"
+            )
+        if asked.needs_ring and getattr(numerics, "domain", "") == "window":
+            raise ValueError(
+                f"domain must be 'ring' for {name}, got 'window' (a window drops sites)"
+            )
+    check.within_reach(scene.model.sound_speed(), (scene.t0, scene.end))
+
+
+def check_any_lattice(scene: Scene) -> None:
+    """Refuse what is there for mKdV waves on the paper's chain alone."""
+    if not isinstance(scene.wave, str):
+        raise ValueError(
+            f"wave must be the name of a closed form on {scene.lattice}, got {scene.wave.name}, "
+            "which is not in the catalogue"
+        )
+    if scene.eps > LARGEST_EPS:
+        raise ValueError(
+            f"eps must satisfy eps <= {LARGEST_EPS:g}, got {scene.eps:g} (such as 0.05)"
+        )
+    numerics = scene.numerics
+    if isinstance(numerics, Discretisation):
+        raise ValueError(
+            f"tolerance must be given for {scene.wave} on {scene.lattice}, got {numerics} "
+            f"(a step may be stated for mKdV waves on {CHAIN} with K3 = 0 alone)"
+        )
+    if numerics.engine not in ("", "stencil") or numerics.scheme:
+        raise ValueError(
+            f"engine must be 'stencil', and scheme left out, for {scene.wave} on "
+            f"{scene.lattice}, got {numerics} (mKdV waves on {CHAIN} have others)"
+        )
+    if scene.observables != USUAL_OBSERVABLES[scene.method]:
+        raise ValueError(
+            f"observables must be 'strain' for {scene.wave} on {scene.lattice}, got "
+            f"{', '.join(scene.observables)} (mKdV waves on {CHAIN} have others)"
+        )
+    for key, usual in (("curve_points", 201), ("look_points", None)):
+        if getattr(scene, key) != usual:
+            raise ValueError(
+                f"{key} must not be given for {scene.wave} on {scene.lattice}, got "
+                f"{getattr(scene, key)} (its curves are of its snapshots)"
+            )
+    count = len(scene.slow_times or {scene.t0, *scene.snapshots})
+    if not scene.is_growth and not 2 <= count <= check.MOST_TIMES:
+        raise ValueError(
+            f"times must be 2 to {check.MOST_TIMES}, with the start, got {count} (such as "
+            "times = [0, 100])"
+        )
