@@ -128,9 +128,8 @@ def run(scene: str, **options: Any) -> int:
     """Run the lattice from a wave and compare the two.
 
     SCENE is a TOML file or the name of a shipped scene (`longwave list scenes`, `longwave list
-    lattice-scenes`); one that names a lattice has its equation derived first. Or it is the file of
-    a run: its scene is run again, and it is told whether that gave the same bits (exit status 0)
-    or what differs (1).
+    lattice-scenes`). Or it is the file of a run: its scene is run again, and it is told whether
+    that gave the same bits (exit status 0) or what differs (1).
     """
     from longwave.cli.scene_command import run_and_print
 
@@ -227,7 +226,7 @@ longwave.add_command(report)
 def converge(scene: str, **options: Any) -> int:
     """Run a scene at several eps and fit its rate.
 
-    SCENE is a TOML file that names a lattice, or a shipped scene of one (`longwave list
+    SCENE is a TOML file or the name of a shipped scene with a tolerance (`longwave list
     lattice-scenes`). Slow times and the compared range of X stay what they are. The error of each
     run stands beside its own.
     """

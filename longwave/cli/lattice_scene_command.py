@@ -37,10 +37,7 @@ def run_lattice_and_print(
     checkpoint = OutputCheckpoint(output, store)
     try:
         if engine is not None:
-            raise ValueError(
-                f"--engine must not be given for a scene that names a lattice, got "
-                f"{engine} (leave it out)"
-            )
+            scene = scene.changed(engine=engine)
         if tolerance is not None:
             scene = scene.changed(tolerance=tolerance)
         with checkpoint.kept(scene):
