@@ -9,6 +9,7 @@ import threading
 import time
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -232,12 +233,13 @@ def test_ctrl_c_keeps_what_is_done_and_ends_the_workers(tmp_path: Path) -> None:
     )
     command = [sys.executable, "-m", "longwave", "sweep", "mine.toml", "--processes", "2"]
     house = Path(__file__).parents[2]
-    running = subprocess.Popen(
+    running = subprocess.Popen(  # a job in the background of a shell ignores Ctrl-C: not this one
         command,
         cwd=tmp_path,
         env={**os.environ, "PYTHONPATH": str(house)},
         stderr=subprocess.PIPE,
         text=True,
+        preexec_fn=partial(signal.signal, signal.SIGINT, signal.SIG_DFL),
     )
     packs = tmp_path / "mine.store" / "packs"
     stop = threading.Timer(400, running.kill)  # cold caches on a loaded machine took more than 100
