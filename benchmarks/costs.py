@@ -14,7 +14,7 @@ import statistics
 import time
 
 from longwave.reports.studies.estimate_scenes import random_scene
-from longwave.scenes.chain import run
+from longwave.scenes import run
 from longwave.scenes.chain.expected_cost import expected_cost
 from longwave.support.processes import Job, LocalWorkers, in_order
 

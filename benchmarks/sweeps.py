@@ -25,7 +25,7 @@ from longwave.runs.sweep_cells import Cell, run_cells
 from longwave.runs.sweep_dataset import write_sweep
 from longwave.runs.sweep_file import Sweep, sweep_of
 from longwave.runs.sweep_workers import use_one_thread
-from longwave.scenes import named_scenes
+from longwave.scenes import scene_run
 from longwave.support.compiled.cores import keep_to_one_core
 from longwave.support.processes import Job, LocalWorkers, in_order
 
@@ -119,7 +119,7 @@ def side_by_side(sweep: Sweep) -> tuple[float, float]:
                 run_cells(cells, Path(folder), TOKEN)
             else:
                 for scene in scenes:
-                    named_scenes.run(scene)
+                    scene_run.run(scene)
             if place >= 0:
                 spent[place % 4 in (1, 2)] += time.process_time() - begun
                 number[place % 4 in (1, 2)] += TEN

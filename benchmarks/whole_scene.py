@@ -16,7 +16,7 @@ import xarray as xr
 from contenders import numpy_rk4
 from problem import EPS, PROBLEMS, Array, initial
 
-from longwave.scenes.chain import run
+from longwave.scenes import run
 from longwave.scenes.named_scenes import load_scene
 
 TOLERANCE = 1e-4

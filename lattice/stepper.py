@@ -52,6 +52,7 @@ class Stepper(Generic[Held]):
     Between two times that are wanted, or at which the domain moves, the steps are equal and not
     longer than ``step``, so that those times are hit exactly. ``amplitude`` is the largest strain
     of the wave at the run's beginning, None if there is no wave and strains may be what they will.
+    At most ``chunk`` steps, by default some `UPDATES`, lie between two stops.
     ``ranges`` are what was met at the stops, on any site (`Dynamics.ranges`). ``blow_up`` is set
     when the march had to stop; ``steps`` counts.
     """
@@ -64,6 +65,7 @@ class Stepper(Generic[Held]):
         domain: Domain[Held],
         step: float,
         amplitude: float | None,
+        chunk: int | None = None,
     ) -> None:
         self.state: Held = state
         self.scheme = scheme
@@ -73,7 +75,7 @@ class Stepper(Generic[Held]):
         self.steps = 0
         self._amplitude = amplitude
         self._between: tuple[float, int] | None = None
-        self._chunk = max(1, min(CHUNK, int(UPDATES / (scheme.stages * state.size))))
+        self._chunk = chunk or max(1, min(CHUNK, int(UPDATES / (scheme.stages * state.size))))
         self.ranges = self.dynamics.ranges(state)
         self.blow_up: BlowUp | None = self._find_blow_up()
 

@@ -24,10 +24,11 @@ _NOUNS = {
     "longwave.reports.pictures.plotting": "plot",
     "longwave.reports.pictures.animation": "animate",
     "longwave.runs.run_file": "load_run save_run",
-    "longwave.scenes.chain": "relative_sup_error resume",
-    "longwave.scenes.named_scenes": "load_scene run shipped_scenes",
+    "longwave.scenes.named_scenes": "load_scene shipped_scenes",
     "longwave.scenes.numerics": "Discretisation Tolerance",
     "longwave.scenes.scene": "Scene",
+    "longwave.scenes.scene_run": "resume run",
+    "longwave.scenes.view": "relative_sup_error",
 }
 
 __all__ = ["__version__", *sorted(" ".join(_NOUNS.values()).split())]

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from longwave.lattice.model import State
-from longwave.scenes.chain.observables import measured_error
-from longwave.scenes.chain.view import View
+from longwave.scenes.observables import measured_error
+from longwave.scenes.view import SiteView
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -35,8 +35,9 @@ def scaled_own_error(run: xr.Dataset) -> NDArray[np.float64] | None:
 def wave_size(scene: Scene, t: float, far_field: bool = False) -> float:
     """The wave's largest deviation from its background, or its far field, at a time; NaN for 0."""
     none = np.zeros(0)
-    view = View(scene.moving_wave, State(t, 0, none, none))
-    return _size(view.analytic, view.far_field if far_field else view.background)
+    view = SiteView(scene.moving_wave, State(t, 0, none, none))
+    found = view.far_field if far_field else view.background
+    return math.nan if found is None else _size(view.analytic, found)
 
 
 def _size(wave: NDArray[np.float64], background: NDArray[np.float64]) -> float:

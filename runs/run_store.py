@@ -120,7 +120,7 @@ class RunStore:
 
         If another process is making it, that is waited for; one that was begun is gone on with, and
         ends with the bits of one that was not interrupted. ``progress`` and ``announce`` are as in
-        `named_scenes.run`. Raises what that raises; OSError before the run if the store cannot be
+        `scene_run.run`. Raises what that raises; OSError before the run if the store cannot be
         written; UnkeptRunError, which holds the run, if it could not be written after it.
         """
         found = self._told_place(scene)
@@ -181,11 +181,11 @@ def _gone_on_with(
     progress: Progress | None,
     announce: Announce | None,
 ) -> xr.Dataset:
-    from longwave.scenes import named_scenes
+    from longwave.scenes import scene_run
     from longwave.support.checkpoint import kept_by
 
     with kept_by(checkpoint):
-        return named_scenes.run(scene, progress, announce)
+        return scene_run.run(scene, progress, announce)
 
 
 def _kept(path: Path, run: xr.Dataset) -> Path:

@@ -159,7 +159,7 @@ def run_cell(cell: Cell, store: RunStore | None = None) -> CellRecord:
     """
 
     from longwave.runs.run_file import load_run
-    from longwave.scenes import named_scenes
+    from longwave.scenes import scene_run
 
     alone = False
 
@@ -169,7 +169,7 @@ def run_cell(cell: Cell, store: RunStore | None = None) -> CellRecord:
 
     try:
         try:
-            run = named_scenes.run(cell.scene, announce=told)
+            run = scene_run.run(cell.scene, announce=told)
         except Cancelled:
             assert store is not None
             alone = True

@@ -8,8 +8,8 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from longwave.scenes.chain.observables import OBSERVABLES
 from longwave.scenes.named_scenes import load_scene
+from longwave.scenes.observables import OBSERVABLES
 from longwave.scenes.scene import Scene, said_otherwise
 from longwave.scenes.scene_checks import CHAIN_CONSTANTS
 from longwave.scenes.scene_disorder import Disorder

@@ -1,1 +1,26 @@
-"""Scenes: waves on lattices, run and compared. The paper's chain is in `scenes.chain`."""
+"""Scenes: waves on lattices, run and compared. What is the paper's chain's own is in `chain/`.
+
+>>> from longwave.scenes import load_scene, run
+>>> run(load_scene("breather_sn_k_0.7")).strain.dims
+('time', 'site')
+"""
+
+from typing import TYPE_CHECKING
+
+from longwave.support.lazy_face import lazy_face
+
+if TYPE_CHECKING:
+    from longwave.scenes.named_scenes import load_scene
+    from longwave.scenes.scene_run import resume, run
+    from longwave.scenes.view import relative_sup_error
+
+__all__ = ["load_scene", "relative_sup_error", "resume", "run"]
+
+__getattr__, __dir__ = lazy_face(
+    __name__,
+    {
+        "longwave.scenes.named_scenes": "load_scene",
+        "longwave.scenes.scene_run": "resume run",
+        "longwave.scenes.view": "relative_sup_error",
+    },
+)

@@ -256,7 +256,7 @@ def _integral(values: Array, slopes: Array, n: Array) -> Array:
 
     Its error is values'''/720, whatever the number of cells.
     """
-    if n.ndim != 1 or not np.all(np.diff(n) == 1.0):
+    if n.ndim != 1 or not np.allclose(np.diff(n), 1.0):
         raise ValueError(
             f"cells must be consecutive, got {n.size} others (displacements are summed over them)"
         )

@@ -108,6 +108,7 @@ def derivation(scene: Scene) -> LatticeDerivation:
     form = _form(scene)
     same = {"eps": 0.1, "name": "", "title": "", "wave": "", "parameters": ()}
     ran = {"order": "leading", "disorder": (), "half_width": None, "compared": 1}
+    ran |= {"observables": None, "curve_points": 201, "look_points": None}
     found = _derivations(
         scene.with_tolerance(1.0).changed(**same, **ran, times=(0.0, 1.0), slow_times=())
     )

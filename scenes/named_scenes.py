@@ -1,8 +1,8 @@
-"""Scenes that come with the package, and scenes found by their name or in a file, and run."""
+"""Scenes that come with the package, and scenes found by their name or in a file."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import cache
 from importlib.resources import as_file, files
 from pathlib import Path
@@ -15,9 +15,6 @@ from longwave.support.user_files import STANDARD_INPUT, shown
 
 if TYPE_CHECKING:
     import xarray as xr
-
-    from longwave.lattice.refine import Announce
-    from longwave.lattice.trial import Progress
 
 
 def shipped_scenes() -> tuple[str, ...]:
@@ -89,32 +86,6 @@ def _of_document(document: Mapping[str, Any], path: Path) -> Scene:
             "`longwave sweep`)"
         )
     return Scene.of_document(document, path)
-
-
-def run(
-    scene: Scene | str | Path,
-    progress: Progress | None = None,
-    announce: Announce | None = None,
-) -> xr.Dataset:
-    """Run a scene, given as such, by its name or by its file, and return what it asks for.
-
-    The data set holds lattice and wave at the times that are asked for, ``error`` and what the
-    scene's observables add; attributes say what made it, its estimated error and cost, and what can
-    be trusted of it. ``progress`` is called with the share of the work that is done, ``announce``
-    with the seconds that are expected to pass, if they are many.
-
-    Raises ValueError in one line for what is no scene and for what the wave, the lattice or the
-    limits do not admit, and UnfinishedRun on Ctrl-C.
-    """
-    if isinstance(scene, str | Path):
-        scene = load_scene(scene)
-    made: Callable[..., xr.Dataset] | None = getattr(scene, "run", None)
-    if made is None:
-        raise ValueError(
-            f"scene must be a scene, its name or its file, got {shown(scene)} (such as "
-            "'rogue_cn_k_0.5')"
-        )
-    return made(progress, announce)
 
 
 FOLDERS = {name: f"longwave.scenes.shipped.{name}" for name in ("paper", "further", "lattices")}

@@ -101,6 +101,11 @@ class PulseTrack:
     columns: Mapping[str, Array]
     numbers: Mapping[str, float]
 
+    def attributes(self, name: str) -> dict[str, str]:
+        """Unit and long name of a column."""
+        units, long_name = PULSE_VARIABLES[name]
+        return {"units": units, "long_name": long_name}
+
 
 def pulse_track(found: Array, before: Array, theory: Sequence[tuple[float, float]]) -> PulseTrack:
     """The track of ``found``, (times, numbers) as `PulseMeter` gives them.

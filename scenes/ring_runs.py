@@ -1,4 +1,4 @@
-"""Runs of a scene's ring of cells, for `lattice.refine` to judge: step and ring are what is varied.
+"""Rings of cells about a wave, and runs of them for `lattice.refine` to judge by step and ring.
 
 A ring is causal: it holds every cell from which a signal reaches a compared one in time, so its
 seam is never felt there.
@@ -7,32 +7,44 @@ seam is never felt there.
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
-from time import perf_counter
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from longwave.lattice.dynamics import dynamics_of
-from longwave.lattice.model import GROWTH
+from longwave.lattice.field_state import FieldState
+from longwave.lattice.model import GROWTH, BlowUp, Sites, State
 from longwave.lattice.numeric_lattice import NumericLattice
-from longwave.lattice.schemes import REDUCED_PHASE_6, stability_limit
+from longwave.lattice.schemes import (
+    REDUCED_PHASE_6,
+    Scheme,
+    check_step,
+    scheme_named,
+    stability_limit,
+)
+from longwave.lattice.stepper import Stepper, StillRing
 from longwave.lattice.trial import (
     Choices,
     Kind,
     Progress,
     StepSearch,
+    StoppedTrial,
     Trial,
     rounding_error,
     shorter_step,
 )
 from longwave.scenes.chain.domain import front
 from longwave.scenes.lattice_wave import CellRing, LatticeWave, largest_group_velocity
+from longwave.scenes.numerics import Discretisation
+from longwave.scenes.recorders import Samples
 from longwave.scenes.ring_cost import cell_seconds, search_cost
-from longwave.support.checkpoint import Loop, Memory, begin_loop
+from longwave.scenes.run_record import RunRecord, UnfinishedRun
+from longwave.scenes.scene import Scene
+from longwave.scenes.stated_run import run_from
+from longwave.scenes.view import View
 from longwave.support.request_limits import ExpectedCost, check_request
 
 Array = NDArray[np.float64]
@@ -56,7 +68,7 @@ AROUND = 32
 """Cells beyond the compared ones on which is looked at what rounding has grown to."""
 
 LOOK_SECONDS = 0.02
-"""Seconds between two looks at whether the state is finite; Ctrl-C waits for them."""
+"""Seconds between two stops, at which it is looked whether the state is finite; Ctrl-C waits."""
 
 
 @dataclass(frozen=True)
@@ -149,31 +161,18 @@ def _cost(
     return cells, search_cost(wave.lattice, cells, steps, SCHEME.stages, kept)
 
 
-@dataclass(frozen=True)
-class RingRecord:
-    """What a run on a ring left: what is compared at each time, its energies, its cost."""
+class WaveRings:
+    """Rings of one wave at ``times``, the first of which is the start.
 
-    measured: list[Array]
-    energies: tuple[float, float]
-    sites: int
-    step: float
-    steps: int
-    metered: Array
-    """What the wave's meter gave at each time, (times, numbers); empty without one."""
-
-
-class RingRuns(StepSearch):
-    """Runs of one wave at ``times``, the first of which is the start.
-
-    Values are what is compared, in units of the wave's scale, and its rate: an error that passes
-    through 0 at one of the times does not seem to be none. Raises ValueError, before anything
-    large is made, for what would take too long or too much memory, and for an unstable lattice.
+    ``signals`` are the speeds of the fastest waves along each axis, ``fastest`` is the highest
+    frequency of any; ``room`` cells at either end of a ring make its ends meet. Raises ValueError,
+    before anything large is made, for what would take too long or too much memory, and for an
+    unstable lattice.
     """
 
     def __init__(self, wave: LatticeWave, compared: ComparedCells, times: Sequence[float]) -> None:
         self.wave, self.compared, self.times = wave, compared, tuple(times)
         lattice = wave.lattice
-        self._fields = len(lattice.fields)
         rest = lattice.rest_slopes()
         self._check_cost(lattice.highest_frequency(rest), _signal_speeds(lattice, rest))
         near = wave.ring(compared.cells(self.times[0]), self.times[0])
@@ -185,16 +184,11 @@ class RingRuns(StepSearch):
             )
         ]
         check_rest(near.lattice, wave.rest_slopes(near))
-        fastest = max(near.lattice.highest_frequency(slopes), lattice.highest_frequency(rest))
-        self._check_cost(fastest, self.signals)
-        longest = longest_step(fastest, wave.frequency)
-        self.fragile = math.isinf(max(map(abs, wave.support(self.times[0]))))
+        self.fastest = max(near.lattice.highest_frequency(slopes), lattice.highest_frequency(rest))
+        self._check_cost(self.fastest, self.signals)
+        self.room = wave.seam_room(self.times[0])
         self._turn = wave.frequency or lattice.highest_frequency(rest)
-        self._room = wave.seam_room(self.times[0])
-        sites = sites_of(compared.ring(self.times, self.signals, 2 * self._room))
-        self._metered: dict[float, Array] = {}
-        self._least = float(np.max(np.abs(self._seen(near, near.f, near.v))))
-        super().__init__(SCHEME.order, longest, np.array(self.times), float(sites))
+        self.least = float(np.max(np.abs(self.seen(near, near.f, near.v))))
 
     def _check_cost(self, fastest: float, signals: Sequence[float]) -> None:
         cells, self.expected = _cost(self.wave, self.compared, self.times, fastest, signals)
@@ -204,63 +198,310 @@ class RingRuns(StepSearch):
             "take a larger eps, end earlier or compare fewer cells",
         )
 
-    def run(self, choices: Choices, shown: bool, progress: Progress = lambda _: None) -> Trial:
-        """A run on a ring as wide as it must be, or as much wider as the size is larger."""
-        loop = begin_loop(f"ring {choices}")
-        wider = 2 * self._room + (WIDER if choices.size > self._first.size else 0)
-        ends = self.compared.ring(self.times, self.signals, wider)
-        ring = self.wave.ring(_grid(ends), self.times[0]).smoothed(self._room)
-        if choices.nudged:
-            ring = ring.nudged()
-        energy = _energy(ring, ring.f, ring.v)
-        meter = self.wave.meter(ring)
-        march = March(ring, self.times, choices.step, loop)
-        for t in march.through():
-            seen = self._seen(ring, march.f, march.v) / self.wave.scale
-            march.measured.append(seen[:, :, *self.compared.places(ends, t)])
-            if meter is not None:
-                march.metered.append(np.array(meter(march.f, march.v)))
-            progress((t - self.times[0]) / (self.times[-1] - self.times[0]))
-        measured, steps = march.measured, march.steps
-        metered = np.array(march.metered)
-        if not choices.nudged:
-            self._metered[choices.step] = metered
-        energies = energy, _energy(ring, march.f, march.v)
-        if march.metered:
-            energies = float(march.metered[0][-1]), float(march.metered[-1][-1])
-        record = RingRecord(
-            [row[0] for row in measured], energies, sites_of(ends), choices.step, steps, metered
-        )
-        values = np.array(measured)
-        largest = float(np.max(np.abs(ring.f))) / self.wave.scale
-        evaluations = steps * SCHEME.stages
-        whole = float(np.max(np.abs(self._seen(ring, ring.f, ring.v))))
-        limit = GROWTH * max(self._least, whole) / self.wave.scale
-        around = self._seen(ring, march.f, march.v) / self.wave.scale
-        sound = len(measured) == len(self.times) and bool(np.all(np.abs(values) <= limit))
-        return Trial(
-            choices,
-            values if sound else None,
-            self.work(choices),
-            perf_counter() - loop.begun,
-            rounding_error(largest, evaluations),
-            record,
-            around=around[:, :, *self.compared.places(ends, self.times[-1], AROUND)]
-            if sound
-            else None,
-        )
+    def ends(self, wider: int = 0) -> list[Ends]:
+        """The ends, along each axis, of a ring by so many cells wider than it must be."""
+        return self.compared.ring(self.times, self.signals, 2 * self.room + wider)
 
-    def _seen(self, ring: CellRing, f: Array, v: Array) -> Array:
+    def ring(self, ends: Sequence[Ends]) -> CellRing:
+        """The wave at the first time on the ring with these ends."""
+        return self.wave.ring(_grid(ends), self.times[0]).smoothed(self.room)
+
+    def seen(self, ring: CellRing, f: Array, v: Array) -> Array:
         """What is compared, in all cells of a ring, and its rate in the same unit."""
         rates = self.wave.measured(v, (0.0,) * len(ring.mean_strain)) / self._turn
         return np.stack([self.wave.measured(f, ring.mean_strain), rates])
 
-    def metered_before(self, record: RingRecord) -> Array:
+
+class RingCells:
+    """The cells of a ring as they are stepped (`stated_run.SteppedScene`).
+
+    The scene has times of the lattice. Its ring has as many sites as it says, or is so much
+    ``wider`` than it must be. Raises ValueError for a ring that is too small.
+    """
+
+    def __init__(
+        self, scene: Scene, rings: WaveRings, wider: int | None = None, nudged: bool = False
+    ) -> None:
+        self.scene, self.rings, self._nudged = scene, rings, nudged
+        self.scale, self.reach = rings.wave.scale, rings.compared.reach
+        if wider is None:
+            least, sites = sites_of(rings.ends()), scene.discretisation.sites
+            if sites < least:
+                raise ValueError(
+                    f"sites must satisfy sites >= {least} on this ring, got {sites} (else signals "
+                    "from the seam reach the compared sites; widen it or end earlier)"
+                )
+            wider = sites - least
+        self._wider = wider
+        self.ends = rings.ends(wider)
+
+    @property
+    def task(self) -> str:
+        """The scene, its ring, and whether its last digits are changed."""
+        return f"{self.scene.json()} on {self.ends}{' nudged' if self._nudged else ''}"
+
+    @cached_property
+    def ring(self) -> CellRing:
+        """The data."""
+        ring = self.rings.ring(self.ends)
+        return ring.nudged() if self._nudged else ring
+
+    def stepper(self, restart: State | None) -> tuple[Stepper[FieldState], float]:
+        """What steps the cells, and the largest stable step."""
+        stated = self.scene.discretisation
+        limit = check_step(stated.step, stated.table, self.rings.fastest)
+        if restart is not None:
+            self.ends = _ends_of(restart, self.rings.ends())
+        ring = self.ring
+        state = FieldState(ring.t, ring.f.copy(), ring.v.copy())
+        if restart is not None:
+            shape = state.f.shape
+            state = FieldState(restart.t, restart.y.reshape(shape), restart.s.reshape(shape))
+        domain = CellDomain(state, self.ends)
+        return ring_stepper(ring.lattice, domain, stated.table, stated.step), limit
+
+    def view(self, state: FieldState) -> CellView:
+        """The compared cells."""
+        return CellView(self, state)
+
+    def refined(self, scene: Scene) -> RingCells:
+        """The cells of a finer scene."""
+        return RingCells(scene, self.rings)
+
+    def told(self, stepper: Stepper[FieldState]) -> dict[str, Any]:
+        """The sites of the ring, which on a plane the scene does not say."""
+        return {"sites": sites_of(self.ends)}
+
+
+def _ends_of(restart: State, needed: Sequence[Ends]) -> list[Ends]:
+    """The ends of the ring that a state of a chain was kept on."""
+    first, last = restart.left, restart.left + restart.y.shape[-1] - 1
+    low, high = needed[0]
+    if low < first or high > last:
+        raise ValueError(
+            f"snapshots must leave the state's ring wide enough, got {first} .. {last} where "
+            f"signals come from {low} .. {high} (end earlier, or run the scene to the later time)"
+        )
+    return [(first, last)]
+
+
+@dataclass
+class CellDomain(StillRing[FieldState]):
+    """A ring of cells with these ends."""
+
+    ends: Sequence[Ends]
+
+    def locate(self, found: BlowUp, state: FieldState) -> BlowUp:
+        """``found``, with the cell in the place of where it is stored."""
+        columns = state.f[0].size // state.f.shape[1]
+        return replace(found, site=self.ends[0][0] + found.site // columns)
+
+
+def ring_stepper(
+    lattice: NumericLattice, domain: StillRing[FieldState], scheme: Scheme, step: float
+) -> Stepper[FieldState]:
+    """What steps a ring, with a stop every ``LOOK_SECONDS``."""
+    state = domain.state
+    seconds = cell_seconds(lattice) * state.f[0].size
+    chunk = max(1, int(LOOK_SECONDS / (scheme.stages * seconds)))
+    return Stepper(state, scheme, lattice, domain, step, None, chunk)
+
+
+@dataclass(frozen=True)
+class CellView(View):
+    """A wave on any lattice, seen in the compared cells of a ring."""
+
+    held: RingCells
+    state: FieldState
+
+    @property
+    def t(self) -> float:
+        """The time of the state."""
+        return self.state.t
+
+    @property
+    def level(self) -> float:
+        """The uniform strain that the wave is added to."""
+        return float(self._wave.uniform()[0])
+
+    @property
+    def travelled(self) -> float:
+        """At the speed of the wave's frame."""
+        return self._wave.speed * self.t
+
+    @cached_property
+    def sites(self) -> Sites:
+        """The compared cells along the first axis."""
+        cells = self._cells if self._cells.ndim == 1 else self._cells[0, :, 0]
+        return cells.astype(np.int64)
+
+    @cached_property
+    def numerics(self) -> Array:
+        """All quantities that are compared, of the run: a copy, for the state goes on."""
+        found = self._wave.measured(self.state.f, self.held.ring.mean_strain)
+        return np.array(found[:, *self._places()])
+
+    @cached_property
+    def analytics(self) -> Array:
+        """The same of the wave."""
+        return self._wave.strain(self._cells, self.t)
+
+    @cached_property
+    def backgrounds(self) -> Array:
+        """The same of what it deviates from."""
+        return np.asarray(self._wave.background(self._cells, self.t), dtype=np.float64)
+
+    @property
+    def numeric(self) -> Array:
+        """The first quantity, of the run."""
+        return np.asarray(self.numerics[0])
+
+    @property
+    def analytic(self) -> Array:
+        """The same of the wave."""
+        return np.asarray(self.analytics[0])
+
+    @property
+    def background(self) -> Array:
+        """The same of what it deviates from."""
+        return np.asarray(self.backgrounds[0])
+
+    @property
+    def also(self) -> dict[str, Any]:
+        """The sup error in its unit, T, and all quantities if there are more than one."""
+        apart = float(np.max(np.abs(self.numerics - self.analytics))) / self.held.scale
+        found = {"sup_error": apart, "slow_time": self.t * self._wave.eps**self._wave.slow}
+        if len(self.numerics) == 1:
+            return found
+        return found | {"strains": self.numerics, "analytics": self.analytics}
+
+    def displaced(self, shift: float) -> tuple[Array, Array, Array, Array]:
+        """Wave, background and their slopes, which are differences."""
+        at = [self._cells - shift + apart for apart in (0.0, SLOPE_APART, -SLOPE_APART)]
+        found = []
+        for made in (self._wave.strain, self._wave.background):
+            value, ahead, behind = (np.asarray(made(cells, self.t)[0]) for cells in at)
+            found += [value, (ahead - behind) / (2.0 * SLOPE_APART)]
+        return found[0], found[2], found[1], found[3]
+
+    @property
+    def energy(self) -> float:
+        """That of the ring of displacements."""
+        with np.errstate(all="ignore"):
+            return self.held.ring.lattice.energy(self.state.f, self.state.v)
+
+    @property
+    def means(self) -> tuple[float, float]:
+        """Of the first quantity over the ring, and of the velocities of all masses."""
+        lattice = self.held.ring.lattice
+        strain = self._wave.measured(self.state.f, self.held.ring.mean_strain)[0]
+        masses = np.array(lattice.masses)
+        velocities = self.state.v.reshape(masses.size, -1).mean(axis=1)
+        return float(np.mean(strain)), float(np.average(velocities, weights=masses))
+
+    @property
+    def stored(self) -> tuple[int, Array, Array]:
+        """The periodic parts of the fields; without an axis for a single one."""
+        f, v = (values[0] if len(values) == 1 else values for values in self.state.arrays)
+        return self.held.ends[0][0], f.copy(), v.copy()
+
+    def judged(self, beyond: int = 0) -> Array:
+        """What is compared and its rate, in units of the scale, and so many cells beyond."""
+        rings = self.held.rings
+        seen = rings.seen(self.held.ring, *self.state.arrays) / self.held.scale
+        return np.asarray(seen[:, :, *self._places(beyond)])
+
+    @property
+    def _wave(self) -> LatticeWave:
+        return self.held.rings.wave
+
+    @cached_property
+    def _cells(self) -> Array:
+        return self.held.rings.compared.cells(self.t)
+
+    def _places(self, beyond: int = 0) -> tuple[slice, ...]:
+        return self.held.rings.compared.places(self.held.ends, self.t, beyond)
+
+
+SLOPE_APART = 1e-3
+"""Cells on either side of which the difference is a slope: a wave is much longer."""
+
+
+class RingRuns(StepSearch):
+    """Runs of a scene's wave on rings.
+
+    The scene has times of the lattice. Values are what is compared, in units of the wave's scale,
+    and its rate: an error that passes through 0 at one of the times does not seem to be none. The
+    payload is a `RunRecord`; ``metered`` holds what the wave's meter gave, by step.
+    """
+
+    def __init__(self, scene: Scene, rings: WaveRings) -> None:
+        self.scene, self.rings = scene, rings
+        wave, self.times = rings.wave, rings.times
+        self._scheme = scheme_named(scene.target.scheme) if scene.target.scheme else SCHEME
+        self._fields = len(wave.lattice.fields)
+        self.fragile = math.isinf(max(map(abs, wave.support(self.times[0]))))
+        self.metered: dict[float, Array] = {}
+        longest = longest_step(rings.fastest, wave.frequency, self._scheme)
+        sites = float(sites_of(rings.ends()))
+        super().__init__(self._scheme.order, longest, np.array(self.times), sites)
+
+    def run(self, choices: Choices, shown: bool, progress: Progress = lambda _: None) -> Trial:
+        """A run on a ring as wide as it must be, or as much wider as the size is larger.
+
+        Observables are always seen, but for nudged data: any run may become a control.
+        """
+        wave, ends = self.rings.wave, (self.times[0], self.times[-1])
+        cells = self._cells(choices)
+        judged = Samples(self.times, CellView.judged)
+        around = Samples(ends[1:], lambda view: view.judged(AROUND))
+        energies = Samples(ends, lambda view: np.array(view.energy))
+        witnesses = [judged, around, energies]
+        metered = Samples(self.times)
+        if (meter := wave.meter(cells.ring)) is not None:
+            metered = Samples(self.times, lambda view: np.array(meter(*view.state.arrays)))
+            witnesses.append(metered)
+        try:
+            run, stopped = run_from(cells, None, progress, witnesses), False
+        except UnfinishedRun as stop:
+            run, stopped = stop.record, True
+        if not choices.nudged:
+            self.metered[choices.step] = np.array(metered.samples)
+        _tell_energies(run, wave, energies.samples, metered.samples)
+        values, ring = np.array(judged.samples), cells.ring
+        whole = float(np.max(np.abs(self.rings.seen(ring, ring.f, ring.v))))
+        limit = GROWTH * max(self.rings.least, whole) / wave.scale
+        done = len(values) == len(self.times) or stopped
+        sound = done and bool(np.all(np.abs(values) <= limit))
+        largest = float(np.max(np.abs(ring.f))) / wave.scale
+        trial = Trial(
+            choices,
+            values if sound else None,
+            self.work(choices),
+            float(run.attrs["seconds"]),
+            rounding_error(largest, run.attrs["force_evaluations"]),
+            run,
+            not choices.nudged,
+            around=around.samples[0] if sound and not stopped else None,
+        )
+        if stopped:
+            raise StoppedTrial(trial)
+        return trial
+
+    def _cells(self, choices: Choices) -> RingCells:
+        wider = WIDER if choices.size > self._first.size else 0
+        sites = sites_of(self.rings.ends(wider))
+        stated = Discretisation(choices.step, "ring", sites, self._scheme.name)
+        observables = () if choices.nudged else self.scene.observables
+        plan = replace(self.scene, numerics=stated, observables=observables)
+        return RingCells(plan, self.rings, wider, choices.nudged)
+
+    def metered_before(self, step: float) -> Array:
         """What the meter gave in the run with the next longer step; nan where there is none."""
-        longer = [step for step in self._metered if step > record.step]
-        found = self._metered[min(longer)] if longer else np.empty(0)
-        fits = found.shape == record.metered.shape
-        return found if fits else np.full_like(record.metered, np.nan)
+        longer = [one for one in self.metered if one > step]
+        found = self.metered[min(longer)] if longer else np.empty(0)
+        wanted = self.metered[step]
+        return found if found.shape == wanted.shape else np.full_like(wanted, np.nan)
 
     def varied(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
         """A shorter step on a wider ring, or from that on the ring as it must be."""
@@ -274,10 +515,20 @@ class RingRuns(StepSearch):
 
     def work(self, choices: Choices) -> float:
         """Forces on fields of cells."""
-        return super().work(choices) * SCHEME.stages * choices.size * self._fields
+        return super().work(choices) * self._scheme.stages * choices.size * self._fields
 
 
-def longest_step(fastest: float, carrier: float) -> float:
+def _tell_energies(
+    run: RunRecord, wave: LatticeWave, energies: Sequence[Array], metered: Sequence[Array]
+) -> None:
+    """Tell by how much the energy changed, of the ring or as the wave's meter has it."""
+    found = [row[-1] for row in metered] or list(energies)
+    begin, end = (float(value) for value in (found[0], found[-1]))
+    if (wave.lattice.conserves_energy or metered) and math.isfinite(begin):
+        run.attrs["energy_drift"] = abs(end - begin) / abs(begin) if begin else 0.0
+
+
+def longest_step(fastest: float, carrier: float, scheme: Scheme = SCHEME) -> float:
     """The longest step tried where these are the frequencies of the fastest wave and the carrier.
 
     >>> longest_step(2.0, 0.5) == LIMIT_SHARE * stability_limit(SCHEME) / 2.0
@@ -285,13 +536,8 @@ def longest_step(fastest: float, carrier: float) -> float:
     >>> longest_step(2.0, 2.0) == LAWFUL_TURN / 2.0
     True
     """
-    stable = LIMIT_SHARE * stability_limit(SCHEME) / fastest
+    stable = LIMIT_SHARE * stability_limit(scheme) / fastest
     return min(stable, LAWFUL_TURN / carrier) if carrier else stable
-
-
-def _energy(ring: CellRing, f: Array, v: Array) -> float:
-    with np.errstate(all="ignore"):
-        return ring.lattice.energy(f, v)
 
 
 def check_rest(lattice: NumericLattice, slopes: Sequence[float]) -> None:
@@ -316,61 +562,3 @@ def stiffest_slopes(ring: CellRing) -> list[float]:
             "stretches one beyond what its force is for (take a smaller eps)"
         )
     return found
-
-
-REMEMBERED = ("f", "v", "measured", "metered", "steps", "_done")
-"""What a march is gone on with."""
-
-
-class March:
-    """A ring on its way: ``f`` and ``v`` when the last of the times passed that was still finite.
-
-    ``measured`` and ``metered`` are its user's, a row for each of the times that was come to;
-    ``steps`` lead there.
-    """
-
-    def __init__(
-        self, ring: CellRing, times: Sequence[float], step: float, loop: Loop | None = None
-    ) -> None:
-        self.f, self.v = ring.f.copy(), ring.v.copy()
-        self.measured: list[Any] = []
-        self.metered: list[Array] = []
-        self.steps = 0
-        self._times, self._step, self._loop = times, step, loop or Loop()
-        self._done = 0
-        self._dynamics = dynamics_of(ring.lattice)
-        self._step_seconds = cell_seconds(ring.lattice) * self.f[0].size
-        if self._loop.memory is not None:
-            for name in REMEMBERED:
-                setattr(self, name, self._loop.memory[name])
-
-    def through(self) -> Iterator[float]:
-        """Each of the times still to come, and none after one that is not finite.
-
-        What was not finite by then is not shown.
-        """
-        if not self.measured:
-            yield self._times[0]
-        for begin, end in list(pairwise(self._times))[len(self.measured) - 1 :]:
-            if not self._advance(begin, end):
-                return
-            yield end
-        self._loop.end(self._memory)
-
-    def _advance(self, begin: float, end: float) -> bool:
-        """Go from one of the times to the next; whether the ring is still finite there."""
-        steps = max(1, math.ceil((end - begin) / self._step * (1.0 - 1e-12)))
-        most = max(1, int(LOOK_SECONDS / (SCHEME.stages * self._step_seconds)))
-        h = (end - begin) / steps
-        while self._done < steps:
-            with np.errstate(all="ignore"):
-                self._dynamics.advance(SCHEME, self.f, self.v, h, min(most, steps - self._done))
-            if not np.all(np.isfinite(self.f)):
-                return False
-            self._done = min(steps, self._done + most)
-            self._loop.offer(self._memory)
-        self.steps, self._done = self.steps + steps, 0
-        return True
-
-    def _memory(self) -> Memory:
-        return {name: getattr(self, name) for name in REMEMBERED}

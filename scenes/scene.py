@@ -14,10 +14,10 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from longwave.lattice.model import Model
+from longwave.lattice.model import Model, State
 from longwave.scenes import scene_checks as check
-from longwave.scenes.chain.observables import OBSERVABLES, observable_named
 from longwave.scenes.numerics import NUMERICS, Discretisation, Tolerance, numerics_of
+from longwave.scenes.observables import OBSERVABLES, observable_named
 from longwave.scenes.scene_checks import CHAIN, CHAIN_CONSTANTS, Pairs, Value
 from longwave.scenes.scene_disorder import Stated, disorder_pairs
 from longwave.scenes.scene_file import document_of, read_document, scene_fields
@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from longwave.lattice.refine import Announce
     from longwave.lattice.trial import Progress
     from longwave.scenes.chain.moving_wave import MovingWave
+    from longwave.scenes.run_record import RunRecord
     from longwave.solutions import ClosedForm
     from longwave.support.request_limits import ExpectedCost
 
@@ -56,11 +57,11 @@ ROUNDING = 1e-12
 """Share by which a half-width may be above whole cells for rounding."""
 
 METHODS = {
-    "moving_wave": "longwave.scenes.chain.scene_run",
+    "moving_wave": "longwave.scenes.chain.chain_run",
     "ring": "longwave.scenes.lattice_run",
     "sidebands": "longwave.scenes.sideband_growth",
 }
-"""Where a scene is run: `run_scene`, `scene_cost` and `PROCESS_SECONDS` of each module."""
+"""Where a scene is run: `record_scene`, `scene_cost` and `PROCESS_SECONDS` of each module."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -83,11 +84,11 @@ class Scene:
     ``carrier``, its wavenumber, makes the wave an envelope, on a ``branch``.  ``disorder``, as
     (name, value) pairs or a mapping with the names of `Disorder`, lets masses or springs deviate.
 
-    Waves of the mKdV equation on the paper's chain have all ``observables``, their parameters may
-    be multiples of the quarter period ("K/2"), and they may be computed with a stated
-    discretisation (`has_moving_wave`). Their error curve is sampled at ``curve_points`` equidistant
-    times and the snapshots; what is only looked at (energy, crest, ...) is seen at most as often,
-    where the run stops anyway, or at ``look_points`` equidistant times if that is given.
+    Of ``observables`` the error curve is sampled at ``curve_points`` equidistant times and the
+    snapshots; what is only looked at (energy, crest, ...) is seen at most as often, where the run
+    stops anyway, or at ``look_points`` equidistant times if that is given. Leading data of a wave
+    of the mKdV equation on the paper's chain (`has_moving_wave`) have windows and the spectral
+    engine besides, and their parameters may be multiples of the quarter period ("K/2").
 
     With the wave "perturbed_plane" the growth rate of a carrier's plane wave is measured
     (`is_growth`): parameters are `PERTURBATION`, times and region are found, and the tolerance is
@@ -454,8 +455,17 @@ class Scene:
         return (self.t0, *(t for t in self.snapshots if t > self.t0))
 
     def run(self, progress: Progress | None = None, announce: Announce | None = None) -> xr.Dataset:
-        """The run of the scene, with what can be trusted of it (`named_scenes.run`)."""
-        made: xr.Dataset = self._way.run_scene(self, progress, announce)
+        """The run of the scene, with what can be trusted of it (`scene_run.run`)."""
+        return self.record(progress, announce).dataset
+
+    def record(
+        self,
+        progress: Progress | None = None,
+        announce: Announce | None = None,
+        restart: State | None = None,
+    ) -> RunRecord:
+        """`run` without a data set, or from the state ``restart`` of a run of the same scene."""
+        made: RunRecord = self._way.record_scene(self, progress, announce, restart)
         return made
 
     def expected_cost(self) -> ExpectedCost:

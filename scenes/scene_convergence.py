@@ -6,14 +6,20 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from longwave.lattice.refine import Announce
 from longwave.scenes.convergence import FEWEST, FittedRate, fitted_rate
 from longwave.scenes.lattice_derivation import derivation
-from longwave.scenes.lattice_run import LatticeRun, run_lattice_scene
+from longwave.scenes.lattice_run import record_scene
+from longwave.scenes.run_record import RunRecord
 from longwave.scenes.scene import Scene
 from longwave.scenes.scene_checks import finite, positive
 from longwave.scenes.theory_rate import scene_rate
 from longwave.support.user_files import shown
+
+Array = NDArray[Any]
 
 MOST = 20
 """Values of eps."""
@@ -80,9 +86,10 @@ def scene_convergence(
     """Run the scene at each eps, from the largest on, and fit the rate.
 
     A run whose own error is not small beside what it measures is done again, to a smaller
-    tolerance. Raises ValueError for values that are too few or wrong, and as `run_lattice_scene`.
+    tolerance. Raises ValueError for values that are too few or wrong, and as `record_scene`.
     """
     values = _checked(scene, eps)
+    scene = scene.with_tolerance(scene.target.tolerance).changed(observables=("strain",))
     points: list[ConvergencePoint] = []
     power = 0
     for place, value in enumerate(values):
@@ -91,7 +98,7 @@ def scene_convergence(
             progress((place + done) / len(values))
 
         run = _run(at_eps(scene, value), share, announce)
-        power = run.power
+        power = run.attrs["power"]
         points.append(_point(run))
     errors, own = [p.error for p in points], [p.discretisation for p in points]
     rate, equation = fitted_rate(values, errors, own), derivation(scene).equation
@@ -121,26 +128,36 @@ def at_eps(scene: Scene, eps: float) -> Scene:
     )
 
 
-def _run(scene: Scene, progress: Callable[[float], None], announce: Announce) -> LatticeRun:
-    run = run_lattice_scene(scene, progress, announce)
-    wanted = SHARE * float(max(run.errors[1:]))
-    if run.error_estimate <= wanted or wanted == 0.0:
+def _run(scene: Scene, progress: Callable[[float], None], announce: Announce) -> RunRecord:
+    run = record_scene(scene, progress, announce)
+    wanted = SHARE * float(np.max(_later(run, "sup_error")))
+    if run.attrs["error_estimate"] <= wanted or wanted == 0.0:
         return run
-    return run_lattice_scene(scene.changed(tolerance=wanted), progress, announce)
+    return record_scene(scene.changed(tolerance=wanted), progress, announce)
 
 
-def _point(run: LatticeRun) -> ConvergencePoint:
-    size = max(run.sizes[1:])
+def _later(run: RunRecord, name: str) -> Array:
+    """The values of a variable at the times after the start."""
+    return run.values(name)[np.array(run.reached) > run.scene.t0]
+
+
+def _point(run: RunRecord) -> ConvergencePoint:
+    scene, told = run.scene, run.attrs
+    apart = float(np.max(_later(run, "sup_error")))
+    with np.errstate(invalid="ignore"):
+        sizes = _later(run, "sup_error") / _later(run, "error")
+    size = float(np.max(sizes, where=np.isfinite(sizes), initial=0.0))
     if size == 0.0:
         raise ValueError(
             f"half_width must leave some of the wave in the region at the later times, got 0 there "
-            f"with eps = {run.scene.eps:g} (take a wider region or earlier times)"
+            f"with eps = {scene.eps:g} (take a wider region or earlier times)"
         )
+    scale = scene.eps ** told["power"]
     return ConvergencePoint(
-        run.scene.eps,
-        float(max(run.errors[1:])) * run.scale,
-        float(max(run.errors[1:]) * run.scale / size),
-        run.error_estimate * run.scale,
-        int(run.cost["sites"]),
-        float(run.cost["seconds"] + run.cost["planning_seconds"]),
+        scene.eps,
+        apart * scale,
+        apart / size,
+        told["error_estimate"] * scale,
+        int(told["sites"]),
+        float(told["seconds"] + told["planning_seconds"]),
     )

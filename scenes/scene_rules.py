@@ -9,8 +9,8 @@ import math
 from typing import TYPE_CHECKING
 
 from longwave.scenes import scene_checks as check
-from longwave.scenes.chain.observables import observable_named
 from longwave.scenes.numerics import Discretisation, Tolerance
+from longwave.scenes.observables import observable_named
 from longwave.scenes.scene_checks import CHAIN
 from longwave.support.user_files import shown
 
@@ -78,17 +78,7 @@ def check_moving_wave(scene: Scene) -> None:
     numerics = scene.numerics
     if isinstance(numerics, Discretisation):
         check.enough_steps(numerics.step, scene.end - scene.t0)
-    for name in scene.observables:
-        asked = observable_named(name)
-        if isinstance(numerics, Tolerance) and asked.seen == "refinement":
-            raise ValueError(
-                f"observables must have no refinement with a tolerance, got {name} "
-                "(leave it out: the run reports an estimate of its own)"
-            )
-        if asked.needs_ring and getattr(numerics, "domain", "") == "window":
-            raise ValueError(
-                f"domain must be 'ring' for {name}, got 'window' (a window drops sites)"
-            )
+    check_observables(scene)
     check.within_reach(scene.model.sound_speed(), (scene.t0, scene.end))
 
 
@@ -103,31 +93,48 @@ def check_any_lattice(scene: Scene) -> None:
         raise ValueError(
             f"eps must satisfy eps <= {LARGEST_EPS:g}, got {scene.eps:g} (such as 0.05)"
         )
-    numerics = scene.numerics
-    if isinstance(numerics, Discretisation):
-        raise ValueError(
-            f"tolerance must be given for {scene.wave} on {scene.lattice}, got {numerics} "
-            f"(a step may be stated for mKdV waves on {CHAIN} with K3 = 0 alone)"
-        )
-    if numerics.engine not in ("", "stencil") or numerics.scheme:
-        raise ValueError(
-            f"engine must be 'stencil', and scheme left out, for {scene.wave} on "
-            f"{scene.lattice}, got {numerics} (mKdV waves on {CHAIN} have others)"
-        )
-    if scene.observables != USUAL_OBSERVABLES[scene.method]:
-        raise ValueError(
-            f"observables must be 'strain' for {scene.wave} on {scene.lattice}, got "
-            f"{', '.join(scene.observables)} (mKdV waves on {CHAIN} have others)"
-        )
-    for key, usual in (("curve_points", 201), ("look_points", None)):
-        if getattr(scene, key) != usual:
-            raise ValueError(
-                f"{key} must not be given for {scene.wave} on {scene.lattice}, got "
-                f"{getattr(scene, key)} (its curves are of its snapshots)"
-            )
+    _check_numerics(scene)
+    check_observables(scene)
     count = len(scene.slow_times or {scene.t0, *scene.snapshots})
     if not scene.is_growth and not 2 <= count <= check.MOST_TIMES:
         raise ValueError(
             f"times must be 2 to {check.MOST_TIMES}, with the start, got {count} (such as "
             "times = [0, 100])"
         )
+
+
+def _check_numerics(scene: Scene) -> None:
+    """Refuse domains and engines that are there for mKdV waves on the paper's chain alone."""
+    numerics = scene.numerics
+    if isinstance(numerics, Discretisation):
+        if numerics.domain != "ring" or scene.is_growth:
+            raise ValueError(
+                f"domain must be 'ring' for {scene.wave} on {scene.lattice}, or a tolerance be "
+                f"given, got {numerics} (mKdV waves on {CHAIN} have others)"
+            )
+    elif numerics.engine not in ("", "stencil") or (numerics.scheme and scene.is_growth):
+        raise ValueError(
+            f"engine must be 'stencil' for {scene.wave} on {scene.lattice}, got {numerics} (mKdV "
+            f"waves on {CHAIN} have others)"
+        )
+
+
+def check_observables(scene: Scene) -> None:
+    """Refuse observables that do not go with how a scene is computed."""
+    if scene.is_growth and scene.observables != USUAL_OBSERVABLES[scene.method]:
+        raise ValueError(
+            f"observables must not be given with the wave {PERTURBED_PLANE}, got "
+            f"{', '.join(scene.observables)} (its growth rate is what is measured)"
+        )
+    numerics = scene.numerics
+    for name in scene.observables:
+        asked = observable_named(name)
+        if isinstance(numerics, Tolerance) and asked.seen == "refinement":
+            raise ValueError(
+                f"observables must have no refinement with a tolerance, got {name} "
+                "(leave it out: the run reports an estimate of its own)"
+            )
+        if asked.needs_ring and getattr(numerics, "domain", "") == "window":
+            raise ValueError(
+                f"domain must be 'ring' for {name}, got 'window' (a window drops sites)"
+            )

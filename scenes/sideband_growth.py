@@ -19,11 +19,12 @@ import numpy as np
 from numpy.typing import NDArray
 from sympy import Expr
 
+from longwave.lattice.field_state import FieldState
 from longwave.lattice.model import GROWTH
 from longwave.lattice.refine import Announce, refine
 from longwave.lattice.schemes import stability_limit
+from longwave.lattice.stepper import StillRing
 from longwave.lattice.trial import Choices, Progress, StepSearch, Trial, rounding_error
-from longwave.scenes.chain.observables import TIME
 from longwave.scenes.envelope_data import EnvelopeData
 from longwave.scenes.lattice_derivation import formula, scene_envelope
 from longwave.scenes.perturbed_plane import (
@@ -34,24 +35,24 @@ from longwave.scenes.perturbed_plane import (
     chosen_kappa,
     wave_ring,
 )
+from longwave.scenes.recorders import Variables
 from longwave.scenes.ring_cost import BEGIN_SECONDS, search_cost
 from longwave.scenes.ring_runs import (
     LIMIT_SHARE,
     SCHEME,
-    March,
     check_rest,
     longest_step,
+    ring_stepper,
     stiffest_slopes,
 )
+from longwave.scenes.run_record import RunRecord
 from longwave.scenes.scene import Scene
-from longwave.support.checkpoint import begin_loop, spared_seconds
-from longwave.support.provenance import provenance
+from longwave.support.checkpoint import Memory, begin_loop, spared_seconds
 from longwave.support.request_limits import ExpectedCost, check_request
 
 if TYPE_CHECKING:
-    import xarray as xr
-
     from longwave.derive import Envelope
+    from longwave.lattice.model import State
     from longwave.scenes.lattice_wave import CellRing
 
 Array = NDArray[np.float64]
@@ -173,10 +174,8 @@ class SidebandGrowth:
         }
 
     @property
-    def dataset(self) -> xr.Dataset:
-        """The run as a data set: the sizes over time, and the rates, without dimensions."""
-        import xarray as xr
-
+    def record(self) -> RunRecord:
+        """The run: the sizes over time, and the rates, without dimensions."""
         T, wave = self.slow_times, self.plan.wave
         theory = self.sizes[0] * np.exp(wave.growth * (T - T[0]))
         along = {
@@ -184,15 +183,13 @@ class SidebandGrowth:
             "sideband_theory": (theory, "the same, growing as in theory from the first"),
             "slow_time": (T, "T, the envelope's own time"),
         }
-        data: dict[str, Any] = {
+        data: Variables = {
             name: (("time",), values, {"units": "1", "long_name": told})
             for name, (values, told) in along.items()
         }
         for name, (value, unit, told) in self.numbers().items():
             data[name] = ((), np.float64(value), {"units": unit, "long_name": told})
         attributes = {
-            "title": self.scene.title or self.scene.name,
-            "scene": self.scene.toml(),
             "equation": f"i A_T + p A_XX + q |A|^2 A = 0, p = {wave.p:.6g}, q = {wave.q:.6g}",
             "verdict": self.verdict(),
             "error": abs(self.difference),
@@ -200,9 +197,9 @@ class SidebandGrowth:
             "error_estimate": self.run_error / wave.largest_growth,
             "tolerance": self.scene.target.tolerance,
             **self.cost,
-            **provenance(),
         }
-        return xr.Dataset(data, {"time": ("time", self.plan.moments, TIME)}, attributes)
+        moments = self.plan.moments.tolist()
+        return RunRecord(self.scene, (0,), moments, data, attributes)
 
 
 RATE = "1/slow time"
@@ -212,11 +209,15 @@ PROCESS_SECONDS = BEGIN_SECONDS
 """The part of the expected seconds that a process takes once."""
 
 
-def run_scene(
-    scene: Scene, progress: Progress | None = None, announce: Announce | None = None
-) -> xr.Dataset:
-    """`measure_growth` as a data set."""
-    return measure_growth(scene, progress, announce).dataset
+def record_scene(
+    scene: Scene,
+    progress: Progress | None = None,
+    announce: Announce | None = None,
+    restart: State | None = None,
+) -> RunRecord:
+    """The record of `measure_growth`, which has no states to begin at."""
+    assert restart is None
+    return measure_growth(scene, progress, announce).record
 
 
 def scene_cost(scene: Scene) -> ExpectedCost:
@@ -254,6 +255,7 @@ def measure_growth(
         "force_evaluations": steps * SCHEME.stages,
         "seconds": found.trial.seconds,
         "planning_seconds": whole - found.trial.seconds,
+        "blow_up": "",
     }
     run_error = found.error * plan.wave.largest_growth
     return SidebandGrowth(scene, plan, np.exp(found.trial.values / engine.scale), run_error, cost)
@@ -372,29 +374,41 @@ class SidebandRuns(StepSearch):
         """A run; its payload is the number of steps."""
         loop = begin_loop(f"sidebands {choices}")
         ring = self.ring.nudged() if choices.nudged else self.ring
-        march = March(ring, self._times.tolist(), choices.step, loop)
-        for t in march.through():
-            march.measured.append(self._sidebands(march, t))
-            progress(t / self._times[-1])
-        evaluations = march.steps * SCHEME.stages
-        rounding = self.scale * rounding_error(1.0 / SIZE, evaluations)
-        done = len(march.measured) == self._times.size
-        sound = done and self._largest(march.f) <= GROWTH * self._least
-        values = self.scale * self._logarithms(np.array(march.measured)) if sound else None
+        state = FieldState(0.0, ring.f.copy(), ring.v.copy())
+        stepper = ring_stepper(ring.lattice, StillRing(state), SCHEME, choices.step)
+        measured: list[Complex] = []
+        if loop.memory is not None:
+            stepper.recall(loop.memory)
+            measured = loop.memory["measured"]
+
+        def remember() -> Memory:
+            return stepper.memory() | {"measured": measured}
+
+        wanted = self._times[len(measured) :].tolist()
+        for state in stepper.through(wanted) if wanted else ():
+            if state.t in wanted:
+                measured.append(self._sidebands(state))
+            progress(state.t / self._times[-1])
+            loop.offer(remember)
+        loop.end(remember)
+        rounding = self.scale * rounding_error(1.0 / SIZE, stepper.steps * SCHEME.stages)
+        done = len(measured) == self._times.size
+        sound = done and self._largest(stepper.state.f) <= GROWTH * self._least
+        values = self.scale * self._logarithms(np.array(measured)) if sound else None
         seconds = perf_counter() - loop.begun
-        return Trial(choices, values, self.work(choices), seconds, rounding, march.steps)
+        return Trial(choices, values, self.work(choices), seconds, rounding, stepper.steps)
 
     def _largest(self, f: Array) -> float:
         return float(np.max(np.abs(self.plan.data.measured(f, self.ring.mean_strain))))
 
-    def _sidebands(self, march: March, t: float) -> Complex:
+    def _sidebands(self, state: FieldState) -> Complex:
         """The two waves beside the carrier and that itself, (3, fields), of those that move as it
         does, in a frame that turns with it.
         """
         ring, omega = self.plan.ring, self.plan.data.carrier.omega
-        spectrum = np.fft.fft(march.f + 1j * march.v / omega)
+        spectrum = np.fft.fft(state.f + 1j * state.v / omega)
         places = ring.turns + np.array([-ring.waves, ring.waves, 0])
-        turned: Complex = spectrum[:, places % ring.cells].T * np.exp(1j * omega * t)
+        turned: Complex = spectrum[:, places % ring.cells].T * np.exp(1j * omega * state.t)
         return turned
 
     def _logarithms(self, measured: Complex) -> Array:

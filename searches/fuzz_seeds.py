@@ -305,7 +305,7 @@ def run_files() -> tuple[bytes, ...]:
     import tempfile
 
     from longwave.runs.run_file import save_run
-    from longwave.scenes import named_scenes
+    from longwave.scenes import scene_run
     from longwave.scenes.named_scenes import load_scene
 
     found = []
@@ -313,6 +313,6 @@ def run_files() -> tuple[bytes, ...]:
         for text in (SMALL_SCENE, STATED_SCENE, SMALL_LATTICE_SCENE):
             path = Path(folder) / "scene.toml"
             path.write_text(text, encoding="utf-8")
-            save_run(named_scenes.run(load_scene(str(path))), path.with_suffix(".nc"))
+            save_run(scene_run.run(load_scene(str(path))), path.with_suffix(".nc"))
             found.append(path.with_suffix(".nc").read_bytes())
     return tuple(found)

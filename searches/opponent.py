@@ -27,6 +27,7 @@ import time
 import warnings
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
+from copy import copy
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import partial
@@ -44,9 +45,9 @@ from longwave.lattice.refine import refine
 from longwave.lattice.trial import StepSearch, Trial
 from longwave.reports.studies.estimate_scenes import RandomScene, random_scene
 from longwave.reports.studies.estimates import judge_scene, warm_up
-from longwave.scenes.lattice_derivation import lattice_wave
-from longwave.scenes.lattice_run import compared_cells
-from longwave.scenes.ring_runs import RingRecord, RingRuns
+from longwave.scenes.lattice_run import wave_rings
+from longwave.scenes.ring_runs import RingRuns
+from longwave.scenes.run_record import RunRecord
 from longwave.scenes.scene import Scene
 from longwave.scenes.scene_checks import Pairs
 from longwave.scenes.scene_rules import PERTURBED_PLANE
@@ -124,8 +125,8 @@ def ratio_of_search(engine: StepSearch, wider: StepSearch, tolerance: float) -> 
 
 def compared_values(trial: Trial) -> Array:
     """What is compared of a run, without the rates that are judged with it."""
-    of_ring = isinstance(trial.payload, RingRecord)
-    return np.array(trial.payload.measured) if of_ring else np.asarray(trial.values)
+    values = np.asarray(trial.values)
+    return values[:, 0] if isinstance(trial.payload, RunRecord) else values
 
 
 def of_lattice(scene: Scene) -> Judgement:
@@ -133,13 +134,11 @@ def of_lattice(scene: Scene) -> Judgement:
     if scene.is_growth:
         growing = SidebandRuns(growth_plan(scene), scene)
         return ratio_of_search(growing, growing, scene.target.tolerance)
-    wave = lattice_wave(scene)
-    times = scene.lattice_times(wave.slow)
-    wave.start(times[0])
-    compared = compared_cells(scene, wave)
-    engine, wider = RingRuns(wave, compared, times), RingRuns(wave, compared, times)
-    wider.signals = [FASTER * speed + 1.0 / (times[-1] - times[0]) for speed in engine.signals]
-    return ratio_of_search(engine, wider, scene.target.tolerance)
+    timed, rings = wave_rings(scene)
+    wider = copy(rings)
+    wider.signals = [FASTER * speed + 1.0 / (timed.end - timed.t0) for speed in rings.signals]
+    engines = RingRuns(timed, rings), RingRuns(timed, wider)
+    return ratio_of_search(*engines, scene.target.tolerance)
 
 
 def of_chain(scene: Scene) -> Judgement:

@@ -30,8 +30,8 @@ from numpy.typing import NDArray
 
 from longwave.reports.studies.estimate_scenes import random_scene
 from longwave.reports.studies.estimates import ANSWER_SECONDS, judge_scene, warm_up
-from longwave.scenes.chain import run
-from longwave.scenes.lattice_run import run_lattice_scene
+from longwave.scenes import run
+from longwave.scenes.lattice_run import record_scene
 from longwave.scenes.scene import Scene
 from longwave.scenes.sideband_growth import measure_growth
 from longwave.support.processes import OutOfTime, time_limit
@@ -141,8 +141,10 @@ def _run(scene: Scene, found: list[Measured], budget: float) -> tuple[str, str]:
 
 def _measured(scene: Scene, announce: Callable[[float], None]) -> Measured:
     if not scene.is_growth:
-        ran = run_lattice_scene(scene, announce=announce)
-        return Measured(ran.measured, ran.scale, ran.error_estimate)
+        ran = record_scene(scene, announce=announce)
+        values = ran.values("strains" if "strains" in ran.variables else "strain")
+        scale = scene.eps ** ran.attrs["power"]
+        return Measured(values, scale, ran.attrs["error_estimate"])
     growth = measure_growth(scene, announce=announce)
     unit = growth.plan.wave.largest_growth
     return Measured(np.array(growth.measured), unit, growth.run_error / unit)

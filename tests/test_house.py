@@ -230,7 +230,7 @@ def test_a_circle_of_imports_is_seen() -> None:
         "longwave.derive",
         "longwave.solutions",
         "longwave.lattice",
-        "longwave.scenes.chain",
+        "longwave.scenes",
         "longwave.verify.proof",
         "longwave",
     ],

@@ -7,8 +7,8 @@ from longwave.lattice.schemes import SCHEMES, stability_limit
 from longwave.reports.formulas.printing import latex
 from longwave.reports.latex import domain_latex
 from longwave.reports.pictures.paper_figures import ERROR_FIGURES, SNAPSHOT_FIGURES
-from longwave.scenes.chain.observables import OBSERVABLES
 from longwave.scenes.named_scenes import further_scenes, load_scene, shipped_scenes
+from longwave.scenes.observables import OBSERVABLES
 from longwave.scenes.scene import Scene
 from longwave.solutions import CATALOGUE, ClosedForm
 from longwave.verify.problem_file import ProblemText

@@ -9,13 +9,11 @@ from matplotlib.figure import Figure
 
 from longwave.reports.pictures.drawing import snapshot_figure
 from longwave.reports.pictures.run_data import snapshots
-from longwave.scenes.lattice_run import run_lattice_scene
-from longwave.scenes.named_scenes import load_scene
+from longwave.scenes import run
 
 
 def picture() -> Figure:
     """The strain of the cells, 180 and then 16 of them to either side of the crest."""
-    scene = load_scene("dimer_peregrine")
-    run = run_lattice_scene(scene).dataset
-    wide, near = (snapshots(run, cells, (1, 2)) for cells in (180, 16))
+    found = run("dimer_peregrine")
+    wide, near = (snapshots(found, cells, (1, 2)) for cells in (180, 16))
     return snapshot_figure([[wide[0], *near]], "theory")

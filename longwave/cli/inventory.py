@@ -172,7 +172,7 @@ def sweeps() -> list[Record]:
 
 def observables() -> list[Record]:
     """The observables: name, what is computed, the arrays that are added to a run."""
-    from longwave.scenes.chain.observables import OBSERVABLES
+    from longwave.scenes.observables import OBSERVABLES
 
     return [
         {

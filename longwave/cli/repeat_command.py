@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 from longwave.runs.output_checkpoint import OutputCheckpoint
 from longwave.runs.repeated_run import compare_runs
 from longwave.runs.run_file import load_run, scene_of_run
-from longwave.scenes import named_scenes
 from longwave.support.command_line import fail, interrupted
 from longwave.support.console import plain_console, print_lines, progress_bar
 
@@ -64,4 +63,4 @@ def _finished_run(source: str, changed: Mapping[str, object]) -> xr.Dataset:
 def _run_again(scene: Scene, source: str) -> xr.Dataset:
     errors = plain_console(stderr=True, soft_wrap=True)
     with progress_bar(scene.name, f"{source} again", errors) as bar:
-        return named_scenes.run(scene, *bar)
+        return scene.run(*bar)

@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+import numpy as np
 from rich.console import Console
 from rich.table import Table
 
@@ -11,12 +12,10 @@ from longwave.runs.output_checkpoint import OutputCheckpoint
 from longwave.runs.run_file import names_a_run
 from longwave.runs.save_elsewhere import check_run_output, fail_or_save_elsewhere, save_anywhere
 from longwave.runs.store_messages import fetch_with_messages
-from longwave.scenes.chain.expected_cost import check_cost
-from longwave.scenes.chain.recorders import Variables
-from longwave.scenes.chain.scene_run import record_with_trust
-from longwave.scenes.chain.stated_run import RunRecord, UnfinishedRun
 from longwave.scenes.chain.trust import USUAL_TOLERANCE
 from longwave.scenes.named_scenes import load_scene
+from longwave.scenes.recorders import Variables
+from longwave.scenes.run_record import RunRecord, UnfinishedRun
 from longwave.scenes.scene import Scene
 from longwave.support.command_line import fail, fail_for_memory, interrupted
 from longwave.support.console import plain_console, progress_bar
@@ -52,14 +51,9 @@ def run_and_print(
         found = load_scene(source)
     except (ValueError, OSError) as error:
         return fail(error)
-    if not found.has_moving_wave:
-        from longwave.cli.lattice_scene_command import run_lattice_and_print
-
-        return run_lattice_and_print(found, program, tolerance, engine, output, store, force)
     checkpoint = OutputCheckpoint(output, store)
     try:
         scene = _changed(found, tolerance, engine)
-        check_cost(scene)
         with checkpoint.kept(scene):
             run = _run_with_bar(scene, store)
     except UnfinishedRun as stop:
@@ -95,31 +89,40 @@ def _run_with_bar(scene: Scene, store: str | None) -> RunRecord:
     console = plain_console(stderr=True, soft_wrap=True)
     with progress_bar(scene.name, f"{scene.name}{wanted}", console) as bar:
         if store is None:
-            return record_with_trust(scene, *bar)
+            return scene.record(*bar)
         run = fetch_with_messages(store, scene, *bar)
     variables: Variables = {
         str(name): (tuple(map(str, value.dims)), value.values, dict(value.attrs))
         for name, value in run.variables.items()
     }
-    record = RunRecord(scene, tuple(run["time"].values), variables, dict(run.attrs))
+    record = RunRecord(scene, (), tuple(run["time"].values), variables, dict(run.attrs))
     record.dataset = run
     return record
 
 
 COLUMNS = {
+    "slow_time": "T",
+    "sup_error": "sup error / {unit}",
     "error": "relative error",
     "error_far_field": "against far field",
-    "time_step_error": "time step / eps",
-    "domain_error": "domain / eps",
+    "time_step_error": "time step / {unit}",
+    "domain_error": "domain / {unit}",
+    "sideband_size": "sidebands / carrier",
+    "sideband_theory": "in theory",
 }
+"""The columns of a run's table, of the variables that it has; errors are told in a unit."""
 
 
 def print_summary(run: RunRecord, scene: Scene, console: Console) -> None:
-    """Print a run's errors, its cost, what can be trusted of it, and a blow-up if there was one."""
-    shown = {name: title for name, title in COLUMNS.items() if name in run.variables}
-    if shown:
-        table = Table("t", *shown.values(), title=scene.title or scene.name)
-        for t, *row in zip(run.reached, *map(run.values, shown), strict=True):
+    """Print a run's errors, what was derived, its cost, what can be trusted of it, and a blow-up if
+    there was one."""
+    power = run.attrs.get("power", 1)
+    unit = "eps" if power == 1 else f"eps^{power}"
+    columns = {name: t.format(unit=unit) for name, t in COLUMNS.items() if name in run.variables}
+    console.print(scene.title or scene.name, markup=False, soft_wrap=True)
+    if columns:
+        table = Table("t", *columns.values())
+        for t, *row in zip(run.reached, *map(run.values, columns), strict=True):
             table.add_row(f"{t:g}", *(f"{value:.3g}" for value in row))
         console.print(table)
     for line in summary_lines(run, scene):
@@ -129,13 +132,34 @@ def print_summary(run: RunRecord, scene: Scene, console: Console) -> None:
 def summary_lines(run: RunRecord, scene: Scene) -> Iterator[str]:
     """The lines below the table."""
     told = run.attrs
+    if "equation" in told:
+        yield f"{scene.lattice}, eps = {scene.eps:g}, {scene.order} order; {told['equation']}"
+    if "verdict" in told:
+        yield str(told["verdict"])
     yield _cost(told)
+    if "peak" in run.variables:
+        yield from _pulse(run)
     if "trust_rate" in told:
         yield _trust(told, scene)
     if "unfinished" in told:
         yield f"unfinished: {told['unfinished']}"
     if told["blow_up"]:
         yield f"{told['blow_up']}; {len(run.reached)} snapshots before it are kept"
+
+
+def _pulse(run: RunRecord) -> Iterator[str]:
+    """What disorder left of a wave."""
+    peak, energy, delay = (
+        f"{run.values(name)[-1]:.4g} +- {run.values(name + '_error')[-1]:.1g}"
+        for name in ("peak", "energy", "delay")
+    )
+    unknown = np.isnan(run.values("energy")[-1])
+    held = "" if unknown else f" and energy {energy}"
+    yield f"at the end: largest force {peak}{held} of the start's, {delay} sites late"
+    if unknown:
+        yield "no energy is told: the lattice has none, or the wave goes on beyond half_width"
+    if "effective_speed" in run.attrs:
+        yield f"very long waves: {run.attrs['effective_speed']:.6g} of the ordered lattice's speed"
 
 
 def _trust(found: Mapping[str, Any], scene: Scene) -> str:
@@ -162,7 +186,10 @@ def _cost(cost: Mapping[str, Any]) -> str:
     )
     if "step_limit" in cost:
         line += f" (step limit {cost['step_limit']:.3g})"
-    return line + (_accuracy(cost) if "error_estimate" in cost else "")
+    if "error_estimate" in cost:
+        line += _accuracy(cost)
+    drift = cost.get("energy_drift")
+    return line if drift is None else f"{line}; energy kept to {drift:.1g}"
 
 
 def _accuracy(cost: Mapping[str, Any]) -> str:

@@ -152,8 +152,7 @@ def compare(
     try:
         with request_limits(limits.memory_bytes, limits.seconds):
             check_request("the run", scene.expected_cost(), CHEAPER)
-            compared = _of_chain if scene.has_moving_wave else _of_lattice
-            return compared(scene, progress, announce)
+            return _compared(scene, progress, announce)
     except Cancelled as stop:
         raise (stop.__cause__ or stop) from None
     except MemoryError:
@@ -175,85 +174,50 @@ def _check_cells(scene: Scene) -> None:
         )
 
 
-def _of_chain(scene: Scene, progress: Progress | None, announce: Any) -> Comparison:
+def _compared(scene: Scene, progress: Progress | None, announce: Any) -> Comparison:
     from longwave.cli.scene_command import summary_lines
-    from longwave.scenes.chain.scene_run import record_scene
-    from longwave.scenes.chain.trust import trust_attributes
-
-    trust = trust_attributes(scene)
-    record = record_scene(scene, progress, announce)
-    record.attrs |= trust
-    run = record.dataset
-    ended = record.attrs["blow_up"]
-    if not run.sizes["time"]:
-        raise ValueError(f"{ended} (no time is reached; take a smaller eps)")
-    lattice, wave, background = (run[name].values for name in ("strain", "analytic", "background"))
-    errors = np.max(np.abs(lattice - wave), axis=1)
-    heights = np.max(np.abs(wave - background), axis=1)
-    return Comparison(
-        X=_distances(scene.eps, run, scene.model.sound_speed()),
-        times=run["time"].values,
-        slow_times=run["time"].values * scene.eps**3,
-        lattice=lattice / scene.eps,
-        wave=wave / scene.eps,
-        errors=errors / scene.eps,
-        relative=errors / np.where(heights > 0.0, heights, np.max(np.abs(wave))),
-        estimate=float(run.attrs["error_estimate"]),
-        unit="eps",
-        equation=f"{scene.form.equation.name}: {_chain_equation()[0]}",
-        equation_latex=_chain_equation()[1],
-        wave_texts=wave_texts(scene),
-        lines=tuple(summary_lines(record, scene)),
-        ended=ended,
-    )
-
-
-def _chain_equation() -> tuple[str, str]:
-    """The chain's long-wave equation with its constants as letters, as text and LaTeX."""
-    from longwave.solutions import kept_data
-
-    text, latex = kept_data(__name__, "equation of the chain", _derived_chain_equation)
-    return text, latex
-
-
-def _derived_chain_equation() -> list[str]:
-    from longwave.derive import LATTICES, Scaling, reduce
-
-    pde = reduce(LATTICES["fput_strain"], Scaling()).pde
-    return [pde.text(), pde.latex()]
-
-
-def _of_lattice(scene: Scene, progress: Progress | None, announce: Any) -> Comparison:
     from longwave.derive import Reduction
-    from longwave.scenes.lattice_run import run_lattice_scene
+    from longwave.scenes.lattice_derivation import derivation
 
-    found = run_lattice_scene(scene, progress, announce)
-    run, source, cost = found.dataset, found.derived.source, found.cost
+    record = scene.record(progress, announce)
+    run, told = record.dataset, record.attrs
+    if not run.sizes["time"]:
+        raise ValueError(f"{told['blow_up']} (no time is reached; take a smaller eps)")
+    scale = scene.eps ** told["power"]
     lattice, wave = (_middle_row(run[name].values) for name in ("strain", "analytic"))
+    errors = _largest(run.get("strains", run["strain"]) - run.get("analytics", run["analytic"]))
+    relative = np.where(np.isnan(run["error"]), errors / np.max(np.abs(wave)), run["error"])
+    derived = derivation(scene)
     of_envelope = r"i A_T + p\, A_{XX} + q\, |A|^2 A = 0"
     return Comparison(
-        X=_distances(scene.eps, run, found.speed),
-        times=np.array(found.times),
-        slow_times=found.slow_times,
-        lattice=lattice / found.scale,
-        wave=wave / found.scale,
-        errors=found.errors,
-        relative=found.relative_errors,
-        estimate=found.error_estimate,
-        unit=found.unit,
-        equation=found.derived.text(),
-        equation_latex=source.pde.latex() if isinstance(source, Reduction) else of_envelope,
+        X=_distances(scene.eps, run),
+        times=run["time"].values,
+        slow_times=run["time"].values * scene.eps**derived.slow,
+        lattice=lattice / scale,
+        wave=wave / scale,
+        errors=errors / scale,
+        relative=relative,
+        estimate=float(told["error_estimate"]),
+        unit="eps" if told["power"] == 1 else f"eps^{told['power']}",
+        equation=derived.text(),
+        equation_latex=derived.source.pde.latex()
+        if isinstance(derived.source, Reduction)
+        else of_envelope,
         wave_texts=wave_texts(scene),
-        lines=(
-            f"{cost['engine']}, {cost['scheme']}: {cost['steps']} steps, {cost['sites']} sites, "
-            f"{cost['seconds']:.2f} s; planned in {cost['planning_seconds']:.2f} s",
-        ),
+        lines=tuple(summary_lines(record, scene)),
+        ended=told["blow_up"],
     )
 
 
-def _distances(eps: float, run: xr.Dataset, speed: float) -> Array:
+def _largest(values: xr.DataArray) -> Array:
+    """The largest size at each time."""
+    return np.max(np.abs(values.values), axis=tuple(range(1, values.ndim)))
+
+
+def _distances(eps: float, run: xr.Dataset) -> Array:
     """X = eps (n - c t) of every compared cell at every time."""
-    places: Array = eps * (run["n"].values - speed * run["time"].values[:, None])
+    travelled = run.attrs["frame_speed"] * run["time"].values
+    places: Array = eps * (run["n"].values - travelled[:, None])
     return places
 
 
@@ -324,6 +288,7 @@ class Explorer:
 
 BEFOREHAND = (
     "longwave.cli.scene_command",
+    "longwave.scenes.chain.chain_run",
     "longwave.scenes.lattice_run",
     "longwave.derive.reduction",
     "xarray",

@@ -16,7 +16,7 @@ from longwave.reports.pictures.drawing import save, snapshot_figure, styled
 from longwave.reports.pictures.film import Film
 from longwave.reports.pictures.film_files import SUFFIXES, film_path, save_film
 from longwave.reports.pictures.run_data import snapshots
-from longwave.scenes.chain import run
+from longwave.scenes import run
 from longwave.scenes.named_scenes import load_scene
 from longwave.support.command_line import called_by, fail, interrupted, run_words
 

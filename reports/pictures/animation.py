@@ -24,7 +24,7 @@ from longwave.reports.pictures.film_files import film_path, has_ffmpeg, save_fil
 from longwave.reports.pictures.plotting import Source, default_output, read_source, shown_half_width
 from longwave.reports.pictures.run_data import check_run, placed
 from longwave.runs.run_file import SWEPT, names_a_run
-from longwave.scenes import named_scenes
+from longwave.scenes import scene_run
 from longwave.scenes.scene import Scene
 from longwave.scenes.scene_checks import MOST_TIMES
 from longwave.support.command_line import fail, fail_for_memory, interrupted, one_line
@@ -113,7 +113,7 @@ def animate(
     else:
         scene = _scene_of_film(found, options)
         told(_check_cost(scene.name, options, options.count, path, scene.expected_cost()))
-        data = named_scenes.run(scene, progress, announce)
+        data = scene_run.run(scene, progress, announce)
     shown = _within(data, options.times)
     count = shown.sizes["time"]
     told(_check_cost("the film", options, count, path, ExpectedCost()))

@@ -47,10 +47,10 @@ from longwave.reports.pictures.run_data import (
 from longwave.reports.pictures.sweep_plotting import SWEEP_PICTURES, Choice, is_sweep, sweep_parts
 from longwave.runs import load_run
 from longwave.runs.run_file import REMEDY, names_a_run
-from longwave.scenes.chain import run
-from longwave.scenes.chain.observables import MEASURED
-from longwave.scenes.chain.stated_run import UnfinishedRun
+from longwave.scenes import run
 from longwave.scenes.named_scenes import load_scene
+from longwave.scenes.observables import MEASURED
+from longwave.scenes.run_record import UnfinishedRun
 from longwave.scenes.scene import Scene
 from longwave.scenes.scene_checks import MOST_TIMES
 from longwave.support.command_line import fail, fail_for_memory, interrupted, one_line

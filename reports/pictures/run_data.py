@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from longwave.runs import scene_of_run
 from longwave.runs.own_error import scaled_own_error, wave_size
-from longwave.scenes.chain.observables import amplitudes, cell_width, extremum
+from longwave.scenes.observables import amplitudes, cell_width, extremum
 from longwave.support.user_files import shown
 
 if TYPE_CHECKING:

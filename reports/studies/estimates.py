@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from longwave.reports.studies.causal_reference import CausalReference, SoftenedError
 from longwave.reports.studies.estimate_scenes import RandomScene, random_scene
-from longwave.scenes.chain import run
+from longwave.scenes import run
 from longwave.scenes.numerics import ENGINES
 from longwave.scenes.scene import Scene
 from longwave.support.processes import Job, Key, OutOfTime, time_limit

@@ -26,7 +26,7 @@ from longwave.lattice.schemes import (
 from longwave.lattice.stepper import Stepper, advance
 from longwave.reports.studies.doubledouble_ring import advance_doubled, doubled
 from longwave.reports.studies.travelling_waves import TravellingWave, fastest_mode, travelling_wave
-from longwave.scenes.chain import resume, run
+from longwave.scenes import resume, run
 from longwave.scenes.chain.domain import SiteRing, Window
 from longwave.scenes.chain.trust import UNIT_ROUNDOFF, horizon
 from longwave.scenes.named_scenes import load_scene

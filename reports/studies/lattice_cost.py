@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from longwave.lattice.schemes import SCHEMES, scheme_named, stability_limit
 from longwave.lattice.spectral.evolution import SpectralRing
-from longwave.scenes.chain import run
+from longwave.scenes import run
 from longwave.scenes.chain.spectral_data import RingPlace, ring_data
 from longwave.scenes.named_scenes import EPS, ORDERS, load_scene, rational_family_scenes
 from longwave.scenes.numerics import Tolerance

@@ -13,7 +13,7 @@ import xarray as xr
 
 from longwave.lattice.schemes import scheme_named
 from longwave.lattice.trial import Progress
-from longwave.scenes.chain import run
+from longwave.scenes import run
 from longwave.scenes.chain.moving_wave import find_bounds
 from longwave.scenes.chain.stencil_search import PREFERRED, least_sites, longest_step
 from longwave.scenes.named_scenes import load_scene, scene_of

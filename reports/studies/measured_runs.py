@@ -7,10 +7,10 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from longwave.scenes.chain import run
-from longwave.scenes.chain.observables import measured_error
-from longwave.scenes.chain.stated_run import stated_seconds
+from longwave.scenes import run
+from longwave.scenes.chain.sites import stated_seconds
 from longwave.scenes.named_scenes import load_scene, shipped_scenes
+from longwave.scenes.observables import measured_error
 from longwave.scenes.scene import Scene
 from longwave.support.processes import Job
 

@@ -20,7 +20,7 @@ USUAL = 1.0
 
 @dataclass(frozen=True)
 class SceneRun:
-    """A scene's run as `LatticeRun.dataset`, or in words why there is none."""
+    """A scene's run, or in words why there is none."""
 
     scene: Scene
     run: xr.Dataset | None

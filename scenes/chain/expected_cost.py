@@ -10,14 +10,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
-from longwave.scenes.chain.observables import MAP_CELLS, Observable, observable_named
-from longwave.scenes.chain.stated_run import (
-    PROCESS_SECONDS,
-    SECONDS_PER_UPDATE,
-    refinements,
-    stated_seconds,
-)
+from longwave.scenes.chain.sites import PROCESS_SECONDS, SECONDS_PER_UPDATE, stated_seconds
+from longwave.scenes.observables import MAP_CELLS, Observable, observable_named
 from longwave.scenes.scene import Scene
+from longwave.scenes.stated_run import refinements
 from longwave.support.request_limits import ExpectedCost, check_request
 
 PROCESS_BYTES = 2.8e8

@@ -17,7 +17,6 @@ from longwave.lattice.spectral.exponential import ORDER
 from longwave.lattice.spectral.ring import ALIKE, telling_step
 from longwave.lattice.trial import Progress, Trial
 from longwave.scenes.chain.moving_wave import MovingWave
-from longwave.scenes.chain.recorders import Recorder, build_recorders
 from longwave.scenes.chain.spectral_data import (
     RingData,
     SpectralCost,
@@ -30,12 +29,10 @@ from longwave.scenes.chain.spectral_search import (
     StepTooShortError,
     solve_on_rings,
 )
-from longwave.scenes.chain.stated_run import (
-    RunRecord,
-    unfinished,
-)
-from longwave.scenes.chain.view import View
+from longwave.scenes.recorders import Recorder, build_recorders
+from longwave.scenes.run_record import RunRecord, unfinished
 from longwave.scenes.scene import Scene
+from longwave.scenes.view import SiteView
 from longwave.support.request_limits import OverBudgetError
 
 START_SECONDS = 0.08
@@ -180,12 +177,12 @@ def _stopped(
     """What the best run that is left shows, as far as it got."""
     trial = stop.trial
     if trial is None or trial.values is None:
-        return unfinished(None, None, stop.before)
+        return unfinished(None, scene, None, stop.before)
     seen = replace(moving, times=moving.times[: 1 + len(trial.values)])
     run = _recorded(scene, seen, trial, recorders)
     if seen != moving:
         run.attrs["unfinished"] = f"Ctrl-C after t = {seen.end:g} of {scene.end:g}"
-    return unfinished(run, stop.error, stop.before)
+    return unfinished(run, scene, stop.error, stop.before)
 
 
 def _recorded(
@@ -204,7 +201,7 @@ def _recorded(
         if fault is not None:
             reached = tuple(seen for seen in scene.snapshots if seen < t)
             break
-        view = View(moving, state)
+        view = SiteView(moving, state)
         for item in recorders:
             if item.moments.due(t):
                 item.see(view)
@@ -221,4 +218,4 @@ def _recorded(
         "blow_up": "" if fault is None else str(fault),
     }
     variables = {name: value for item in recorders for name, value in item.variables().items()}
-    return RunRecord(scene, reached, variables, told)
+    return RunRecord(scene, (scene.compared,), reached, variables, told)

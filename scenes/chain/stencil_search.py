@@ -35,18 +35,13 @@ from longwave.scenes.chain.domain import (
     window_moves,
 )
 from longwave.scenes.chain.moving_wave import MovingWave, WaveBounds, find_bounds
-from longwave.scenes.chain.observables import observable_named
-from longwave.scenes.chain.recorders import StrainSamples, moments_of
-from longwave.scenes.chain.stated_run import (
-    SECONDS_PER_UPDATE,
-    START_SECONDS,
-    RunRecord,
-    UnfinishedRun,
-    run_from,
-    unfinished,
-)
+from longwave.scenes.chain.sites import SECONDS_PER_UPDATE, START_SECONDS, ChainSites
 from longwave.scenes.numerics import Discretisation
+from longwave.scenes.observables import observable_named
+from longwave.scenes.recorders import Samples, exact_times
+from longwave.scenes.run_record import RunRecord, UnfinishedRun, unfinished
 from longwave.scenes.scene import Scene
+from longwave.scenes.stated_run import run_from
 
 PREFERRED = "reduced_phase_6"
 """Fewest force evaluations for sup errors from 1e-2 to 1e-9 of those in the table."""
@@ -87,13 +82,6 @@ def least_sites(moving: MovingWave, domain: str, bounds: WaveBounds) -> int:
 def round_up(sites: float) -> int:
     """The next multiple of ``SITE_MULTIPLE``."""
     return SITE_MULTIPLE * math.ceil(sites / SITE_MULTIPLE)
-
-
-def exact_times(scene: Scene) -> tuple[float, ...]:
-    """The times that the scene's observables want exactly."""
-    entries = map(observable_named, scene.observables)
-    times = {t for entry in entries for t in moments_of(scene, entry.seen).times}
-    return tuple(sorted(times.union(scene.snapshots)))
 
 
 def judged_times(moving: MovingWave, exact: Sequence[float], domain: str) -> tuple[float, ...]:
@@ -144,7 +132,7 @@ def run_stencil(scene: Scene, progress: Progress, announce: Announce) -> tuple[R
         found = refine(engine, scene.target.tolerance, progress, announce)
     except StoppedSearch as stop:
         run = None if stop.trial is None else stop.trial.payload
-        raise unfinished(run, stop.error, stop.before) from None
+        raise unfinished(run, scene, stop.error, stop.before) from None
     run = found.trial.payload
     if math.isinf(found.error) and not run.attrs["blow_up"]:
         raise ValueError(
@@ -256,7 +244,7 @@ class StencilEngine:
         return replace(choices, size=_checked(round_up(sites)))
 
     def _run(self, choices: Choices, shown: bool, progress: Progress) -> Trial:
-        samples = StrainSamples(self._times)
+        samples = Samples(self._times)
         looked = (shown or choices.causal) and not choices.nudged
         domain = "closed_ring" if choices.causal else "window"
         scheme = self._base.discretisation.scheme
@@ -269,7 +257,8 @@ class StencilEngine:
         )
         stopped = False
         try:
-            run = run_from(stated, replace(self._moving, eps=eps), None, progress, [samples])
+            sites = ChainSites(stated, replace(self._moving, eps=eps))
+            run = run_from(sites, None, progress, [samples])
         except UnfinishedRun as stop:
             run, stopped = stop.record, True
         steps, size = run.attrs["force_evaluations"], run.attrs["sites"]

@@ -131,7 +131,7 @@ def test_a_wrong_word_is_one_line_and_status_2(capsys: Output) -> None:
         (["converge", "rogue_cn_k_0.5"], "tolerance must be given for this, got a stated step"),
         (
             ["run", "toda_soliton", "--engine", "spectral"],
-            "engine must be 'stencil', and scheme left",
+            "engine must be 'stencil' for kdv_soliton on toda",
         ),
         (["list", "wavse"], "'wavse' is not one of 'lattices', 'waves'"),
         (["list", "wavse"], "(did you mean waves? see longwave list --help)"),

@@ -39,12 +39,11 @@ from longwave.lattice import (
 )
 from longwave.lattice.model import BlowUp
 from longwave.lattice.numeric_lattice import NumericLattice, numeric_lattice
-from longwave.scenes.chain.observables import OBSERVABLES
-from longwave.scenes.chain.stated_run import RunRecord
 from longwave.scenes.lattice_derivation import derivation
-from longwave.scenes.lattice_run import LatticeRun, run_lattice_scene
 from longwave.scenes.named_scenes import load_scene
 from longwave.scenes.numerics import Discretisation, Tolerance
+from longwave.scenes.observables import OBSERVABLES
+from longwave.scenes.run_record import RunRecord
 from longwave.scenes.scene import Scene
 from longwave.solutions import CATALOGUE, ClosedForm, Wave, closed_form, rational
 from longwave.verify.proof import Domain, rational_facts
@@ -88,12 +87,10 @@ def peregrine() -> Any:
 
 
 @cache
-def short_run() -> LatticeRun:
-    return run_lattice_scene(
-        Scene.of(
-            name="short", lattice="toda", constants={"a": 1, "b": 1}, eps=0.2, wave="kdv_soliton",
-            parameters={"kappa": 2}, slow_times=[0, 0.01], half_width=2, tolerance=0.1,
-        )
+def short_scene() -> Scene:
+    return Scene.of(
+        name="short", lattice="toda", constants={"a": 1, "b": 1}, eps=0.2, wave="kdv_soliton",
+        parameters={"kappa": 2}, slow_times=[0, 0.01], half_width=2, tolerance=0.1,
     )  # fmt: skip
 
 
@@ -186,9 +183,11 @@ MADE: Mapping[str, tuple[Callable[[], Any], Callable[[Any], Any] | None]] = {
     "Statement": (STATEMENT, attrgetter("variables")),
     "StatementVerdict": (lambda: decide_statement(STATEMENT()), methodcaller("json")),
     "MovingWave": (lambda: scene().moving_wave, methodcaller("initial_data", SITES)),
-    "RunRecord": (lambda: RunRecord(scene(), [0.0], ERROR, {}), methodcaller("values", "error")),
-    "LatticeDerivation": (lambda: derivation(short_run().scene), methodcaller("text")),
-    "LatticeRun": (short_run, attrgetter("errors")),
+    "RunRecord": (
+        lambda: RunRecord(scene(), (9,), [0.0], ERROR, {}),
+        methodcaller("values", "error"),
+    ),
+    "LatticeDerivation": (lambda: derivation(short_scene()), methodcaller("text")),
 }
 """Of each public class an instance, and what is asked of it in another process."""
 

@@ -10,12 +10,12 @@ from longwave.cli.command_tree import PICTURES
 from longwave.reports.pictures import plotting as drawing
 from longwave.reports.pictures.plotting import ALL
 from longwave.reports.pictures.plotting import PICTURES as KINDS
-from longwave.scenes.chain.stated_run import RunRecord, UnfinishedRun
 from longwave.scenes.named_scenes import load_scene
+from longwave.scenes.run_record import RunRecord, UnfinishedRun
 
 Output = pytest.CaptureFixture[str]
 
-NOTHING = RunRecord(load_scene("rogue_cn_k_0.5"), (), {}, {})
+NOTHING = RunRecord(load_scene("rogue_cn_k_0.5"), (9,), (), {}, {})
 
 
 def test_the_kinds_are_those_that_are_drawn() -> None:

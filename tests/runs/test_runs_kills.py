@@ -16,7 +16,7 @@ import pytest
 
 from longwave.runs.run_file import load_run
 from longwave.runs.run_store import RunStore, UnkeptRunError
-from longwave.scenes import named_scenes
+from longwave.scenes import scene_run
 from tests.runs.unfinished_scenes import SCENES, bits, chain
 
 KILLS = 12
@@ -79,7 +79,7 @@ def check_kept(store: RunStore, name: str, whole: dict[str, object]) -> bool:
 def test_a_run_killed_at_any_moments_is_finished_with_the_same_bits(
     name: str, server: Server, tmp_path: Path, rng: np.random.Generator
 ) -> None:
-    store, whole = RunStore(tmp_path), bits(named_scenes.run(SCENES[name]))
+    store, whole = RunStore(tmp_path), bits(scene_run.run(SCENES[name]))
     kills = 0
     while kills < KILLS:
         least = float(rng.choice([0.0, 0.02]))
@@ -96,7 +96,7 @@ def test_a_run_killed_at_any_moments_is_finished_with_the_same_bits(
 def test_a_killed_run_without_a_store_is_finished_beside_its_output(
     name: str, server: Server, tmp_path: Path, rng: np.random.Generator
 ) -> None:
-    output, whole = tmp_path / "out.nc", bits(named_scenes.run(SCENES[name]))
+    output, whole = tmp_path / "out.nc", bits(scene_run.run(SCENES[name]))
     kills = 0
     while kills < KILLS:
         number = server.ask("write", name, tmp_path, float(rng.choice([0.0, 0.02])))
@@ -115,7 +115,7 @@ def test_what_one_process_began_another_one_that_waits_finishes(
     server: Server, tmp_path: Path, rng: np.random.Generator
 ) -> None:
     name = "stencil, window"
-    store, whole = RunStore(tmp_path), bits(named_scenes.run(SCENES[name]))
+    store, whole = RunStore(tmp_path), bits(scene_run.run(SCENES[name]))
     for _ in range(4):
         one, other = (server.start(name, tmp_path, 0.0) for _ in range(2))
         server.killed(one, rng.uniform(0.0, server.seconds[name]))
@@ -164,7 +164,7 @@ def test_a_full_disk_loses_no_finished_run_and_harms_no_other(
     small_disk: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
     store, small = RunStore(small_disk, least=0.0, share=1e9), SCENES["stated window, refined"]
-    whole = bits(named_scenes.run(LARGE))
+    whole = bits(scene_run.run(LARGE))
     with pytest.raises(UnkeptRunError, match="No space left") as caught:
         store.fetch(LARGE)
     assert bits(caught.value.run) == whole

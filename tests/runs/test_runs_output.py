@@ -133,7 +133,7 @@ def test_a_run_in_a_store_is_printed_alike_and_not_run_again(
         assert main(["run", str(scene), "--store", "store", "--output", "copy.nc", "--force"]) == 0
         out, told = capsys.readouterr()
         printed.append(out)
-        monkeypatch.setattr("longwave.scenes.chain.scene_run.record_with_trust", None)
+        monkeypatch.setattr("longwave.scenes.chain.chain_run.record_scene", None)
     assert printed[0] == printed[1]
     assert "10 steps, 256 sites" in printed[0]
     (kept,) = Path("store").rglob("*.nc")

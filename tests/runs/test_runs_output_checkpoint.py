@@ -10,7 +10,7 @@ import pytest
 from longwave.cli.scene_command import run_and_print
 from longwave.runs import output_checkpoint
 from longwave.runs.run_file import load_run
-from longwave.scenes import named_scenes
+from longwave.scenes import scene_run
 from longwave.support.checkpoint_folder import CheckpointFolder
 from tests.runs.unfinished_scenes import SCENES, Killed, bits
 
@@ -54,7 +54,7 @@ def test_a_run_is_gone_on_with_beside_its_output(
     assert run(tmp_path) == 0
     assert capsys.readouterr().err == "window: goes on where it was broken off\n"
     assert kept["writes"] < whole
-    assert bits(load_run(tmp_path / "run.nc")) == bits(named_scenes.run(SCENES[NAME]))
+    assert bits(load_run(tmp_path / "run.nc")) == bits(scene_run.run(SCENES[NAME]))
     assert {path.name for path in tmp_path.iterdir()} == {"scene.toml", "run.nc", "whole.nc"}
 
 
@@ -71,7 +71,7 @@ def test_what_another_scene_left_is_not_used_and_what_is_no_checkpoint_stays(
     assert run(tmp_path) == 0
     said = f"window: begins anew: {mine.parent} holds nothing of this scene, code and machine\n"
     assert capsys.readouterr().err == said
-    assert bits(load_run(tmp_path / "run.nc")) == bits(named_scenes.run(SCENES[NAME]))
+    assert bits(load_run(tmp_path / "run.nc")) == bits(scene_run.run(SCENES[NAME]))
     assert list(mine.parent.iterdir()) == [mine]
 
 

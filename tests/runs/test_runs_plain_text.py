@@ -9,6 +9,7 @@ from rich.progress import TextColumn
 from longwave.__main__ import main
 from longwave.cli import scene_command as cli
 from longwave.scenes.named_scenes import load_scene
+from longwave.scenes.scene import Scene
 from longwave.support import console
 
 SCENE = """
@@ -61,6 +62,6 @@ def test_the_bars_label_is_no_markup(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(console, "TextColumn", Noted)
     terminal = Console(force_terminal=True, stderr=True)
     monkeypatch.setattr(cli, "plain_console", lambda **_: terminal)
-    monkeypatch.setattr(cli, "record_with_trust", lambda *_: None)
+    monkeypatch.setattr(Scene, "record", lambda *_: None)
     cli._run_with_bar(load_scene("rogue_cn_k_0.5"), None)
     assert [column.markup for column in columns] == [False]

@@ -11,13 +11,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from longwave.scenes.chain.observables import OBSERVABLES
 from longwave.scenes.named_scenes import (
     lattice_scenes,
     load_scene,
     rational_family_scenes,
     scene_of_toml,
 )
+from longwave.scenes.observables import OBSERVABLES
 from longwave.scenes.scene import Scene
 from longwave.scenes.scene_checks import CHAIN, CHAIN_CONSTANTS
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from longwave.scenes import named_scenes
+from longwave.scenes import scene_run
 from longwave.support.checkpoint import kept_by
 from tests.runs.unfinished_scenes import SCENES, Killed, KillingFolder, bits
 
@@ -27,7 +27,7 @@ def resumed_bits(name: str, folder: Path, kills: list[int]) -> tuple[dict[str, o
         keeper = KillingFolder(folder, writes)
         try:
             with kept_by(keeper):
-                found = bits(named_scenes.run(SCENES[name]))
+                found = bits(scene_run.run(SCENES[name]))
         except Killed:
             continue
         return found, keeper.names
@@ -36,7 +36,7 @@ def resumed_bits(name: str, folder: Path, kills: list[int]) -> tuple[dict[str, o
 
 def check_resumed(name: str, folder: Path, rng: np.random.Generator, times: int) -> None:
     whole, names = resumed_bits(name, folder / "whole", [])
-    assert whole == bits(named_scenes.run(SCENES[name]))
+    assert whole == bits(scene_run.run(SCENES[name]))
     for attempt in range(times):
         kills = rng.integers(0, len(names), 3).tolist()
         found, left = resumed_bits(name, folder / f"{attempt}", kills)

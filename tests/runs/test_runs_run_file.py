@@ -16,9 +16,9 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from longwave.runs import load_run, open_run, save_run, scene_of_run
-from longwave.scenes import named_scenes
-from longwave.scenes.chain.observables import OBSERVABLES
+from longwave.scenes import scene_run
 from longwave.scenes.named_scenes import load_scene
+from longwave.scenes.observables import OBSERVABLES
 from longwave.scenes.scene import Scene
 
 EVERYTHING = tuple(OBSERVABLES)
@@ -53,7 +53,7 @@ DIMER = load_scene("dimer_peregrine").changed(eps=0.15, half_width=2.0, slow_tim
 
 @pytest.fixture(scope="module", params=[RING, CHOSEN, DIMER], ids=["stated", "chosen", "lattice"])
 def run(request: pytest.FixtureRequest) -> xr.Dataset:
-    return named_scenes.run(request.param)
+    return scene_run.run(request.param)
 
 
 def same_bits(one: xr.Dataset, other: xr.Dataset) -> None:
@@ -95,7 +95,7 @@ def test_plain_xarray_opens_it_with_units_and_names_on_everything(
 
 
 def test_what_a_tolerance_chose_stands_beside_the_scene() -> None:
-    found = named_scenes.run(CHOSEN)
+    found = scene_run.run(CHOSEN)
     assert scene_of_run(found) == CHOSEN
     assert "step = " in found.attrs["plan"]
     assert found.attrs["error_estimate"] <= 1e-2

@@ -16,7 +16,7 @@ import xarray as xr
 import longwave.runs.run_store
 from longwave.runs.run_file import load_run
 from longwave.runs.run_store import RunStore, UnkeptRunError, code_that_matters
-from longwave.scenes import named_scenes
+from longwave.scenes import scene_run
 from longwave.scenes.named_scenes import load_scene
 from longwave.support.provenance import provenance
 from tests.runs.unfinished_scenes import bits, chain
@@ -24,7 +24,7 @@ from tests.runs.unfinished_scenes import bits, chain
 SMALL = chain("small", snapshots=[0, 20], domain="window", step=0.5, sites=640)
 
 
-RUN = named_scenes.run
+RUN = scene_run.run
 
 
 @pytest.fixture
@@ -41,7 +41,7 @@ def runs_made(monkeypatch: pytest.MonkeyPatch) -> list[str]:
         made.append(scene.name)
         return RUN(scene, *rest)
 
-    monkeypatch.setattr(named_scenes, "run", run)
+    monkeypatch.setattr(scene_run, "run", run)
     return made
 
 
@@ -138,7 +138,7 @@ def test_a_damaged_file_is_made_anew_and_told(
 
 
 def test_an_unfinished_run_is_not_kept(store: RunStore) -> None:
-    run = named_scenes.run(SMALL).assign_attrs(unfinished="Ctrl-C after t = 3")
+    run = scene_run.run(SMALL).assign_attrs(unfinished="Ctrl-C after t = 3")
     with pytest.raises(ValueError, match="come to its end"):
         store.keep(SMALL, run)
     assert store.find(SMALL) is None
@@ -154,7 +154,7 @@ def test_a_finished_run_is_not_lost_where_it_cannot_be_written(
         broken.setattr(longwave.runs.run_store, "write_sealed", full)
         with pytest.raises(UnkeptRunError, match="No space left") as caught:
             store.fetch(SMALL)
-    assert bits(caught.value.run) == bits(named_scenes.run(SMALL))
+    assert bits(caught.value.run) == bits(scene_run.run(SMALL))
     assert store.find(SMALL) is None
     assert store.find(SMALL) is None
     assert store.keep(SMALL, caught.value.run) == store.find(SMALL)
@@ -179,17 +179,17 @@ def test_sources_that_changed_keep_no_run(
 
 FETCH = """
 import sys
-from longwave.scenes import named_scenes
+from longwave.scenes import scene_run
 from longwave.runs.run_store import RunStore
 from tests.runs.test_runs_store import SMALL
 
-made = named_scenes.run
+made = scene_run.run
 
 def run(*given):
     print("made", flush=True)
     return made(*given)
 
-named_scenes.run = run
+scene_run.run = run
 RunStore(sys.argv[1]).fetch(SMALL)
 """
 

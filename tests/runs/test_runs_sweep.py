@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from longwave.cli import scene_command
 from longwave.cli.scene_command import run_and_print
 from longwave.runs import run_pack, run_store, sweep_cells
 from longwave.runs.run_file import load_run
@@ -24,8 +23,9 @@ from longwave.runs.sweep_cost import expected_sweep_cost
 from longwave.runs.sweep_dataset import cell_run, sweep_dataset, write_sweep
 from longwave.runs.sweep_file import Sweep, sweep_of
 from longwave.runs.worker_code import code_here
-from longwave.scenes import named_scenes
+from longwave.scenes import scene_run
 from longwave.scenes.named_scenes import load_scene
+from longwave.scenes.scene import Scene
 from longwave.support.compiled import cores
 from longwave.support.processes import Call, Job, LostProcess
 from tests.runs.unfinished_scenes import bits
@@ -98,7 +98,7 @@ def test_a_sweep_gives_what_its_runs_give_to_the_bit(store: RunStore) -> None:
     assert found.sizes == {"eps": 2, "A": 2, "time": 2, "site": 41, "curve_time": 3}
     assert found.status.values.tolist() == [["done"] * 2] * 2
     for cell, (i, j) in enumerate(np.ndindex(2, 2)):
-        run = named_scenes.run(sweep.scene(cell))
+        run = scene_run.run(sweep.scene(cell))
         xr.testing.assert_identical(
             cell_run(sweep, store, eps=i, A=j).drop_attrs(deep=False), run.drop_attrs(deep=False)
         )
@@ -113,7 +113,7 @@ def test_attributes_come_back_as_they_were(store: RunStore) -> None:
     sweep = small_sweep(eps=[0.1])
     run_sweep(sweep, store, HereWorkers())
     kept = cell_run(sweep, store, eps=0).attrs
-    run = named_scenes.run(sweep.scene(0)).attrs
+    run = scene_run.run(sweep.scene(0)).attrs
     timed = {"seconds", "planning_seconds"}
     assert {k: v for k, v in kept.items() if k not in timed} == {
         k: v for k, v in run.items() if k not in timed
@@ -139,7 +139,7 @@ def test_fields_are_read_when_they_are_used(
     assert "strain" not in read
     part = found.strain.isel(eps=1, A=slice(None), site=[0, 20])
     assert "strain" not in read
-    whole = np.stack([named_scenes.run(sweep.scene(cell)).strain.values for cell in (2, 3)])
+    whole = np.stack([scene_run.run(sweep.scene(cell)).strain.values for cell in (2, 3)])
     np.testing.assert_array_equal(part.values, whole[..., [0, 20]])
     assert "strain" in read
     every = found.strain.values
@@ -190,7 +190,7 @@ def test_errors_of_cells_have_errors_of_their_own(kind: str, store: RunStore) ->
     measured = [found[name][0, -1] for name in ("time_step_error", "domain_error") if name in found]
     told = float(2.0 * sum(measured) if measured else found.error_estimate[0])
     seen = {} if scene is LATTICE else {"observables": ["strain"]}
-    run = named_scenes.run(sweep_of({"scene": scene | seen, "grid": {field: values}}).scene(0))
+    run = scene_run.run(sweep_of({"scene": scene | seen, "grid": {field: values}}).scene(0))
     apart = float(abs(run.strain - run.analytic).max())
     unit = scene["eps"] ** (2 if scene is LATTICE else 1)
     assert own / coarse == pytest.approx(unit * told / apart, rel=0.01)
@@ -206,7 +206,7 @@ def test_a_run_that_measured_none_has_no_error_of_its_own(store: RunStore) -> No
 
 def test_what_is_there_is_not_run_again(store: RunStore) -> None:
     run_sweep(small_sweep(eps=[0.1, 0.2]), store, HereWorkers())
-    store.keep(small_sweep(eps=[0.3]).scene(0), named_scenes.run(small_sweep(eps=[0.3]).scene(0)))
+    store.keep(small_sweep(eps=[0.3]).scene(0), scene_run.run(small_sweep(eps=[0.3]).scene(0)))
     workers = HereWorkers()
     sweep = small_sweep(eps=[0.1, 0.3, 0.4, 0.2])
     state = run_sweep(sweep, store, workers)
@@ -277,10 +277,10 @@ def test_a_run_is_found_whoever_made_it(
     (tmp_path / "small.toml").write_text(text, encoding="utf-8")
     sweep = sweep_of({"scene": "small.toml", "grid": {"eps": [0.1, 0.2]}}, folder=tmp_path)
     scene = load_scene(str(tmp_path / "small.toml"))
-    whole = bits(named_scenes.run(scene))
+    whole = bits(scene_run.run(scene))
     run_sweep(sweep, store, HereWorkers())
-    monkeypatch.setattr(named_scenes, "run", None)
-    monkeypatch.setattr(scene_command, "record_with_trust", None)
+    monkeypatch.setattr(scene_run, "run", None)
+    monkeypatch.setattr(Scene, "record", None)
     path, kept = str(tmp_path / "small.toml"), str(store.folder)
     assert run_and_print(path, "longwave run", store=kept) == 0
     told = capsys.readouterr()
@@ -300,7 +300,7 @@ def test_a_run_is_found_whoever_made_it(
         store.run(scene)
 
 
-RUN = named_scenes.run
+RUN = scene_run.run
 
 
 def test_a_cell_that_fails_is_recorded_and_the_others_go_on(
@@ -311,7 +311,7 @@ def test_a_cell_that_fails_is_recorded_and_the_others_go_on(
             raise MemoryError("no room")
         return RUN(scene, **told)
 
-    monkeypatch.setattr(named_scenes, "run", run)
+    monkeypatch.setattr(scene_run, "run", run)
     sweep = small_sweep(eps=[0.1, -1, 0.4, 0.2], **{"parameters.A": [1, -2]})
     state = run_sweep(sweep, store, HereWorkers())
     found = sweep_dataset(sweep, store)
@@ -429,20 +429,20 @@ def _run_long(
 
 
 def test_long_cells_are_runs_of_their_own(store: RunStore, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(named_scenes, "run", _run_long)
+    monkeypatch.setattr(scene_run, "run", _run_long)
     sweep = small_sweep(eps=[0.1, 0.2])
     run_sweep(sweep, store, HereWorkers())
     assert [store.find(sweep.scene(cell)) is None for cell in (0, 1)] == [True, False]
     found = sweep_dataset(sweep, store)
     np.testing.assert_array_equal(
-        found.strain.values[1], named_scenes.run(sweep.scene(1)).strain.values
+        found.strain.values[1], scene_run.run(sweep.scene(1)).strain.values
     )
 
 
 def test_a_long_run_that_is_damaged_or_gone_is_made_anew(
     store: RunStore, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(named_scenes, "run", _run_long)
+    monkeypatch.setattr(scene_run, "run", _run_long)
     sweep = small_sweep(eps=[0.1, 0.2])
     run_sweep(sweep, store, HereWorkers())
     path = store.path(sweep.scene(1))
@@ -455,7 +455,7 @@ def test_a_long_run_that_is_damaged_or_gone_is_made_anew(
     run_sweep(sweep, store, HereWorkers())
     run_sweep(sweep, store, workers)
     assert workers.cells == 1
-    assert bits(cell_run(sweep, store, eps=1)) == bits(named_scenes.run(sweep.scene(1)))
+    assert bits(cell_run(sweep, store, eps=1)) == bits(scene_run.run(sweep.scene(1)))
 
 
 def test_a_long_run_that_has_no_place_of_its_own_goes_into_the_pack(
@@ -464,17 +464,17 @@ def test_a_long_run_that_has_no_place_of_its_own_goes_into_the_pack(
     def full(path: Path, run: xr.Dataset) -> Path:
         raise OSError(errno.ENOSPC, "No space left on device", str(path))
 
-    monkeypatch.setattr(named_scenes, "run", _run_long)
+    monkeypatch.setattr(scene_run, "run", _run_long)
     monkeypatch.setattr(run_store, "_kept", full)
     sweep = small_sweep(eps=[0.2])
     assert run_sweep(sweep, store, HereWorkers()).faults == 0
-    assert bits(cell_run(sweep, store, eps=0)) == bits(named_scenes.run(sweep.scene(0)))
+    assert bits(cell_run(sweep, store, eps=0)) == bits(scene_run.run(sweep.scene(0)))
 
 
 def test_a_cell_that_changed_sources_would_run_is_tried_again(
     store: RunStore, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(named_scenes, "run", _run_long)
+    monkeypatch.setattr(scene_run, "run", _run_long)
     for module in (run_store, sweep_cells):
         monkeypatch.setattr(module, "runs_its_sources", lambda: False)
     sweep = small_sweep(eps=[0.2])

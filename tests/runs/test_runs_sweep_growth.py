@@ -17,7 +17,7 @@ from longwave.runs.run_store import RunStore
 from longwave.runs.sweep import run_sweep
 from longwave.runs.sweep_dataset import cell_run, sweep_dataset, write_sweep
 from longwave.runs.sweep_file import load_sweep, shipped_sweeps, sweep_of
-from longwave.scenes import named_scenes
+from longwave.scenes import scene_run
 from longwave.scenes.named_scenes import scene_of_toml
 from longwave.scenes.scene import Scene
 from longwave.support.compiled import cores
@@ -54,7 +54,7 @@ def swept(tmp_path_factory: pytest.TempPathFactory) -> tuple[xr.Dataset, Path]:
     assert whole.sideband_size.dims == ("k", "eps", "case", "time")
     again = cell_run(sweep, store, k=1, eps=0, case=0)
     assert scene_of_run(again) == sweep.scene(4).changed(name="scene")
-    assert compare_runs(again, named_scenes.run(scene_of_run(again))).is_same
+    assert compare_runs(again, scene_run.run(scene_of_run(again))).is_same
     return load_run(folder / "growth.nc"), folder
 
 
@@ -135,7 +135,7 @@ def test_a_scene_is_read_back_and_its_run_is_too(tmp_path: Path) -> None:
     scene = sweep_of({"scene": GROWTH, "grid": {"parameters.share": [0.5, "1/3"]}}).scene(1)
     assert scene_of_toml(scene.toml()) == scene
     assert Scene.from_json(scene.json()) == scene
-    run = named_scenes.run(scene)
+    run = scene_run.run(scene)
     save_run(run, tmp_path / "run.nc")
     found = load_run(tmp_path / "run.nc")
     assert compare_runs(run, found).is_same

@@ -84,11 +84,11 @@ def plain(tmp_path_factory: pytest.TempPathFactory) -> np.ndarray[Any, Any]:
 
 @pytest.mark.slow
 def test_a_killed_process_costs_a_repeat(plain: np.ndarray[Any, Any], tmp_path: Path) -> None:
-    from longwave.scenes import named_scenes
+    from longwave.scenes import scene_run
 
     sweep = soliton_sweep(24)
     for cell in (0, 11, 23):
-        wanted = named_scenes.run(sweep.scene(cell)).strain.values
+        wanted = scene_run.run(sweep.scene(cell)).strain.values
         np.testing.assert_array_equal(plain[cell], wanted)
 
 

@@ -13,9 +13,9 @@ import pytest
 from longwave.lattice.refine import refine
 from longwave.reports.studies.estimate_scenes import RandomScene
 from longwave.reports.studies.estimates import judge_scene
-from longwave.scenes.chain import run
+from longwave.scenes import run
 from longwave.scenes.lattice_derivation import lattice_wave
-from longwave.scenes.lattice_run import compared_cells
+from longwave.scenes.lattice_run import wave_rings
 from longwave.scenes.ring_runs import RingRuns
 from longwave.scenes.scene import Scene
 
@@ -77,15 +77,13 @@ CROSSING = LONGER.changed(
 
 def judged(scene: Scene) -> tuple[float, float]:
     """Estimate and true error."""
-    wave = lattice_wave(scene)
-    times = scene.lattice_times(wave.slow)
-    wave.start(times[0])
-    engine = RingRuns(wave, compared_cells(scene, wave), times)
+    engine = RingRuns(*wave_rings(scene))
     found = refine(engine, scene.tolerance)
     finer = replace(found.trial.choices, step=found.trial.choices.step / 4.0)
     exact = engine.run(finer, False)
+    assert found.trial.values is not None
     assert exact.values is not None
-    apart = np.array(found.trial.payload.measured) - np.array(exact.payload.measured)
+    apart = (found.trial.values - exact.values)[:, 0]
     return found.error, float(np.max(np.abs(apart)))
 
 

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from longwave.reports.studies.measured_runs import scene_job
-from longwave.scenes.chain import run
+from longwave.scenes import run
 from longwave.scenes.named_scenes import load_scene
 from longwave.scenes.scene import Scene
 from longwave.support.processes import (

@@ -13,13 +13,13 @@ from longwave.cli.command_tree import KINDS
 from longwave.derive import LATTICES
 from longwave.lattice.schemes import SCHEMES
 from longwave.runs.sweep_file import shipped_sweeps
-from longwave.scenes.chain.observables import OBSERVABLES
 from longwave.scenes.named_scenes import (
     further_scenes,
     lattice_scenes,
     rational_family_scenes,
     shipped_scenes,
 )
+from longwave.scenes.observables import OBSERVABLES
 from longwave.solutions import CATALOGUE
 
 Output = pytest.CaptureFixture[str]

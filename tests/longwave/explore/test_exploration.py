@@ -142,7 +142,7 @@ def found() -> Comparison:
 
 @pytest.mark.slow
 def test_a_comparison_holds_what_the_run_holds(found: Comparison, tmp_path: Path) -> None:
-    from longwave.scenes.chain.scene_run import run
+    from longwave.scenes.scene_run import run
 
     path = tmp_path / "explored.toml"
     path.write_text(scene_of_choices(SOLITON).toml(), encoding="utf-8")

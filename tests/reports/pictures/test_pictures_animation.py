@@ -14,7 +14,7 @@ from longwave.reports.pictures import animation
 from longwave.reports.pictures.animation import animate, film_of
 from longwave.reports.pictures.drawing import styled
 from longwave.runs import save_run
-from longwave.scenes import named_scenes
+from longwave.scenes import scene_run
 from longwave.scenes.named_scenes import load_scene
 from longwave.scenes.scene import Scene
 
@@ -41,7 +41,7 @@ SCENE = Scene.of(
 @pytest.fixture(scope="module")
 def made() -> xr.Dataset:
     times = tuple(float(t) for t in range(6))
-    return named_scenes.run(SCENE.changed(snapshots=times, observables=("strain",)))
+    return scene_run.run(SCENE.changed(snapshots=times, observables=("strain",)))
 
 
 def frames_of(path: Path) -> int:
@@ -85,7 +85,7 @@ def test_a_scene_is_run_for_as_many_snapshots_as_the_film_has(
         asked.append(scene)
         return made
 
-    monkeypatch.setattr(named_scenes, "run", noted)
+    monkeypatch.setattr(scene_run, "run", noted)
     animate(scene, tmp_path / "film.gif", duration=1.0, fps=10.0, dpi=40.0)
     (run,) = asked
     if scene.has_moving_wave:
@@ -136,7 +136,7 @@ def test_snapshots_that_blew_up_are_left_out(made: xr.Dataset, tmp_path: Path) -
 def test_wrong_input_is_one_line_before_anything_is_run(
     words: dict[str, Any], said: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(named_scenes, "run", None)
+    monkeypatch.setattr(scene_run, "run", None)
     with pytest.raises(ValueError, match=rf"^{said}[^\n]*$"):
         animate(SCENE, **{"output": "film.gif"} | words)
 
@@ -173,7 +173,7 @@ def test_without_ffmpeg_the_remedy_is_said_before_the_run(
     capsys: Output, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("PATH", "/nowhere")
-    monkeypatch.setattr(named_scenes, "run", None)
+    monkeypatch.setattr(scene_run, "run", None)
     assert main(["animate", "rogue_cn_k_0.5", "--output", "x.mp4"]) == 2
     assert "(take 'x.gif', or install ffmpeg)" in capsys.readouterr().err
 

@@ -10,7 +10,7 @@ import xarray as xr
 import longwave
 from longwave.reports.pictures.plotting import MOST_PANELS, PICTURES, plot, shown_half_width
 from longwave.runs import save_run
-from longwave.scenes.chain import run
+from longwave.scenes import run
 from longwave.scenes.scene import Scene
 
 SCENE = Scene.of(

@@ -11,9 +11,9 @@ import xarray as xr
 from longwave.reports.pictures.animation import animate
 from longwave.reports.pictures.plotting import plot
 from longwave.reports.pictures.run_data import own_error, placed, spectra, with_looks
-from longwave.scenes import named_scenes
-from longwave.scenes.chain.observables import amplitudes
+from longwave.scenes import scene_run
 from longwave.scenes.named_scenes import load_scene
+from longwave.scenes.observables import amplitudes
 from longwave.scenes.scene import Scene
 
 SCENE = Scene.of(
@@ -36,7 +36,7 @@ SCENE = Scene.of(
 
 @pytest.fixture(scope="module")
 def stated() -> xr.Dataset:
-    return named_scenes.run(SCENE)
+    return scene_run.run(SCENE)
 
 
 @pytest.fixture(scope="module")
@@ -45,14 +45,14 @@ def to_tolerance() -> xr.Dataset:
         step=None, domain=None, sites=None, scheme=None, tolerance=1e-3,
         observables=("strain", "error_curve"),
     )  # fmt: skip
-    return named_scenes.run(scene)
+    return scene_run.run(scene)
 
 
 @pytest.fixture(scope="module")
 def toda() -> xr.Dataset:
     scene = load_scene("toda_soliton")
     ends = scene.slow_times[0], scene.slow_times[-1]
-    return named_scenes.run(scene.changed(slow_times=tuple(np.linspace(*ends, 9))))
+    return scene_run.run(scene.changed(slow_times=tuple(np.linspace(*ends, 9))))
 
 
 def test_a_stated_run_has_bars_where_its_errors_were_measured(stated: xr.Dataset) -> None:
@@ -150,7 +150,7 @@ def test_of_an_envelope_the_map_holds_moduli(toda: xr.Dataset) -> None:
     assert float(looked.space_time.min()) < 0.0 or float(toda.strain.min()) >= 0.0
     carried: Any = load_scene("fput_peregrine")
     times = tuple(np.linspace(carried.slow_times[0], carried.slow_times[-1], 8))
-    run = named_scenes.run(carried.changed(slow_times=times))
+    run = scene_run.run(carried.changed(slow_times=times))
     found = with_looks(placed(run))
     assert float(found.space_time.min()) >= 0.0
     assert np.isclose(float(found.space_time.max()), float(abs(run.strain).max()))

@@ -12,7 +12,7 @@ from longwave.reports.studies import estimates
 from longwave.reports.studies.causal_reference import CausalReference, SoftenedError
 from longwave.reports.studies.estimate_scenes import WAVES, RandomScene, random_scene
 from longwave.reports.studies.estimates import estimate_rows, judge, judge_scene, warm_up
-from longwave.scenes.chain import run
+from longwave.scenes import run
 from longwave.scenes.numerics import Discretisation
 from longwave.scenes.scene import Scene
 from longwave.solutions import CATALOGUE

@@ -20,7 +20,7 @@ from longwave.reports.studies.lattice_cost import (
     spectral,
     window_error,
 )
-from longwave.scenes.chain import run
+from longwave.scenes import run
 
 
 def test_stencil_and_ring_agree_on_the_smooth_problem() -> None:

@@ -14,7 +14,7 @@ from longwave.reports.studies.long_runs import (
     by_sites,
     site_by_site,
 )
-from longwave.scenes.chain import run
+from longwave.scenes import run
 from longwave.scenes.named_scenes import load_scene
 from longwave.scenes.scene import Scene
 

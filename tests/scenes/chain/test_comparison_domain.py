@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from longwave.lattice.model import LARGEST_MISFIT, State
+from longwave.scenes import run
 from longwave.scenes.chain import domain as domain_module
-from longwave.scenes.chain import run
 from longwave.scenes.chain.domain import INTERPOLATION_ERROR, Window
 from longwave.scenes.chain.moving_wave import MovingWave
 from longwave.scenes.named_scenes import load_scene

@@ -7,7 +7,7 @@ import pytest
 
 from longwave.lattice.model import State
 from longwave.lattice.seam import Fading
-from longwave.scenes.chain import run
+from longwave.scenes import run
 from longwave.scenes.chain.domain import SiteRing
 from longwave.scenes.scene import Scene
 

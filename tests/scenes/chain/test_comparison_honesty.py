@@ -12,8 +12,9 @@ import pytest
 
 from longwave.reports.studies.estimate_scenes import RandomScene
 from longwave.reports.studies.estimates import judge_scene
-from longwave.scenes.chain.scene_run import choose_engine, run
+from longwave.scenes.chain.chain_run import choose_engine
 from longwave.scenes.scene import Scene
+from longwave.scenes.scene_run import run
 
 
 def _scene(name: str, eps: float, **fields: Any) -> Scene:

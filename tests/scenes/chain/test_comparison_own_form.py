@@ -10,7 +10,7 @@ import pytest
 import sympy as sp
 
 from longwave.runs import load_run, save_run
-from longwave.scenes.chain import resume, run
+from longwave.scenes import resume, run
 from longwave.scenes.named_scenes import scene_of
 from longwave.scenes.scene import Scene
 from longwave.solutions import ClosedForm, closed_form

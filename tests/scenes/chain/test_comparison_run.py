@@ -9,12 +9,13 @@ import xarray as xr
 from scipy.integrate import solve_ivp
 
 from longwave.lattice.model import BlowUp
-from longwave.scenes.chain import run
+from longwave.scenes import run
 from longwave.scenes.chain.domain import SiteRing
-from longwave.scenes.chain.stated_run import build_domain, refined
-from longwave.scenes.chain.view import View
+from longwave.scenes.chain.sites import ChainSites
 from longwave.scenes.named_scenes import load_scene, scene_of
 from longwave.scenes.scene import Scene
+from longwave.scenes.stated_run import refined
+from longwave.scenes.view import SiteView
 
 Y2 = replace(load_scene("rational_2_eps_0.05"), observables=("strain",), snapshots=(0.0,))
 
@@ -65,7 +66,7 @@ def test_each_side_has_its_own_far_field() -> None:
     """The dark breather shifts the sn wave: the two sides exchanged are off by order eps."""
     scene = load_scene("breather_sn_k_0.7")
     moving = scene.moving_wave
-    comparison = View(moving, SiteRing(moving, scene.discretisation.sites).start())
+    comparison = SiteView(moving, SiteRing(moving, scene.discretisation.sites).start())
     ends = np.abs(comparison.sites - comparison.sites.mean()) > 300
     deviation = np.abs(comparison.analytic - comparison.far_field)
     assert np.max(deviation[ends]) < 1e-6 * scene.eps
@@ -202,7 +203,7 @@ def test_a_blow_up_at_the_seam_is_told_from_one_of_the_wave(sites: int, closes: 
 
 
 def test_a_blow_up_far_from_the_seam_does_not_blame_it(ring_scene: Callable[..., Scene]) -> None:
-    domain = build_domain(scene := ring_scene(), scene.moving_wave)
+    domain = ChainSites(scene := ring_scene(), scene.moving_wave).domain()
     state = domain.start()
     middle = BlowUp("broken", scene.t0, state.left + state.size // 2)
     assert domain.locate(middle, state).from_seam is None

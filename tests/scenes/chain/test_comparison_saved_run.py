@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from longwave.runs import load_run, save_run
-from longwave.scenes.chain import resume, run
+from longwave.scenes import resume, run
 from longwave.scenes.named_scenes import scene_of
 from longwave.scenes.scene import Scene
 

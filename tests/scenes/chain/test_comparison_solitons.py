@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from longwave.scenes.chain import run
+from longwave.scenes import run
 from longwave.scenes.named_scenes import load_scene
 from longwave.scenes.scene import Scene
 

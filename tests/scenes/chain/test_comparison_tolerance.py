@@ -9,10 +9,11 @@ from numpy.typing import NDArray
 
 from longwave.lattice.spectral.evolution import SpectralRing
 from longwave.scenes.chain import spectral_search
-from longwave.scenes.chain.scene_run import choose_engine, run
+from longwave.scenes.chain.chain_run import choose_engine
 from longwave.scenes.chain.spectral_data import ring_data
 from longwave.scenes.named_scenes import load_scene, rational_family_scenes, shipped_scenes
 from longwave.scenes.scene import Scene
+from longwave.scenes.scene_run import run
 
 Array = NDArray[np.float64]
 

@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 
 from longwave.cli.scene_command import summary_lines
-from longwave.scenes.chain import run, trust
-from longwave.scenes.chain.stated_run import RunRecord
+from longwave.scenes import run
+from longwave.scenes.chain import trust
 from longwave.scenes.chain.trust import USUAL_TOLERANCE, horizon, trust_attributes, trust_in
 from longwave.scenes.named_scenes import load_scene
+from longwave.scenes.run_record import RunRecord
 
 
 def test_a_scenes_horizon() -> None:
@@ -46,7 +47,7 @@ def _line(background: dict[str, float], **changes: float) -> str:
     scene = load_scene("rogue_cn_k_0.5").changed(**changes)
     attributes = {"engine": "e", "scheme": "s", "steps": 1, "sites": 2, "force_evaluations": 3}
     attributes |= {"seconds": 0.1, "blow_up": ""} | background
-    return list(summary_lines(RunRecord(scene, (), {}, attributes), scene))[-1]
+    return list(summary_lines(RunRecord(scene, (9,), (), {}, attributes), scene))[-1]
 
 
 def test_the_summary_says_whether_the_scene_ends_before() -> None:

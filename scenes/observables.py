@@ -3,7 +3,7 @@
 Adding one is one function here, of a view of the run: what it computes, when it looks and what it
 adds stand above it.
 
->>> from longwave.scenes.chain.observables import observable_named
+>>> from longwave.scenes.observables import observable_named
 >>> [variable.name for variable in observable_named("momentum").variables]
 ['mean_strain', 'mean_velocity']
 
@@ -26,16 +26,15 @@ Each is reported as its largest modulus over max_n |w - b|, the denominator of t
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from longwave.lattice.model import ring_energy
 from longwave.lattice.trial import SAFETY
-from longwave.scenes.chain.view import Array, View
+from longwave.scenes.view import Array, View
 from longwave.support.known_names import one_of
 
 if TYPE_CHECKING:
@@ -80,7 +79,8 @@ class Observable:
 
     ``measure`` maps a view to the values of ``variables`` at one moment; optional variables may be
     missing from all moments of a run. ``needs_ring`` says that the sites must form a ring,
-    ``all_sites`` that others than the compared ones are looked at.
+    ``all_sites`` that others than the compared ones are looked at, ``one_axis`` that it is for
+    chains alone.
     """
 
     name: str
@@ -90,6 +90,7 @@ class Observable:
     measure: Measure
     needs_ring: bool = False
     all_sites: bool = False
+    one_axis: bool = False
 
     def __reduce__(self) -> tuple[Any, ...]:
         if OBSERVABLES.get(self.name) is self:
@@ -102,13 +103,13 @@ OBSERVABLES: dict[str, Observable] = {}
 
 
 def observable(
-    what: str, seen: Moment, *variables: Variable, needs_ring: bool = False, all_sites: bool = False
+    what: str, seen: Moment, *variables: Variable, **needs: bool
 ) -> Callable[[Measure], Measure]:
     """Declare the function below as the measurement of the observable of its name."""
 
     def declare(measure: Measure) -> Measure:
         name = measure.__name__
-        OBSERVABLES[name] = Observable(name, what, seen, variables, measure, needs_ring, all_sites)
+        OBSERVABLES[name] = Observable(name, what, seen, variables, measure, **needs)
         return measure
 
     return declare
@@ -147,17 +148,25 @@ def cell_width(compared: int) -> int:
     return math.ceil((2 * compared + 1) / MAP_CELLS)
 
 
-def axis_values(dimension: str, compared: int) -> tuple[NDArray[np.generic], dict[str, str]] | None:
-    """Values and attributes of a dimension, None for one that is only counted."""
-    count = 2 * compared + 1
+def axis_values(
+    dimension: str, reach: Sequence[int]
+) -> tuple[NDArray[np.generic], dict[str, str]] | None:
+    """Values and attributes of a dimension, None for one that is only counted.
+
+    ``reach``: so many cells are compared on either side of the frame, along each axis.
+    """
+    compared = reach[0]
+    offsets = np.arange(-compared, compared + 1)
     if dimension == "site":
-        offsets = np.arange(-compared, compared + 1)
         return offsets, {"units": SITES, "long_name": "offset from the site nearest c t"}
+    if dimension == "row":
+        rows = np.arange(-reach[1], reach[1] + 1)
+        return rows, {"units": SITES, "long_name": "cell along the second axis"}
     if dimension == "wavenumber":
-        values = 2.0 * np.pi * np.fft.rfftfreq(count)
+        values = 2.0 * np.pi * np.fft.rfftfreq(offsets.size)
         return values, {"units": "1/site", "long_name": "wavenumber along the compared sites"}
     if dimension == "map_site":
-        starts = np.arange(-compared, compared + 1, cell_width(compared))
+        starts = offsets[:: cell_width(compared)]
         named = {"long_name": "first site of the cell, from the site nearest c t"}
         return starts, {"units": SITES} | named
     return None
@@ -177,6 +186,10 @@ RELATIVE_FAR = "relative sup error against the true far field"
     Variable("n", ("site",), SITES, "site on the lattice"),
     Variable("error", (), RATIO, RELATIVE),
     Variable("error_far_field", (), RATIO, RELATIVE_FAR, optional=True),
+    Variable("strains", ("quantity", "site"), STRAIN, "all that is compared", optional=True),
+    Variable("analytics", ("quantity", "site"), STRAIN, "the same of the wave", optional=True),
+    Variable("sup_error", (), "", "sup error", optional=True),
+    Variable("slow_time", (), "slow time", "T, the wave's own time", optional=True),
 )
 def strain(view: View) -> Mapping[str, Any]:
     """Strains of run, wave and bare background, the sites' numbers, and the errors.
@@ -189,10 +202,10 @@ def strain(view: View) -> Mapping[str, Any]:
         "background": view.background,
         "n": view.sites,
     }
-    if not np.array_equal(view.analytic, view.background):
-        return rows | _errors(view, "error")
-    far = {"error_far_field": np.nan} if view.has_far_field else {}
-    return rows | {"error": np.nan} | far
+    if not view.is_background:
+        return rows | _errors(view, "error") | view.also
+    far = {} if view.far_field is None else {"error_far_field": np.nan}
+    return rows | {"error": np.nan} | far | view.also
 
 
 @observable(
@@ -208,7 +221,7 @@ def error_curve(view: View) -> Mapping[str, Any]:
 
 def _errors(view: View, prefix: str) -> dict[str, float]:
     found = {prefix: view.error}
-    if view.has_far_field:
+    if view.far_field is not None:
         found[f"{prefix}_far_field"] = view.error_far_field
     return found
 
@@ -221,8 +234,8 @@ def _errors(view: View, prefix: str) -> dict[str, float]:
     all_sites=True,
 )
 def energy(view: View) -> Mapping[str, float]:
-    """The energy of the chain whose bonds are strained by y (`ring_energy`)."""
-    return {"energy": ring_energy(view.state, view.moving.constants)}
+    """The energy of the ring."""
+    return {"energy": view.energy}
 
 
 @observable(
@@ -239,14 +252,15 @@ def momentum(view: View) -> Mapping[str, float]:
     The second difference sums to zero over a ring, so the mean velocity is conserved and the mean
     strain moves linearly with it.
     """
-    state = view.state
-    return {"mean_strain": float(np.mean(state.y)), "mean_velocity": float(np.mean(state.s))}
+    strain, velocity = view.means
+    return {"mean_strain": strain, "mean_velocity": velocity}
 
 
 @observable(
     "Fourier amplitudes of the compared strains at the snapshots",
     "snapshots",
     Variable("spectrum", ("wavenumber",), STRAIN, "Fourier amplitude of the strain"),
+    one_axis=True,
 )
 def spectrum(view: View) -> Mapping[str, Array]:
     """Amplitudes of the strain on the compared sites, by wavenumber in 0 .. pi."""
@@ -278,18 +292,18 @@ NEWTON_STEPS = 4
     "looks",
     Variable("crest_position", (), SITES, "position of the crest less c t"),
     Variable("crest_strain", (), STRAIN, "strain at the crest"),
+    one_axis=True,
 )
 def crest_track(view: View) -> Mapping[str, float]:
     """Position of the crest relative to c t, and its strain, interpolated between the sites."""
-    deviation = view.numeric - view.moving.level
+    deviation = view.numeric - view.level
     top = int(np.argmax(np.abs(deviation)))
     offset, height = 0.0, float(deviation[top])
     if 2 <= top < deviation.size - 2:
         offset, height = extremum(deviation[top - 2 : top + 3])
-    travelled = view.moving.speed * view.state.t
     return {
-        "crest_position": float(view.sites[top]) + offset - travelled,
-        "crest_strain": height + view.moving.level,
+        "crest_position": float(view.sites[top]) + offset - view.travelled,
+        "crest_strain": height + view.level,
     }
 
 
@@ -324,13 +338,14 @@ def extremum(f: Array) -> tuple[float, float]:
     "a map of the strain over time and cells of sites",
     "looks",
     Variable("space_time", ("map_site",), STRAIN, "strain farthest from the background"),
+    one_axis=True,
 )
 def space_time(view: View) -> Mapping[str, Array]:
     """The strain farthest from the background in each cell of sites: no crest is lost."""
     starts = np.arange(0, view.numeric.size, cell_width((view.numeric.size - 1) // 2))
     high = np.maximum.reduceat(view.numeric, starts)
     low = np.minimum.reduceat(view.numeric, starts)
-    return {"space_time": np.where(high + low >= 2.0 * view.moving.level, high, low)}
+    return {"space_time": np.where(high + low >= 2.0 * view.level, high, low)}
 
 
 @observable(
@@ -351,6 +366,7 @@ def background_difference(view: View) -> Mapping[str, Any]:
     Variable("error_position", (), RATIO, "relative sup of the shift's part"),
     Variable("error_amplitude", (), RATIO, "relative sup of the amplitude's part"),
     Variable("error_shape", (), RATIO, "relative sup of what is left"),
+    one_axis=True,
 )
 def error_split(view: View) -> Mapping[str, float]:
     """Shift, scale, and the three parts of the relative error."""
@@ -401,15 +417,16 @@ def _slopes(view: View, unknown: Array) -> Array:
 @observable(
     "strains and velocities of all computed sites at the snapshots, for a restart",
     "snapshots",
-    Variable("state_y", ("cell",), STRAIN, "strain of every computed site"),
+    Variable("state_y", ("cell",), STRAIN, "strain, or fields, of every computed site"),
     Variable("state_s", ("cell",), PER_TIME, "velocity of every computed site"),
     Variable("state_left", (), SITES, "leftmost site held"),
     all_sites=True,
+    one_axis=True,
 )
 def state(view: View) -> Mapping[str, Any]:
     """Strains and velocities of all computed sites, in the order of storage."""
-    held = view.state
-    return {"state_y": held.y.copy(), "state_s": held.s.copy(), "state_left": held.left}
+    left, positions, velocities = view.stored
+    return {"state_y": positions, "state_s": velocities, "state_left": left}
 
 
 def _refinement(name: str, change: str) -> None:

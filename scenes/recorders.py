@@ -2,24 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from operator import attrgetter
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from longwave.scenes.chain.observables import (
+from longwave.scenes.observables import (
     TIME,
     TIME_DIMENSION,
     Moment,
     Observable,
+    Variable,
     observable_named,
 )
 
 if TYPE_CHECKING:
-    from longwave.scenes.chain.view import View
     from longwave.scenes.scene import Scene
+    from longwave.scenes.view import View
     from longwave.support.checkpoint import Memory
 
 Array = NDArray[np.float64]
@@ -73,6 +75,18 @@ def _equidistant(scene: Scene, points: int) -> tuple[float, ...]:
     return tuple(sorted({float(t) for t in equidistant} | set(scene.snapshots)))
 
 
+def exact_times(scene: Scene) -> tuple[float, ...]:
+    """The times that the scene's observables want exactly."""
+    kinds = {observable_named(name).seen for name in scene.observables}
+    times = {t for kind in kinds if _is_exact(scene, kind) for t in moments_of(scene, kind).times}
+    return tuple(sorted(times.union(scene.snapshots)))
+
+
+def _is_exact(scene: Scene, kind: Moment) -> bool:
+    """Whether these are times, not the first stops after an interval."""
+    return kind in ("snapshots", "curve") or (kind == "looks" and scene.look_points is not None)
+
+
 Variables = dict[str, tuple[tuple[str, ...], Any, dict[str, str]]]
 """Name -> (dimensions, values, attributes)."""
 
@@ -109,7 +123,7 @@ class Recorder:
         found = [entry.measure(view) for entry in self.entries]
         for name, value in ((name, row[name]) for row in found for name in row):
             self._rows.setdefault(name, []).append(value)
-        self.times.append(view.state.t)
+        self.times.append(view.t)
 
     def memory(self) -> Memory:
         """What was recorded, and when it is to look next."""
@@ -124,13 +138,21 @@ class Recorder:
         found: Variables = {}
         for variable in (variable for entry in self.entries for variable in entry.variables):
             if variable.name in self._rows:
-                dimensions = (self.dimension, *variable.dimensions)
                 values = np.array(self._rows[variable.name][: len(self.times)])
+                dimensions = (self.dimension, *_dimensions(variable, values.ndim - 1))
                 found[variable.name] = (dimensions, values, variable.attributes)
         if self.dimension != "time":
             times = np.array(self.times)
             found[self.dimension] = ((self.dimension,), times, TIME)
         return found
+
+
+def _dimensions(variable: Variable, count: int) -> tuple[str, ...]:
+    """Those of its values at one time; on a plane cells have rows, and a state may have fields."""
+    given = variable.dimensions
+    if count == len(given):
+        return given
+    return (*given, "row") if given[-1] == "site" else ("field", *given)
 
 
 def build_recorders(scene: Scene) -> list[Recorder]:
@@ -144,16 +166,19 @@ def build_recorders(scene: Scene) -> list[Recorder]:
     ]
 
 
-class StrainSamples:
-    """Keeps the run's strains on the compared sites, and nothing else."""
+class Samples:
+    """What ``take`` takes of a view at some times, and nothing else: the strains unless given."""
 
-    def __init__(self, times: Sequence[float]) -> None:
+    def __init__(
+        self, times: Sequence[float], take: Callable[[Any], Array] = attrgetter("numerics")
+    ) -> None:
         self.moments = Moments(tuple(times))
         self.samples: list[Array] = []
+        self._take = take
 
     def see(self, view: View) -> None:
-        """Keep the strains at one time."""
-        self.samples.append(view.numeric)
+        """Keep what is taken at one time."""
+        self.samples.append(self._take(view))
 
     def memory(self) -> Memory:
         """The samples."""

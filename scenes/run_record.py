@@ -1,0 +1,121 @@
+"""What a run leaves: a record of what was seen and told, of which a data set is made on request.
+
+So does what Ctrl-C leaves of a run.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from longwave.scenes.observables import TIME, axis_values
+from longwave.support.checkpoint import spared_seconds
+from longwave.support.provenance import provenance
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from longwave.lattice.refine import Refined
+    from longwave.scenes.recorders import Variables
+    from longwave.scenes.scene import Scene
+
+
+@dataclass
+class RunRecord:
+    """A run of ``scene`` as it was recorded: a `Dataset` before anyone needs one.
+
+    ``reach`` says how many cells are compared on either side along each axis; ``reached`` are the
+    snapshots that were got to; ``attrs`` is what was told of the run, its cost first, and may be
+    added to until the data set is made. ``asked`` is the scene that was asked for, if step and
+    domain of ``scene`` were chosen.
+    """
+
+    scene: Scene
+    reach: tuple[int, ...]
+    reached: Sequence[float]
+    variables: Variables
+    attrs: dict[str, Any]
+    asked: Scene | None = None
+
+    def values(self, name: str) -> NDArray[Any]:
+        """The values of a variable, in the order of its times."""
+        return np.asarray(self.variables[name][1])
+
+    @cached_property
+    def dataset(self) -> xr.Dataset:
+        """The run with its coordinates, the scene and what made it."""
+        import xarray as xr  # 0.4 s, for those who want a data set
+
+        used = {name for dimensions, _, _ in self.variables.values() for name in dimensions}
+        axes = {name: axis_values(name, self.reach) for name in used}
+        coordinates: dict[str, object] = {"time": ("time", list(self.reached), TIME)}
+        coordinates |= {name: (name, *axis) for name, axis in axes.items() if axis is not None}
+        names = {name for name, (found, _, _) in self.variables.items() if found == (name,)}
+        coordinates |= {name: self.variables[name] for name in names}
+        data = {name: value for name, value in self.variables.items() if name not in names}
+        asked = self.asked or self.scene
+        attributes = {
+            "title": asked.title or asked.name,
+            "scene": asked.toml(),
+            **({} if asked is self.scene else {"plan": self.scene.toml()}),
+            **self.attrs,
+            **provenance(),
+        }
+        return xr.Dataset(data, coordinates, attributes)
+
+
+def judged(record: RunRecord, asked: Scene, found: Refined, begun: float) -> RunRecord:
+    """The record of a run to a tolerance, with what the judge says of it.
+
+    ``error_estimate`` is of what is compared, in its unit, sup over the compared cells and all
+    exact times, against the infinite lattice; ``rounding_estimate`` is its part for rounding,
+    ``next_decade`` the factor by which ten times more accuracy costs more. ``begun`` is when the
+    search did, as `perf_counter` tells.
+    """
+    record.asked = asked
+    record.attrs |= {
+        "tolerance": asked.target.tolerance,
+        "error_estimate": found.error,
+        "rounding_estimate": found.rounding,
+        "next_decade": found.next_decade,
+        "planning_seconds": time.perf_counter() - begun + spared_seconds() - found.trial.seconds,
+    }
+    return record
+
+
+class UnfinishedRun(KeyboardInterrupt):
+    """Ctrl-C during a run, which had recorded something: ``run``, and ``record`` before it.
+
+    The run's attribute ``unfinished`` says why it is not what the scene asks for.
+    """
+
+    def __init__(self, record: RunRecord) -> None:
+        super().__init__("interrupted")
+        self.record = record
+
+    @property
+    def run(self) -> xr.Dataset:
+        """What was recorded."""
+        return self.record.dataset
+
+
+def unfinished(
+    run: RunRecord | None, asked: Scene, error: float | None, planning_seconds: float
+) -> KeyboardInterrupt:
+    """The best run of a search that Ctrl-C ended; ``error`` is its estimated one, if measured."""
+    if run is None:
+        return KeyboardInterrupt("before anything was recorded")
+    run.asked = asked
+    run.attrs |= {"tolerance": asked.tolerance, "planning_seconds": planning_seconds}
+    why = run.attrs.get("unfinished", "Ctrl-C before the tolerance was met")
+    if error is None:
+        run.attrs["unfinished"] = f"{why}, its error not estimated"
+    else:
+        run.attrs |= {"unfinished": why, "error_estimate": error}
+    return UnfinishedRun(run)

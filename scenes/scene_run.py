@@ -1,0 +1,108 @@
+"""Running a scene of any lattice, given as such, by its name or by its file, and going on with it.
+
+Which module runs it, and to what it is compared, the scene says (`Scene.method`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from longwave.lattice.model import State
+from longwave.scenes.named_scenes import load_scene, scene_of
+from longwave.scenes.run_record import RunRecord
+from longwave.scenes.scene import Scene
+from longwave.support.user_files import shown
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from longwave.lattice.refine import Announce
+    from longwave.lattice.trial import Progress
+    from longwave.solutions import ClosedForm
+
+
+def run(
+    scene: Scene | str | Path,
+    progress: Progress | None = None,
+    announce: Announce | None = None,
+) -> xr.Dataset:
+    """Run a scene, given as such, by its name or by its file, and return what it asks for.
+
+    Dimensions: ``time`` (the snapshots), ``curve_time``, ``look_time``, ``site`` (offset from the
+    site nearest to c t) and what else the observables add. The table of observables
+    (`observables.py`) says which variables each of them adds; none other is there.
+
+    Attributes: the scene as TOML, what made the run (`provenance`), cost, ``blow_up`` (empty if
+    there was none), and what can be trusted of it. A run that blows up keeps the times before it.
+    With a tolerance also ``error_estimate`` and its parts (`judged`), and ``plan``, the scene with
+    step and domain filled in, if sites were computed one by one. ``progress`` is called with the
+    share of the work that is done, 0 .. 1; ``announce`` with the seconds that are expected to pass,
+    if they are many.
+
+    Raises ValueError in one line for what is no scene and for what the wave, the lattice or the
+    limits do not admit, and UnfinishedRun on Ctrl-C.
+    """
+    return record_scene(scene, progress, announce).dataset
+
+
+def record_scene(
+    scene: Scene | str | Path,
+    progress: Progress | None = None,
+    announce: Announce | None = None,
+) -> RunRecord:
+    """`run` without a data set: what it records, of which one can be made."""
+    if isinstance(scene, str | Path):
+        scene = load_scene(scene)
+    if not isinstance(scene, Scene):
+        raise ValueError(
+            f"scene must be a scene, its name or its file, got {shown(scene)} (such as "
+            "'rogue_cn_k_0.5')"
+        )
+    return scene.record(progress, announce)
+
+
+def state_at(run: xr.Dataset, t: float) -> State:
+    """A copy of the state at a snapshot of a run whose scene asks for the observable ``state``.
+
+    Raises ValueError if the run carries no states or has no snapshot at ``t``.
+    """
+    if "state_y" not in run:
+        raise ValueError(
+            "run must carry its states to be resumed, got none (ask for the observable 'state')"
+        )
+    found = np.flatnonzero(run["time"].values == t)
+    if found.size == 0:
+        kept = ", ".join(f"{kept:g}" for kept in run["time"].values)
+        raise ValueError(f"at must be a snapshot of the run, got {t:g} (it kept {kept or 'none'})")
+    row = run.isel(time=int(found[0]))
+    y, s = (np.array(row[name].values, dtype=np.float64) for name in ("state_y", "state_s"))
+    return State(t, int(row["state_left"]), y, s)
+
+
+def resume(
+    run: xr.Dataset,
+    at: float | None = None,
+    snapshots: Sequence[float] | None = None,
+    progress: Progress | None = None,
+    wave: ClosedForm | None = None,
+) -> xr.Dataset:
+    """Go on from a snapshot of a run, to the bit as if the run had not been interrupted.
+
+    ``at`` is the snapshot, by default the last one; ``snapshots`` are the times wanted after it, by
+    default those of the scene; a ``wave`` of your own, which no file holds, is to be given again.
+    The result holds what the scene asks for after ``at``. Same bits need the same stops:
+    ``curve_points`` and ``look_points`` times move with the end of the run.
+
+    Raises ValueError if the run carries no state at ``at`` or nothing is wanted after it.
+    """
+    start = state_at(run, float(run["time"].values[-1]) if at is None else at)
+    scene = scene_of(run) if wave is None else replace(scene_of(run), wave=wave)
+    later = tuple(t for t in (scene.snapshots if snapshots is None else snapshots) if t > start.t)
+    if not later:
+        raise ValueError(f"snapshots must lie after t = {start.t:g}, got none (name later ones)")
+    return scene.changed(t0=scene.t0, snapshots=later).record(progress, restart=start).dataset

@@ -1,0 +1,124 @@
+"""Scenes on any lattice have observables, stated steps, and are gone on with, as on the chain.
+
+Of each kind of lattice there is one: displacements, two masses and an envelope, strains, a plane.
+"""
+
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from longwave.scenes import load_scene, resume, run
+from longwave.scenes.named_scenes import scene_of
+from longwave.scenes.numerics import Discretisation
+from longwave.scenes.observables import OBSERVABLES
+from longwave.scenes.run_record import UnfinishedRun
+from longwave.scenes.scene import Scene
+
+ASKED = tuple(name for name, entry in OBSERVABLES.items() if entry.seen != "refinement")
+TODA = load_scene("toda_soliton").changed(eps=0.2, curve_points=11)
+DIMER = load_scene("dimer_peregrine").changed(eps=0.1, curve_points=11)
+STRAINS = load_scene("alpha_beta_rogue").changed(eps=0.2, slow_times=(-0.2, 0, 0.1), half_width=6)
+
+
+@pytest.fixture(scope="module", params=[TODA, DIMER], ids=["toda", "dimer"])
+def whole(request: pytest.FixtureRequest) -> xr.Dataset:
+    scene: Scene = request.param
+    return run(scene.changed(observables=ASKED))
+
+
+def test_every_observable_is_there(whole: xr.Dataset) -> None:
+    wanted = {v.name for name in ASKED for v in OBSERVABLES[name].variables if not v.optional}
+    assert wanted <= {*whole.variables}
+    assert np.all(np.isfinite(whole["energy"]))
+    assert np.ptp(whole["energy"].values) < 1e-3 * abs(whole["energy"].values[0])
+    assert np.ptp(whole["mean_velocity"].values) < 1e-12
+
+
+def test_observables_mean_the_same_at_the_same_times(whole: xr.Dataset) -> None:
+    errors = dict(zip(whole["curve_time"].values, whole["error_curve"].values, strict=True))
+    assert [errors[t] for t in whole["time"].values] == whole["error"].values.tolist()
+    apart = whole["strain"] - whole["background"]
+    np.testing.assert_array_equal(whole["background_difference"], apart)
+
+
+def test_the_split_of_the_error_is_exact_at_first_and_small_later(whole: xr.Dataset) -> None:
+    parts = sum(whole[f"error_{part}"] for part in ("position", "amplitude", "shape"))
+    assert np.all(whole["error"] <= parts + 1e-12)
+    assert whole["error_shape"][0] < 1e-10
+
+
+def test_a_plan_has_the_bits_of_the_search_that_made_it(whole: xr.Dataset) -> None:
+    """Catches: a view of the state kept in the place of its values, which go on."""
+    plan = scene_of(whole)
+    assert isinstance(plan.numerics, Discretisation)
+    again = run(plan)
+    for name in whole.variables:
+        np.testing.assert_array_equal(whole[name], again[name], err_msg=str(name))
+    first = whole["strain"].values[0] - whole["analytic"].values[0]
+    assert np.max(np.abs(first)) < 1e-12
+
+
+def test_a_run_is_gone_on_with_to_the_bit(whole: xr.Dataset) -> None:
+    t = float(whole["time"].values[1])
+    rest = resume(whole, at=t)
+    assert rest["time"].values.tolist() == whole["time"].values[2:].tolist()
+    for name in ("strain", "error", "state_y", "state_s"):
+        np.testing.assert_array_equal(rest[name], whole[name][2:])
+
+
+def test_finer_steps_and_wider_rings_change_no_more_than_was_estimated(whole: xr.Dataset) -> None:
+    measured = scene_of(whole).changed(observables=("strain", "time_step_error", "domain_error"))
+    found = run(measured)
+    changes = found["time_step_error"] + found["domain_error"]
+    assert 0.0 < changes.values.max() <= whole.error_estimate
+    assert found["time_step_error"].units == found["sup_error"].units
+
+
+@pytest.mark.parametrize(
+    ("scene", "changes", "message"),
+    [
+        (TODA, {"engine": "spectral"}, "engine must be 'stencil' for kdv_soliton on toda"),
+        (TODA, {"observables": ["energ"]}, "observables must be a known one, got 'energ'"),
+        (TODA, {"observables": ["domain_error"]}, "observables must have no refinement with a"),
+        (STRAINS, {"observables": ["energy"]}, "observables must have no energy on fput_strain"),
+        (load_scene("square_lump"), {"observables": ["state"]}, "observables must have no state"),
+    ],
+)
+def test_what_a_lattice_does_not_have_is_refused(
+    scene: Scene, changes: dict[str, Any], message: str
+) -> None:
+    with pytest.raises(ValueError, match=rf"^{message}[^\n]*$"):
+        run(scene.changed(**changes))
+
+
+@pytest.mark.parametrize(
+    ("stated", "message"),
+    [
+        ((9.0, "ring", 4096), "step must satisfy step <= "),
+        ((1.0, "ring", 64), r"sites must satisfy sites >= \d+ on this ring, got 64"),
+        ((1.0, "window", 4096), "domain must be 'ring' for kdv_soliton on toda"),
+    ],
+)
+def test_a_stated_discretisation_is_checked(stated: Any, message: str) -> None:
+    given = dict(zip(("step", "domain", "sites"), stated, strict=True))
+    with pytest.raises(ValueError, match=rf"^{message}[^\n]*$"):
+        run(TODA.changed(tolerance=None, **given))
+
+
+def test_what_was_recorded_before_ctrl_c_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    seen: list[float] = []
+
+    def stop(share: float) -> None:
+        seen.append(share)
+        if share > 0.3:
+            raise KeyboardInterrupt
+
+    plan = scene_of(run(TODA)).changed(observables=("strain", "error_curve"))
+    with pytest.raises(UnfinishedRun) as stopped:
+        run(plan, stop)
+    left = stopped.value.run
+    assert 0 < left.sizes["time"] < len(plan.snapshots)
+    assert left.unfinished.startswith("Ctrl-C after t = ")
+    assert left.equation.startswith("KdV: ")
