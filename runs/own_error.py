@@ -11,9 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from longwave.lattice.model import State
 from longwave.scenes.observables import measured_error
-from longwave.scenes.view import SiteView
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -32,14 +30,6 @@ def scaled_own_error(run: xr.Dataset) -> NDArray[np.float64] | None:
     return None if measured is None else measured.values
 
 
-def wave_size(scene: Scene, t: float, far_field: bool = False) -> float:
-    """The wave's largest deviation from its background, or its far field, at a time; NaN for 0."""
-    none = np.zeros(0)
-    view = SiteView(scene.moving_wave, State(t, 0, none, none))
-    found = view.far_field if far_field else view.background
-    return math.nan if found is None else _size(view.analytic, found)
-
-
 def _size(wave: NDArray[np.float64], background: NDArray[np.float64]) -> float:
     return float(np.max(np.abs(wave - background))) or math.nan
 
@@ -50,14 +40,15 @@ def own_error_at(run: xr.Dataset, scene: Scene, name: str, place: int) -> float:
     own, held = scaled_own_error(run), run.variables
     if own is None:
         return math.nan
-    if "sup_error" in held:
+    if name == "error" and "sup_error" in held:
         relative, apart = (float(held[part].values[place]) for part in ("error", "sup_error"))
         return float(own[place]) * relative / apart if apart > 0.0 else math.nan
+    unit = scene.eps ** run.attrs.get("power", 1)
     if name == "error":
         size = _size(*(held[part].values[place] for part in ("analytic", "background")))
-        return float(own[place]) * scene.eps / size
+        return float(own[place]) * unit / size
     t = float(held["curve_time"].values[place])
     here = own if "error_estimate" in run.attrs else own[held["time"].values == t]
     if not here.size:
         return math.nan
-    return float(here[0]) * scene.eps / wave_size(scene, t)
+    return float(here[0]) * unit / (scene.wave_size(t) or math.nan)

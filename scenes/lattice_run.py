@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import lru_cache
 from time import perf_counter
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from longwave.lattice.refine import Announce, StoppedSearch, refine
 from longwave.scenes.lattice_derivation import LatticeDerivation, derivation, lattice_wave
@@ -52,6 +55,21 @@ def scene_cost(scene: Scene) -> ExpectedCost:
     wave = lattice_wave(scene)
     timed = in_lattice_times(scene, wave.slow)
     return expected_rings(wave, compared_cells(scene, wave), _stops(timed))
+
+
+def wave_size(scene: Scene, t: float, far_field: bool) -> float:
+    """The wave's largest deviation from its background (`Scene.wave_size`)."""
+    wave = _started_wave(scene)
+    cells = compared_cells(scene, wave).cells(t)
+    found = np.max(np.abs(wave.strain(cells, t) - wave.background(cells, t)))
+    return math.nan if far_field else float(found)
+
+
+@lru_cache(maxsize=4)
+def _started_wave(scene: Scene) -> LatticeWave:
+    wave = lattice_wave(scene)
+    wave.start(in_lattice_times(scene, wave.slow).t0)
+    return wave
 
 
 def in_lattice_times(scene: Scene, slow: int) -> Scene:

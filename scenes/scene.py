@@ -61,7 +61,7 @@ METHODS = {
     "ring": "longwave.scenes.lattice_run",
     "sidebands": "longwave.scenes.sideband_growth",
 }
-"""Where a scene is run: `record_scene`, `scene_cost` and `PROCESS_SECONDS` of each module."""
+"""Where a scene is run: `record_scene`, `scene_cost`, `wave_size`, `PROCESS_SECONDS` of each."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -475,6 +475,14 @@ class Scene:
         """
         expected: ExpectedCost = self._way.scene_cost(self)
         return expected
+
+    def wave_size(self, t: float, far_field: bool = False) -> float:
+        """The wave's largest deviation from its background, or its far field, at a time.
+
+        Over the compared cells and all that is compared; NaN where there is no such field.
+        """
+        size: float = self._way.wave_size(self, t, far_field)
+        return size
 
     @property
     def process_seconds(self) -> float:

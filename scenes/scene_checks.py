@@ -27,9 +27,6 @@ MOST_STEPS = 1e10
 LONGEST_FORMULA = 200
 """Characters of a value in text."""
 
-MOST_TIMES = 200
-"""Times at which the whole of a lattice of any kind is kept."""
-
 USUAL: Mapping[str, str] = {
     "eps": "0.05",
     "t0": "-1000",

@@ -26,7 +26,6 @@ from longwave.reports.pictures.run_data import check_run, placed
 from longwave.runs.run_file import SWEPT, names_a_run
 from longwave.scenes import scene_run
 from longwave.scenes.scene import Scene
-from longwave.scenes.scene_checks import MOST_TIMES
 from longwave.support.command_line import fail, fail_for_memory, interrupted, one_line
 from longwave.support.console import check_output, plain_console, progress_bar
 from longwave.support.request_limits import Announcer, ExpectedCost, check_request
@@ -151,15 +150,14 @@ def _check_cost(
 def _scene_of_film(scene: Scene, options: FilmOptions) -> Scene:
     """The scene at the times of the film's frames, as many as it may have."""
     scene.check_compared()
-    count = options.count if scene.has_moving_wave else min(options.count, MOST_TIMES)
     sites = 2 * scene.cells_within(1) + 1
-    if sites * count > MOST_NUMBERS:
+    if sites * options.count > MOST_NUMBERS:
         raise ValueError(
             f"compared sites in all frames must be at most {MOST_NUMBERS:.0e}, got "
-            f"{sites} x {count} (take a shorter duration, fewer fps or fewer sites)"
+            f"{sites} x {options.count} (take a shorter duration, fewer fps or fewer sites)"
         )
     if scene.slow_times and options.times is None:
-        return scene.changed(slow_times=_frames(scene.slow_times, count))
+        return scene.changed(slow_times=_frames(scene.slow_times, options.count))
     begin, end = scene.t0, scene.snapshots[-1:]
     if scene.slow_times:
         from longwave.scenes.lattice_derivation import derivation
@@ -168,7 +166,7 @@ def _scene_of_film(scene: Scene, options: FilmOptions) -> Scene:
     first, last = options.times or (begin, *end)
     if first < begin:
         raise ValueError(f"times must begin at t0 = {begin:g} or later, got {first:g}")
-    moments = _frames((first, last), count)
+    moments = _frames((first, last), options.count)
     return scene.changed(slow_times=(), t0=begin, snapshots=moments, observables=("strain",))
 
 

@@ -52,7 +52,6 @@ from longwave.scenes.named_scenes import load_scene
 from longwave.scenes.observables import MEASURED
 from longwave.scenes.run_record import UnfinishedRun
 from longwave.scenes.scene import Scene
-from longwave.scenes.scene_checks import MOST_TIMES
 from longwave.support.command_line import fail, fail_for_memory, interrupted, one_line
 from longwave.support.console import check_output, picture_path, plain_console, progress_bar
 from longwave.support.request_limits import Announcer
@@ -157,7 +156,7 @@ def _run(
     named = "slow_times" if scene.slow_times else "snapshots"
     own: tuple[float, ...] = getattr(scene, named)
     times = own
-    if kind not in ("snapshots", "spectra") and len(own) + LATTICE_LOOKS <= MOST_TIMES:
+    if kind not in ("snapshots", "spectra"):
         times = tuple(sorted({*own, *np.linspace(own[0], own[-1], LATTICE_LOOKS).tolist()}))
     made = scene.changed(**{named: times}).run(progress, announce)
     return with_looks(placed(made)).isel(time=[times.index(t) for t in own])

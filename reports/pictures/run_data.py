@@ -14,7 +14,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from longwave.runs import scene_of_run
-from longwave.runs.own_error import scaled_own_error, wave_size
+from longwave.runs.own_error import scaled_own_error
 from longwave.scenes.observables import amplitudes, cell_width, extremum
 from longwave.support.user_files import shown
 
@@ -45,15 +45,10 @@ def placed(data: xr.Dataset) -> xr.Dataset:
     check_run(data)
     try:
         scene = scene_of_run(data)
-        if scene.has_moving_wave:
-            speed, unit = scene.model.sound_speed(), scene.eps
-        elif scene.is_growth:
-            speed, unit = 0.0, 1.0
-        else:
-            power = int(data["sup_error"].attrs["units"].partition("^")[2] or 1)
-            if not 0 <= power <= LARGEST_POWER:
-                raise ValueError(f"errors in units of eps^{power}")
-            speed, unit = float(data.attrs["frame_speed"]), scene.eps**power
+        told = data.attrs if "n" in data else {"frame_speed": 0.0, "power": 0.0}
+        speed, power = (float(told[name]) for name in ("frame_speed", "power"))
+        if not 0.0 <= power <= LARGEST_POWER:
+            raise ValueError(f"errors in units of eps^{power:g}")
     except (KeyError, TypeError, ValueError) as error:
         reason = " ".join(str(error).split())[:150]
         raise ValueError(
@@ -63,7 +58,7 @@ def placed(data: xr.Dataset) -> xr.Dataset:
     run = data.assign_attrs(
         eps=scene.eps,
         speed=speed,
-        unit=unit,
+        unit=scene.eps**power,
         wave="wave" if "sup_error" in data else "mKdV wave",
         carried=int(getattr(scene, "is_envelope", False)),
     )
@@ -191,7 +186,7 @@ def error_curves(data: xr.Dataset) -> dict[str, xr.DataArray]:
     for label, curve in curves.items():
         relative = found.copy()
         far_field = curve.name == "error_curve_far_field"
-        relative[known] /= [wave_size(scene, float(t), far_field) for t in times[known]]
+        relative[known] /= [scene.wave_size(float(t), far_field) or np.nan for t in times[known]]
         curves[label] = curve.assign_coords(own=("curve_time", relative))
     return curves
 

@@ -4,7 +4,10 @@ Where none is named or required by what is asked for, the cheaper one by a model
 spectral engine refuses, though it was not named, is run site by site.
 """
 
+import math
 import time
+
+import numpy as np
 
 from longwave.lattice.model import State
 from longwave.lattice.refine import Announce
@@ -19,6 +22,7 @@ from longwave.scenes.observables import observable_named
 from longwave.scenes.run_record import RunRecord, UnfinishedRun, judged
 from longwave.scenes.scene import Scene
 from longwave.scenes.stated_run import run_from
+from longwave.scenes.view import SiteView
 from longwave.support.request_limits import Announcer, ExpectedCost, is_too_much
 
 
@@ -94,6 +98,14 @@ def _record(
         return run_from(ChainSites(scene, scene.moving_wave), restart, progress)
     check_trust(scene)
     return run_to_tolerance(scene, progress, announce)
+
+
+def wave_size(scene: Scene, t: float, far_field: bool) -> float:
+    """The wave's largest deviation from its background, or its far field (`Scene.wave_size`)."""
+    none = np.zeros(0)
+    view = SiteView(scene.moving_wave, State(t, 0, none, none))
+    found = view.far_field if far_field else view.background
+    return math.nan if found is None else float(np.max(np.abs(view.analytic - found)))
 
 
 def scene_cost(scene: Scene) -> ExpectedCost:

@@ -97,7 +97,7 @@ def test_a_scene_is_run_for_as_many_snapshots_as_the_film_has(
         ends = scene.slow_times[0], scene.slow_times[-1]
         assert run.slow_times == tuple(np.linspace(*ends, 10))
         animate(scene, tmp_path / "film.gif", duration=30.0, fps=10.0, dpi=40.0)
-        assert len(asked[1].slow_times) == 200
+        assert len(asked[1].slow_times) == 300
         animate(scene, tmp_path / "film.gif", 1.0, 10.0, 40.0, times=(2.0, 5.0))
         begin = ends[0] / scene.eps**3
         assert asked[2].t0 == pytest.approx(begin)

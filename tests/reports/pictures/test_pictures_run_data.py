@@ -10,7 +10,8 @@ import xarray as xr
 
 from longwave.reports.pictures.animation import animate
 from longwave.reports.pictures.plotting import plot
-from longwave.reports.pictures.run_data import own_error, placed, spectra, with_looks
+from longwave.reports.pictures.run_data import error_curves, own_error, placed, spectra, with_looks
+from longwave.runs.own_error import own_error_at
 from longwave.scenes import scene_run
 from longwave.scenes.named_scenes import load_scene
 from longwave.scenes.observables import amplitudes
@@ -211,3 +212,15 @@ def test_backgrounds_of_any_size_make_a_map(toda: xr.Dataset) -> None:
     wild["background"].values[0, 0], wild["background"].values[1, 0] = np.inf, -np.inf
     with np.errstate(all="warn"):
         assert with_looks(placed(wild), 2).sizes["time"] == toda.sizes["time"]
+
+
+def test_the_error_curve_of_any_lattice_has_the_runs_own_error() -> None:
+    """Catches: the size of a wave on another lattice asked of the paper's chain."""
+    scene = load_scene("toda_soliton").changed(eps=0.2, observables=("strain", "error_curve"))
+    run = placed(scene_run.run(scene.changed(curve_points=5)))
+    (curve,) = error_curves(run).values()
+    at = [int(np.flatnonzero(run["curve_time"] == t)[0]) for t in run["time"].values]
+    sizes = run["sup_error"] * scene.eps**run.power / run["error"]
+    wanted = run.error_estimate * scene.eps**run.power / sizes
+    np.testing.assert_allclose(curve["own"].values[at], wanted, rtol=1e-9)
+    assert own_error_at(run, scene, "error_curve", at[1]) == pytest.approx(float(wanted[1]))
