@@ -7,14 +7,21 @@ scene with half the step, with twice the sites.
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Protocol, Self
 
 import numpy as np
 
 from longwave.scenes.observables import observable_named
-from longwave.scenes.recorders import Observer, Recorder, Samples, Variables, build_recorders
+from longwave.scenes.recorders import (
+    Observer,
+    Recorder,
+    Samples,
+    Variables,
+    build_recorders,
+    exact_times,
+)
 from longwave.scenes.run_record import RunRecord, UnfinishedRun
 from longwave.scenes.view import Array, View
 from longwave.support.checkpoint import Memory, begin_loop
@@ -81,15 +88,17 @@ def record(
     observers: Sequence[Observer],
     progress: Progress,
     restart: State | None = None,
+    stops: Collection[float] = (),
 ) -> Recording:
     """Run the scene to its end, a blow-up or Ctrl-C, showing it to each observer at its moments.
 
-    A run from ``restart`` shows nothing before or at the time of that state.
+    A run from ``restart`` shows nothing before or at the time of that state. ``stops`` are times
+    that are hit exactly beside the observers'.
     """
     scene = stepped.scene
     stepper, step_limit = stepped.stepper(restart)
     begin = stepper.state.t
-    exact = {t for observer in observers for t in observer.moments.times}
+    exact = {t for observer in observers for t in observer.moments.times}.union(stops)
     first = {begin} if restart is None else set()
     times = sorted({t for t in exact if t > begin} | first | {scene.end})
     loop, stopped = begin_loop(f"{stepped.task} from {begin!r}"), False
@@ -146,12 +155,13 @@ def measured_error(
 ) -> list[float]:
     """Largest difference of what is compared between a run and its refinement, in its unit.
 
-    One number for each of the snapshots in ``samples``, the values of the run itself. Raises
-    KeyboardInterrupt on Ctrl-C.
+    One number for each of the snapshots in ``samples``, the values of the run itself. Steps are
+    fitted to the same times in both. Raises KeyboardInterrupt on Ctrl-C.
     """
     scene = stepped.scene
     finer = Samples(scene.snapshots[: len(samples)])
-    if record(stepped.refined(refined(scene, measure)), [finer], progress).stopped:
+    again = stepped.refined(refined(scene, measure))
+    if record(again, [finer], progress, stops=exact_times(scene)).stopped:
         raise KeyboardInterrupt
     return [
         float(np.max(np.abs(fine - coarse))) / stepped.scale

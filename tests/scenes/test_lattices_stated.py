@@ -122,3 +122,17 @@ def test_what_was_recorded_before_ctrl_c_is_kept(monkeypatch: pytest.MonkeyPatch
     assert 0 < left.sizes["time"] < len(plan.snapshots)
     assert left.unfinished.startswith("Ctrl-C after t = ")
     assert left.equation.startswith("KdV: ")
+
+
+def test_a_refined_run_has_the_stops_of_the_run_itself() -> None:
+    """Catches: steps that the curve's times shorten to little more than half of the stated one.
+
+    Half the stated step was then hardly shorter, and the measured error a tenth of the true one.
+    """
+    given = {"step": 1.24, "domain": "ring", "sites": 800, "tolerance": None, "curve_points": 201}
+    asked = ("strain", "error_curve", "time_step_error", "domain_error")
+    scene = TODA.changed(**given, observables=asked)
+    found, exact = run(scene), run(TODA.changed(tolerance=1e-10))
+    true = np.abs(found["strain"] - exact["strain"]).max("site") / scene.eps**found.power
+    assert np.all(true <= 2.0 * found["time_step_error"] + 1e-10)
+    assert np.all(found["domain_error"] < 1e-11)
