@@ -35,6 +35,30 @@ class Entry:
     field: int
 
 
+def place_text(field: str, shift: tuple[int, ...]) -> str:
+    """A field in the cell at an offset, as lattice files write it.
+
+    >>> place_text("u", (1,)), place_text("u", (0, -1))
+    ('u[n+1]', 'u[n,m-1]')
+    """
+    axes = zip("nml", shift, strict=False)
+    return f"{field}[{','.join(axis + (f'{step:+d}' if step else '') for axis, step in axes)}]"
+
+
+def stretch_text(entries: tuple[Entry, ...], fields: tuple[str, ...]) -> str:
+    """A sum of fields in words, its positive terms first.
+
+    >>> stretch_text((Entry((0,), -1.0, 0), Entry((1,), 2.0, 0)), ("u",))
+    '2 u[n+1] - u[n]'
+    """
+    text = ""
+    for entry in sorted(entries, key=lambda one: one.weight < 0.0):
+        sign = (" - " if text else "-") if entry.weight < 0.0 else (" + " if text else "")
+        size = "" if abs(entry.weight) == 1.0 else f"{abs(entry.weight):g} "
+        text += f"{sign}{size}{place_text(fields[entry.field], entry.shift)}"
+    return text
+
+
 @dataclass(frozen=True)
 class NumericBond:
     """A bond of cell n: stretched by ``sum weight f_{n+shift} + offset``, acting as `Bond` says."""

@@ -104,7 +104,7 @@ class PackedRun:
             for name, held in group["arrays"].items():
                 found = data if not held.attrs["coordinate"] else coordinates
                 texts = json.loads(held.attrs["attributes"])
-                found[name] = (json.loads(held.attrs["dims"]), held[self.row], texts)
+                found[name] = (json.loads(held.attrs["dims"]), _values(held[self.row]), texts)
             return xr.Dataset(data, coordinates, json.loads(group["attributes"][self.row]))
 
     def array(self, name: str) -> Any:
@@ -112,7 +112,12 @@ class PackedRun:
         import h5py
 
         with h5py.File(self.path) as file:
-            return file[self.group]["arrays"][name][self.row]
+            return _values(file[self.group]["arrays"][name][self.row])
+
+
+def _values(held: Any) -> Any:
+    """What was put in: texts are held as bytes."""
+    return np.char.decode(held, "utf-8") if held.dtype.kind == "S" else held
 
 
 def write_pack(path: Path, records: Iterable[CellRecord]) -> None:
@@ -161,6 +166,8 @@ def _write_group(group: Any, alike: Sequence[CellRecord]) -> None:
     for label, variable in first.variables.items():
         runs = [one.run for one in alike if one.run is not None]
         values = np.stack([np.asarray(run.variables[label].values) for run in runs])
+        if values.dtype.kind == "U":
+            values = np.char.encode(values, "utf-8")
         packing: dict[str, Any] = {}
         if values[0].nbytes >= COMPRESSED:
             packing = {"compression": LEVEL, "shuffle": True, "chunks": (1, *values.shape[1:])}

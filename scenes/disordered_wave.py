@@ -84,6 +84,11 @@ class DisorderedWave(LatticeWave):
         """As of the ordered lattice."""
         return self._wave.strain(cells, t)
 
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """As of the ordered lattice."""
+        return self._wave.quantities
+
     def measured(self, f: ArrayLike, mean_strain: tuple[float, ...]) -> Array:
         """As of the ordered lattice."""
         return self._wave.measured(f, mean_strain)

@@ -16,7 +16,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from longwave.derive import CarrierTerms, Envelope, Lattice, carrier_fields
 from longwave.derive.algebra.exact_numbers import Number
-from longwave.lattice.numeric_lattice import NumericLattice, numeric_lattice
+from longwave.lattice.numeric_lattice import (
+    NumericLattice,
+    numeric_lattice,
+    stretch_text,
+)
 from longwave.scenes.envelope_flow import EnvelopeFlow
 from longwave.scenes.lattice_wave import ORDERS, CellRing, LatticeWave
 
@@ -213,6 +217,14 @@ class EnvelopeData(LatticeWave):
         bare = copy(self)
         bare._flow = PlaneBackground(cast("Wave", self.wave))
         return bare.strain(cells, t)
+
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """What stretches the bonds, or the fields themselves."""
+        if self.carrier.is_displacement:
+            bonds = self.lattice.bonds
+            return tuple(stretch_text(bond.stretch, self.lattice.fields) for bond in bonds)
+        return super().quantities
 
     def measured(self, f: ArrayLike, mean_strain: tuple[float, ...]) -> Array:
         """The same from the fields of a ring."""

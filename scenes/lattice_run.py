@@ -144,6 +144,9 @@ def record_scene(
 
 def _tell(record: RunRecord, derived: LatticeDerivation, wave: LatticeWave) -> None:
     """Tell the equation, the frame, and the unit of errors."""
+    if "strains" in record.variables:
+        told = {"units": "name", "long_name": "what is compared"}
+        record.variables["quantity"] = ("quantity",), np.array(wave.quantities), told
     record.attrs |= {
         "equation": derived.text(),
         "frame_speed": wave.speed,

@@ -6,13 +6,14 @@ Cells are real numbers: an array (sites,) on a chain, (axes, *sites) on a lattic
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from longwave.lattice.numeric_lattice import NumericLattice
+from longwave.lattice.numeric_lattice import NumericLattice, place_text
 from longwave.lattice.trial import nudged
 
 Array = NDArray[np.float64]
@@ -98,6 +99,12 @@ class LatticeWave(ABC):
     def strain(self, cells: ArrayLike, t: float) -> Array:
         """What is compared, (quantities, *sites): the theory at a time."""
 
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """What is compared, as lattice files write it: the fields themselves unless overridden."""
+        here = (0,) * self.lattice.dimension
+        return tuple(place_text(name, here) for name in self.lattice.fields)
+
     @abstractmethod
     def measured(self, f: ArrayLike, mean_strain: tuple[float, ...]) -> Array:
         """The same from the periodic parts of the fields on a ring with this mean strain."""
@@ -132,6 +139,16 @@ class LatticeWave(ABC):
     @abstractmethod
     def background(self, cells: ArrayLike, t: float) -> Array:
         """What the wave deviates from, as `strain`: the bare wave on its uniform strain."""
+
+    def growths(self, axes: Sequence[int] = (0,)) -> tuple[str, ...]:
+        """What fields grow by from a cell to the next along these axes, in words."""
+        here = (0,) * self.lattice.dimension
+        return tuple(
+            f"{place_text(name, tuple(int(at == axis) for at in range(len(here))))} - "
+            f"{place_text(name, here)}"
+            for axis in axes
+            for name in self.lattice.fields
+        )
 
     def uniform(self) -> Array:
         """The strain of each quantity that the wave is added to; 0 unless overridden."""

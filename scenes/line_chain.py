@@ -70,6 +70,11 @@ class LineChain(LatticeWave):
             : len(self.lattice.fields)
         ]
 
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """What fields grow by along the first axis of the plane."""
+        return self.growths()
+
     def measured(self, f: ArrayLike, mean_strain: tuple[float, ...]) -> Array:
         """The same from the periodic parts on a ring."""
         fields = np.asarray(f, dtype=np.float64)

@@ -205,6 +205,13 @@ class LongWaveData(LatticeWave):
             rows.append(self.state(places + shift, t)[0] - here)
         return np.concatenate(rows)
 
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """What displacements grow by along the axes that the wave moves on, or the strains."""
+        if self._is_displacement:
+            return self.growths(self._axes)
+        return super().quantities
+
     def measured(self, f: ArrayLike, mean_strain: tuple[float, ...]) -> Array:
         """The same from the periodic parts of the fields on a ring with this mean strain."""
         fields = np.asarray(f, dtype=np.float64)

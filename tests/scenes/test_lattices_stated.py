@@ -3,12 +3,15 @@
 Of each kind of lattice there is one: displacements, two masses and an envelope, strains, a plane.
 """
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 import xarray as xr
 
+from longwave.runs.repeated_run import compare_runs
+from longwave.runs.run_file import load_run, save_run
 from longwave.scenes import load_scene, resume, run
 from longwave.scenes.named_scenes import scene_of
 from longwave.scenes.numerics import Discretisation
@@ -136,3 +139,24 @@ def test_a_refined_run_has_the_stops_of_the_run_itself() -> None:
     true = np.abs(found["strain"] - exact["strain"]).max("site") / scene.eps**found.power
     assert np.all(true <= 2.0 * found["time_step_error"] + 1e-10)
     assert np.all(found["domain_error"] < 1e-11)
+
+
+@pytest.mark.parametrize(
+    ("name", "quantities"),
+    [
+        ("dimer_peregrine", ["v[n] - u[n]", "u[n+1] - v[n]"]),
+        ("dimer_rogue", ["u[n+1] - u[n]", "v[n+1] - v[n]"]),
+        ("toda_soliton", None),
+    ],
+)
+def test_quantities_have_labels_also_in_files(
+    name: str, quantities: list[str] | None, tmp_path: Path
+) -> None:
+    found = run(load_scene(name).changed(eps=0.1))
+    if quantities is None:
+        assert "quantity" not in found.dims
+        return
+    assert found["quantity"].values.tolist() == quantities
+    assert found["strains"].sel(quantity=quantities[0], drop=True).equals(found["strain"])
+    save_run(found, tmp_path / "run.nc")
+    assert compare_runs(load_run(tmp_path / "run.nc"), found).is_same
