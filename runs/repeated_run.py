@@ -71,17 +71,12 @@ def _variable_line(name: str, kept: xr.Dataset, made: xr.Dataset) -> str:
     for run, word in ((kept, "is new"), (made, "is missing")):
         if name not in run.variables:
             return f"{name} {word}"
-    one, other = (_as_written(run.variables[name].values) for run in (kept, made))
+    one, other = (run.variables[name].values for run in (kept, made))
     if one.shape != other.shape or one.dtype != other.dtype:
         return f"{name}: {other.dtype} {other.shape}, was {one.dtype} {one.shape}"
     if one.tobytes() == other.tobytes():
         return ""
     return f"{name}: {_distance(one, other)}"
-
-
-def _as_written(values: NDArray[np.generic]) -> NDArray[np.generic]:
-    """Texts, which a file gives back as objects, as texts."""
-    return values.astype(str) if values.dtype.kind == "O" else values
 
 
 def _distance(one: NDArray[np.generic], other: NDArray[np.generic]) -> str:

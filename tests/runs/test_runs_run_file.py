@@ -84,7 +84,8 @@ def test_plain_xarray_opens_it_with_units_and_names_on_everything(
         for name, variable in found.variables.items():
             assert variable.attrs["units"].strip(), name
             assert len(variable.attrs["long_name"]) > 2, name
-            assert np.array_equal(variable.values, run[name].values, equal_nan=True), name
+            floats = variable.dtype.kind == "f"
+            assert np.array_equal(variable.values, run[name].values, equal_nan=floats), name
         told = found.attrs
         for package in ("longwave ", "numba ", "llvmlite ", "h5netcdf ", "Python "):
             assert package in told["versions"]
