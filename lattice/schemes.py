@@ -11,6 +11,7 @@ A table is checked for its shape and its consistency when it is declared, for th
 claims by `lattice.scheme_order.check_order`. Adding a scheme is one table here, in `SCHEMES`.
 """
 
+import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, fields
 from fractions import Fraction
@@ -22,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from longwave.support.known_names import one_of
+from longwave.support.user_files import shown
 
 Array = NDArray[np.float64]
 Exact = tuple[Fraction, ...]
@@ -438,13 +440,56 @@ SCHEMES: tuple[Scheme, ...] = (
 
 
 def scheme_named(name: str) -> Scheme:
-    """The scheme of that name; ValueError lists the known ones.
+    """The scheme of that name, or the one that is stated; ValueError lists the known ones.
+
+    A symmetric splitting of your own is stated by its weights up to the middle of the step, as in
+    `Splitting`, and checked against the conditions of its order.
 
     >>> scheme_named("rk4").stages
     4
+    >>> scheme_named("mine, order 2: drifts 1/6 2/3, kicks 1/2").stages
+    2
     """
     for scheme in SCHEMES:
         if scheme.name == name:
             return scheme
+    if ":" in name:
+        return _stated(name)
     known = one_of(name, [scheme.name for scheme in SCHEMES])
-    raise ValueError(f"scheme must be a known one, got {name!r} ({known})")
+    raise ValueError(f"scheme must be a known one, got {shown(name)} ({known}; or such as {OWN})")
+
+
+OWN = "'mine, order 2: drifts 1/6 2/3, kicks 1/2'"
+"""An example of a scheme that is stated."""
+
+STATED = re.compile(r"([A-Za-z]\w{,39}), order (\d{1,2}): drifts ([^,]+), kicks ([^,]+)")
+
+WEIGHT = re.compile(r"-?\d{1,9}(\.\d{1,60}|/[1-9]\d{,9})?")
+
+HIGHEST_ORDER, MOST_WEIGHTS = 10, 20
+"""Of a scheme that is stated: its conditions are many."""
+
+
+@cache
+def _stated(text: str) -> Scheme:
+    from longwave.lattice.scheme_order import check_order  # which asks for schemes
+
+    found = STATED.fullmatch(text)
+    if found is None:
+        raise ValueError(f"scheme must be stated as {OWN}, got {shown(text)}")
+    order, drifts, kicks = int(found[2]), *(tuple(found[group].split()) for group in (3, 4))
+    for weight in (*drifts, *kicks):
+        if not WEIGHT.fullmatch(weight):
+            raise ValueError(
+                f"weights of a scheme must be decimals or fractions, got {shown(weight)} (such as "
+                "0.5 or 1/2)"
+            )
+    for name, size, most in (
+        ("order", order, HIGHEST_ORDER),
+        ("weights", len(drifts), MOST_WEIGHTS),
+    ):
+        if not 1 <= size <= most:
+            raise ValueError(f"{name} of a scheme must be 1 to {most}, got {size}")
+    scheme = Splitting(text, order, drifts, kicks, "stated")
+    check_order(scheme)
+    return scheme

@@ -1,5 +1,6 @@
 """Catches: a wrong digit or sign in a table, an order claimed that the table does not have."""
 
+import pickle
 from dataclasses import replace
 from decimal import Decimal
 from fractions import Fraction
@@ -21,6 +22,7 @@ from longwave.lattice.schemes import (
     NystroemTable,
     Scheme,
     Splitting,
+    scheme_named,
 )
 from tests.lattice.order_conditions import composition_defect, runge_kutta_defect, trees, words
 
@@ -163,3 +165,30 @@ def test_number_of_conditions() -> None:
 
 def test_names_are_unique() -> None:
     assert len({scheme.name for scheme in SCHEMES}) == len(SCHEMES)
+
+
+def test_a_stated_scheme_is_the_table_of_its_weights() -> None:
+    weights = [" ".join(half) for half in (BLANES_MOAN_6.drift_half, BLANES_MOAN_6.kick_half)]
+    stated = scheme_named(f"mine, order 6: drifts {weights[0]}, kicks {weights[1]}")
+    assert stated.table() == BLANES_MOAN_6.table()
+    assert stated.order == 6
+    assert pickle.loads(pickle.dumps(stated)) == stated
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("mine, order 4: drifts 1/2, kicks 1", "mine, order 4: drifts 1/2, kicks 1 must satisfy"),
+        ("mine, order 2: drifts 1/2", "scheme must be stated as 'mine, order 2: "),
+        ("mine, order 2: drifts __import__, kicks 1", "weights of a scheme must be decimals or"),
+        ("mine, order 2: drifts 1/0, kicks 1", "weights of a scheme must be decimals or"),
+        ("mine, order 2: drifts 1/2 1/2 1/2, kicks 1", "drift_half must have as many weights"),
+        ("mine, order 2: drifts 2, kicks 1", "the weights of mine, order 2: drifts 2, kicks 1 mu"),
+        ("mine, order 40: drifts 1/2, kicks 1", "order of a scheme must be 1 to 10, got 40"),
+        (f"mine, order 2: drifts {'0 ' * 30}, kicks 1", "weights of a scheme must be 1 to 20"),
+        ("kahan_li_9", r"scheme must be a known one, got 'kahan_li_9' \(did you mean kahan_li_8"),
+    ],
+)
+def test_a_scheme_that_is_none_is_refused_in_one_line(text: str, message: str) -> None:
+    with pytest.raises(ValueError, match=rf"^{message}[^\n]*$"):
+        scheme_named(text)

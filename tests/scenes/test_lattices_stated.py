@@ -13,7 +13,7 @@ import xarray as xr
 from longwave.runs.repeated_run import compare_runs
 from longwave.runs.run_file import load_run, save_run
 from longwave.scenes import load_scene, resume, run
-from longwave.scenes.named_scenes import scene_of
+from longwave.scenes.named_scenes import scene_of, scene_of_toml
 from longwave.scenes.numerics import Discretisation
 from longwave.scenes.observables import OBSERVABLES
 from longwave.scenes.run_record import UnfinishedRun
@@ -160,3 +160,20 @@ def test_quantities_have_labels_also_in_files(
     assert found["strains"].sel(quantity=quantities[0], drop=True).equals(found["strain"])
     save_run(found, tmp_path / "run.nc")
     assert compare_runs(load_run(tmp_path / "run.nc"), found).is_same
+
+
+@pytest.mark.parametrize("scene", [TODA, load_scene("rational_2_eps_0.05")], ids=["toda", "chain"])
+def test_a_scheme_of_ones_own_is_stated_in_the_scene(scene: Scene) -> None:
+    """Verlet's by its weights: the same numbers as by its name, but for rounding."""
+    short = scene.with_tolerance(1e-2).changed(observables=("strain",), compared=200)
+    short = short.changed(times=(0.0, 60.0))
+    own, named = (
+        run(short.changed(scheme=name, engine="stencil"))
+        for name in ("verlet, order 2: drifts 1/2, kicks 1", "stoermer_verlet")
+    )
+    assert own.scheme == "verlet, order 2: drifts 1/2, kicks 1"
+    assert own.steps == named.steps
+    np.testing.assert_allclose(own["strain"], named["strain"], atol=1e-13)
+    plan = scene_of(own)
+    np.testing.assert_array_equal(run(plan)["strain"], own["strain"])
+    assert Scene.from_json(plan.json()) == scene_of_toml(plan.toml()) == plan
