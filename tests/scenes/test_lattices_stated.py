@@ -162,7 +162,7 @@ def test_quantities_have_labels_also_in_files(
     assert compare_runs(load_run(tmp_path / "run.nc"), found).is_same
 
 
-@pytest.mark.parametrize("scene", [TODA, load_scene("rational_2_eps_0.05")], ids=["toda", "chain"])
+@pytest.mark.parametrize("scene", [TODA, load_scene("rogue_cn_k_0.5")], ids=["toda", "chain"])
 def test_a_scheme_of_ones_own_is_stated_in_the_scene(scene: Scene) -> None:
     """Verlet's by its weights: the same numbers as by its name, but for rounding."""
     short = scene.with_tolerance(1e-2).changed(observables=("strain",), compared=200)
