@@ -47,6 +47,10 @@ LIMIT_SHARE = 0.9
 SLOW = 1e6
 """Waves that take so many times the run's duration do not bound the step."""
 
+LARGE = 2**20
+"""Numbers of a state from which on one run is made at a time, on both cores: two would take twice
+the memory."""
+
 RUNAWAY, LEAST_RUNAWAY = 4e4, 1e5
 """Steps, in units of the longest one's and at least, that a run takes only where strains run away:
 with an order of 2 a tolerance of 1e-9 takes 3e4 times the longest one's."""
@@ -178,7 +182,7 @@ def integrate(
         assert step is not None
         trial, error = _stated(search, step, measure_error)
     made = Trajectory if isinstance(held, State) else FieldTrajectory
-    return made(*_outcome(trial, error, begun, scheme))
+    return made(*_outcome(trial, error, moments, begun, scheme))
 
 
 def _checked(model: Model | NumericLattice, state: State | FieldState) -> Any:
@@ -218,12 +222,14 @@ def _stated(engine: RingSearch[Any], step: float, measure_error: bool) -> tuple[
     return trial, error
 
 
-def _outcome(trial: Trial, error: float, begun: float, scheme: Scheme) -> tuple[Any, ...]:
+def _outcome(
+    trial: Trial, error: float, times: Array, begun: float, scheme: Scheme
+) -> tuple[Any, ...]:
     """The parts of a trajectory."""
-    stepper, times, positions, velocities = trial.payload
-    if stepper.blow_up is not None:
+    blow_up, steps, positions, velocities = trial.payload
+    if blow_up is not None:
         raise ValueError(
-            f"times must end before the lattice blows up, got {times[-1]:g} ({stepper.blow_up}, "
+            f"times must end before the lattice blows up, got {times[-1]:g} ({blow_up}, "
             "whatever the step; end earlier or take smaller strains)"
         )
     if trial.values is None and math.isinf(error):
@@ -232,8 +238,8 @@ def _outcome(trial: Trial, error: float, begun: float, scheme: Scheme) -> tuple[
             "earlier or take smaller strains)"
         )
     cost = Cost(
-        stepper.steps,
-        stepper.steps * scheme.stages,
+        steps,
+        steps * scheme.stages,
         trial.seconds,
         perf_counter() - begun,
     )
@@ -260,7 +266,7 @@ class RingSearch(StepSearch, Generic[Held]):
         self.state: Held = state
         self.dynamics = dynamics_of(model)
         self.fragile = not self.dynamics.is_linear
-        self.threads = self.dynamics.threads(scheme)
+        self.threads = self.dynamics.threads(scheme) if state.size < LARGE else 1
         self._times = times
         ranges = self.dynamics.ranges(state)
         self.first_frequency = self.dynamics.highest_frequency(ranges)
@@ -284,21 +290,23 @@ class RingSearch(StepSearch, Generic[Held]):
         return lambda f, v, _: np.array([stretches(f), stretches(v) / unit])
 
     def run(self, choices: Choices, shown: bool, progress: Progress = lambda _: None) -> Trial:
-        """A run; its payload is the stepper, the times, positions and velocities."""
+        """A run; its payload is what stopped it, its steps, positions and velocities."""
         begun = perf_counter()
         start = self._start(choices.nudged)
         stepper = Stepper(start, self.scheme, self.model, StillRing(start), choices.step, None)
-        wanted, rows = set(self._times.tolist()), {}
-        for state in stepper.through(self._times.tolist()):
-            if state.t in wanted:
-                rows[state.t] = self.dynamics.in_order(state)
+        shape = (self._times.size, *self.state.arrays[0].shape)
+        f, v = np.empty(shape), np.empty(shape)
+        rows = {t: row for row, t in enumerate(self._times.tolist())}
+        for state in stepper.through(list(rows)):
+            if state.t in rows:
+                f[rows[state.t]], v[rows[state.t]] = self.dynamics.in_order(state)
             progress((state.t - self._stops[0]) / (self._stops[-1] - self._stops[0] or 1.0))
-        f, v = (np.array([row[part] for row in rows.values()]) for part in (0, 1))
         values, longest = None, self._longest_step(stepper.ranges)
         self._admitted = min(self._admitted, longest)
         if stepper.blow_up is None and self._taken(choices.step) <= longest:
             moments = zip(f, v, self._times.tolist(), strict=True)
-            values = np.array([self._judged(*moment) for moment in moments])
+            judged = [np.asarray(self._judged(*moment)) for moment in moments]
+            values = np.array(judged) if len(judged) > 1 else judged[0][np.newaxis]
         return Trial(
             choices,
             values,
@@ -307,7 +315,8 @@ class RingSearch(StepSearch, Generic[Held]):
             rounding_error(
                 self.dynamics.largest(stepper.ranges), stepper.steps * self.scheme.stages
             ),
-            (stepper, self._times, f, v),
+            (stepper.blow_up, stepper.steps, f, v),
+            shown=False,
         )
 
     def _taken(self, step: float) -> float:

@@ -199,7 +199,7 @@ class _Search:
         self._changes: dict[float, float] = {}  # what was changed by shortening each step
         self._lawful = 0.0  # the longest step of which the law was seen
         self._negligible = NEGLIGIBLE * tolerance / SAFETY
-        self._shown = 0.0
+        self._shown, self._count = 0.0, 0
         self._stopped = False
         self.seconds = 0.0
         self.wary: bool | None = None
@@ -246,7 +246,13 @@ class _Search:
                 choices = self.engine.varied(choices, STEP)
             else:
                 choices = self.engine.better(choices, "step", excess)
+            self._forget_longer(choices.step)
         return choices
+
+    def _forget_longer(self, step: float) -> None:
+        """Let go of runs with longer steps, which are not compared with any more."""
+        for choices in [one for one in self._done if one.step > step]:
+            del self._done[choices]
 
     def has_seen_law(self, choices: Choices) -> bool:
         """Whether what such a step changes has fallen by the law, or is next to nothing."""
@@ -301,7 +307,14 @@ class _Search:
         """The run with these choices and its control, which is shown."""
         control = self.engine.varied(choices, self.engine.kinds)
         self._run({choices: False, control: True})
+        self._keep_values_alone(choices)
         return self._done[choices], self._done.pop(control)
+
+    def _keep_values_alone(self, choices: Choices) -> None:
+        """Let go of what else there is of a run that others control, if it cannot be shown."""
+        trial = self._done[choices]
+        if not trial.shown:
+            self._done[choices] = replace(trial, payload=None)
 
     def improved(self, choices: Choices, trial: Trial, error: float) -> Choices:
         """Better choices: in what exceeds its share when it is varied by itself, or in all."""
@@ -326,6 +339,7 @@ class _Search:
         """By how much the error is above its share when that kind alone is varied."""
         other = self.engine.varied(choices, (kind,))
         self._run({choices: False, other: False})
+        self._keep_values_alone(choices)
         change = difference(self._done[choices], self._done[other])
         if kind == "step":
             self._note_change(choices, change)
@@ -365,12 +379,13 @@ class _Search:
 
     def _keep(self, choices: Choices, trial: Trial) -> None:
         self._done[choices] = trial
+        self._count += 1
         self.seconds += trial.seconds
 
     def _share(self, share: float) -> None:
         if self._stopped:
             raise KeyboardInterrupt
-        self._shown = max(self._shown, 1.0 - 0.5 ** (len(self._done) + share))
+        self._shown = max(self._shown, 1.0 - 0.5 ** (self._count + share))
         self._progress(self._shown)
 
     def _tell(self, missing: Collection[Choices]) -> None:
