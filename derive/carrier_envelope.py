@@ -15,7 +15,8 @@ from typing import Any
 import mpmath
 from sympy import Expr, I, S, Symbol, cos, pi, simplify, sin, sqrt
 
-from longwave.derive.algebra.exact_numbers import Number, exact, instance, parse_rational
+from longwave.derive.algebra.exact_numbers import Number, instance, parse_rational
+from longwave.derive.algebra.formula_expression import exact_value
 from longwave.derive.algebra.jets import DifferentialPolynomial
 from longwave.derive.algebra.rational_functions import RationalFunction
 from longwave.derive.carrier import Carrier, EnvelopeError, w, z
@@ -23,7 +24,7 @@ from longwave.derive.lattice import Lattice
 from longwave.derive.normal_form import NormalForm, normal_form_of
 from longwave.derive.output.notation import Displayed, Printed, latex_of, text_of
 from longwave.derive.sines import cosine, frequency, in_sines, omega, sine
-from longwave.derive.symbols import k
+from longwave.derive.symbols import k, number_value
 from longwave.support.user_files import shown
 
 DIGITS = 60
@@ -201,7 +202,7 @@ class Envelope(Displayed):
                     f"constants must be among {', '.join(sorted(names))}, got {name} "
                     f"(those are the constants of {self.lattice.name})"
                 )
-        values = {names[name]: exact(name, value) for name, value in given.items()}
+        values = {names[name]: number_value(name, value) for name, value in given.items()}
         for symbol, value in lattice.definitions:
             values[symbol] = value.xreplace(values)
         used = {*map(str, names.values())} - {str(s) for s, _ in lattice.definitions}
@@ -335,7 +336,7 @@ def envelope(
                 f"constants must be among {', '.join(names)}, got {name} "
                 f"(those are the constants of {lattice.name})"
             )
-        values[names[name]] = exact(name, value)
+        values[names[name]] = number_value(name, value)
     unknown = [name for name, symbol in names.items() if symbol not in values]
     is_large = len(lattice.fields) >= LARGE_CELL and not lattice.definitions
     if is_large and len(unknown) > 1 and chosen != pi:
@@ -374,7 +375,7 @@ def modulation_map(
 
 def wavenumber(k: Number) -> Expr:
     """A wavenumber exactly; ValueError unless it is in 0 < k <= pi."""
-    value = exact("k", k)
+    value = exact_value("k", k)
     if value.free_symbols or not 0 < value <= pi:
         raise ValueError(f"k must satisfy 0 < k <= pi, got {shown(k)} (radians a cell)")
     return value

@@ -214,6 +214,11 @@ class NormalForm:
                 raise ValueError(f"{name} must not be 0, got 0 (the map must have an inverse)")
 
     @property
+    def name(self) -> str:
+        """The equation's name, with its signs where its waves depend on them."""
+        return equation_name(self.equation, self.s, self.r)
+
+    @property
     def is_transverse(self) -> bool:
         """Whether there is a second slow variable of space."""
         return "Y_ZZ" in NORMAL_EQUATIONS[self.equation].terms
@@ -244,6 +249,22 @@ class NormalForm:
         parts = [rf"{NORMAL_EQUATIONS[self.equation].latex},\quad {told}"]
         parts += (f"{_LATEX.get(name, name)} = {latex(v)}" for name, v in self.values.items())
         return rf"$\displaystyle {', '.join(parts)}$"
+
+
+def equation_name(name: str, s: Expr | int, r: Expr | int = 1) -> str:
+    """The equation's name with its signs, where its waves depend on them.
+
+    >>> equation_name("mKdV", -1), equation_name("KP", -1), equation_name("Kawahara", -1)
+    ('defocusing mKdV', 'KP-I', 'Kawahara (s = -1)')
+    """
+    if s not in (1, -1):
+        return name
+    if name in ("mKdV", "Gardner", "NLS"):
+        return f"{'focusing' if s == 1 else 'defocusing'} {name}"
+    if name.endswith("KP"):
+        return f"{name}-{'I' if s == -1 else 'II'}"
+    signs = {"Kawahara": f" (s = {s})", "modified Kawahara": f" (s = {s}, r = {r})"}
+    return name + signs.get(name, "")
 
 
 _LATEX = {"drift": r"\nu"}

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from sympy import Eq, Expr, Symbol, expand, factor, sqrt
 
-from longwave.derive.algebra.exact_numbers import Number, exact
+from longwave.derive.algebra.exact_numbers import Number
 from longwave.derive.algebra.jets import DifferentialPolynomial, Monomial
 from longwave.derive.algebra.rational_functions import RationalFunction
 from longwave.derive.algebra.series import EpsSeries
@@ -18,7 +18,7 @@ from longwave.derive.normal_form import NormalForm, equation_of, normal_form_of
 from longwave.derive.output.notation import Notation, latex_of, power_of, text_of
 from longwave.derive.output.report import latex_report, reduction_data, text_report
 from longwave.derive.scaling import Scaling
-from longwave.derive.symbols import eps
+from longwave.derive.symbols import eps, number_value
 from longwave.support.user_files import shown
 
 
@@ -171,7 +171,7 @@ class Reduction:
                     f"constants must be among {', '.join(names)}, got {name} "
                     f"(those are the constants of {self.lattice.name})"
                 )
-        values = {names[name]: exact(name, value) for name, value in constants.items()}
+        values = {names[name]: number_value(name, value) for name, value in constants.items()}
         _check_assumptions(values)
         values = self._defined(values)
         self._check_denominators(values)
@@ -182,7 +182,7 @@ class Reduction:
                 raise ValueError(
                     f"constants must satisfy {text_of(condition.expression)} = 0, got "
                     f"{text_of(condition.expression)} = {left} ({condition.reason}; take constants "
-                    "that meet it)"
+                    "that meet it or are small, such as 5*eps, a background, or another amplitude)"
                 )
         return values
 

@@ -155,7 +155,7 @@ COMMANDS: dict[str, tuple[list[str], str]] = {
     "no such file": (["nothing.toml"], "nothing.toml: No such file"),
     "set": (["fput", "--set", "K2"], "--set must be NAME=VALUE, got K2"),
     "set unknown": (["fput", "--set", "K9=1"], "constants must be among"),
-    "set text": (["fput", "--set", "K2=one"], "K2 must be a rational number, got 'one'"),
+    "set text": (["fput", "--set", "K2=one"], "K2: expected a known name, got 'one'"),
     "orders": (["fput", "--orders", "99"], "--order must be an integer <= 13"),
     "amplitude": (["fput", "--amplitude", "-1"], "--amplitude must be an integer"),
     "pinned": (["klein_gordon"], "no scaling fits klein_gordon"),
