@@ -1,4 +1,4 @@
-"""Which ansatz fits a lattice: the balances of nonlinearity and dispersion, found by trying."""
+"""The search for an ansatz: the balances of nonlinearity and dispersion, found by trying."""
 
 from __future__ import annotations
 

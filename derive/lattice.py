@@ -338,7 +338,7 @@ def _equations(lattice: Lattice, printed: Printed, acceleration: str, label: str
 
 
 def _stretch(lattice: Lattice, bond: Bond, at: Stencil) -> str:
-    """What stretches the bond whose force acts through ``at``."""
+    """The stretch of the bond whose force acts through ``at``."""
     parts = []
     for entry in bond.stretch:
         cell = [i + j for i, j in zip(entry.shift, at.shift, strict=True)]

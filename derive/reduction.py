@@ -24,7 +24,7 @@ from longwave.support.user_files import shown
 
 @dataclass(frozen=True, repr=False)
 class Reduction:
-    """What ``derive.reduce`` returns.
+    """The reduced equation of a lattice, and every order of the expansion that leads to it.
 
     ``orders``: the lattice equation order by order, before any condition is used (orders that
     vanish identically are absent).  ``sound_polynomial``: P(c), zero at the sound speed.
@@ -67,8 +67,8 @@ class Reduction:
                 f"the sound condition must be linear in the square of the speed, got "
                 f"{text_of(polynomial.as_expr())} = 0 (solve it by hand)"
             )
-        found = value.as_expr()
-        return found.expand() if value.is_polynomial else factor(found)
+        squared = value.as_expr()
+        return squared.expand() if value.is_polynomial else factor(squared)
 
     @property
     def is_balanced(self) -> bool:
@@ -84,7 +84,7 @@ class Reduction:
 
     @property
     def units(self) -> str:
-        """What Y is, in words."""
+        """The meaning of Y, in words."""
         scaling, names = self.scaling, list(self.lattice.fields)
         size = power_of(eps, scaling.amplitude, text_of)
         if not self.is_displacement:
@@ -231,7 +231,7 @@ class Reduction:
         return f"F_{{{power}}} = {self.notation.latex(self.corrections[power])}"
 
     def latex_remainder(self, order: int) -> str:
-        """What a solution of the reduced equation leaves at ``eps^order``, in LaTeX."""
+        """The remainder of a solution of the reduced equation at ``eps^order``, in LaTeX."""
         return f"R_{{{order}}} = {self.notation.latex(self.remainders[order])}"
 
     def json(self, **constants: Number) -> str:

@@ -15,7 +15,6 @@ from collections.abc import Sequence
 from sympy import Expr, Pow, Symbol, fraction, together
 
 from longwave.derive.algebra.exact_numbers import Number, exact
-from longwave.derive.algebra.formula_expression import exact_value
 from longwave.support.user_files import shown
 
 K2 = Symbol("K2", positive=True)
@@ -64,6 +63,8 @@ def constant_value(name: str, value: Number) -> Expr:
     >>> constant_value("K3", "5*eps"), constant_value("K3", "1/3")
     (5*eps, 1/3)
     """
+    from longwave.derive.algebra.formula_expression import exact_value  # the reader of formulas
+
     return exact_value(name, value, {str(eps): eps})
 
 

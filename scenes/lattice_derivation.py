@@ -146,10 +146,14 @@ def _fits(form: ClosedForm, normal: NormalForm) -> bool:
 
 def _reductions(scene: Scene, lattice: Lattice, mean: Expr) -> Iterator[LatticeDerivation]:
     """Long waves, those first that ask for nothing; ValueError if there are none."""
+    if mean and lattice.is_displacement:
+        raise ValueError(
+            f"background must be 0 on a lattice of displacements, got {shown(str(mean))} (their "
+            "mean does nothing; declare the lattice in its strain)"
+        )
     refused, found = "", False
     for reduction in find_scaling(lattice, mean, scene.amplitude, scene.time, further=FURTHER):
         try:
-            _check_mean(reduction, mean)
             one = LatticeDerivation(lattice, reduction, reduction.normal_form(), {})
         except ValueError as error:
             refused = refused or str(error)
@@ -158,14 +162,6 @@ def _reductions(scene: Scene, lattice: Lattice, mean: Expr) -> Iterator[LatticeD
         yield one
     if not found:
         raise ValueError(f"no long wave of {lattice.name} has a normal form: {refused}")
-
-
-def _check_mean(reduction: Reduction, mean: Expr) -> None:
-    if mean and reduction.is_displacement:
-        raise ValueError(
-            f"background must be 0 on a lattice of displacements, got {shown(str(mean))} (their "
-            "mean does nothing; declare the lattice in its strain)"
-        )
 
 
 def _constant_values(scene: Scene, lattice: Lattice) -> dict[str, Expr]:

@@ -1,4 +1,4 @@
-"""What ``longwave derive --envelope`` prints: an envelope, its numbers, checks, or a map of k."""
+"""Lines of ``longwave derive --envelope``: an envelope, its numbers, checks, or a map of k."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from sympy import Expr, Rational, pi
 
 from longwave.derive.algebra.exact_numbers import Number
 from longwave.derive.carrier_envelope import (
+    COEFFICIENT_LATEX,
     Envelope,
     EnvelopeNumbers,
     envelope,
@@ -37,8 +38,6 @@ NLS_ORDER, HIGHEST_ORDER = 3, 4
 """Powers of eps at which the NLS equation and its correction stand."""
 
 NEXT_ORDER = ("a3", "a1", "a2")
-
-_LATEX = {"omega": r"\omega", "mean": "b_0", "second": "b_2", "detuning": r"\delta"}
 
 
 def carrier_lines(lattice: Lattice, options: DeriveOptions) -> Iterator[str]:
@@ -120,8 +119,8 @@ def _data(
     }
     if numbers is None or form is None:
         return {**data, **{name: text_of(found.expressions[name]) for name in names}}
-    kept = {n: _plain(v) for n, v in asdict(numbers).items() if n in ("omega", *names)}
-    return {**data, "numbers": kept, "normal_form": {**form_data(form), "digits": form.digits}}
+    values = {n: _plain(v) for n, v in asdict(numbers).items() if n in ("omega", *names)}
+    return {**data, "numbers": values, "normal_form": {**form_data(form), "digits": form.digits}}
 
 
 def _latex(found: Envelope, names: list[str], numbers: EnvelopeNumbers | None) -> str:
@@ -129,14 +128,10 @@ def _latex(found: Envelope, names: list[str], numbers: EnvelopeNumbers | None) -
     if numbers is None:
         values = {name: latex_of(found.expressions[name]) for name in names}
     else:
-        kept = asdict(numbers)
-        values = {name: _rounded(kept[name]) for name in ("omega", *names)}
-    rows += [("", f"{_name(name)} = {value}") for name, value in values.items()]
+        rounded = {name: _rounded(value) for name, value in asdict(numbers).items()}
+        values = {name: rounded[name] for name in ("omega", *names)}
+    rows += [("", f"{COEFFICIENT_LATEX[name]} = {value}") for name, value in values.items()]
     return aligned(rows)
-
-
-def _name(name: str) -> str:
-    return _LATEX.get(name) or (f"{name[0]}_{name[1:]}" if name[1:] else name)
 
 
 def _texts(
@@ -160,12 +155,12 @@ def _texts(
             yield f"  where {symbol} = {text_of(value.subs(found.constants))}"
         return
     yield f"i A_T + p A_XX + q |A|^2 A = 0 at k = {chosen}:"
-    kept = asdict(numbers)
-    yield from (f"  {name} = {_rounded(kept[name])}" for name in ("omega", *names))
+    values = asdict(numbers)
+    yield from (f"  {name} = {_rounded(values[name])}" for name in ("omega", *names))
     kind = "unstable, solitons bright" if numbers.is_focusing else "stable, solitons dark"
     yield f"plane waves are {kind}: p q {'>' if numbers.is_focusing else '<'} 0"
     yield f"normal form {NORMAL_EQUATIONS[form.equation].text}, {form.map_text}:"
-    yield from (f"  {name} = {_rounded(_number(value))}" for name, value in form.values.items())
+    yield from (f"  {name} = {_rounded(float(value))}" for name, value in form.values.items())
 
 
 # the map
@@ -228,10 +223,6 @@ def _carrier(text: str) -> Expr | None:
 
 def _plain(value: complex) -> float | list[float]:
     return [value.real, value.imag] if isinstance(value, complex) else value
-
-
-def _number(value: Expr) -> float:
-    return float(value)
 
 
 def _rounded(value: complex) -> str:

@@ -1,4 +1,4 @@
-"""What ``longwave derive`` prints of long waves: a reduction, linear waves, numbers, checks."""
+"""Lines of ``longwave derive`` for long waves: a reduction, linear waves, numbers, checks."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ MOST_ORDERS = 13
 
 @dataclass(frozen=True)
 class DeriveOptions:
-    """What the command line asks for, as text: None where it says nothing."""
+    """Options of the command line as text: None for one that is not given."""
 
     model: str | None = None
     constants: Mapping[str, str] = field(default_factory=dict)
@@ -165,7 +165,7 @@ class _Ansatz:
         space: tuple[SlowVariable, ...],
         constants: Mapping[str, Expr],
     ) -> _Ansatz:
-        """What the options state, with constants put in."""
+        """The ansatz that the options state, with constants put in."""
 
         def number(option: str, text: str | None, most: int) -> int | None:
             return None if text is None else count(option, text, most)
@@ -279,5 +279,5 @@ def _number_lines(reduction: Reduction, values: Mapping[str, Expr]) -> Iterator[
         form = reduction.normal_form(**values)
         yield f"normal form {NORMAL_EQUATIONS[form.equation].text}, {form.map_text}:"
         yield from (f"  {name} = {text_of(value)}" for name, value in form.values.items())
-        if form.name != form.equation:
+        if form.name not in (form.equation, reduction.pde.kind):
             yield f"  {form.name}"
