@@ -19,7 +19,6 @@ from sympy import Expr, elliptic_k, pi
 from longwave.derive import LATTICES, Lattice, NormalForm, Reduction, find_scaling
 from longwave.derive.algebra.exact_numbers import exact
 from longwave.derive.algebra.formula_expression import exact_value
-from longwave.derive.balances import uniform_mean
 from longwave.derive.lattice_file import lattice_of
 from longwave.derive.normal_form import equation_name
 from longwave.derive.symbols import constant_value
@@ -116,6 +115,8 @@ def _derivations(scene: Scene) -> tuple[LatticeDerivation, ...]:
     values = _constant_values(scene, symbolic)
     numeric = symbolic.with_values(values)
     if not scene.is_envelope:
+        from longwave.derive.balances import uniform_mean
+
         mean = uniform_mean(symbolic, scene.background, values)
         return tuple(_reductions(scene, numeric, mean))
     source, numbers = _envelope(scene, symbolic, values, exact_value("k", scene.carrier))
