@@ -19,8 +19,8 @@ CONSTANTS = ("K2", "K3", "K4")
 
 def _constant_options(function: Callable[..., Any]) -> Callable[..., Any]:
     for name in reversed(CONSTANTS):
-        said = f"Value of {name} for the coefficients (integer, decimal or ratio)."
-        option = click.option(f"--{name.lower()}", name, metavar="P/Q", help=said)
+        said = f"Value of {name}: a number or a formula, with eps where it is small."
+        option = click.option(f"--{name.lower()}", name, metavar="VALUE", help=said)
         function = option(function)
     return function
 
@@ -29,8 +29,10 @@ def _constant_options(function: Callable[..., Any]) -> Callable[..., Any]:
     epilog=example("longwave derive mass_dimer --set m1=1,m2=3,K2=1,K3=1/4,K4=0 --latex")
 )
 @click.argument("words", nargs=-1, metavar="[check] [MODEL|FILE.toml]")
-@click.option("--set", "sets", multiple=True, metavar="NAME=P/Q,...", help="Values of constants.")
-@click.option("--background", metavar="P/Q", help="Uniform strain the waves ride on.")
+@click.option("--set", "sets", multiple=True, metavar="NAME=VALUE,...", help="Values of constants.")
+@click.option(
+    "--background", metavar="VALUE", help="Uniform strain the waves ride on, as -K3/(3*K4)."
+)
 @click.option(
     "--direction", metavar="ANGLE|A,B", help="Of the wave on a square lattice: pi/4, or 3,4."
 )
@@ -77,10 +79,10 @@ def derive(
         if not sign:
             raise click.UsageError(f"--set must be NAME=VALUE, got {part} (such as m1=1,m2=3)")
         given[name.strip()] = value
-    from longwave.derive.output.printout import Wanted, print_derivation
+    from longwave.derive.output.printout import DeriveOptions, print_derivation
 
     return print_derivation(
-        Wanted(
+        DeriveOptions(
             model=models[0] if models else None,
             constants=given,
             background=background,

@@ -1,18 +1,19 @@
-"""Which ansatz fits a lattice: the balances of nonlinearity and dispersion, found by trying."""
+"""The search for an ansatz: the balances of nonlinearity and dispersion, found by trying."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from itertools import product
 
 from sympy import Expr, Integer, S
 
-from longwave.derive.algebra.exact_numbers import instance
+from longwave.derive.algebra.exact_numbers import Number, instance
+from longwave.derive.algebra.formula_expression import exact_value
 from longwave.derive.lattice import Lattice
 from longwave.derive.multiscale import ReductionError, reduce
 from longwave.derive.reduction import Reduction
 from longwave.derive.scaling import Scaling, SlowVariable
-from longwave.derive.symbols import c
+from longwave.derive.symbols import c, constant_value
 
 AMPLITUDES, TIMES = (0, 1, 2, 3, 4), (3, 5)
 """Exponents that are tried."""
@@ -20,71 +21,116 @@ AMPLITUDES, TIMES = (0, 1, 2, 3, 4), (3, 5)
 
 def find_scaling(
     lattice: Lattice,
-    mean: Expr = S.Zero,
+    background: Number = 0,
+    amplitude: int | None = None,
+    time: int | None = None,
+    *,
     further: int = 0,
     space: tuple[SlowVariable, ...] = (),
+    **constants: Number,
 ) -> tuple[Reduction, ...]:
-    """The reductions of a lattice that balance nonlinearity and dispersion, about a uniform mean.
+    """The reductions of a lattice that balance nonlinearity and dispersion.
+
+    ``constants`` are put in beforehand: numbers, or formulas in text, which may be small.  The wave
+    rides on a uniform ``background``, which may be a formula in the constants.  Only those with
+    ``amplitude`` and ``time`` are sought, powers of eps, where these are given.
 
     Those with the fewest conditions on the constants stand first.  A lattice with two axes has the
     wave along its first one, and a slower variable Z across, unless ``space`` says which.  They are
-    derived through ``further`` orders behind the equation.  Raises ReductionError if none fits.
+    derived through ``further`` orders behind the equation.  Raises ReductionError if none fits,
+    ValueError for constants and a background that are none.
 
     >>> from longwave.derive import LATTICES
     >>> [(r.pde.kind, r.scaling.amplitude) for r in find_scaling(LATTICES["fput_strain"])]
     [('KdV', 2), ('mKdV', 1)]
+    >>> print(find_scaling(LATTICES["fput_strain"], K2=1, K3="5*eps", K4=1)[0].pde.text())
+    Y_T + (3/(2 c)) Y^2 Y_X + (5/c) Y Y_X + (1/(24 c)) Y_XXX = 0
     """
-    found = _Search(lattice, mean, further, space)
-    return tuple(sorted(found.raising(), key=_rank))
+    instance("lattice", lattice, Lattice, "LATTICES['fput_strain'] is one")
+    lattice, mean = about_mean(lattice, background, constants)
+    found = _balanced(lattice, mean, further, space, amplitude, time)
+    return tuple(sorted(found, key=_rank))
 
 
 def best_balance(
-    lattice: Lattice,
-    mean: Expr = S.Zero,
-    further: int = 0,
-    space: tuple[SlowVariable, ...] = (),
+    lattice: Lattice, mean: Expr, further: int = 0, space: tuple[SlowVariable, ...] = ()
 ) -> Reduction:
     """The first of `find_scaling`; the search ends where no other could stand before it."""
     found: list[Reduction] = []
-    for reduction in _Search(lattice, mean, further, space).raising():
+    for reduction in _balanced(lattice, mean, further, space):
         if not reduction.conditions:
             return reduction
         found.append(reduction)
     return min(found, key=_rank)
 
 
+def about_mean(
+    lattice: Lattice, background: Number, constants: Mapping[str, Number]
+) -> tuple[Lattice, Expr]:
+    """The lattice with constants put in, and the mean of its fields.
+
+    That of a single displacement is a strain, about which the lattice is taken: its mean is then 0.
+    """
+    mean = uniform_mean(lattice, background, constants)
+    lattice = lattice.with_values(constants)
+    if mean and len(lattice.fields) == 1 and lattice.is_displacement:
+        return lattice.strained(mean), S.Zero
+    return lattice, mean
+
+
+def uniform_mean(lattice: Lattice, background: Number, constants: Mapping[str, Number]) -> Expr:
+    """A background as an expression: a formula in the lattice's constants, with those put in.
+
+    >>> from longwave.derive import LATTICES
+    >>> uniform_mean(LATTICES["fput_strain"], "-K3/(3*K4)", {"K3": "eps/2"})
+    -eps/(6*K4)
+    """
+    own = {str(symbol): symbol for symbol in lattice.constants}
+    given = {name: constant_value(name, value) for name, value in constants.items()}
+    return exact_value("background", background, {**own, **given})
+
+
 def _rank(reduction: Reduction) -> tuple[int, int]:
     return len(reduction.conditions), reduction.scaling.time
 
 
-class _Search:
-    """The balanced reductions of a lattice, and why there are no others."""
-
-    def __init__(
-        self, lattice: Lattice, mean: Expr, further: int, space: tuple[SlowVariable, ...]
-    ) -> None:
-        self.lattice = instance("lattice", lattice, Lattice, "LATTICES['fput_strain'] is one")
-        self.mean, self.further = mean, further
-        self.space = space or (SlowVariable("X", 1, (1, *(0,) * (lattice.dimension - 1)), c),)
-        if lattice.dimension > 1 and not space:
+def _balanced(
+    lattice: Lattice,
+    mean: Expr,
+    further: int = 0,
+    space: tuple[SlowVariable, ...] = (),
+    amplitude: int | None = None,
+    time: int | None = None,
+) -> Iterator[Reduction]:
+    """The balanced reductions, those in T = eps^3 t first; ReductionError if there is none."""
+    if not space:
+        space = (SlowVariable("X", 1, (1, *(0,) * (lattice.dimension - 1)), c),)
+        if lattice.dimension > 1:
             across = (0, 1, *(0,) * (lattice.dimension - 2))
-            self.space += (SlowVariable("Z", 2, across, Integer(0)),)
-
-    def raising(self) -> Iterator[Reduction]:
-        """The reductions, those in T = eps^3 t first; ReductionError if there is none."""
-        background = ((0, self.mean),) if self.mean else ()
-        refused, found = "", False
-        for time, amplitude in product(TIMES, AMPLITUDES):
-            if self.mean and not amplitude:
-                continue
-            scaling = Scaling(amplitude, self.space, time, background)
-            try:
-                reduction = reduce(self.lattice, scaling, scaling.leading_order + self.further)
-            except ValueError as error:
-                refused = refused or str(error)
-                continue
-            if reduction.is_balanced:
-                found = True
-                yield reduction
-        if not found:
-            raise ReductionError(f"no scaling fits {self.lattice.name}: {refused}")
+            space += (SlowVariable("Z", 2, across, Integer(0)),)
+    background = ((0, mean),) if mean else ()
+    refused, found = "", False
+    times = TIMES if time is None else (time,)
+    for power, size in product(times, AMPLITUDES if amplitude is None else (amplitude,)):
+        if mean and not size:
+            continue
+        scaling = Scaling(size, space, power, background)
+        try:
+            reduction = reduce(lattice, scaling, scaling.leading_order + further)
+        except ValueError as error:
+            refused = refused or str(error)
+            continue
+        if reduction.is_balanced:
+            found = True
+            yield reduction
+    if found:
+        return
+    if (amplitude, time) == (None, None):
+        raise ReductionError(f"no scaling fits {lattice.name}: {refused}")
+    others = (reduction.scaling for reduction in _balanced(lattice, mean, 0, space))
+    known = "; ".join(f"amplitude {s.amplitude}, time {s.time}" for s in others)
+    stated = (("amplitude", amplitude), ("time", time))
+    got = ", ".join(f"{name} {value}" for name, value in stated if value is not None)
+    raise ReductionError(
+        f"amplitude and time must balance {lattice.name}, got {got} (what balances: {known})"
+    )

@@ -51,7 +51,7 @@ class EnvelopeError(ValueError):
 
 
 def harmonic(monomial: Monomial) -> int:
-    """How many A a monomial has, less its conjugates.
+    """The number of A in a monomial, less that of its conjugates.
 
     >>> harmonic(((0, 0), (0, 0), (1, 1)))
     1
@@ -189,13 +189,13 @@ class Carrier(Expansion):
 
     def _acceleration(self, series: EpsSeries, order: int, j: int) -> DifferentialPolynomial:
         """The j-th harmonic of f'' at this order; d/dt is ``-j w - eps v D + eps^2 d_T`` there."""
-        turn, own = j * self.rate, self._series({})
+        rate, own = j * self.rate, self._series({})
         for power in range(1, order + 1):
             own = own.plus(power, series.at(power).select(lambda m: harmonic(m) == j))
         ahead = self.group_velocity * own.derivative(0).delayed(1)
-        total = turn**2 * own.at(order) + 2 * turn * ahead.at(order)
+        total = rate**2 * own.at(order) + 2 * rate * ahead.at(order)
         total = total + self.group_velocity * ahead.at(order - 1).derivative(0)
-        return total + self.field(-2) * self._slow(turn * own + ahead, order - 2)
+        return total + self.field(-2) * self._slow(rate * own + ahead, order - 2)
 
     def _drift(self, order: int) -> DifferentialPolynomial:
         """The second time derivative of a displacement whose X-derivative is the mean."""
@@ -218,7 +218,7 @@ class Carrier(Expansion):
         return total
 
     def stretch(self, bond: Bond, fields: Sequence[EpsSeries]) -> EpsSeries:
-        """That of the fields, and of displacements' means."""
+        """The stretch of a bond by the fields, and by displacements' means."""
         total = super().stretch(bond, fields)
         for entry in bond.stretch if self.is_displacement else ():
             gained = self._summed(self.mean.upto(total.limit), entry.shift[0])
@@ -226,7 +226,7 @@ class Carrier(Expansion):
         return total
 
     def _summed(self, mean: EpsSeries, cells: int) -> EpsSeries:
-        """What a displacement gains over so many cells: ``(exp(eps s D) - 1)/(eps D)`` of S."""
+        """The gain of a displacement over so many cells: ``(exp(eps s D) - 1)/(eps D)`` of S."""
         total, power, count = self._series({}, mean.limit), mean, 1
         while cells and power.parts:
             power = self.field(cells) / count * power
@@ -242,8 +242,8 @@ class Carrier(Expansion):
             (o, part.map_terms(lambda m, v: v * self.phase_factor ** (harmonic(m) * cell[0])))
             for o, part in series.parts.items()
         )
-        turned = EpsSeries.collect(self.field, series.limit, items)
-        return super().shifted(turned, cell)
+        shifted = EpsSeries.collect(self.field, series.limit, items)
+        return super().shifted(shifted, cell)
 
     def number(self, value: Expr) -> RationalFunction:
         """A constant; the one that the dispersion relation fixes is replaced."""

@@ -7,7 +7,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -15,15 +15,16 @@ from typing import Any
 import mpmath
 from sympy import Expr, I, S, Symbol, cos, pi, simplify, sin, sqrt
 
-from longwave.derive.algebra.exact_numbers import Number, exact, instance, parse_rational
+from longwave.derive.algebra.exact_numbers import Number, instance, parse_rational
+from longwave.derive.algebra.formula_expression import exact_value
 from longwave.derive.algebra.jets import DifferentialPolynomial
 from longwave.derive.algebra.rational_functions import RationalFunction
 from longwave.derive.carrier import Carrier, EnvelopeError, w, z
 from longwave.derive.lattice import Lattice
 from longwave.derive.normal_form import NormalForm, normal_form_of
-from longwave.derive.output.notation import Displayed, Printed, latex_of, text_of
+from longwave.derive.output.notation import Displayed, latex_of, text_of
 from longwave.derive.sines import cosine, frequency, in_sines, omega, sine
-from longwave.derive.symbols import k
+from longwave.derive.symbols import k, number_value
 from longwave.support.user_files import shown
 
 DIGITS = 60
@@ -47,9 +48,9 @@ FIRST_MASS = Symbol("first mass", positive=True)
 """Stands for the first mass of a lattice in numbers."""
 
 _MAPPED = ("v", "p", "q")
-"""What the normal form depends on."""
+"""The coefficients that the normal form depends on."""
 
-TURNED = ("p", "q", "detuning")
+IMAGINARY = ("p", "q", "detuning")
 """Coefficients that stand behind an i in ``A_T = i p A_XX + i q |A|^2 A + i detuning S A``."""
 
 
@@ -90,7 +91,7 @@ class EnvelopeNumbers:
 
 @dataclass(frozen=True, repr=False)
 class Envelope(Displayed):
-    """What `envelope` returns: the expressions are in k, omega and the lattice's constants.
+    """The envelope equation of a carrier, in k, omega and the lattice's constants.
 
     The dispersion relation has been used to eliminate one of them, ``carrier.fixed``.
     """
@@ -133,7 +134,7 @@ class Envelope(Displayed):
     def expressions(self) -> Mapping[str, Expr]:
         """The coefficients in sin(k/2), cos(k/2), omega and the lattice's constants."""
         return {
-            name: self._expression(value) * (-I if name in TURNED else 1)
+            name: self._expression(value) * (-I if name in IMAGINARY else 1)
             for name, value in self.parts.items()
         }
 
@@ -187,7 +188,7 @@ class Envelope(Displayed):
         relation = self.carrier.relation.powers_of(w)
         at = {sine: sin(angle / 2), cosine: cos(angle / 2), **values}
         at[frequency] = sqrt(in_sines(relation[0] / relation[2])[0].subs(at))
-        parts = {name: in_sines(self.parts[name])[name in TURNED] for name in _MAPPED}
+        parts = {name: in_sines(self.parts[name])[name in IMAGINARY] for name in _MAPPED}
         return {name: part.subs(at) for name, part in parts.items()}
 
     def _values(self, constants: Mapping[str, Number]) -> dict[Symbol, Expr]:
@@ -201,7 +202,7 @@ class Envelope(Displayed):
                     f"constants must be among {', '.join(sorted(names))}, got {name} "
                     f"(those are the constants of {self.lattice.name})"
                 )
-        values = {names[name]: exact(name, value) for name, value in given.items()}
+        values = {names[name]: number_value(name, value) for name, value in given.items()}
         for symbol, value in lattice.definitions:
             values[symbol] = value.xreplace(values)
         used = {*map(str, names.values())} - {str(s) for s, _ in lattice.definitions}
@@ -254,20 +255,13 @@ class Envelope(Displayed):
             if value is None:
                 raise EnvelopeError(_resonance("the group velocity is the sound speed", point))
             is_none = abs(value) < mpmath.mpf(10) ** -DIGITS * abs(point[str(w)])
-            found[name] = 0 * value if is_none else value / 1j if name in TURNED else value
+            found[name] = 0 * value if is_none else value / 1j if name in IMAGINARY else value
         if abs(found["p"]) < ROUNDING * abs(point[str(w)]):
             raise EnvelopeError(
                 f"k must be no zero of the dispersion p, got {mpmath.nstr(point['k'], 8)} "
                 "(there the third derivative of omega takes its place)"
             )
         return found
-
-    def lines(self, printed: Printed = text_of) -> Iterator[str]:
-        """Equation and coefficients, one a line."""
-        at = "" if self.wavenumber is None else f" at k = {printed(self.wavenumber)}"
-        yield f"i A_T + p A_XX + q |A|^2 A = 0{at}"
-        for name, value in self.expressions.items():
-            yield f"{name} = {printed(value)}"
 
     def text(self) -> str:
         """The equation and p and q, in plain text."""
@@ -277,7 +271,10 @@ class Envelope(Displayed):
     def latex(self) -> str:
         """The equation and its coefficients in LaTeX, without delimiters."""
         rows = [r"i A_T + p A_{XX} + q |A|^2 A = 0"]
-        rows += [f"{_LATEX[name]} = {latex_of(value)}" for name, value in self.expressions.items()]
+        rows += [
+            f"{COEFFICIENT_LATEX[name]} = {latex_of(value)}"
+            for name, value in self.expressions.items()
+        ]
         return r",\quad ".join(rows)
 
     def json(self) -> str:
@@ -291,8 +288,8 @@ class Envelope(Displayed):
         return json.dumps(data, indent=2)
 
 
-_LATEX = {
-    "v": "v", "p": "p", "q": "q", "mean": "b_0", "second": "b_2",
+COEFFICIENT_LATEX = {
+    "omega": r"\omega", "v": "v", "p": "p", "q": "q", "mean": "b_0", "second": "b_2",
     "a3": "a_3", "a1": "a_1", "a2": "a_2", "detuning": r"\delta",
 }  # fmt: skip
 
@@ -335,7 +332,7 @@ def envelope(
                 f"constants must be among {', '.join(names)}, got {name} "
                 f"(those are the constants of {lattice.name})"
             )
-        values[names[name]] = exact(name, value)
+        values[names[name]] = number_value(name, value)
     unknown = [name for name, symbol in names.items() if symbol not in values]
     is_large = len(lattice.fields) >= LARGE_CELL and not lattice.definitions
     if is_large and len(unknown) > 1 and chosen != pi:
@@ -374,7 +371,7 @@ def modulation_map(
 
 def wavenumber(k: Number) -> Expr:
     """A wavenumber exactly; ValueError unless it is in 0 < k <= pi."""
-    value = exact("k", k)
+    value = exact_value("k", k)
     if value.free_symbols or not 0 < value <= pi:
         raise ValueError(f"k must satisfy 0 < k <= pi, got {shown(k)} (radians a cell)")
     return value
@@ -402,8 +399,8 @@ def _frequency(carrier: Carrier, at: Mapping[str, mpmath.mpc], number: int) -> m
         term = (-1) ** (power // 2) * value * at[str(z)] ** turns * mpmath.fprod(factors)
         relation[power // 2] = relation.get(power // 2, 0) + term
     highest = max(relation)
-    turned = mpmath.conj(relation[highest]) / abs(relation[highest])
-    polynomial = [(relation.get(i, mpmath.mpf(0)) * turned).real for i in range(highest, -1, -1)]
+    phase = mpmath.conj(relation[highest]) / abs(relation[highest])
+    polynomial = [(relation.get(i, mpmath.mpf(0)) * phase).real for i in range(highest, -1, -1)]
     roots = sorted(mpmath.polyroots(polynomial, maxsteps=200, extraprec=200), key=mpmath.re)
     found = roots[number]
     if abs(found.imag) > ROUNDING * abs(found) or found.real <= 0:

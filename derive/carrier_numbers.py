@@ -29,7 +29,7 @@ class CarrierTerm(NamedTuple):
 
     @property
     def harmonic(self) -> int:
-        """How many A there are, less its conjugates."""
+        """The number of A, less that of its conjugates."""
         return harmonic(self.jets)
 
 
@@ -105,7 +105,7 @@ def carrier_fields(
 
 
 def _numeric(series: EpsSeries, point: Mapping[str, mpmath.mpc]) -> CarrierTerms:
-    """What the expansion has found whole, without harmonics below 0."""
+    """The terms through the last complete order, without harmonics below 0."""
     return tuple(
         CarrierTerm(power, jets, complex(_value(value, point)))
         for power, part in series.parts.items()

@@ -168,7 +168,7 @@ class _Point:
         return mean + wave + mpmath.fsum(small**o * self.polynomial(part, at) for o, part in parts)
 
     def manufactured_rest(self, small: Any) -> Any:
-        """What the expansion leaves of the equations of motion, the largest of the rows."""
+        """The residual of the equations of motion behind the expansion, the largest of the rows."""
         here = (0,) * self.lattice.dimension
         names = self.lattice.fields
         rows = [
@@ -215,8 +215,8 @@ class _Point:
             for end in bond.action:
                 for part in bond.stretch:
                     steps = [i + j for i, j in zip(end.shift, part.shift, strict=True)]
-                    turn = self._turn(rates, steps, small)
-                    matrix[end.field, part.field] -= end.weight * part.weight * slope * turn
+                    phase = self._phase_factor(rates, steps, small)
+                    matrix[end.field, part.field] -= end.weight * part.weight * slope * phase
         sign = (-1) ** (self.row + self.column)
         below = mpmath.mpf(1)
         if count > 1:
@@ -233,8 +233,8 @@ class _Point:
         )
         return whole - linear
 
-    def _turn(self, rates: Sequence[Any], steps: Sequence[int], small: Any) -> Any:
-        """What a shift multiplies the plane wave by."""
+    def _phase_factor(self, rates: Sequence[Any], steps: Sequence[int], small: Any) -> Any:
+        """The factor of the plane wave under a shift."""
         total = mpmath.mpf(0)
         for rate, variable in zip(rates, self.scaling.space, strict=False):
             along = mpmath.fsum(

@@ -66,7 +66,7 @@ class Condition(Displayed):
 
     @property
     def reason(self) -> str:
-        """Why the condition is needed, in words."""
+        """The equation that needs the condition, in words."""
         return f"order eps^{self.order} reads {self.equation.text()}"
 
     def text(self) -> str:
@@ -96,20 +96,6 @@ class EvolutionEquation(Displayed):
         return DifferentialPolynomial.monomial(self.flow.field, ((*jet, 1),)) - self.flow
 
     @property
-    def nonlinear_monomial(self) -> Monomial:
-        """The jets of the nonlinear term: two of Y and one of Y_X for mKdV.
-
-        Raises ValueError unless there is exactly one nonlinear term.
-        """
-        found = [monomial for monomial in self.flow.terms if len(monomial) > 1]
-        if len(found) != 1:
-            raise ValueError(
-                f"the equation must have one nonlinear term, got {len(found)} "
-                f"in {self.text()} (read the terms from .polynomial)"
-            )
-        return found[0]
-
-    @property
     def kind(self) -> str:
         """The name of the equation, by its terms: "KdV", "modified Kawahara", "KP-II".
 
@@ -131,8 +117,17 @@ class EvolutionEquation(Displayed):
 
     @property
     def nonlinear_coefficient(self) -> Expr:
-        """The coefficient of the nonlinear term (of Y^2 Y_X for mKdV)."""
-        return self.polynomial.coefficient(*self.nonlinear_monomial).as_expr()
+        """The coefficient of the nonlinear term (of Y^2 Y_X for mKdV).
+
+        Raises ValueError unless there is exactly one nonlinear term.
+        """
+        nonlinear = [monomial for monomial in self.flow.terms if len(monomial) > 1]
+        if len(nonlinear) != 1:
+            raise ValueError(
+                f"the equation must have one nonlinear term, got {len(nonlinear)} "
+                f"in {self.text()} (read the terms from .polynomial)"
+            )
+        return self.polynomial.coefficient(*nonlinear[0]).as_expr()
 
     @property
     def dispersive_coefficient(self) -> Expr:
@@ -172,17 +167,6 @@ class Coefficients:
     c: Expr
     terms: Mapping[str, Expr]
     monomials: Mapping[str, Monomial] = field(repr=False)
-
-    @property
-    def nonlinear(self) -> Expr:
-        """The coefficient of the one nonlinear term; ValueError unless there is exactly one."""
-        found = [name for name, monomial in self.monomials.items() if len(monomial) > 1]
-        if len(found) != 1:
-            raise ValueError(
-                f"the equation must have one nonlinear term, got {len(found)} in "
-                f"{', '.join(self.terms)} (read the coefficients from .terms)"
-            )
-        return self.terms[found[0]]
 
     @property
     def dispersive(self) -> Expr:

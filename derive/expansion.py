@@ -165,8 +165,8 @@ class Expansion:
             slope = self._leading(bond.stiffness(about))
             for end in bond.action:
                 for part in bond.stretch:
-                    turn = self.phase_factor ** (j * (end.shift[0] + part.shift[0]))
-                    total[end.field][part.field] -= end.weight * part.weight * slope * turn
+                    phase = self.phase_factor ** (j * (end.shift[0] + part.shift[0]))
+                    total[end.field][part.field] -= end.weight * part.weight * slope * phase
         return total
 
     def _leading(self, value: Expr) -> RationalFunction:
@@ -180,10 +180,13 @@ class Expansion:
         matrix = self.matrix(j)
         found = (null_space(matrix), null_space(transposed(matrix)))
         if any(len(vectors) != 1 for vectors in found):
-            apart, held = "its fields move apart at no cost", "pinned: derive a carrier's envelope"
+            apart, pinned = (
+                "its fields move apart at no cost",
+                "pinned: derive a carrier's envelope",
+            )
             raise ValueError(
                 f"lattice must have one wave of vanishing frequency, got {len(found[0])} "
-                f"({apart if len(found[0]) > 1 else held})"
+                f"({apart if len(found[0]) > 1 else pinned})"
             )
         return found[0][0], found[1][0]
 
@@ -220,11 +223,11 @@ class Expansion:
         """
         column, row = (_leading_index(v) for v in wave) if wave else (None, None)
         part = without(self.matrix(j), row, column)
-        kept = [values for i, values in enumerate(rows) if i != row]
+        others = [values for i, values in enumerate(rows) if i != row]
         fields = [index for index in range(len(rows)) if index != column]
         nothing = DifferentialPolynomial.zero(self.field)
         for index, weights in zip(fields, inverse(part) if part else [], strict=True):
-            yield index, -combined(weights, kept, nothing)
+            yield index, -combined(weights, others, nothing)
 
 
 def _leading_index(vector: Column) -> int:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 from sympy import Expr, Poly, S, Symbol, factorial, nan, oo, simplify, zoo
 
-from longwave.derive.algebra.exact_numbers import exact, instance, integer, tuple_of
+from longwave.derive.algebra.exact_numbers import Number, exact, instance, integer, tuple_of
 from longwave.derive.output.notation import (
     Displayed,
     Printed,
@@ -18,7 +18,7 @@ from longwave.derive.output.notation import (
     text_of,
     weighted_sum,
 )
-from longwave.derive.symbols import check_constants, eps, rational_function, x
+from longwave.derive.symbols import check_constants, constant_value, eps, rational_function, x
 from longwave.support.user_files import shown
 
 Cell = tuple[int, ...]
@@ -162,26 +162,28 @@ class Lattice(Displayed):
             found |= expression.free_symbols
         return tuple(sorted(found - {x, eps}, key=str))
 
-    def with_values(self, values: Mapping[str, Expr]) -> Lattice:
+    def with_values(self, values: Mapping[str, Number]) -> Lattice:
         """The lattice with numbers, or polynomials in eps, in the places of constants.
 
-        Raises ValueError for a name that is no constant, and for a value that is not what its
-        symbol is declared to be.
+        In text they may be formulas.  Raises ValueError for a name that is no constant, and for a
+        value that is not what its symbol is declared to be.
 
         >>> from longwave.derive import LATTICES
-        >>> LATTICES["fput"].with_values({"K2": S(4), "K3": eps / 2}).equations()[1]
+        >>> LATTICES["fput"].with_values({"K2": 4, "K3": "eps/2"}).equations()[1]
         'F(x) = 4 x + eps/2 x^2 + K4 x^3'
         """
         known = {str(symbol): symbol for symbol in self.constants}
-        for name, value in values.items():
+        at: dict[Symbol, Expr] = {}
+        for name, given in values.items():
             if name not in known:
                 raise ValueError(
                     f"constants must be among {', '.join(known) or 'none'}, got {shown(name)} "
                     f"(those are the constants of {self.name})"
                 )
+            value = constant_value(name, given)
             if known[name].is_positive and value.subs(eps, 0).is_positive is False:
                 raise ValueError(f"{name} must satisfy {name} > 0, got {value} ({self.name})")
-        at = {known[name]: value for name, value in values.items()}
+            at[known[name]] = value
         return replace(
             self,
             masses=tuple(mass.xreplace(at) for mass in self.masses),
@@ -336,7 +338,7 @@ def _equations(lattice: Lattice, printed: Printed, acceleration: str, label: str
 
 
 def _stretch(lattice: Lattice, bond: Bond, at: Stencil) -> str:
-    """What stretches the bond whose force acts through ``at``."""
+    """The stretch of the bond whose force acts through ``at``."""
     parts = []
     for entry in bond.stretch:
         cell = [i + j for i, j in zip(entry.shift, at.shift, strict=True)]

@@ -105,12 +105,12 @@ def lattice_of(document: Mapping[str, Any], name: str = "lattice") -> Lattice:
                 raise ValueError(f"{place}: {error}") from None
     if not bonds:
         raise ValueError("bonds must be there, got none (write a [[spring]])")
-    called = _called("name", document.get("name", name))
-    title = _called("title", document.get("title", called))
+    called = _title("name", document.get("name", name))
+    title = _title("title", document.get("title", called))
     return Lattice(called, title, tuple(fields), tuple(masses), tuple(bonds))
 
 
-def _called(label: str, text: object) -> str:
+def _title(label: str, text: object) -> str:
     """A name or title, if it is one short line."""
     if not isinstance(text, str) or not text.isprintable() or len(text) > LONGEST_TITLE:
         words = f"one printable line of {LONGEST_TITLE} characters at most"
@@ -129,10 +129,8 @@ class _Symbols:
         """The constant of a name; eps is the small parameter."""
         if name == str(eps):
             return eps
-        made = (
-            sp.Symbol(name, positive=True) if name in self.positive else sp.Symbol(name, real=True)
-        )
-        return self.known.setdefault(name, made)
+        sign = {"positive" if name in self.positive else "real": True}
+        return self.known.setdefault(name, sp.Symbol(name, **sign))
 
     def formula(self, label: str, text: Any) -> sp.Expr:
         """A formula in the stretch x and constants."""

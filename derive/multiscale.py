@@ -212,12 +212,12 @@ def reduce(
 
 def _on_solutions(solver: _Solver, flow: EpsSeries) -> EpsSeries:
     """The lattice residual on solutions of ``Y_T = flow``."""
-    found = TimeElimination(flow, len(solver.notation.axes)).series(solver.series)
-    return solver.conditioned(found)
+    residual = TimeElimination(flow, len(solver.notation.axes)).series(solver.series)
+    return solver.conditioned(residual)
 
 
 def _remainders(solver: _Solver, flow: DifferentialPolynomial) -> dict[int, DifferentialPolynomial]:
-    """What is left of each order on exact solutions of the leading equation."""
+    """The remainder of each order on exact solutions of the leading equation."""
     leading = EpsSeries(flow.field, solver.series.limit, {0: flow})
     return dict(_on_solutions(solver, leading).parts)
 

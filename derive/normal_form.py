@@ -214,6 +214,11 @@ class NormalForm:
                 raise ValueError(f"{name} must not be 0, got 0 (the map must have an inverse)")
 
     @property
+    def name(self) -> str:
+        """The equation's name, with its signs where its waves depend on them."""
+        return equation_name(self.equation, self.s, self.r)
+
+    @property
     def is_transverse(self) -> bool:
         """Whether there is a second slow variable of space."""
         return "Y_ZZ" in NORMAL_EQUATIONS[self.equation].terms
@@ -230,20 +235,36 @@ class NormalForm:
     @property
     def values(self) -> dict[str, Expr]:
         """The scales of the map and the signs of the normal form, by name."""
-        told = ["a", "b"] + ["e"] * self.is_transverse
-        told += [name for name, usual in (("h", 1), ("drift", 0)) if getattr(self, name) != usual]
-        told += [name for name in "sr" if f" {name} " in NORMAL_EQUATIONS[self.equation].text]
-        return {name: getattr(self, name) for name in told}
+        names = ["a", "b"] + ["e"] * self.is_transverse
+        names += [name for name, usual in (("h", 1), ("drift", 0)) if getattr(self, name) != usual]
+        names += [name for name in "sr" if f" {name} " in NORMAL_EQUATIONS[self.equation].text]
+        return {name: getattr(self, name) for name in names}
 
     def __repr__(self) -> str:
-        told = (i for i in fields(self) if i.name in "absc" or getattr(self, i.name) != i.default)
-        return f"NormalForm({', '.join(f'{i.name}={getattr(self, i.name)}' for i in told)})"
+        given = (i for i in fields(self) if i.name in "absc" or getattr(self, i.name) != i.default)
+        return f"NormalForm({', '.join(f'{i.name}={getattr(self, i.name)}' for i in given)})"
 
     def _repr_latex_(self) -> str:
-        told = self.map_text.replace("drift", _LATEX["drift"])
-        parts = [rf"{NORMAL_EQUATIONS[self.equation].latex},\quad {told}"]
+        map_latex = self.map_text.replace("drift", _LATEX["drift"])
+        parts = [rf"{NORMAL_EQUATIONS[self.equation].latex},\quad {map_latex}"]
         parts += (f"{_LATEX.get(name, name)} = {latex(v)}" for name, v in self.values.items())
         return rf"$\displaystyle {', '.join(parts)}$"
+
+
+def equation_name(name: str, s: Expr | int, r: Expr | int = 1) -> str:
+    """The equation's name with its signs, where its waves depend on them.
+
+    >>> equation_name("mKdV", -1), equation_name("KP", -1), equation_name("Kawahara", -1)
+    ('defocusing mKdV', 'KP-I', 'Kawahara (s = -1)')
+    """
+    if s not in (1, -1):
+        return name
+    if name in ("mKdV", "Gardner", "NLS"):
+        return f"{'focusing' if s == 1 else 'defocusing'} {name}"
+    if name.endswith("KP"):
+        return f"{name}-{'I' if s == -1 else 'II'}"
+    signs = {"Kawahara": f" (s = {s})", "modified Kawahara": f" (s = {s}, r = {r})"}
+    return name + signs.get(name, "")
 
 
 _LATEX = {"drift": r"\nu"}
@@ -268,12 +289,12 @@ def normal_form_of(
     >>> normal_form_of(S(2), {"Y Y_X": S(3), "Y_XXX": S(1)})
     NormalForm(a=1, b=1, s=1, c=2, equation=KdV, h=2)
     """
-    found = {term: value for term, value in coefficients.items() if not _vanishes(value)}
-    drift = found.pop("Y_X", S.Zero)
-    entry = equation_of(found)
+    terms = {term: value for term, value in coefficients.items() if not _vanishes(value)}
+    drift = terms.pop("Y_X", S.Zero)
+    entry = equation_of(terms)
     if entry is None:
-        raise ValueError(_unknown(found, [term for term in coefficients if term not in found]))
-    scales = {"s": S.One, **entry.scales(*(found[term] for term in entry.terms))}
+        raise ValueError(_refusal(terms, [term for term in coefficients if term not in terms]))
+    scales = {"s": S.One, **entry.scales(*(terms[term] for term in entry.terms))}
     return NormalForm(c=c, equation=entry.name, drift=drift, digits=digits, **scales)
 
 
@@ -281,18 +302,18 @@ def _vanishes(value: Expr) -> bool:
     return bool(value.equals(0) if value.is_number else value.is_zero)
 
 
-def _unknown(found: Mapping[str, Expr], vanished: Sequence[str]) -> str:
-    """Why there is no normal form."""
+def _refusal(left: Mapping[str, Expr], vanished: Sequence[str]) -> str:
+    """The message where the terms that are left have no normal form."""
     lost = [term for term in vanished if term != "Y_X"]
     if lost:
         return (
             f"the coefficient of {lost[0]} must not vanish, got 0, which leaves "
-            f"{', '.join(found) or 'nothing'} ({_REMEDY.get(lost[0], 'take other constants')})"
+            f"{', '.join(left) or 'nothing'} ({_REMEDY.get(lost[0], 'take other constants')})"
         )
     known = "; ".join(f"{e.name}: {', '.join(e.terms)}" for e in NORMAL_EQUATIONS.values())
     return (
         "the terms must be those of an equation with a normal form, got "
-        f"{', '.join(found) or 'none'} ({known})"
+        f"{', '.join(left) or 'none'} ({known})"
     )
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from sympy import Eq, Expr, Symbol, expand, factor, sqrt
 
-from longwave.derive.algebra.exact_numbers import Number, exact
+from longwave.derive.algebra.exact_numbers import Number
 from longwave.derive.algebra.jets import DifferentialPolynomial, Monomial
 from longwave.derive.algebra.rational_functions import RationalFunction
 from longwave.derive.algebra.series import EpsSeries
@@ -18,13 +18,13 @@ from longwave.derive.normal_form import NormalForm, equation_of, normal_form_of
 from longwave.derive.output.notation import Notation, latex_of, power_of, text_of
 from longwave.derive.output.report import latex_report, reduction_data, text_report
 from longwave.derive.scaling import Scaling
-from longwave.derive.symbols import eps
+from longwave.derive.symbols import eps, number_value
 from longwave.support.user_files import shown
 
 
 @dataclass(frozen=True, repr=False)
 class Reduction:
-    """What ``derive.reduce`` returns.
+    """The reduced equation of a lattice, and every order of the expansion that leads to it.
 
     ``orders``: the lattice equation order by order, before any condition is used (orders that
     vanish identically are absent).  ``sound_polynomial``: P(c), zero at the sound speed.
@@ -67,8 +67,8 @@ class Reduction:
                 f"the sound condition must be linear in the square of the speed, got "
                 f"{text_of(polynomial.as_expr())} = 0 (solve it by hand)"
             )
-        found = value.as_expr()
-        return found.expand() if value.is_polynomial else factor(found)
+        squared = value.as_expr()
+        return squared.expand() if value.is_polynomial else factor(squared)
 
     @property
     def is_balanced(self) -> bool:
@@ -84,7 +84,7 @@ class Reduction:
 
     @property
     def units(self) -> str:
-        """What Y is, in words."""
+        """The meaning of Y, in words."""
         scaling, names = self.scaling, list(self.lattice.fields)
         size = power_of(eps, scaling.amplitude, text_of)
         if not self.is_displacement:
@@ -171,7 +171,7 @@ class Reduction:
                     f"constants must be among {', '.join(names)}, got {name} "
                     f"(those are the constants of {self.lattice.name})"
                 )
-        values = {names[name]: exact(name, value) for name, value in constants.items()}
+        values = {names[name]: number_value(name, value) for name, value in constants.items()}
         _check_assumptions(values)
         values = self._defined(values)
         self._check_denominators(values)
@@ -182,7 +182,7 @@ class Reduction:
                 raise ValueError(
                     f"constants must satisfy {text_of(condition.expression)} = 0, got "
                     f"{text_of(condition.expression)} = {left} ({condition.reason}; take constants "
-                    "that meet it)"
+                    "that meet it or are small, such as 5*eps, a background, or another amplitude)"
                 )
         return values
 
@@ -231,7 +231,7 @@ class Reduction:
         return f"F_{{{power}}} = {self.notation.latex(self.corrections[power])}"
 
     def latex_remainder(self, order: int) -> str:
-        """What a solution of the reduced equation leaves at ``eps^order``, in LaTeX."""
+        """The remainder of a solution of the reduced equation at ``eps^order``, in LaTeX."""
         return f"R_{{{order}}} = {self.notation.latex(self.remainders[order])}"
 
     def json(self, **constants: Number) -> str:

@@ -54,7 +54,7 @@ class SlowVariable:
                 )
 
     def phase(self, printed: Printed = text_of) -> str:
-        """What the variable is, apart from its power of eps.
+        """The phase of the variable, without its power of eps.
 
         >>> SlowVariable("X", 1, (-2,), -c).phase()
         '-2 n + c t'

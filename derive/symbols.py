@@ -14,7 +14,7 @@ from collections.abc import Sequence
 
 from sympy import Expr, Pow, Symbol, fraction, together
 
-from longwave.derive.algebra.exact_numbers import exact
+from longwave.derive.algebra.exact_numbers import Number, exact
 from longwave.support.user_files import shown
 
 K2 = Symbol("K2", positive=True)
@@ -55,6 +55,28 @@ def rational_function(name: str, value: Expr) -> Expr:
     if not all(power.exp.is_Integer for power in number.atoms(Pow)):
         raise _no_rational_function(name, number)
     return number
+
+
+def constant_value(name: str, value: Number) -> Expr:
+    """A constant's value exactly: a number, or a formula in text, with eps where it is small.
+
+    >>> constant_value("K3", "5*eps"), constant_value("K3", "1/3")
+    (5*eps, 1/3)
+    """
+    from longwave.derive.algebra.formula_expression import exact_value  # the reader of formulas
+
+    return exact_value(name, value, {str(eps): eps})
+
+
+def number_value(name: str, value: Number) -> Expr:
+    """The same without eps; ValueError for a constant that is small."""
+    found = constant_value(name, value)
+    if found.has(eps):
+        raise ValueError(
+            f"{name} must not depend on eps here, got {shown(str(found))} (a small constant is put "
+            f"in before: lattice.with_values({{{name!r}: {str(found)!r}}}))"
+        )
+    return found
 
 
 def _no_rational_function(name: str, value: Expr) -> ValueError:

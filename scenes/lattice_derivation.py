@@ -11,17 +11,17 @@ import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, TypeAlias, cast
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
-from sympy import Expr, elliptic_k, pi, sqrt
+from sympy import Expr, elliptic_k, pi
 
-from longwave.derive import LATTICES, Lattice, NormalForm, Reduction, Scaling, find_scaling, reduce
+from longwave.derive import LATTICES, Lattice, NormalForm, Reduction, find_scaling
 from longwave.derive.algebra.exact_numbers import exact
-from longwave.derive.algebra.formula_expression import read_formula
-from longwave.derive.algebra.formula_text import Vocabulary
+from longwave.derive.algebra.formula_expression import exact_value
 from longwave.derive.lattice_file import lattice_of
-from longwave.derive.symbols import eps
+from longwave.derive.normal_form import equation_name
+from longwave.derive.symbols import constant_value
 from longwave.scenes.lattice_wave import LatticeWave
 from longwave.scenes.long_wave_data import LongWaveData
 from longwave.scenes.scene import Scene
@@ -33,8 +33,6 @@ from longwave.support.user_files import shown
 
 if TYPE_CHECKING:
     from longwave.derive import Envelope
-
-Sign: TypeAlias = "Expr | int"
 
 FURTHER = 2
 """Orders behind the reduced equation that data of the next order take."""
@@ -56,8 +54,7 @@ class LatticeDerivation:
     @property
     def equation(self) -> str:
         """The equation's name, with its sign where waves depend on it."""
-        form = self.normal_form
-        return equation_name(form.equation, form.s, form.r)
+        return self.normal_form.name
 
     @property
     def slow(self) -> int:
@@ -69,22 +66,6 @@ class LatticeDerivation:
         if isinstance(self.source, Reduction):
             return f"{self.equation}: {self.source.pde.text()}"
         return f"{self.equation} envelope: i A_T + p A_XX + q |A|^2 A = 0"
-
-
-def equation_name(name: str, s: Sign, r: Sign = 1) -> str:
-    """The equation's name with its signs, where its waves depend on them.
-
-    >>> equation_name("mKdV", -1), equation_name("KP", -1), equation_name("Kawahara", -1)
-    ('defocusing mKdV', 'KP-I', 'Kawahara (s = -1)')
-    """
-    if s not in (1, -1):
-        return name
-    if name in ("mKdV", "Gardner", "NLS"):
-        return f"{'focusing' if s == 1 else 'defocusing'} {name}"
-    if name.endswith("KP"):
-        return f"{name}-{'I' if s == -1 else 'II'}"
-    signs = {"Kawahara": f" (s = {s})", "modified Kawahara": f" (s = {s}, r = {r})"}
-    return name + signs.get(name, "")
 
 
 def declared_lattice(scene: Scene) -> Lattice:
@@ -118,6 +99,10 @@ def derivation(scene: Scene) -> LatticeDerivation:
     names = ", ".join(one.equation for one in found)
     fitting = [f.name for f in CATALOGUE if any(_fits(f, one.normal_form) for one in found)]
     remedy = f"one of {', '.join(fitting)}" if fitting else "none of the catalogue does"
+    if form.equation.normal == "NLS" and not scene.is_envelope:
+        remedy += "; an envelope needs the carrier's k"
+    elif not scene.is_envelope:
+        remedy += '; other constants, small ones such as "eps/2", or a background give another'
     raise ValueError(
         f"wave must solve the {names} equation, which is derived from {scene.lattice} here, got "
         f"{form.name} of the {equation_of_form(form)} equation ({remedy})"
@@ -131,8 +116,11 @@ def _derivations(scene: Scene) -> tuple[LatticeDerivation, ...]:
     values = _constant_values(scene, symbolic)
     numeric = symbolic.with_values(values)
     if not scene.is_envelope:
-        return tuple(_reductions(scene, numeric))
-    source, numbers = _envelope(scene, symbolic, values, formula("k", scene.carrier, {}))
+        from longwave.derive.balances import uniform_mean
+
+        mean = uniform_mean(symbolic, scene.background, values)
+        return tuple(_reductions(scene, numeric, mean))
+    source, numbers = _envelope(scene, symbolic, values, exact_value("k", scene.carrier))
     return (LatticeDerivation(source.lattice, source, source.normal_form(**numbers), numbers),)
 
 
@@ -158,16 +146,16 @@ def _fits(form: ClosedForm, normal: NormalForm) -> bool:
     )
 
 
-def _reductions(scene: Scene, lattice: Lattice) -> Iterator[LatticeDerivation]:
+def _reductions(scene: Scene, lattice: Lattice, mean: Expr) -> Iterator[LatticeDerivation]:
     """Long waves, those first that ask for nothing; ValueError if there are none."""
-    names = dict(_formulas(scene.constants, {}, only_plain=True))
-    mean = formula("background", scene.background, names)
+    if mean and lattice.is_displacement:
+        raise ValueError(
+            f"background must be 0 on a lattice of displacements, got {shown(str(mean))} (their "
+            "mean does nothing; declare the lattice in its strain)"
+        )
     refused, found = "", False
-    for scaling in _scalings(scene, lattice, mean):
+    for reduction in find_scaling(lattice, mean, scene.amplitude, scene.time, further=FURTHER):
         try:
-            orders = scaling.leading_order + FURTHER
-            reduction = reduce(lattice, scaling, orders)
-            _check_mean(reduction, mean)
             one = LatticeDerivation(lattice, reduction, reduction.normal_form(), {})
         except ValueError as error:
             refused = refused or str(error)
@@ -178,39 +166,15 @@ def _reductions(scene: Scene, lattice: Lattice) -> Iterator[LatticeDerivation]:
         raise ValueError(f"no long wave of {lattice.name} has a normal form: {refused}")
 
 
-def _check_mean(reduction: Reduction, mean: Expr) -> None:
-    if mean and reduction.is_displacement:
-        raise ValueError(
-            f"background must be 0 on a lattice of displacements, got {shown(str(mean))} (their "
-            "mean does nothing; declare the lattice in its strain)"
-        )
-
-
-def _scalings(scene: Scene, lattice: Lattice, mean: Expr) -> Iterable[Scaling]:
-    """The ansatz that is stated, or those that balance."""
-    if scene.amplitude is not None and scene.time is not None:
-        usual = find_scaling(lattice)[0].scaling.space if lattice.dimension > 1 else None
-        background = ((0, mean),) if mean else ()
-        given = {"space": usual} if usual else {}
-        return [Scaling(scene.amplitude, time=scene.time, background=background, **given)]
-    found = [reduction.scaling for reduction in find_scaling(lattice, mean)]
-    kept = [
-        scaling
-        for scaling in found
-        if scene.amplitude in (None, scaling.amplitude) and scene.time in (None, scaling.time)
-    ]
-    if not kept:
-        balanced = ", ".join(f"amplitude {s.amplitude}, time {s.time}" for s in found)
-        raise ValueError(
-            f"amplitude and time must balance {lattice.name}, got {scene.amplitude} and "
-            f"{scene.time} (what balances: {balanced})"
-        )
-    return kept
-
-
 def _constant_values(scene: Scene, lattice: Lattice) -> dict[str, Expr]:
     """The scene's constants exactly; ValueError for one of the lattice's that is missing."""
-    values = dict(_formulas(scene.constants, {"eps": eps} if not scene.is_envelope else {}))
+    values = {name: constant_value(name, value) for name, value in scene.constants}
+    for name, value in values.items() if scene.is_envelope else ():
+        if value.free_symbols:
+            raise ValueError(
+                f"{name} must not depend on eps with an envelope, got {shown(str(value))} (give a "
+                "number: the wave alone is small)"
+            )
     missing = [str(s) for s in lattice.constants if str(s) not in values]
     if missing:
         raise ValueError(
@@ -241,7 +205,7 @@ def scene_envelope(scene: Scene) -> tuple[Envelope, Mapping[str, Expr]]:
     ValueError as `derivation` does.
     """
     same = {"eps": 0.1, "tolerance": 1.0, "name": "", "title": "", "parameters": {"amplitude": 1}}
-    at_pi = formula("k", scene.carrier, {}) == pi
+    at_pi = exact_value("k", scene.carrier) == pi
     return _scene_envelope(scene.changed(**same, carrier="pi" if at_pi else 1))
 
 
@@ -253,38 +217,18 @@ def _scene_envelope(scene: Scene) -> tuple[Envelope, Mapping[str, Expr]]:
     return _envelope(scene, lattice, values, pi if scene.carrier == "pi" else None)
 
 
-def formula(name: str, value: Value, names: Mapping[str, Expr]) -> Expr:
-    """A value exactly: a number, or a formula in text with some names.
-
-    >>> formula("K3", "eps/2", {"eps": eps}), formula("k", 0.1, {})
-    (eps/2, 1/10)
-    """
-    if not isinstance(value, str):
-        return exact(name, value)
-    words = Vocabulary({"sqrt": (sqrt, 1)}, names={"pi": pi, **names})
-    found = read_formula(value, words, name)
-    if found.is_real is False or (found.is_number and found.is_finite is False):
-        raise ValueError(f"{name} must be a finite real number, got {shown(value)} (such as 1/3)")
-    if found.is_number and found and not 1e-50 < abs(found.evalf(10)) < 1e50:
-        raise ValueError(f"{name} must be 0 or within 1e-50 .. 1e50, got {shown(value)}")
-    return found
-
-
-def _formulas(
-    pairs: Iterable[tuple[str, Value]], names: Mapping[str, Expr], only_plain: bool = False
-) -> Iterator[tuple[str, Expr]]:
-    """Names and exact values; those with eps are left out if ``only_plain``."""
-    for name, value in pairs:
-        if only_plain and isinstance(value, str) and "eps" in value:
-            continue
-        yield name, formula(name, value, names)
+def _values(
+    pairs: Iterable[tuple[str, Value]], names: Mapping[str, Expr] | None = None
+) -> dict[str, Expr]:
+    """Names and exact values."""
+    return {name: exact_value(name, value, names) for name, value in pairs}
 
 
 def wave_of(scene: Scene) -> Wave:
     """The scene's wave with numbers in; ValueError for parameters that it does not admit."""
-    values = dict(_formulas([pair for pair in scene.parameters if pair[0] == "k"], {}))
+    values = _values(pair for pair in scene.parameters if pair[0] == "k")
     period = {"K": elliptic_k(values["k"] ** 2)} if "k" in values else {}
-    values = dict(_formulas(scene.parameters, period))
+    values = _values(scene.parameters, period)
     form = closed_form(scene.wave_name, values)
     return Wave(form, derivation(scene).normal_form, **values)
 
@@ -300,7 +244,7 @@ def lattice_wave(scene: Scene) -> LatticeWave:
         return wave
     from longwave.scenes.disordered_wave import DisorderedWave
 
-    values = dict(_formulas(scene.constants, {"eps": exact("eps", scene.eps)}))
+    values = _values(scene.constants, {"eps": exact("eps", scene.eps)})
     disorder = Disorder.of_pairs(scene.disorder)
     lattice = declared_lattice(scene)
     far = None if scene.is_envelope else wave_of(scene).constant_background

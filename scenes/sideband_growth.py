@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 from sympy import Expr
 
+from longwave.derive.algebra.formula_expression import exact_value
 from longwave.lattice.field_state import FieldState
 from longwave.lattice.model import GROWTH
 from longwave.lattice.refine import Announce, refine
@@ -26,7 +27,7 @@ from longwave.lattice.schemes import stability_limit
 from longwave.lattice.stepper import StillRing
 from longwave.lattice.trial import Choices, Progress, StepSearch, Trial, rounding_error
 from longwave.scenes.envelope_data import EnvelopeData
-from longwave.scenes.lattice_derivation import formula, scene_envelope
+from longwave.scenes.lattice_derivation import scene_envelope
 from longwave.scenes.perturbed_plane import (
     MOST_WAVES,
     SIZE,
@@ -265,7 +266,7 @@ def growth_plan(scene: Scene) -> GrowthPlan:
     """What is run for a scene, all but its step; ValueError where there is no such plane wave."""
     found, constants = scene_envelope(scene)
     given = plane_wave_numbers(scene)
-    a, k = given["amplitude"], formula("k", scene.carrier, {})
+    a, k = given["amplitude"], exact_value("k", scene.carrier)
     p, q = _coefficients(found, k, constants)
     kappa = float(chosen_kappa(p, q, given))
     _check_length(2 * math.pi / (kappa * scene.eps))
@@ -290,7 +291,7 @@ def plane_wave_numbers(scene: Scene) -> dict[str, float]:
 
 
 def _number(name: str, value: float | str) -> float:
-    found = float(formula(name, value, {}))
+    found = float(exact_value(name, value))
     if not found > 0.0:
         raise ValueError(f"{name} must satisfy {name} > 0, got {value} (such as 0.5)")
     return found

@@ -63,7 +63,7 @@ _VALUES: dict[type, Value] = {
 
 
 class TooLarge(ValueError):
-    """What was to be built would be too large, or is not finite."""
+    """An expression that would be too large, or is not finite."""
 
 
 def total(terms: Sequence[sp.Expr]) -> sp.Expr:
@@ -266,5 +266,5 @@ def _expanded(node: sp.Expr) -> int:
 
 
 def _nodes(expression: sp.Expr, most: int) -> int:
-    """How many parts the tree has; ``most`` + 1 for more."""
+    """The number of parts of the tree; ``most`` + 1 for more."""
     return sum(1 for _ in islice(sp.preorder_traversal(expression), most + 1))

@@ -1,4 +1,4 @@
-"""What is eliminated from a series in eps: constants, by a condition; time derivatives, by a flow.
+"""Elimination from a series in eps: constants, by a condition; time derivatives, by a flow.
 
 A rational condition is solved for one constant that it is linear in.  An evolution equation
 ``Y_T = F_0 + eps^2 F_2 + ...`` gives every jet with a time derivative a value without.
@@ -29,11 +29,11 @@ class Elimination:
 
     def __call__(self, element: RationalFunction) -> RationalFunction:
         """``element`` with the constant replaced; of a square the root stays above the line."""
-        place = element.field.symbols.index(self.constant)
+        index = element.field.symbols.index(self.constant)
         above, below = element.terms(), element.terms(below=True)
-        if self.power > 1 and {exponents[place] % self.power for exponents, _ in below} == {1}:
+        if self.power > 1 and {exponents[index] % self.power for exponents, _ in below} == {1}:
             above, below = (
-                [((*e[:place], e[place] + self.power - 1, *e[place + 1 :]), v) for e, v in side]
+                [((*e[:index], e[index] + self.power - 1, *e[index + 1 :]), v) for e, v in side]
                 for side in (above, below)
             )
         return self._replaced(above) / self._replaced(below)
@@ -45,14 +45,15 @@ class Elimination:
 
     def _replaced(self, terms: Terms) -> RationalFunction:
         field = self.value.field
-        place = field.symbols.index(self.constant)
-        kept: dict[int, Terms] = {}
+        index = field.symbols.index(self.constant)
+        by_power: dict[int, Terms] = {}
         for exponents, number in terms:
-            times, left = divmod(exponents[place], self.power)
-            others = (*exponents[:place], left, *exponents[place + 1 :])
-            kept.setdefault(times, []).append((others, number))
+            times, left = divmod(exponents[index], self.power)
+            others = (*exponents[:index], left, *exponents[index + 1 :])
+            by_power.setdefault(times, []).append((others, number))
         return sum(
-            (field.from_terms(part) * self.value**times for times, part in kept.items()), field.zero
+            (field.from_terms(part) * self.value**times for times, part in by_power.items()),
+            field.zero,
         )
 
 
@@ -80,7 +81,7 @@ def _solved(condition: RationalFunction, constant: Symbol, power: int) -> Elimin
 
 
 def vanishing_factors(coefficients: Iterable[RationalFunction]) -> list[RationalFunction] | None:
-    """What must vanish so that all the coefficients do; None if that cannot be told.
+    """The factors that vanish where all coefficients do; None if that cannot be decided.
 
     It is the one common factor that can vanish or, where there is none, the one such factor of each
     coefficient.  Factors that their symbols' assumptions keep from 0 (positive ones, sums of those)

@@ -1,4 +1,4 @@
-"""What comes from outside, checked: numbers made exact, no text evaluated, the wrong one named."""
+"""Checks of arguments: numbers made exact, no text evaluated, the wrong one named."""
 
 from __future__ import annotations
 

@@ -5,7 +5,7 @@ Whatever is built stays small (`bounded_building`); what does not is an error at
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import sympy as sp
 
@@ -17,6 +17,8 @@ from longwave.derive.algebra.bounded_building import (
     product,
     total,
 )
+from longwave.derive.algebra.exact_numbers import Number as AnyNumber
+from longwave.derive.algebra.exact_numbers import exact
 from longwave.derive.algebra.formula_text import Parser, Vocabulary, tokens
 from longwave.derive.algebra.formula_tree import (
     Call,
@@ -29,6 +31,7 @@ from longwave.derive.algebra.formula_tree import (
     Sum,
     Unknown,
 )
+from longwave.support.user_files import shown
 
 INFINITE_AT_ZERO = ("log", "coth", "csch", "cot", "csc")
 """Functions that have no value at 0."""
@@ -43,6 +46,24 @@ def read_formula(text: str, vocabulary: Vocabulary, name: str = "formula") -> sp
     """
     parser = Parser(text, tokens(text, name), vocabulary, name)
     return ExpressionBuilder.after(parser).expression(parser.whole())
+
+
+def exact_value(name: str, value: AnyNumber, names: Mapping[str, sp.Expr] | None = None) -> sp.Expr:
+    """A value exactly: a number, or a formula in text with ``names`` and square roots.
+
+    >>> from longwave.derive.symbols import eps
+    >>> exact_value("K3", "eps/2", {"eps": eps}), exact_value("k", 0.1)
+    (eps/2, 1/10)
+    """
+    if not isinstance(value, str):
+        return exact(name, value)
+    words = Vocabulary({"sqrt": (sp.sqrt, 1)}, names=names or {})
+    found = read_formula(value, words, name)
+    if found.is_real is False or (found.is_number and found.is_finite is False):
+        raise ValueError(f"{name} must be a finite real number, got {shown(value)} (such as 1/3)")
+    if found.is_number and found and not 1e-50 < abs(found.evalf(10)) < 1e50:
+        raise ValueError(f"{name} must be 0 or within 1e-50 .. 1e50, got {shown(value)}")
+    return found
 
 
 def _refused(_: int, words: str) -> ValueError:

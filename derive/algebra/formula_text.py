@@ -113,7 +113,7 @@ class Token:
 
 @dataclass(frozen=True)
 class Vocabulary:
-    """What a text may hold.
+    """Words that a text may hold.
 
     ``functions`` has each function with its number of arguments, ``variables`` the independent
     ones by letter, ``fields`` the unknowns as applied functions (of the site first where they are
@@ -129,7 +129,7 @@ class Vocabulary:
     site: sp.Symbol | None = None
 
     def meaning(self, name: str) -> sp.Expr | None:
-        """What a name stands for, that is no field or function; None if nothing.
+        """The meaning of a name that is no field or function; None if nothing.
 
         Raises ValueError, as ``unknown_name`` does, for a name that may mean another.
         """
@@ -214,7 +214,7 @@ class Parser:
             raise self.error(f"expected {self.after_operand()}, got {self.next}")
 
     def after_operand(self) -> str:
-        """What may follow a complete operand, for an error."""
+        """Signs that may follow a complete operand, for an error."""
         juxtaposed = self.next.kind in ("number", "name") or self.next.text == "("
         return "an operator such as *" if juxtaposed else "an operator or the end"
 

@@ -22,11 +22,11 @@ class FormulaTree:
         return ()
 
     def made_of(self, parts: tuple[FormulaTree, ...]) -> FormulaTree:
-        """The same node of other parts, as many."""
+        """A node of the same kind with as many other parts."""
         return self
 
     def nodes(self) -> Iterator[FormulaTree]:
-        """It and everything below, what it is made of first."""
+        """The nodes of the tree, parts before the whole."""
         for part in self.inner():
             yield from part.nodes()
         yield self
@@ -131,7 +131,7 @@ def mapped(formula: FormulaTree, image: Callable[[FormulaTree], FormulaTree | No
 
 
 SUM, PRODUCT, POWER, ATOM = range(4)
-"""How closely a text holds together."""
+"""How strongly the outermost sign of a text binds."""
 
 
 def formula_text(formula: FormulaTree) -> str:
@@ -140,11 +140,11 @@ def formula_text(formula: FormulaTree) -> str:
 
 
 def _written(formula: FormulaTree) -> tuple[str, int]:
-    """The text, and how closely it holds together."""
+    """The text, and how strongly its outermost sign binds."""
 
-    def held(part: FormulaTree, closely: int) -> str:
+    def enclosed(part: FormulaTree, binding: int) -> str:
         text, level = _written(part)
-        return text if level >= closely else f"({text})"
+        return text if level >= binding else f"({text})"
 
     match formula:
         case Number(value=value):
@@ -157,13 +157,13 @@ def _written(formula: FormulaTree) -> tuple[str, int]:
             index = f"{site}{shift:+d}" if shift else site
             return f"{name}{subscripts}" + (f"[{index}]" if site else ""), ATOM
         case Sum(parts=parts):
-            return " + ".join(held(part, PRODUCT) for part in parts), SUM
+            return " + ".join(enclosed(part, PRODUCT) for part in parts), SUM
         case Product(parts=parts):
-            return "*".join(held(part, POWER) for part in parts), PRODUCT
+            return "*".join(enclosed(part, POWER) for part in parts), PRODUCT
         case Power(parts=(base, exponent)):
-            return f"{held(base, ATOM)}**{held(exponent, ATOM)}", POWER
+            return f"{enclosed(base, ATOM)}**{enclosed(exponent, ATOM)}", POWER
         case Call(parts=parts, name=name):
-            return f"{name}({', '.join(held(part, SUM) for part in parts)})", ATOM
+            return f"{name}({', '.join(enclosed(part, SUM) for part in parts)})", ATOM
         case Derivative(parts=(inner,), steps=steps):
-            return f"diff({', '.join((held(inner, SUM), *steps))})", ATOM
+            return f"diff({', '.join((enclosed(inner, SUM), *steps))})", ATOM
     raise TypeError(f"formula must be a node of a tree, got {type(formula).__name__}")

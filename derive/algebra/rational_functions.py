@@ -285,7 +285,7 @@ class RationalFunction:
         return {power: self.field.from_terms(terms) for power, terms in parts.items()}
 
     def solved_for(self, symbol: Symbol, power: int = 1) -> RationalFunction | None:
-        """Where the quotient vanishes the symbol's power, if no other is in it; else None."""
+        """The symbol's power where the quotient vanishes, if no other is in it; else None."""
         parts = self.powers_of(symbol)
         return -parts[0] / parts[power] if parts.keys() == {0, power} else None
 

@@ -100,8 +100,8 @@ class EpsSeries:
             for monomial, number in part.terms.items():
                 values = [(jet, value(jet)) for jet in monomial]
                 rest = tuple(jet for jet, found in values if found is None)
-                kept = DifferentialPolynomial(self.field, {rest: number})
-                product = self.collect(self.field, self.limit, [(order, kept)])
+                unchanged = DifferentialPolynomial(self.field, {rest: number})
+                product = self.collect(self.field, self.limit, [(order, unchanged)])
                 for _, found in values:
                     product = product if found is None else product * found
                 total = total + product

@@ -37,7 +37,7 @@ ROUNDS = 40
 
 @dataclass(frozen=True)
 class Spelling:
-    """What the names of a text are: functions of the grammar, unknowns, declared names.
+    """Names of a text by kind: functions of the grammar, unknowns, declared names.
 
     ``variables`` are the letters of the independent variables that occur.
     """
@@ -137,7 +137,7 @@ def _filled(pattern: str, patterns: dict[str, str]) -> str:
 
 
 def misread(name: str, spelling: Spelling, *, declared: bool = False) -> str | None:
-    """What to write for a name that reads as a derivative, conjugate, index or product.
+    """The spelling for a name that reads as a derivative, conjugate, index or product.
 
     None for a name of its own; one that is ``declared`` may look like a product.
 

@@ -1,4 +1,4 @@
-"""What ``longwave derive --envelope`` prints: an envelope, its numbers, checks, or a map of k."""
+"""Lines of ``longwave derive --envelope``: an envelope, its numbers, checks, or a map of k."""
 
 from __future__ import annotations
 
@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING, Any
 from sympy import Expr, Rational, pi
 
 from longwave.derive.algebra.exact_numbers import Number
-from longwave.derive.algebra.formula_expression import read_formula
-from longwave.derive.algebra.formula_text import Vocabulary
 from longwave.derive.carrier_envelope import (
+    COEFFICIENT_LATEX,
     Envelope,
     EnvelopeNumbers,
     envelope,
@@ -24,8 +23,9 @@ from longwave.derive.expected_derivation import CHEAPER_CARRIER, envelope_second
 from longwave.derive.lattice import Lattice
 from longwave.derive.normal_form import NORMAL_EQUATIONS, NormalForm
 from longwave.derive.output.notation import aligned, latex_of, text_of
-from longwave.derive.output.printout import Wanted, count
+from longwave.derive.output.printout import DeriveOptions, count
 from longwave.derive.output.report import form_data
+from longwave.derive.symbols import constant_value, eps
 from longwave.support.command_line import check_and_announce
 from longwave.support.user_files import shown
 
@@ -39,39 +39,42 @@ NLS_ORDER, HIGHEST_ORDER = 3, 4
 
 NEXT_ORDER = ("a3", "a1", "a2")
 
-_LATEX = {"omega": r"\omega", "mean": "b_0", "second": "b_2", "detuning": r"\delta"}
 
-
-def carrier_lines(lattice: Lattice, wanted: Wanted, values: Values) -> Iterator[str]:
+def carrier_lines(lattice: Lattice, options: DeriveOptions) -> Iterator[str]:
     """The lines that are asked for; raises ValueError for wrong input."""
     for option, given in (
-        ("--background", wanted.background),
-        ("--amplitude", wanted.amplitude),
-        ("--time", wanted.time),
-        ("--direction", wanted.direction),
+        ("--background", options.background),
+        ("--amplitude", options.amplitude),
+        ("--time", options.time),
+        ("--direction", options.direction),
     ):
         if given is not None:
             raise ValueError(f"{option} must be left out with --envelope, got {given!r}")
-    if wanted.orders not in (None, "3", "4"):
+    if options.orders not in (None, "3", "4"):
         raise ValueError(
             f"--order must be 3 (the NLS equation) or 4 (its correction) with --envelope, got "
-            f"{wanted.orders!r}"
+            f"{options.orders!r}"
         )
-    chosen = _carrier(wanted.carrier or "")
-    text = wanted.branch or "acoustic"
+    constants = {name: constant_value(name, text) for name, text in options.constants.items()}
+    lattice = lattice.with_values({n: value for n, value in constants.items() if value.has(eps)})
+    values = {name: value for name, value in constants.items() if not value.has(eps)}
+    chosen = _carrier(options.carrier or "")
+    text = options.branch or "acoustic"
     branch = int(text) if text.isdecimal() and len(text) < 4 else text
-    _check_cost(lattice, wanted, chosen, values)
-    if wanted.points is not None:
-        yield from _map_lines(lattice, wanted, chosen, branch, values)
-    elif wanted.check:
+    _check_cost(lattice, options, chosen, values)
+    if options.points is not None:
+        yield from _map_lines(lattice, options, chosen, branch, values)
+    elif options.check:
         yield from _checked(lattice, branch, values)
     else:
-        yield from _lines(lattice, wanted, chosen, branch, values)
+        yield from _lines(lattice, options, chosen, branch, values)
 
 
-def _check_cost(lattice: Lattice, wanted: Wanted, chosen: Expr | None, values: Values) -> None:
-    at_pi = chosen == pi and wanted.points is None and not wanted.check
-    known = len(lattice.constants) if wanted.check else len(values)
+def _check_cost(
+    lattice: Lattice, options: DeriveOptions, chosen: Expr | None, values: Values
+) -> None:
+    at_pi = chosen == pi and options.points is None and not options.check
+    known = len(lattice.constants) if options.check else len(values)
     seconds = envelope_seconds(lattice, at_pi, 0 if lattice.definitions else known)
     check_and_announce(f"envelope of {lattice.name}", seconds, cheaper=CHEAPER_CARRIER)
 
@@ -88,16 +91,16 @@ def _checked(lattice: Lattice, branch: str | int, values: Values) -> Iterator[st
 
 
 def _lines(
-    lattice: Lattice, wanted: Wanted, chosen: Expr | None, branch: str | int, values: Values
+    lattice: Lattice, options: DeriveOptions, chosen: Expr | None, branch: str | int, values: Values
 ) -> Iterator[str]:
     given = {} if lattice.definitions else values
     found = envelope(lattice, k=chosen, branch=branch, **given)
-    names = [n for n in found.parts if wanted.orders != str(NLS_ORDER) or n not in NEXT_ORDER]
+    names = [n for n in found.parts if options.orders != str(NLS_ORDER) or n not in NEXT_ORDER]
     numbers = found.coefficients(chosen, None, **values) if chosen is not None and values else None
     form = found.normal_form(chosen, None, **values) if numbers else None
-    if wanted.form == "json":
+    if options.form == "json":
         yield json.dumps(_data(found, names, numbers, form), indent=2)
-    elif wanted.form == "latex":
+    elif options.form == "latex":
         yield _latex(found, names, numbers)
     else:
         yield from _texts(found, names, numbers, form, chosen)
@@ -116,8 +119,8 @@ def _data(
     }
     if numbers is None or form is None:
         return {**data, **{name: text_of(found.expressions[name]) for name in names}}
-    kept = {n: _plain(v) for n, v in asdict(numbers).items() if n in ("omega", *names)}
-    return {**data, "numbers": kept, "normal_form": {**form_data(form), "digits": form.digits}}
+    values = {n: _plain(v) for n, v in asdict(numbers).items() if n in ("omega", *names)}
+    return {**data, "numbers": values, "normal_form": {**form_data(form), "digits": form.digits}}
 
 
 def _latex(found: Envelope, names: list[str], numbers: EnvelopeNumbers | None) -> str:
@@ -125,14 +128,10 @@ def _latex(found: Envelope, names: list[str], numbers: EnvelopeNumbers | None) -
     if numbers is None:
         values = {name: latex_of(found.expressions[name]) for name in names}
     else:
-        kept = asdict(numbers)
-        values = {name: _rounded(kept[name]) for name in ("omega", *names)}
-    rows += [("", f"{_name(name)} = {value}") for name, value in values.items()]
+        rounded = {name: _rounded(value) for name, value in asdict(numbers).items()}
+        values = {name: rounded[name] for name in ("omega", *names)}
+    rows += [("", f"{COEFFICIENT_LATEX[name]} = {value}") for name, value in values.items()]
     return aligned(rows)
-
-
-def _name(name: str) -> str:
-    return _LATEX.get(name) or (f"{name[0]}_{name[1:]}" if name[1:] else name)
 
 
 def _texts(
@@ -156,30 +155,30 @@ def _texts(
             yield f"  where {symbol} = {text_of(value.subs(found.constants))}"
         return
     yield f"i A_T + p A_XX + q |A|^2 A = 0 at k = {chosen}:"
-    kept = asdict(numbers)
-    yield from (f"  {name} = {_rounded(kept[name])}" for name in ("omega", *names))
+    values = asdict(numbers)
+    yield from (f"  {name} = {_rounded(values[name])}" for name in ("omega", *names))
     kind = "unstable, solitons bright" if numbers.is_focusing else "stable, solitons dark"
     yield f"plane waves are {kind}: p q {'>' if numbers.is_focusing else '<'} 0"
     yield f"normal form {NORMAL_EQUATIONS[form.equation].text}, {form.map_text}:"
-    yield from (f"  {name} = {_rounded(_number(value))}" for name, value in form.values.items())
+    yield from (f"  {name} = {_rounded(float(value))}" for name, value in form.values.items())
 
 
 # the map
 
 
 def _map_lines(
-    lattice: Lattice, wanted: Wanted, chosen: Expr | None, branch: str | int, values: Values
+    lattice: Lattice, options: DeriveOptions, chosen: Expr | None, branch: str | int, values: Values
 ) -> Iterator[str]:
     """p, q and the growth rate at equally spaced wavenumbers up to pi."""
-    points = count("--map", wanted.points or "", MOST_POINTS)
+    points = count("--map", options.points or "", MOST_POINTS)
     if chosen is not None or not points:
         raise ValueError(
             f"--map must be 1 or more, with --envelope k, got --map {points} with --envelope "
-            f"{wanted.carrier} (it takes the wavenumbers i pi/{points or 'N'})"
+            f"{options.carrier} (it takes the wavenumbers i pi/{points or 'N'})"
         )
     wavenumbers = [pi * Rational(i, points) for i in range(1, points + 1)]
     rows = modulation_map(lattice, wavenumbers, branch, 1.0, **values)
-    if wanted.form == "json":
+    if options.form == "json":
         yield json.dumps(
             {"lattice": lattice.name, "map": [_row_data(*row) for row in rows]}, indent=2
         )
@@ -188,7 +187,7 @@ def _map_lines(
     for k, numbers, rate in rows:
         found = (numbers.omega, numbers.p, numbers.q, rate) if numbers else ()
         table.append((f"{k:.6g}", *(f"{value:.6g}" for value in found or ())))
-    if wanted.form == "latex":
+    if options.form == "latex":
         lines = [" & ".join(row if len(row) == 5 else (*row, *["-"] * 4)) for row in table]
         yield r"\begin{tabular}{rrrrr}"
         yield " \\\\\n".join(lines).replace("omega", r"$\omega$").replace("|A|", "$|A|$")
@@ -217,18 +216,13 @@ def _carrier(text: str) -> Expr | None:
     if not value:
         return None
     try:
-        found = read_formula(value, Vocabulary({}), "k")
+        return wavenumber(value)
     except ValueError as error:
         raise ValueError(f"--envelope: {error}") from None
-    return wavenumber(found)
 
 
 def _plain(value: complex) -> float | list[float]:
     return [value.real, value.imag] if isinstance(value, complex) else value
-
-
-def _number(value: Expr) -> float:
-    return float(value)
 
 
 def _rounded(value: complex) -> str:

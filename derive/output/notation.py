@@ -73,7 +73,7 @@ def _compact(part: DifferentialPolynomial) -> list[Term]:
 
 @dataclass(frozen=True)
 class Notation:
-    """How the unknown and the slow axes are called."""
+    """Names of the unknown and of the slow axes."""
 
     axes: tuple[str, ...] = ("X", "T")
     unknown: str = "Y"
@@ -133,7 +133,7 @@ class Notation:
 
 
 class Displayed:
-    """What says itself in text and LaTeX: one line as its repr, a formula in notebooks."""
+    """Base of records with text and LaTeX: one line as the repr, a formula in notebooks."""
 
     def text(self) -> str:
         """Plain text in one line."""

@@ -1,15 +1,15 @@
-"""What ``longwave derive`` prints of long waves: a reduction, linear waves, numbers, checks."""
+"""Lines of ``longwave derive`` for long waves: a reduction, linear waves, numbers, checks."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from sympy import S
+from sympy import Expr
 
-from longwave.derive.algebra.exact_numbers import Number, exact, parse_rational
-from longwave.derive.balances import best_balance
+from longwave.derive.balances import about_mean, best_balance, find_scaling
 from longwave.derive.direction import DRIFT, read_direction, slow_variables
 from longwave.derive.dispersion import agrees_with_reduction, dispersion_relation
 from longwave.derive.expected_derivation import CHEAPER_ORDER, reduction_seconds
@@ -17,11 +17,12 @@ from longwave.derive.lattice import Lattice
 from longwave.derive.lattice_file import read_lattice
 from longwave.derive.models.lattices import FPUT_STRAIN, LATTICES
 from longwave.derive.models.mkdv import initial_velocity, initial_velocity_latex
-from longwave.derive.multiscale import FURTHER_ORDERS, reduce
+from longwave.derive.multiscale import FURTHER_ORDERS, ReductionError, reduce
 from longwave.derive.normal_form import NORMAL_EQUATIONS
 from longwave.derive.output.notation import aligned, text_of
 from longwave.derive.reduction import Reduction
 from longwave.derive.scaling import Scaling, SlowVariable
+from longwave.derive.symbols import constant_value, eps
 from longwave.support.command_line import check_and_announce, fail
 from longwave.support.known_names import one_of
 from longwave.support.user_files import STANDARD_INPUT, shown
@@ -30,8 +31,8 @@ MOST_ORDERS = 13
 
 
 @dataclass(frozen=True)
-class Wanted:
-    """What the command line asks for, as text: None where it says nothing."""
+class DeriveOptions:
+    """Options of the command line as text: None for one that is not given."""
 
     model: str | None = None
     constants: Mapping[str, str] = field(default_factory=dict)
@@ -47,24 +48,23 @@ class Wanted:
     check: bool = False
 
 
-def print_derivation(wanted: Wanted) -> int:
+def print_derivation(options: DeriveOptions) -> int:
     """Print it; returns the exit status (1 if a check differs, 2 for wrong input)."""
     try:
-        if wanted.check and wanted.form != "text":
-            raise ValueError(f"--{wanted.form} must be left out with check, got it (it is text)")
-        lattice = _lattice(wanted.model)
-        values: dict[str, Number] = {n: parse_rational(n, t) for n, t in wanted.constants.items()}
-        if wanted.carrier is not None:
+        if options.check and options.form != "text":
+            raise ValueError(f"--{options.form} must be left out with check, got it (it is text)")
+        lattice = _lattice(options.model)
+        if options.carrier is not None:
             from longwave.derive.output.carrier_printout import carrier_lines
 
-            lines = list(carrier_lines(lattice, wanted, values))
+            lines = list(carrier_lines(lattice, options))
         else:
-            _check_carrier_options(wanted)
-            lines = list(_reduction_lines(lattice, wanted, values))
+            _check_carrier_options(options)
+            lines = list(_reduction_lines(lattice, options))
     except (ValueError, OSError) as error:
         return fail(error)
     print("\n".join(lines))
-    return int(wanted.check and any(line.startswith("DIFFERS") for line in lines))
+    return int(options.check and any(line.startswith("DIFFERS") for line in lines))
 
 
 def _lattice(model: str | None) -> Lattice:
@@ -83,21 +83,19 @@ def _lattice(model: str | None) -> Lattice:
 # long waves
 
 
-def _reduction_lines(lattice: Lattice, wanted: Wanted, values: dict[str, Number]) -> Iterator[str]:
-    space, along = _space(lattice, wanted, values)
-    values = {**values, **along}
-    reduction = _reduction(lattice, wanted, space)
-    if wanted.check:
+def _reduction_lines(lattice: Lattice, options: DeriveOptions) -> Iterator[str]:
+    reduction, values, refused = _long_wave(lattice, options)
+    if options.check:
         from longwave.derive.checks import Check, checks_of_reduction
 
         yield f"{lattice.name}: {reduction.pde.kind}: {reduction.pde.text()}"
         yield from map(Check.text, checks_of_reduction(reduction))
         return
     numbers = list(_number_lines(reduction, values))
-    is_paper = lattice is FPUT_STRAIN and reduction.scaling == Scaling()
-    if wanted.form == "json":
+    is_paper = reduction.lattice == FPUT_STRAIN and reduction.scaling == Scaling()
+    if options.form == "json":
         yield reduction.json(**values)
-    elif wanted.form == "latex":
+    elif options.form == "latex":
         yield reduction.latex(**values)
         if is_paper:
             yield _linear_latex(reduction)
@@ -106,45 +104,131 @@ def _reduction_lines(lattice: Lattice, wanted: Wanted, values: dict[str, Number]
         if is_paper:
             yield from _linear_lines(reduction)
         yield from numbers
+        if refused:
+            scaling = reduction.scaling
+            yield f"found: amplitude {scaling.amplitude}, time {scaling.time}, as the usual ansatz"
+            yield f"  is refused: {refused}"
+
+
+def _long_wave(
+    lattice: Lattice, options: DeriveOptions
+) -> tuple[Reduction, Mapping[str, Expr], str]:
+    """The reduction, the constants that are left in it with their values, and what was refused.
+
+    Under the usual ansatz constants are symbols, but for those that are small.  Where the values
+    refuse it, all are put in beforehand, as a scene does, and what balances then is found.
+    """
+    given = {name: constant_value(name, text) for name, text in options.constants.items()}
+    space, along = _space(lattice, options, given)
+    small = {name: value for name, value in given.items() if value.has(eps)}
+    left = {**{name: value for name, value in given.items() if name not in small}, **along}
+    symbolic = _Ansatz.of(lattice, options, space, small)
+    usual, refused = None, ""
+    try:
+        usual = _admitted(symbolic.usual(is_paper=lattice is FPUT_STRAIN), left)
+    except ValueError as error:
+        if symbolic.is_stated or not given:
+            raise
+        refused = str(error)
+    if usual is None or not (usual.is_balanced or symbolic.is_stated or not given):
+        with suppress(ValueError):
+            return _Ansatz.of(lattice, options, space, given).found(along), along, refused
+    if usual is None:
+        raise ValueError(refused)
+    return usual, left, ""
+
+
+def _admitted(reduction: Reduction, values: Mapping[str, Expr]) -> Reduction:
+    """The reduction; ValueError where it does not hold for the values."""
+    reduction.coefficients(**values)
+    if reduction.has_normal_form:
+        reduction.normal_form(**values)
+    return reduction
+
+
+@dataclass(frozen=True)
+class _Ansatz:
+    """A lattice about a mean, and what is stated of its ansatz: None where it is to be found."""
+
+    lattice: Lattice
+    mean: Expr
+    space: tuple[SlowVariable, ...]
+    amplitude: int | None
+    time: int | None
+    orders: int | None
+
+    @classmethod
+    def of(
+        cls,
+        lattice: Lattice,
+        options: DeriveOptions,
+        space: tuple[SlowVariable, ...],
+        constants: Mapping[str, Expr],
+    ) -> _Ansatz:
+        """The ansatz that the options state, with constants put in."""
+
+        def number(option: str, text: str | None, most: int) -> int | None:
+            return None if text is None else count(option, text, most)
+
+        return cls(
+            *about_mean(lattice, options.background or 0, constants),
+            space,
+            number("--amplitude", options.amplitude, 8),
+            number("--time", options.time, 9),
+            number("--order", options.orders, MOST_ORDERS),
+        )
+
+    @property
+    def is_stated(self) -> bool:
+        """Whether nothing is to be found."""
+        return self.amplitude is not None and self.time is not None
+
+    def usual(self, *, is_paper: bool) -> Reduction:
+        """Under the paper's ansatz on its lattice, or else the first that balances.
+
+        Where one of amplitude and time is given the other is the usual one.
+        """
+        nothing_stated = self.amplitude is None and self.time is None
+        if is_paper and nothing_stated and not self.mean:
+            return reduce(self.lattice, orders=self.orders)
+        _check_cost(self.lattice, FURTHER_ORDERS)
+        if nothing_stated:
+            further = FURTHER_ORDERS if self.orders is None else 0
+            found = best_balance(self.lattice, self.mean, further, self.space)
+            return found if self.orders is None else self._reduced(found.scaling)
+        scaling = Scaling()
+        if self.lattice.dimension > 1:
+            scaling = best_balance(self.lattice, self.mean, space=self.space).scaling
+        amplitude = scaling.amplitude if self.amplitude is None else self.amplitude
+        time = scaling.time if self.time is None else self.time
+        background = ((0, self.mean),) if self.mean else ()
+        return self._reduced(Scaling(amplitude, scaling.space, time, background))
+
+    def found(self, values: Mapping[str, Expr]) -> Reduction:
+        """The first that balances and admits the values; ValueError if there is none."""
+        asked = (self.mean, self.amplitude, self.time)
+        for candidate in find_scaling(self.lattice, *asked, space=self.space):
+            with suppress(ValueError):
+                return _admitted(self._reduced(candidate.scaling), values)
+        raise ReductionError(f"no ansatz of {self.lattice.name} admits the constants")
+
+    def _reduced(self, scaling: Scaling) -> Reduction:
+        further = 0 if self.orders is None else self.orders - scaling.leading_order
+        _check_cost(self.lattice, further)
+        return reduce(self.lattice, scaling, self.orders)
 
 
 def _space(
-    lattice: Lattice, wanted: Wanted, values: Mapping[str, Number]
-) -> tuple[tuple[SlowVariable, ...], Mapping[str, Number]]:
+    lattice: Lattice, options: DeriveOptions, values: Mapping[str, Expr]
+) -> tuple[tuple[SlowVariable, ...], Mapping[str, Expr]]:
     """The slow variables of the direction that is asked for, and the values that it has."""
-    if wanted.direction is None:
+    if options.direction is None:
         return (), {}
-    space, along = slow_variables(lattice, read_direction(wanted.direction))
+    space, along = slow_variables(lattice, read_direction(options.direction))
     for name in (*along, *([str(DRIFT)] if along else [])):
         if name in values:
             raise ValueError(f"{name} must not be given, got {values[name]} (--direction gives it)")
     return space, along
-
-
-def _reduction(lattice: Lattice, wanted: Wanted, space: tuple[SlowVariable, ...]) -> Reduction:
-    """The reduction that is asked for, or else the first that balances the lattice."""
-    orders = None if wanted.orders is None else count("--order", wanted.orders, MOST_ORDERS)
-    mean = exact("background", wanted.background or 0)
-    asked = (wanted.amplitude, wanted.time)
-    if lattice is FPUT_STRAIN and asked == (None, None) and not mean:
-        return reduce(lattice, orders=orders)
-    _check_cost(lattice, FURTHER_ORDERS)
-    if mean and len(lattice.fields) == 1 and lattice.is_displacement:
-        lattice, mean = lattice.strained(mean), S.Zero
-    if asked == (None, None):
-        found = best_balance(lattice, mean, FURTHER_ORDERS if orders is None else 0, space)
-        if orders is None:
-            return found
-        usual = found.scaling
-    else:
-        is_line = lattice.dimension == 1
-        usual = Scaling() if is_line else best_balance(lattice, mean, space=space).scaling
-    amplitude = count("--amplitude", wanted.amplitude or str(usual.amplitude), 8)
-    time = count("--time", wanted.time or str(usual.time), 9)
-    background = ((0, mean),) if mean else ()
-    scaling = Scaling(amplitude, usual.space, time, background)
-    _check_cost(lattice, 0 if orders is None else orders - scaling.leading_order)
-    return reduce(lattice, scaling, orders)
 
 
 def _check_cost(lattice: Lattice, further: int) -> None:
@@ -152,8 +236,8 @@ def _check_cost(lattice: Lattice, further: int) -> None:
     check_and_announce(f"derivation of {lattice.name}", seconds, cheaper=CHEAPER_ORDER)
 
 
-def _check_carrier_options(wanted: Wanted) -> None:
-    for option, given in (("--branch", wanted.branch), ("--map", wanted.points)):
+def _check_carrier_options(options: DeriveOptions) -> None:
+    for option, given in (("--branch", options.branch), ("--map", options.points)):
         if given is not None:
             raise ValueError(f"{option} must come with --envelope, got {given!r} alone")
 
@@ -184,7 +268,7 @@ def _linear_latex(reduction: Reduction) -> str:
     return aligned([("", row) for row in rows])
 
 
-def _number_lines(reduction: Reduction, values: dict[str, Number]) -> Iterator[str]:
+def _number_lines(reduction: Reduction, values: Mapping[str, Expr]) -> Iterator[str]:
     coefficients = reduction.coefficients(**values)
     given = ", ".join(f"{name} = {value}" for name, value in values.items())
     yield ""
@@ -195,3 +279,5 @@ def _number_lines(reduction: Reduction, values: dict[str, Number]) -> Iterator[s
         form = reduction.normal_form(**values)
         yield f"normal form {NORMAL_EQUATIONS[form.equation].text}, {form.map_text}:"
         yield from (f"  {name} = {text_of(value)}" for name, value in form.values.items())
+        if form.name not in (form.equation, reduction.pde.kind):
+            yield f"  {form.name}"

@@ -120,6 +120,7 @@ def reduction_data(reduction: Reduction, constants: Mapping[str, Number] | None 
     sound = reduction.sound_condition
     return {
         "lattice": reduction.lattice.name,
+        "equations": list(reduction.lattice.equations()),
         "scaling": _scaling_data(reduction),
         "generators": [str(symbol) for symbol in reduction.pde.flow.field.symbols],
         "orders": {str(o): data(e.polynomial) for o, e in reduction.orders.items()},

@@ -250,10 +250,10 @@ def _asked(data: xr.Dataset) -> Sequence[Any]:
 
 def _number(value: float | str) -> float:
     """A wavenumber as a file says it; NaN for what is none."""
-    from longwave.scenes.lattice_derivation import formula
+    from longwave.derive.algebra.formula_expression import exact_value
 
     try:
-        return float(formula("k", value, {}))
+        return float(exact_value("k", value))
     except (ValueError, TypeError):
         return np.nan
 

@@ -64,10 +64,10 @@ def exact_quantity(name: str, value: float | str, k: "sp.Expr | None") -> "float
     import sympy as sp
 
     if not GRAMMAR.fullmatch(value.strip()):
-        from longwave.scenes.lattice_derivation import formula
+        from longwave.derive.algebra.formula_expression import exact_value
 
         with suppress(ValueError):
-            return formula(name, value, {})
+            return exact_value(name, value)
 
     multiple = quarter_period_multiple(name, value)
     if k is None:

@@ -120,8 +120,8 @@ def test_other_formats_take_the_numbers(option: str, capsys: pytest.CaptureFixtu
     [
         ["--k2", "0"],
         ["--k2", "nan"],
-        ["--k3", "1"],
-        ["--k4", "0"],
+        ["--k3", "1", "--amplitude", "1", "--time", "3"],
+        ["--k3", "0", "--k4", "0"],
         ["--k4", "1/0"],
         ["--orders", "4"],
         ["--orders", "99"],

@@ -91,8 +91,8 @@ def test_a_wrong_word_is_one_line_and_status_2(capsys: Output) -> None:
         (["vreify\n\x1b[31m"], r"got vreify \x1b[31m (one of"),
         (["verify", "walk"], "COMMAND must be a known one, got walk (one of recheck, "),
         (["derive", "--orders", "many"], "--order must be an integer <= 13, got 'many'"),
-        (["derive", "--k2", "__import__('os')"], "K2 must be a rational number"),
-        (["derive", "--k4", "--"], "K4 must be a rational number, got '--'"),
+        (["derive", "--k2", "__import__('os')"], "K2: expected a formula, got '_'"),
+        (["derive", "--k4", "--"], "K4: expected a number, a name or '('"),
         (["derive", "--json", "--latex"], "--json must not be given with --latex"),
         (["prove"], "--equation or FILE.toml must be given, got neither"),
         (["prove", "--library"], "no such option --library (write longwave library; see longwave"),
@@ -175,7 +175,7 @@ def test_options_reach_the_rooms(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(longwave.cli.sweep_command, "sweep_and_print", keep)
     monkeypatch.setattr(longwave.cli.accuracy, "print_accuracy", keep)
     monkeypatch.setattr(longwave.reports.build, "write_report", keep)
-    Wanted = longwave.derive.output.printout.Wanted
+    DeriveOptions = longwave.derive.output.printout.DeriveOptions
     for line in (
         "derive --k4 -1/2 --orders 5 --latex",
         "prove a.toml --limit 3 --output c.json",
@@ -192,7 +192,7 @@ def test_options_reach_the_rooms(monkeypatch: pytest.MonkeyPatch) -> None:
         (*where, {k: v for k, v in named.items() if v not in NOTHING}) for *where, named in got
     ]
     assert given == [
-        (Wanted(constants={"K4": "-1/2"}, orders="5", form="latex"), {}),
+        (DeriveOptions(constants={"K4": "-1/2"}, orders="5", form="latex"), {}),
         ("longwave prove", ("a.toml",), {"limit": 3.0, "output": "c.json"}),
         ("longwave library", ("kdv_positon",), {"json_wanted": True}),
         ("longwave verify", {"only": ("kink",), "digits": "20,40", "seed": 3}),

@@ -186,7 +186,10 @@ GRANULAR = {"lattice": "granular", "constants": {"A": 1, "d": "1/100"}, "carrier
         ({"lattice": "todda"}, "lattice must be one of the catalogue or a file, got 'todda'"),
         ({"wave": "kdv_solitn"}, "wave: name must be a closed form of the catalogue"),
         ({"wave": "rational_2"}, "wave must solve the KdV equation, which is derived from toda"),
-        ({"wave": "nls_bright"}, "(one of kdv_soliton, kdv_two_soliton, kdv_cnoidal)"),
+        (
+            {"wave": "nls_bright"},
+            "(one of kdv_soliton, kdv_two_soliton, kdv_cnoidal; an envelope needs",
+        ),
         (DARK | {"wave": "nls_bright"}, "wave must solve the defocusing NLS equation"),
         ({"lattice": "fput", "constants": FPUT | {"K4": 0}}, "no scaling fits fput"),
         ({"constants": {"a": 1}}, "constant b of toda must be given, got none"),

@@ -41,4 +41,6 @@ def test_a_long_word_of_a_file_is_cut(capsys: pytest.CaptureFixture[str]) -> Non
 
 def test_two_dashes_are_no_value(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["--k2", "--"]) == 2
-    assert capsys.readouterr().err.startswith("error: K2 must be a rational number, got '--'")
+    assert capsys.readouterr().err.startswith(
+        "error: K2: expected a number, a name or '(', got the end"
+    )
