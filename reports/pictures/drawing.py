@@ -4,8 +4,9 @@ Colours can be told apart by colour-blind readers.
 """
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -58,6 +59,14 @@ _SETTINGS: Any = {
     "svg.hashsalt": "longwave",
     "savefig.dpi": 160,
 }
+
+
+@dataclass(frozen=True)
+class Part:
+    """A part of a figure: its height in inches, and what draws it."""
+
+    height: float
+    draw: Callable[[FigureBase], None]
 
 
 _CHANGING = {".pdf": "CreationDate", ".svg": "Date"}
@@ -360,6 +369,11 @@ def panel_grid(figure: FigureBase, count: int, across: int, x: str, y: str) -> A
     return grid
 
 
+def draw_grid(ax: Axes) -> None:
+    """Draw thin lines at the ticks."""
+    ax.grid(visible=True, which="major", linewidth=0.3, alpha=0.5)
+
+
 def _draw_spectrum(ax: Axes, at: xr.Dataset) -> None:
     lattice, wave = (
         at[name].where(np.isfinite(at[name]) & (at[name] > 0.0)) for name in ("lattice", "wave")
@@ -447,4 +461,4 @@ def _draw_costs(
         values = np.array([p for p in points if min(p) > 0 and np.all(np.isfinite(p))])
         style = dict(looks[label], markersize=4.0)
         ax.loglog(*values.reshape(-1, 2).T, label=label, **style)
-    ax.grid(visible=True, which="major", linewidth=0.3, alpha=0.5)
+    draw_grid(ax)
