@@ -107,7 +107,7 @@ class SweptAxis:
     @property
     def in_order(self) -> SweptAxis:
         """The axis of cells that are in the order of their places."""
-        return SweptAxis(self.name, [self.values[place] for place in self.order])  # type: ignore[arg-type]
+        return SweptAxis(self.name, [self.values[place] for place in self.order])
 
     @property
     def edges(self) -> Array:

@@ -37,11 +37,6 @@ class MeasuredRuns:
     runs: Mapping[str, xr.Dataset]
     scenes: Mapping[str, Scene]
 
-    @property
-    def blown_up(self) -> list[str]:
-        """The names of the runs that did not come to their end."""
-        return [name for name, run in self.runs.items() if run.attrs["blow_up"]]
-
     def discretisation(self, name: str) -> xr.DataArray:
         """Return what y/eps may be off by step and domain together, at each snapshot.
 
