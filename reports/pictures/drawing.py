@@ -69,6 +69,15 @@ class Part:
     draw: Callable[[FigureBase], None]
 
 
+def figure_of(
+    height: float, draw: Callable[..., None], *given: Any, width: float = TEXT_WIDTH
+) -> Figure:
+    """A figure of that height and width in inches, into which ``draw`` draws what is given."""
+    figure = Figure((width, height), layout="constrained")
+    draw(figure, *given)
+    return figure
+
+
 _CHANGING = {".pdf": "CreationDate", ".svg": "Date"}
 """What a picture's metadata would say differently each time, by suffix."""
 
@@ -114,9 +123,7 @@ def snapshot_figure(rows: Sequence[Sequence[xr.Dataset]], wave: str = "") -> Fig
 
     ``wave`` is what the legend calls the analytical strain, where the run's own word is not taken.
     """
-    figure = Figure((TEXT_WIDTH, snapshot_height(len(rows))), layout="constrained")
-    draw_snapshot_panels(figure, rows, wave)
-    return figure
+    return figure_of(snapshot_height(len(rows)), draw_snapshot_panels, rows, wave)
 
 
 def snapshot_height(rows: int) -> float:
@@ -194,10 +201,8 @@ The coordinate ``own`` is the run's own error in the same units, NaN where it wa
 
 def error_figure(panels: ErrorPanels) -> Figure:
     """Draw one panel of curves for each title."""
-    size = (TEXT_WIDTH if len(panels) > 1 else 0.5 * TEXT_WIDTH, ERROR_HEIGHT)
-    figure = Figure(size, layout="constrained")
-    draw_error_panels(figure, panels)
-    return figure
+    width = TEXT_WIDTH if len(panels) > 1 else 0.5 * TEXT_WIDTH
+    return figure_of(ERROR_HEIGHT, draw_error_panels, panels, width=width)
 
 
 def draw_error_panels(figure: FigureBase, panels: ErrorPanels) -> None:
@@ -260,9 +265,7 @@ LEAST_CELLS = 24
 
 def space_time_figure(strain: xr.DataArray) -> Figure:
     """Draw the variable `space_time` of a run."""
-    figure = Figure((TEXT_WIDTH, MAP_HEIGHT), layout="constrained")
-    draw_space_time(figure, strain)
-    return figure
+    return figure_of(MAP_HEIGHT, draw_space_time, strain)
 
 
 def draw_space_time(

@@ -100,9 +100,7 @@ def report_scenes() -> dict[str, Scene]:
     for order in (2, 3):
         base = scenes[f"rational_{order}_eps_0.05"]
         scenes[rk4_name(order)] = base.changed(
-            scheme="rk4",
-            step=RK4_STEP,
-            observables=("strain", "error_curve", "time_step_error"),
+            scheme="rk4", step=RK4_STEP, observables=("strain", "error_curve", "time_step_error")
         )
     asked = (*scenes[SPLIT].observables, "error_split")
     scenes[SPLIT] = replace(scenes[SPLIT], observables=asked)

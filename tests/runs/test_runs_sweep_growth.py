@@ -92,7 +92,7 @@ def test_the_picture_holds_cells_and_the_map_of_theory(swept: tuple[xr.Dataset, 
         curve, (line,) = panel.curves[0], panel.theory.lines.values
         drawn = np.interp(curve.carrier_k[1:3], panel.theory.k, line)
         np.testing.assert_allclose(drawn, data.growth_rate_theory.values[1:3, 0, case], rtol=2e-3)
-        assert curve.failed.tolist() == [False, False, False, True]
+        assert curve.failed.values.tolist() == [False, False, False, True]
         stable = panel.theory["product"].values <= 0
         assert np.array_equal(stable, line == 0)
         assert stable[np.searchsorted(panel.theory.k, 0.5)]
