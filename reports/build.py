@@ -66,7 +66,8 @@ STUDY_TABLES: Mapping[str, Callable[[Findings], str]] = {
 }
 """The tables of the studies of cost, hard cases, long runs and estimates."""
 
-TABLES: Mapping[str, Callable[[Findings], str]] = STUDY_TABLES | {
+TABLES: Mapping[str, Callable[[Findings], str]] = {
+    **STUDY_TABLES,
     "solution_table": lambda _: theory.solution_table(),
     "proof_table": lambda found: theory.proof_table(
         _papers(found.all("proof")), found.of("residual")

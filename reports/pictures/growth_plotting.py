@@ -380,9 +380,14 @@ def _draw_rates(ax: Axes, panel: GrowthPanel, looks: Looks) -> None:
         grows = curve[THEORY].values > 0.0
         for inside, face in ((grows, colour), (~grows, "white")):
             part = curve.isel(cell=inside)
-            look = {"marker": marker, "markersize": 4.0, "markerfacecolor": face, "zorder": 3}
-            points = (part[name].values for name in ("carrier_k", RATE, BARS))
-            ax.errorbar(*points, linestyle="", color=colour, capsize=2.0, **look)
+            look: dict[str, Any] = {
+                "marker": marker,
+                "markersize": 4.0,
+                "markerfacecolor": face,
+                "zorder": 3,
+            }
+            places, rates, bars = (part[name].values for name in ("carrier_k", RATE, BARS))
+            ax.errorbar(places, rates, bars, linestyle="", color=colour, capsize=2.0, **look)
         failed = curve["carrier_k"].values[curve["failed"].values]
         ax.plot(failed, 0.0 * failed, "kx", markersize=5.0, zorder=4)
         if panel.theory is None:
@@ -421,7 +426,12 @@ def _draw_map(figure: FigureBase, ax: Axes, panel: GrowthPanel, top: float) -> N
     growing = np.ma.masked_where(~(rates > 0.0), rates)
     drawn = ax.pcolormesh(k, kappa, growing, norm=colours, rasterized=True)
     for curve in panel.curves:
-        look = {"norm": colours, "edgecolors": "white", "linewidths": 0.6, "zorder": 3}
+        look: dict[str, Any] = {
+            "norm": colours,
+            "edgecolors": "white",
+            "linewidths": 0.6,
+            "zorder": 3,
+        }
         places, heights, rate = (
             curve[name].values for name in ("carrier_k", "perturbation_kappa", RATE)
         )

@@ -86,6 +86,10 @@ class Picture:
     height: Callable[[xr.Dataset], float]
     draw: Callable[[FigureBase, xr.Dataset], None]
 
+    def part(self, data: xr.Dataset) -> Part:
+        """The picture of a run as a part of a figure."""
+        return Part(self.height(data), lambda figure: self.draw(figure, data))
+
 
 def plot(
     source: Source,
@@ -215,8 +219,7 @@ def _draw(data: xr.Dataset, kind: str) -> Figure:
     """Draw the pictures of that kind, one below the other, the run's title above them."""
     data = with_looks(placed(data), LEAST_LOOKS if kind == ALL else 2)
     drawn = _pictures(data, kind)
-    parts = [Part(one.height(data), lambda part, one=one: one.draw(part, data)) for one in drawn]
-    return _stacked(_title(data), parts)
+    return _stacked(_title(data), [picture.part(data) for picture in drawn])
 
 
 def _draw_sweep(data: xr.Dataset, kind: str, at: Choice, variable: str) -> Figure:

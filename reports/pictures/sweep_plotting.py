@@ -240,8 +240,8 @@ def axis_of(data: xr.Dataset, name: str) -> SweptAxis:
         held = field.values
         if len({str(one) for one in held}) == held.size:
             told = TOLD.get(field.attrs.get("field", ""), str(field.name))
-            read = float if held.dtype.kind in "fiu" else str
-            return SweptAxis(told, [read(one) for one in held])
+            numbers = held.dtype.kind in "fiu"
+            return SweptAxis(told, held.astype(float if numbers else str).tolist())
     return SweptAxis(name, [float(place) for place in range(data.sizes[name])])
 
 
