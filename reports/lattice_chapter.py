@@ -22,7 +22,7 @@ from longwave.reports.studies.measured_runs import SPLIT
 from longwave.reports.studies.scene_runs import SceneRun
 
 if TYPE_CHECKING:
-    from longwave.reports.findings import Findings
+    from longwave.reports.build import Findings
 
 ROGUES = ("alpha_beta_rogue", "dimer_rogue")
 """The scenes beside the paper's `SPLIT`, which is the same wave on its own lattice."""

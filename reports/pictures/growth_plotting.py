@@ -397,8 +397,9 @@ def _draw_rates(ax: Axes, panel: GrowthPanel, looks: Looks) -> None:
     if panel.theory is None:
         return
     k, product = panel.theory["k"].values, panel.theory["product"].values
-    for line, rates in panel.theory["lines"].groupby("line"):
-        ax.plot(k, np.ravel(rates), linewidth=1.0, **theory[str(line)])
+    lines = panel.theory["lines"]
+    for line, curve_of_line in zip(lines["line"].values.tolist(), lines.values, strict=True):
+        ax.plot(k, curve_of_line, linewidth=1.0, **theory[line])
     for inside, colour in ((product <= 0, STABLE), (np.isnan(product), UNKNOWN)):
         look = {"transform": ax.get_xaxis_transform(), "color": colour, "zorder": 0}
         ax.fill_between(k, 0.0, 1.0, inside, linewidth=0.0, **look)

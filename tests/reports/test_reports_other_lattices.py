@@ -11,8 +11,7 @@ from sympy import Rational, symbols
 
 from longwave.derive import LATTICES, find_scaling
 from longwave.derive.symbols import eps
-from longwave.reports.build import TABLES
-from longwave.reports.findings import Findings, all_jobs
+from longwave.reports.build import TABLES, Findings, all_jobs
 from longwave.reports.lattice_chapter import PEREGRINES, ROGUES
 from longwave.reports.pictures.drawing import styled
 from longwave.reports.pictures.lattice_figures import (
