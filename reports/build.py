@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
-from functools import partial
+from dataclasses import dataclass
+from functools import cached_property, partial
 from importlib.metadata import version
 from itertools import chain, groupby
 from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
-import xarray as xr
 from matplotlib.figure import Figure
 from rich.console import Console
 from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
@@ -21,117 +20,115 @@ from rich.progress import Progress as Bars
 
 from longwave.reports.engine import CompileError, EngineMissingError, compile_pdf, ensure_engine
 from longwave.reports.latex import render, write
-from longwave.reports.lattice_chapter import (
-    CHAPTER_TABLES,
-    LatticeChapter,
-    chapter_jobs,
-    lattice_chapter,
-    write_chapter_figures,
-)
+from longwave.reports.lattice_chapter import chapter_figures
 from longwave.reports.paper import SOURCES
 from longwave.reports.pictures.drawing import cost_figure, save, snapshot_figure, styled
-from longwave.reports.pictures.paper_figures import ERROR_FIGURES, SNAPSHOT_FIGURES, draw_all
-from longwave.reports.sections import costs, literature, other_lattices, runs, theory
+from longwave.reports.pictures.paper_figures import paper_figures
+from longwave.reports.sections import costs, lattice_runs, literature, other_lattices, runs, theory
+from longwave.reports.sections.other_lattices import model_jobs
 from longwave.reports.studies.claims import all_claims
-from longwave.reports.studies.estimates import Judged, estimate_jobs, estimate_rows
+from longwave.reports.studies.estimates import estimate_jobs, estimate_rows
 from longwave.reports.studies.evaluation_accuracy import Accuracy, accuracy_jobs, worst_of
-from longwave.reports.studies.evaluation_cost import EvaluationCost, evaluation_cost_jobs
-from longwave.reports.studies.hard_cases import HardCaseResult, hard_case_jobs
-from longwave.reports.studies.lattice_cost import (
-    CostPoint,
-    PeakError,
-    ScalingPoint,
-    lattice_cost_jobs,
-)
+from longwave.reports.studies.evaluation_cost import evaluation_cost_jobs
+from longwave.reports.studies.hard_cases import hard_case_jobs
+from longwave.reports.studies.lattice_cost import lattice_cost_jobs
+from longwave.reports.studies.lattice_models import modulation_plane
 from longwave.reports.studies.long_runs import LongRun, long_run_jobs, long_runs
+from longwave.reports.studies.measured_rates import rate_jobs
 from longwave.reports.studies.measured_runs import MeasuredRuns, report_scenes, scene_job
-from longwave.reports.studies.proofs import ProofRecord, proof_jobs
-from longwave.reports.studies.published_verdicts import PublishedVerdict, library_jobs
+from longwave.reports.studies.proofs import proof_jobs
+from longwave.reports.studies.published_verdicts import library_jobs
+from longwave.reports.studies.scene_runs import scene_run_jobs
 from longwave.scenes.scene import Scene
 from longwave.solutions.catalogue import CATALOGUE, closed_form
 from longwave.support.command_line import announce, fail, interrupted
 from longwave.support.console import check_output, plain_console
 from longwave.support.interruption import will_keep
-from longwave.support.processes import Job, Key, Progress, run_jobs
+from longwave.support.processes import Job, Key, run_jobs
 from longwave.support.request_limits import ExpectedCost, check_request
 from longwave.verify.evidence.mutations import MutationCount, count_mutants
 from longwave.verify.evidence.residual import check_residual
 from longwave.verify.verdict import Verdict
 
 
-@dataclass(frozen=True)
-class Studies:
-    """What the studies found; what the short report leaves out is empty there.
-
-    ``split`` holds the run of the split wave under its scene's name.
-    """
-
-    evaluation: list[EvaluationCost]
-    precision: list[CostPoint]
-    scaling: list[ScalingPoint]
-    rk4: list[ScalingPoint]
-    windows: list[ScalingPoint]
-    hard_cases: list[HardCaseResult]
-    peaks: list[PeakError]
-    split: Mapping[str, xr.Dataset]
-    long_runs: Mapping[str, LongRun]
-    estimates: list[Judged] = field(default_factory=list)
-
-    @property
-    def sound(self) -> bool:
-        """Whether hard cases hold, long runs keep their tolerance and estimates are honest."""
-        cases = all(case.passed for case in self.hard_cases)
-        long = all(found.kept for found in self.long_runs.values())
-        return cases and long and all(found.sound for found in self.estimates)
+def all_jobs(scenes: Mapping[str, Scene], full: bool) -> dict[Key, Job]:
+    """The jobs of a report under (kind, subject)."""
+    jobs: dict[Key, Job] = {("run", name): scene_job(scene) for name, scene in scenes.items()}
+    jobs |= {("residual", name): Job(_residual, (name,), 0.5) for name in CATALOGUE.names}
+    paper = CATALOGUE.of("mKdV").names
+    jobs |= {("mutants", name): Job(_mutants, (name,), 2.0) for name in paper}
+    jobs["plane", "fput_strain"] = Job(modulation_plane, (), 0.5)
+    jobs |= proof_jobs() | library_jobs() | accuracy_jobs(full)
+    return jobs | model_jobs() | rate_jobs(full) | scene_run_jobs() | study_jobs(full)
 
 
-def studies(found: Mapping[Key, Any]) -> Studies:
-    """The results of the jobs, gathered."""
-
-    return Studies(
-        evaluation=_joined(found, "cost"),
-        precision=_joined(found, "precision"),
-        scaling=_joined(found, "scaling"),
-        rk4=_joined(found, "rk4"),
-        windows=_joined(found, "windows"),
-        hard_cases=_of(found, "hard"),
-        peaks=_of(found, "peak"),
-        split={str(name): value for (part, name), value in found.items() if part == "split"},
-        long_runs=long_runs(found),
-        estimates=_of(found, "estimate"),
-    )
+def study_jobs(full: bool) -> dict[Key, Job]:
+    """The jobs of the studies of cost and of hard cases; long runs and estimates if ``full``."""
+    jobs = evaluation_cost_jobs() | lattice_cost_jobs(full) | hard_case_jobs(full)
+    return jobs | long_run_jobs() | estimate_jobs() if full else jobs
 
 
-def _of(found: Mapping[Key, Any], kind: str) -> list[Any]:
-    return [value for (part, _), value in found.items() if part == kind]
+def _residual(name: str) -> Verdict:
+    return check_residual(closed_form(name))
 
 
-def _joined(found: Mapping[Key, Any], kind: str) -> list[Any]:
-    return list(chain.from_iterable(_of(found, kind)))
+def _mutants(name: str) -> MutationCount:
+    return count_mutants(closed_form(name))
+
+
+STANDS: Mapping[str, Callable[[Any], bool]] = {
+    "run": lambda run: not run.attrs["blow_up"],
+    "proof": lambda record: record.outcome.passed and record.accepted is not False,
+    "mutants": lambda count: count.undecided == 0,
+    "library": lambda verdicts: all(verdict.expected for verdict in verdicts),
+    "scene": lambda scene: scene.kept,
+    "rate": lambda rate: rate.reached,
+    "hard": lambda case: case.passed,
+    "estimate": lambda judged: judged.sound,
+}
+"""Whether what a job of a kind found stands; what else the jobs find is no more than shown."""
 
 
 @dataclass(frozen=True)
 class Findings:
-    """Everything that a report shows and that had to be computed."""
+    """What the jobs ``found``, and the ``scenes`` of its runs; of a kind without jobs nothing."""
 
-    evidence: MeasuredRuns
-    proofs: Sequence[ProofRecord]
-    residuals: Mapping[str, Verdict]
-    mutations: Sequence[MutationCount]
-    accuracy: Sequence[Accuracy]
-    studies: Studies
-    library: Sequence[PublishedVerdict]
-    chapter: LatticeChapter
+    found: Mapping[Key, Any]
+    scenes: Mapping[str, Scene]
+
+    def of(self, kind: str) -> dict[Any, Any]:
+        """What the jobs of a kind found, by their subjects."""
+        return {subject: value for (part, subject), value in self.found.items() if part == kind}
+
+    def all(self, kind: str) -> list[Any]:
+        """What the jobs of a kind found, one after the other."""
+        return list(self.of(kind).values())
+
+    def rows(self, kind: str) -> list[Any]:
+        """What the jobs of a kind found whose finding is a list."""
+        return list(chain.from_iterable(self.all(kind)))
+
+    @cached_property
+    def runs(self) -> MeasuredRuns:
+        """The runs of the paper's scenes."""
+        return MeasuredRuns(self.of("run"), self.scenes)
+
+    @cached_property
+    def long_runs(self) -> dict[str, LongRun]:
+        """The long runs with their judges."""
+        return long_runs(self.found)
+
+    @cached_property
+    def accuracy(self) -> list[Accuracy]:
+        """The worst errors of each wave."""
+        cases = groupby(self.all("accuracy"), attrgetter("name"))
+        return [worst_of(group) for _, group in cases]
 
     @property
     def sound(self) -> bool:
         """Whether every form and study stands and every run came to its end."""
-        proved = all(record.outcome.passed for record in self.proofs)
-        accepted = all(record.accepted is not False for record in self.proofs)
-        refuted = all(count.undecided == 0 for count in self.mutations)
-        ran = self.studies.sound and not self.evidence.blown_up
-        decided = all(verdict.expected for verdict in self.library)
-        return proved and accepted and refuted and decided and ran and self.chapter.sound
+        stands = (STANDS[kind](v) for (kind, _), v in self.found.items() if kind in STANDS)
+        return all(stands) and all(long.kept for long in self.long_runs.values())
 
 
 PROCESS_BYTES, WORKER_BYTES = 6e8, 4e8
@@ -145,96 +142,52 @@ def report_cost(jobs: Mapping[Key, Job], workers: int) -> ExpectedCost:
     return ExpectedCost(work / cores, PROCESS_BYTES + WORKER_BYTES * workers)
 
 
-def find(
-    scenes: Mapping[str, Scene], jobs: Mapping[Key, Job], workers: int, progress: Progress
-) -> Findings:
-    """Do the work of a report in the pool; raises as `run_jobs` does."""
-    found = run_jobs(jobs, workers, progress)
-    accuracy = groupby(_of(found, "accuracy"), attrgetter("name"))
-    return Findings(
-        evidence=MeasuredRuns({name: found["run", name] for name in scenes}, scenes),
-        proofs=_of(found, "proof"),
-        residuals={verdict.name: verdict for verdict in _of(found, "residual")},
-        mutations=_of(found, "mutants"),
-        accuracy=[worst_of(group) for _, group in accuracy],
-        studies=studies(found),
-        library=_joined(found, "library"),
-        chapter=lattice_chapter(found),
-    )
-
-
-def all_jobs(scenes: Mapping[str, Scene], full: bool) -> dict[Key, Job]:
-    """The jobs of a report under (kind, subject)."""
-    jobs: dict[Key, Job] = {("run", name): scene_job(scene) for name, scene in scenes.items()}
-    evidence = proof_jobs() | library_jobs() | evidence_jobs() | accuracy_jobs(full)
-    return jobs | evidence | chapter_jobs(full) | study_jobs(full)
-
-
-def evidence_jobs() -> dict[Key, Job]:
-    """The residual of the catalogue's forms, and the misprints of the paper's."""
-    jobs: dict[Key, Job] = {}
-    for name in CATALOGUE.names:
-        jobs["residual", name] = Job(_residual, (name,), 0.5)
-    for name in CATALOGUE.of("mKdV").names:
-        jobs["mutants", name] = Job(_mutants, (name,), 2.0)
-    return jobs
-
-
-def _residual(name: str) -> Verdict:
-    return check_residual(closed_form(name))
-
-
-def _mutants(name: str) -> MutationCount:
-    return count_mutants(closed_form(name))
-
-
-def study_jobs(full: bool) -> dict[Key, Job]:
-    """The jobs of the studies of cost and of hard cases; long runs and estimates if ``full``."""
-    jobs = evaluation_cost_jobs() | lattice_cost_jobs(full) | hard_case_jobs(full)
-    return jobs | long_run_jobs() | estimate_jobs() if full else jobs
-
-
 SOURCE = "longwave.tex"
 
-STUDY_FIGURES = 3
-"""How many figures the studies have, at least."""
+FIGURES = 14
+"""How many figures a report has, at least."""
 
-CHAPTER_FIGURES = 4
-"""How many the chapter of other lattices has, at least."""
+STUDY_TABLES: Mapping[str, Callable[[Findings], str]] = {
+    "cost_table": lambda found: costs.cost_table(found.rows("cost")),
+    "precision_table": lambda found: costs.precision_table(found.rows("precision")),
+    "scaling_table": lambda found: costs.scaling_table(found.rows("scaling")),
+    "rk4_table": lambda found: costs.rk4_table(found.rows("rk4")),
+    "window_table": lambda found: costs.window_table(found.rows("windows")),
+    "hard_case_table": lambda found: costs.hard_case_table(found.all("hard")),
+    "message_table": lambda found: costs.message_table(found.all("hard")),
+    "peak_table": lambda found: runs.peak_table(peaks) if (peaks := found.all("peak")) else "",
+    "split_table": lambda found: runs.split_table(found.of("split")),
+    "long_table": lambda found: runs.long_table(found.long_runs),
+    "estimate_table": lambda found: costs.estimate_table(estimate_rows(found.all("estimate"))),
+    "estimate_reasons": lambda found: costs.reason_table(found.all("estimate")),
+}
+"""The tables of the studies of cost, hard cases, long runs and estimates."""
 
 TABLES: Mapping[str, Callable[[Findings], str]] = {
+    **STUDY_TABLES,
     "solution_table": lambda _: theory.solution_table(),
-    "proof_table": lambda found: theory.proof_table(_papers(found.proofs), found.residuals),
-    "mutation_table": lambda found: theory.mutation_table(found.mutations),
-    "survivor_table": lambda found: theory.survivor_table(found.mutations),
-    "accuracy_table": lambda found: costs.accuracy_table(_papers(found.accuracy)),
-    "run_table": lambda found: runs.run_table(found.evidence),
-    "claim_table": lambda found: runs.claim_table(all_claims(found.evidence)),
-    "library_counts": lambda found: literature.library_counts(found.library),
-    "library_table": lambda found: literature.library_table(found.library),
-    "library_conditions": lambda found: literature.library_conditions(found.library),
-    "found_misprints": lambda found: literature.found_misprints(found.library),
-    "form_table": lambda found: other_lattices.form_table(
-        found.proofs, found.residuals, found.accuracy
+    "proof_table": lambda found: theory.proof_table(
+        _papers(found.all("proof")), found.of("residual")
     ),
+    "mutation_table": lambda found: theory.mutation_table(found.all("mutants")),
+    "survivor_table": lambda found: theory.survivor_table(found.all("mutants")),
+    "accuracy_table": lambda found: costs.accuracy_table(_papers(found.accuracy)),
+    "run_table": lambda found: runs.run_table(found.runs),
+    "claim_table": lambda found: runs.claim_table(all_claims(found.runs)),
+    "library_counts": lambda found: literature.library_counts(found.rows("library")),
+    "library_table": lambda found: literature.library_table(found.rows("library")),
+    "library_conditions": lambda found: literature.library_conditions(found.rows("library")),
+    "found_misprints": lambda found: literature.found_misprints(found.rows("library")),
+    "form_table": lambda found: other_lattices.form_table(
+        found.all("proof"), found.of("residual"), found.accuracy
+    ),
+    "model_table": lambda found: other_lattices.model_table(found.rows("model")),
+    "envelope_table": lambda found: other_lattices.envelope_table(found.all("envelope")),
+    "scene_table": lambda found: lattice_runs.scene_table(found.of("scene")),
+    "scene_maps": lambda found: lattice_runs.scene_maps(found.of("scene")),
+    "rate_table": lambda found: lattice_runs.rate_table(found.all("rate")),
 }
-"""The tables of proofs, waves, runs and published solutions under their templates' names."""
-
-STUDY_TABLES: Mapping[str, Callable[[Studies], str]] = {
-    "cost_table": lambda found: costs.cost_table(found.evaluation),
-    "precision_table": lambda found: costs.precision_table(found.precision),
-    "scaling_table": lambda found: costs.scaling_table(found.scaling),
-    "rk4_table": lambda found: costs.rk4_table(found.rk4),
-    "window_table": lambda found: costs.window_table(found.windows),
-    "hard_case_table": lambda found: costs.hard_case_table(found.hard_cases),
-    "message_table": lambda found: costs.message_table(found.hard_cases),
-    "peak_table": lambda found: runs.peak_table(found.peaks) if found.peaks else "",
-    "split_table": lambda found: runs.split_table(found.split),
-    "long_table": lambda found: runs.long_table(found.long_runs),
-    "estimate_table": lambda found: costs.estimate_table(estimate_rows(found.estimates)),
-    "estimate_reasons": lambda found: costs.reason_table(found.estimates),
-}
-"""The tables of the studies."""
+"""All tables under their templates' names."""
 
 
 def _papers(records: Sequence[Any]) -> list[Any]:
@@ -259,80 +212,59 @@ def source(content: Mapping[str, str], scenes: Mapping[str, Scene], full: bool) 
     )
 
 
-def write_figures(found: Findings, folder: Path) -> Iterator[Path]:
-    """Draw every figure below the folder, yielding each path when it is written."""
-    yield from draw_all(found.evidence.runs, folder / "figures")
-    yield from write_study_figures(found.studies, folder)
-    yield from write_chapter_figures(found.chapter, found.evidence, folder)
+def report_figures(found: Findings) -> Iterator[tuple[str, Figure]]:
+    """Each figure under its name."""
+    yield from paper_figures(found.runs.runs)
+    yield from study_figures(found)
+    yield from chapter_figures(found)
 
 
-def write_study_figures(found: Studies, folder: Path) -> Iterator[Path]:
-    """Draw the figures of the studies, yielding each path when it is written."""
+def study_figures(found: Findings) -> Iterator[tuple[str, Figure]]:
+    """The figures of the studies under their names."""
+    yield (
+        "evaluation_costs",
+        cost_figure(
+            costs.cost_panels(found.rows("cost")),
+            *("seconds a point", "digits", 4, 1.35),
+            digits=(0, 30, 60, 90),
+        ),
+    )
+    precision, error = costs.precision_panels(found.rows("precision")), r"error of $y/\epsilon$"
+    yield "work_precision", cost_figure(precision, "seconds", error, 2, 2.7)
+    scaling, ticks = costs.scaling_panels(found.rows("scaling")), (10, 20, 40, 80, 160)
+    yield "cost_scaling", cost_figure(scaling, r"$1/\epsilon$", "seconds", 1, 2.8, x_ticks=ticks)
+    if peaks := found.all("peak"):
+        panels = runs.peak_panels(peaks)
+        figure = cost_figure(panels, r"$\epsilon$", r"$L^\infty_\epsilon$", 1, 2.8)
+        yield "reduction_error", figure
+    if split := found.of("split"):
+        yield "split", snapshot_figure(runs.split_rows(split))
+
+
+def write_figures(figures: Iterable[tuple[str, Figure]], folder: Path) -> Iterator[Path]:
+    """Draw the figures below the folder, yielding each path when it is written."""
     with styled():
-        for name, figure in study_figures(found).items():
+        for name, figure in figures:
             yield save(figure, folder / "figures" / f"{name}.pdf")
 
 
-def study_figures(found: Studies) -> dict[str, Figure]:
-    """The figures of the studies by their names."""
-    error, eps, inverse = r"error of $y/\epsilon$", r"$\epsilon$", r"$1/\epsilon$"
-    figures = {
-        "evaluation_costs": cost_figure(
-            costs.cost_panels(found.evaluation),
-            "seconds a point",
-            "digits",
-            4,
-            1.35,
-            digits=(0, 30, 60, 90),
-        ),
-        "work_precision": cost_figure(
-            costs.precision_panels(found.precision), "seconds", error, 2, 2.7
-        ),
-        "cost_scaling": cost_figure(
-            costs.scaling_panels(found.scaling),
-            inverse,
-            "seconds",
-            1,
-            2.8,
-            x_ticks=(10, 20, 40, 80, 160),
-        ),
-    }
-    if found.peaks:
-        panels = runs.peak_panels(found.peaks)
-        figures["reduction_error"] = cost_figure(panels, eps, r"$L^\infty_\epsilon$", 1, 2.8)
-    if found.split:
-        figures["split"] = snapshot_figure(runs.split_rows(found.split))
-    return figures
-
-
-def write_tables(found: Findings, folder: Path) -> Iterator[tuple[str, str]]:
-    """Write every table below the folder, yielding its name and LaTeX when it is written."""
-    for name, make in TABLES.items():
-        yield name, write_table(name, make(found), folder)
-    yield from write_study_tables(found.studies, folder)
-    for name, table in CHAPTER_TABLES.items():
-        yield name, write_table(name, table(found.chapter), folder)
-
-
-def write_study_tables(found: Studies, folder: Path) -> Iterator[tuple[str, str]]:
-    """Write the studies' tables, yielding each one's name and LaTeX when it is written."""
-    for name, make in STUDY_TABLES.items():
-        yield name, write_table(name, make(found), folder)
-
-
-def write_table(name: str, text: str, folder: Path) -> str:
-    """Write one table; return its LaTeX."""
-    write(folder / "tables" / f"{name}.tex", text)
-    return text
+def write_tables(
+    tables: Mapping[str, Callable[[Findings], str]], found: Findings, folder: Path
+) -> Iterator[tuple[str, str]]:
+    """Write the tables below the folder, yielding each one's name and LaTeX when it is written."""
+    for name, table in tables.items():
+        text = table(found)
+        write(folder / "tables" / f"{name}.tex", text)
+        yield name, text
 
 
 def write_source(found: Findings, folder: Path, full: bool, wrote: Callable[[], None]) -> Path:
     """Write the tables and the LaTeX source below the folder; return the source's path."""
     content = {}
-    for name, text in write_tables(found, folder):
+    for name, text in write_tables(TABLES, found, folder):
         content[name] = text
         wrote()
-    return write(folder / SOURCE, source(content, found.evidence.scenes, full))
+    return write(folder / SOURCE, source(content, found.runs.scenes, full))
 
 
 def _check_folder(output: Path, force: bool) -> None:
@@ -400,16 +332,13 @@ def build(
 
     Returns the source's path, and whether every form stands and every run came to its end.
     """
-    figures = len(SNAPSHOT_FIGURES) + len(ERROR_FIGURES) + STUDY_FIGURES + CHAPTER_FIGURES
     with bars(console) as bar:
         working = bar.add_task("proving and running", total=1.0)
-        found = find(scenes, jobs, workers, lambda share: bar.update(working, completed=share))
-        drawing = bar.add_task("drawing", total=figures)
-        for _ in write_figures(found, output):
+        done = run_jobs(jobs, workers, lambda share: bar.update(working, completed=share))
+        found, drawing = Findings(done, scenes), bar.add_task("drawing", total=FIGURES)
+        for _ in write_figures(report_figures(found), output):
             bar.advance(drawing)
-        writing = bar.add_task(
-            "writing", total=len(TABLES) + len(STUDY_TABLES) + len(CHAPTER_TABLES)
-        )
+        writing = bar.add_task("writing", total=len(TABLES))
         tex = write_source(found, output, full, partial(bar.advance, writing))
     return tex, found.sound
 
@@ -436,11 +365,12 @@ def write_bench(output: Path, short: bool, program: str) -> int:
     try:
         with bars(console) as bar:
             task = bar.add_task("measuring", total=1.0)
-            found = studies(run_jobs(jobs, 1, lambda share: bar.update(task, completed=share)))
-            for name, text in write_study_tables(found, output):
+            done = run_jobs(jobs, 1, lambda share: bar.update(task, completed=share))
+            found = Findings(done, {})
+            for name, text in write_tables(STUDY_TABLES, found, output):
                 if text:
                     console.print(output / "tables" / f"{name}.tex", soft_wrap=True)
-            for path in write_study_figures(found, output):
+            for path in write_figures(study_figures(found), output):
                 console.print(path, soft_wrap=True)
     except KeyboardInterrupt:
         return interrupted(program, "nothing was written of unfinished studies")

@@ -7,12 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 ENGINE = "latexmk"
-APT_PACKAGES = (
-    "latexmk",
-    "texlive-latex-recommended",
-    "texlive-fonts-recommended",
-    "lmodern",
-)
+APT_PACKAGES = ("latexmk", "texlive-latex-recommended", "texlive-fonts-recommended", "lmodern")
 NO_APT = "LONGWAVE_NO_APT"
 LOCKED = 300
 """Seconds in which another apt-get must end."""

@@ -4,8 +4,9 @@ Colours can be told apart by colour-blind readers.
 """
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -60,6 +61,23 @@ _SETTINGS: Any = {
 }
 
 
+@dataclass(frozen=True)
+class Part:
+    """A part of a figure: its height in inches, and what draws it."""
+
+    height: float
+    draw: Callable[[FigureBase], None]
+
+
+def figure_of(
+    height: float, draw: Callable[..., None], *given: Any, width: float = TEXT_WIDTH
+) -> Figure:
+    """A figure of that height and width in inches, into which ``draw`` draws what is given."""
+    figure = Figure((width, height), layout="constrained")
+    draw(figure, *given)
+    return figure
+
+
 _CHANGING = {".pdf": "CreationDate", ".svg": "Date"}
 """What a picture's metadata would say differently each time, by suffix."""
 
@@ -105,9 +123,7 @@ def snapshot_figure(rows: Sequence[Sequence[xr.Dataset]], wave: str = "") -> Fig
 
     ``wave`` is what the legend calls the analytical strain, where the run's own word is not taken.
     """
-    figure = Figure((TEXT_WIDTH, snapshot_height(len(rows))), layout="constrained")
-    draw_snapshot_panels(figure, rows, wave)
-    return figure
+    return figure_of(snapshot_height(len(rows)), draw_snapshot_panels, rows, wave)
 
 
 def snapshot_height(rows: int) -> float:
@@ -185,10 +201,8 @@ The coordinate ``own`` is the run's own error in the same units, NaN where it wa
 
 def error_figure(panels: ErrorPanels) -> Figure:
     """Draw one panel of curves for each title."""
-    size = (TEXT_WIDTH if len(panels) > 1 else 0.5 * TEXT_WIDTH, ERROR_HEIGHT)
-    figure = Figure(size, layout="constrained")
-    draw_error_panels(figure, panels)
-    return figure
+    width = TEXT_WIDTH if len(panels) > 1 else 0.5 * TEXT_WIDTH
+    return figure_of(ERROR_HEIGHT, draw_error_panels, panels, width=width)
 
 
 def draw_error_panels(figure: FigureBase, panels: ErrorPanels) -> None:
@@ -251,9 +265,7 @@ LEAST_CELLS = 24
 
 def space_time_figure(strain: xr.DataArray) -> Figure:
     """Draw the variable `space_time` of a run."""
-    figure = Figure((TEXT_WIDTH, MAP_HEIGHT), layout="constrained")
-    draw_space_time(figure, strain)
-    return figure
+    return figure_of(MAP_HEIGHT, draw_space_time, strain)
 
 
 def draw_space_time(
@@ -360,6 +372,11 @@ def panel_grid(figure: FigureBase, count: int, across: int, x: str, y: str) -> A
     return grid
 
 
+def draw_grid(ax: Axes) -> None:
+    """Draw thin lines at the ticks."""
+    ax.grid(visible=True, which="major", linewidth=0.3, alpha=0.5)
+
+
 def _draw_spectrum(ax: Axes, at: xr.Dataset) -> None:
     lattice, wave = (
         at[name].where(np.isfinite(at[name]) & (at[name] > 0.0)) for name in ("lattice", "wave")
@@ -447,4 +464,4 @@ def _draw_costs(
         values = np.array([p for p in points if min(p) > 0 and np.all(np.isfinite(p))])
         style = dict(looks[label], markersize=4.0)
         ax.loglog(*values.reshape(-1, 2).T, label=label, **style)
-    ax.grid(visible=True, which="major", linewidth=0.3, alpha=0.5)
+    draw_grid(ax)

@@ -33,10 +33,8 @@ Array = NDArray[np.float64]
 CARRIER = "envelope.k"
 """The field over which rates are drawn."""
 
-NEEDED = (
-    *("growth_rate", "growth_rate_error", "growth_rate_theory", "carrier_k"),
-    "perturbation_kappa",
-)
+RATE, BARS, THEORY = "growth_rate", "growth_rate_error", "growth_rate_theory"
+NEEDED = (RATE, BARS, THEORY, "carrier_k", "perturbation_kappa")
 """What a picture is made of, beside the cells' status."""
 
 MOST_ROWS = 6
@@ -70,8 +68,7 @@ def growth_panels(data: xr.Dataset, most_curves: int) -> Sequence[GrowthPanel]:
     _check_count(data, rows, MOST_ROWS, along)
     _check_count(data, lines, most_curves, along)
     dims = [*(str(name) for name in data["status"].dims if name != along), along]
-    flat = data[["status", *NEEDED]].stack(cell=dims, create_index=False)
-    parts = [part for _, part in _groups(flat, rows)]
+    parts = [part for _, part in _groups(_cells(data, dims), rows)]
     titles = _titles(parts, rows)
     return [_panel(title, part, lines) for title, part in zip(titles, parts, strict=True)]
 
@@ -83,18 +80,19 @@ def _rows_and_lines(data: xr.Dataset, along: str) -> tuple[list[str], list[str]]
     rows = [n for n in swept if not _is_free(data, fields[n]) and fields[n] not in CHOSEN]
     rest = [name for name in swept if name not in rows]
     lines = [n for n in rest if data[n].dims != (along,) or fields[n] in CHOSEN]
-    others = list(dict.fromkeys(data[n].dims[0] for n in lines if data[n].dims != (along,)))
+    others: dict[Any, list[str]] = {}
+    for name in lines:
+        if data[name].dims != (along,):
+            others.setdefault(data[name].dims, []).append(name)
     if not rows and len(others) > 1:
-        own = {name: [n for n in lines if data[n].dims == (name,)] for name in others}
-        first = min(
-            others,
-            key=lambda name: (
-                not any(fields[n] in CHOSEN for n in own[name]),
-                all(data[n].dtype.kind in "fiu" for n in own[name]),
-                data.sizes[name],
+        rows = min(
+            others.values(),
+            key=lambda own: (
+                not any(fields[n] in CHOSEN for n in own),
+                all(data[n].dtype.kind in "fiu" for n in own),
+                data[own[0]].size,
             ),
         )
-        rows = own[first]
     return rows, [name for name in lines if name not in rows]
 
 
@@ -112,18 +110,16 @@ def _is_free(data: xr.Dataset, field: str) -> bool:
 
 def _check_count(data: xr.Dataset, names: Sequence[str], most: int, along: str) -> None:
     """Refuse more rows, or more curves, than a picture holds."""
-    if not names:
-        return
-    dims = list(dict.fromkeys(str(data[name].dims[0]) for name in names))
-    found = {
-        name: {_key(row) for row in zip(*_columns(data, names, name), strict=True)} for name in dims
-    }
-    count = math.prod(len(rows) for rows in found.values())
+    found: dict[str, int] = {}
+    for dim in dict.fromkeys(str(data[name].dims[0]) for name in names):
+        columns = [data[name].values.tolist() for name in names if data[name].dims == (dim,)]
+        found[dim] = len(set(map(repr, zip(*columns, strict=True))))
+    count = math.prod(found.values())
     if count <= most:
         return
     differing = [n for n in names if len(set(map(str, data[n].values.tolist()))) > 1]
-    name = max(differing, key=lambda name: len(found[str(data[name].dims[0])]))
-    alone = dims == [along] and count == data.sizes[along]
+    name = max(differing, key=lambda name: found[str(data[name].dims[0])])
+    alone = list(found) == [along] and count == data.sizes[along]
     remedy = "take --kind values" if alone else f"choose with --at {name}=VALUE"
     raise ValueError(
         f"{' and '.join(differing)} must have at most {most} values beside k, got {count} "
@@ -131,30 +127,24 @@ def _check_count(data: xr.Dataset, names: Sequence[str], most: int, along: str) 
     )
 
 
-def _columns(data: xr.Dataset, names: Sequence[str], dimension: str) -> list[list[Any]]:
-    return [data[name].values.tolist() for name in names if data[name].dims == (dimension,)]
-
-
-def _key(values: Sequence[Any]) -> tuple[str, ...]:
-    return tuple(map(repr, values))
-
-
-def _groups(flat: xr.Dataset, names: Sequence[str]) -> list[tuple[dict[str, Any], xr.Dataset]]:
+def _groups(cells: xr.Dataset, names: Sequence[str]) -> list[tuple[dict[str, Any], xr.Dataset]]:
     """The cells with the same values of these coordinates, in the order of the first of each."""
-    columns = _columns(flat, names, "cell")
+    columns = [cells[name].values.tolist() for name in names]
     found: dict[tuple[str, ...], list[int]] = {}
-    for place in range(flat.sizes["cell"]):
-        found.setdefault(_key([column[place] for column in columns]), []).append(place)
+    for place in range(cells.sizes["cell"]):
+        found.setdefault(tuple(repr(column[place]) for column in columns), []).append(place)
     return [
-        ({n: c[at[0]] for n, c in zip(names, columns, strict=True)}, flat.isel(cell=at))
+        ({n: c[at[0]] for n, c in zip(names, columns, strict=True)}, cells.isel(cell=at))
         for at in found.values()
     ]
 
 
 def _carrier_dimension(data: xr.Dataset) -> str:
+    """The dimension of the carrier's k, if the cells, of any file, have all that is drawn."""
     fields = {str(n): data[n].attrs.get("field") for n in data.coords if data[n].ndim == 1}
     found = [name for name, field in fields.items() if field == CARRIER]
-    if not found or not all(_is_number_of_cells(data, name) for name in NEEDED):
+    dims, own = data["status"].dims, (data.get(name) for name in NEEDED)
+    if not found or any(n is None or n.dims != dims or n.dtype.kind != "f" for n in own):
         swept = ", ".join(map(str, fields.values())) or "nothing"
         raise ValueError(
             f"growth_map must be of growth rates over {CARRIER}, got a sweep over {swept} (a scene "
@@ -163,9 +153,18 @@ def _carrier_dimension(data: xr.Dataset) -> str:
     return str(data[found[0]].dims[0])
 
 
-def _is_number_of_cells(data: xr.Dataset, name: str) -> bool:
-    """Whether a data set, which may be any file's, has that number of each cell."""
-    return name in data and data[name].dims == data["status"].dims and data[name].dtype.kind == "f"
+def _cells(data: xr.Dataset, dims: Sequence[str]) -> xr.Dataset:
+    """The numbers of all cells in a row, NaN but for k where there is no run; whether it is
+    ``done``, and whether an attempt ``failed``."""
+    flat = data[["status", *NEEDED]].stack(cell=dims, create_index=False)
+    done = flat["status"] == "done"
+    coords = (flat[name] for name in flat.coords if flat[name].dims == ("cell",))
+    asked = next(held for held in coords if held.attrs.get("field") == CARRIER)
+    numbers = flat[list(NEEDED)].where(done)
+    wavenumbers = np.array([_number(value) for value in asked.values.tolist()])
+    numbers["carrier_k"] = numbers["carrier_k"].where(done, wavenumbers)
+    failed = flat["status"].isin(("refused", "failed", "blown up"))
+    return numbers.assign(done=done, failed=failed).assign_attrs(data.attrs)
 
 
 def _titles(parts: Sequence[xr.Dataset], names: Sequence[str]) -> list[str]:
@@ -210,42 +209,14 @@ def _told(values: Mapping[str, Any]) -> str:
     )
 
 
-def _panel(title: str, flat: xr.Dataset, lines: Sequence[str]) -> GrowthPanel:
+def _panel(title: str, cells: xr.Dataset, lines: Sequence[str]) -> GrowthPanel:
     """A panel of cells that have one map."""
-    chosen = [name for name in lines if flat[name].attrs.get("field") in CHOSEN]
-    groups = _groups(flat, lines)
+    chosen = [name for name in lines if cells[name].attrs.get("field") in CHOSEN]
     curves = [
-        _curve(_told(held), _told({name: held[name] for name in chosen}), part)
-        for held, part in groups
+        part.assign_attrs(label=_told(held), line=_told({name: held[name] for name in chosen}))
+        for held, part in _groups(cells, lines)
     ]
-    return GrowthPanel(title, curves, _theory([part for _, part in groups], curves))
-
-
-def _curve(label: str, line: str, data: xr.Dataset) -> GrowthCurve:
-    done = data["status"].values == "done"
-
-    def column(name: str) -> Array:
-        return np.where(done, np.asarray(data[name].values, dtype=np.float64), np.nan)
-
-    asked = np.array([_number(value) for value in _asked(data)])
-    return GrowthCurve(
-        label,
-        line,
-        np.where(done, column("carrier_k"), asked),
-        column("growth_rate"),
-        column("growth_rate_error"),
-        column("growth_rate_theory"),
-        column("perturbation_kappa"),
-        np.isin(data["status"].values, ("refused", "failed", "blown up")),
-    )
-
-
-def _asked(data: xr.Dataset) -> Sequence[Any]:
-    fields = (c for c in data.coords if data[c].dims == ("cell",))
-    found: list[Any] = next(
-        data[c].values.tolist() for c in fields if data[c].attrs.get("field") == CARRIER
-    )
-    return found
+    return GrowthPanel(title, curves, _theory(curves))
 
 
 def _number(value: float | str) -> float:
@@ -258,8 +229,12 @@ def _number(value: float | str) -> float:
         return np.nan
 
 
-def _theory(parts: Sequence[xr.Dataset], curves: Sequence[GrowthCurve]) -> ModulationMap | None:
-    """The map of the cells' lattice; None where it has none, or is in a file of its own."""
+def _theory(curves: Sequence[xr.Dataset]) -> xr.Dataset | None:
+    """The map of the cells' lattice; None where it has none, or is in a file of its own.
+
+    Growth ``rates`` over ``kappa`` and ``k``, those of each ``line`` of measured kinds over k, and
+    the ``product`` p q, NaN where there is no equation.
+    """
     from longwave.scenes.modulation import scene_modulation
     from longwave.scenes.perturbed_plane import chosen_kappa
     from longwave.scenes.sideband_growth import plane_wave_numbers
@@ -267,27 +242,36 @@ def _theory(parts: Sequence[xr.Dataset], curves: Sequence[GrowthCurve]) -> Modul
     k = np.linspace(0.0, np.pi, WAVENUMBERS + 1)[1:]
     lines: dict[str, Array] = {}
     first = None
-    for part, curve in zip(parts, curves, strict=True):
-        if curve.line in lines:
+    for curve in curves:
+        if curve.attrs["line"] in lines:
             continue
-        done = part["status"].values == "done"
         with suppress(ValueError):
-            scene = _scene(part.isel(cell=int(np.argmax(done))))
+            scene = _scene(curve.isel(cell=int(np.argmax(curve["done"].values))))
             given = plane_wave_numbers(scene)
             first = first or (scene_modulation(scene, k, given["amplitude"]), given["amplitude"])
             grid, amplitude = first
             kappa = chosen_kappa(grid.p, grid.q, given)
-            lines[curve.line] = _rates(grid.p, grid.q, amplitude, kappa)
+            lines[curve.attrs["line"]] = _rates(grid.p, grid.q, amplitude, kappa)
     if first is None:
         return None
     grid, amplitude = first
-    run = np.concatenate([curve.kappa for curve in curves])
-    growing = run[np.concatenate([curve.theory for curve in curves]) > 0.0]
+    run, theory = (
+        np.concatenate([curve[n].values for curve in curves])
+        for n in ("perturbation_kappa", THEORY)
+    )
+    growing = run[theory > 0.0]
     shown = growing if growing.size else run[np.isfinite(run)]
     largest = float(np.max(shown, initial=0.0)) or 1.0
     kappas = np.linspace(0.0, BEYOND * largest, KAPPAS)
     rates = _rates(grid.p, grid.q, amplitude, kappas[:, None])
-    return ModulationMap(k, lines, grid.product, kappas, rates)
+    return xr.Dataset(
+        {
+            "lines": (("line", "k"), list(lines.values())),
+            "product": ("k", grid.product),
+            "rates": (("kappa", "k"), rates),
+        },
+        {"line": list(lines), "k": k, "kappa": kappas},
+    )
 
 
 def _rates(p: Array, q: Array, amplitude: float, kappa: Array | float) -> Array:
@@ -335,44 +319,13 @@ LEGEND_LETTERS = 88
 
 
 @dataclass(frozen=True)
-class GrowthCurve:
-    """Rates at carriers ``k``, how far each may be off, rates in theory, and ``kappa``.
-
-    NaN where there is no run: ``failed`` says whether there was an attempt. ``line`` is the key of
-    its theory among the curves of the map.
-    """
-
-    label: str
-    line: str
-    k: Array
-    rate: Array
-    bars: Array
-    theory: Array
-    kappa: Array
-    failed: NDArray[np.bool_]
-
-
-@dataclass(frozen=True)
-class ModulationMap:
-    """Growth rates in theory: over ``k`` those of the measured kinds, by the ``line`` of what was
-    measured, and over ``k`` and ``kappa`` those of all. ``product``: p q; NaN where there is no
-    equation.
-    """
-
-    k: Array
-    curves: Mapping[str, Array]
-    product: Array
-    kappa: Array
-    rates: Array
-
-
-@dataclass(frozen=True)
 class GrowthPanel:
-    """Measured rates beside the one map of all their cells, None if it cannot be derived."""
+    """Measured rates, curves with a ``label`` and the ``line`` of theory that is theirs, beside the
+    one map of all their cells, None if it cannot be derived."""
 
     title: str
-    curves: Sequence[GrowthCurve]
-    theory: ModulationMap | None
+    curves: Sequence[xr.Dataset]
+    theory: xr.Dataset | None
 
 
 def growth_height(count: int) -> float:
@@ -383,7 +336,8 @@ def growth_height(count: int) -> float:
 def draw_growth(figure: FigureBase, panels: Sequence[GrowthPanel]) -> None:
     """Draw a row for each panel: rates over k, and the map of all perturbations."""
     grid = figure.subplots(len(panels), 2, squeeze=False, sharex=True)
-    looks = _looks(panels)
+    labels = dict.fromkeys(curve.attrs["label"] for panel in panels for curve in panel.curves)
+    looks = {label: CURVES[place % len(CURVES)] for place, label in enumerate(labels)}
     for (left, right), panel in zip(grid, panels, strict=True):
         left.set_title(panel.title, loc="left", parse_math=False)
         left.set_ylabel("growth rate in $T$")
@@ -391,9 +345,8 @@ def draw_growth(figure: FigureBase, panels: Sequence[GrowthPanel]) -> None:
         _draw_rates(left, panel, looks)
         if panel.theory is None:
             right.set_visible(False)
-            continue
-        _draw_bands(left, panel, panel.theory, looks)
-        _draw_map(figure, right, panel, top)
+        else:
+            _draw_map(figure, right, panel, top)
     for ax in grid[-1]:
         ax.set_xlabel("carrier wavenumber $k$")
         ax.set_xticks([0, np.pi / 2, np.pi], ["0", r"$\pi/2$", r"$\pi$"])
@@ -406,16 +359,11 @@ Looks = Mapping[str, Mapping[str, Any]]
 """Colours, lines and markers of curves by their labels, the same in all panels."""
 
 
-def _looks(panels: Sequence[GrowthPanel]) -> Looks:
-    labels = dict.fromkeys(curve.label for panel in panels for curve in panel.curves)
-    return {label: CURVES[number % len(CURVES)] for number, label in enumerate(labels)}
-
-
 def _theory_looks(panel: GrowthPanel, looks: Looks) -> dict[str, dict[str, Any]]:
     """Of each line of theory: black if it is the only one, else as the first curve it is of."""
     first: dict[str, str] = {}
     for curve in panel.curves:
-        first.setdefault(curve.line, curve.label)
+        first.setdefault(curve.attrs["line"], curve.attrs["label"])
     if len(first) == 1:
         return {line: {"color": "black", "linestyle": "-"} for line in first}
     return {
@@ -425,42 +373,36 @@ def _theory_looks(panel: GrowthPanel, looks: Looks) -> dict[str, dict[str, Any]]
 
 
 def _draw_rates(ax: Axes, panel: GrowthPanel, looks: Looks) -> None:
+    """The measured rates and the theory's curves, on grey where plane waves are stable."""
     theory = _theory_looks(panel, looks)
     for curve in panel.curves:
-        colour, marker = (looks[curve.label][key] for key in ("color", "marker"))
-        grows = curve.theory > 0.0
+        colour, marker = (looks[curve.attrs["label"]][key] for key in ("color", "marker"))
+        grows = curve[THEORY].values > 0.0
         for inside, face in ((grows, colour), (~grows, "white")):
-            ax.errorbar(
-                curve.k[inside],
-                curve.rate[inside],
-                curve.bars[inside],
-                linestyle="",
-                color=colour,
-                marker=marker,
-                markersize=4.0,
-                markerfacecolor=face,
-                capsize=2.0,
-                zorder=3,
-            )
-        ax.plot(curve.k[curve.failed], 0.0 * curve.k[curve.failed], "kx", markersize=5.0, zorder=4)
+            part = curve.isel(cell=inside)
+            look: dict[str, Any] = {
+                "marker": marker,
+                "markersize": 4.0,
+                "markerfacecolor": face,
+                "zorder": 3,
+            }
+            places, rates, bars = (part[name].values for name in ("carrier_k", RATE, BARS))
+            ax.errorbar(places, rates, bars, linestyle="", color=colour, capsize=2.0, **look)
+        failed = curve["carrier_k"].values[curve["failed"].values]
+        ax.plot(failed, 0.0 * failed, "kx", markersize=5.0, zorder=4)
         if panel.theory is None:
-            order = np.argsort(curve.k)
-            ax.plot(curve.k[order], curve.theory[order], linewidth=1.0, **theory[curve.line])
-
-
-def _draw_bands(ax: Axes, panel: GrowthPanel, found: ModulationMap, looks: Looks) -> None:
-    """The theory's curves, and behind them where plane waves are stable or have no equation."""
-    theory = _theory_looks(panel, looks)
-    for line, curve in found.curves.items():
-        ax.plot(found.k, curve, linewidth=1.0, **theory[line])
-    for inside, colour in ((found.product <= 0, STABLE), (np.isnan(found.product), UNKNOWN)):
-        ax.fill_between(
-            *(found.k, 0.0, 1.0, inside),
-            transform=ax.get_xaxis_transform(),
-            color=colour,
-            linewidth=0.0,
-            zorder=0,
-        )
+            along = curve.sortby("carrier_k")
+            look = theory[curve.attrs["line"]]
+            ax.plot(along["carrier_k"].values, along[THEORY].values, linewidth=1.0, **look)
+    if panel.theory is None:
+        return
+    k, product = panel.theory["k"].values, panel.theory["product"].values
+    lines = panel.theory["lines"]
+    for line, curve_of_line in zip(lines["line"].values.tolist(), lines.values, strict=True):
+        ax.plot(k, curve_of_line, linewidth=1.0, **theory[line])
+    for inside, colour in ((product <= 0, STABLE), (np.isnan(product), UNKNOWN)):
+        look = {"transform": ax.get_xaxis_transform(), "color": colour, "zorder": 0}
+        ax.fill_between(k, 0.0, 1.0, inside, linewidth=0.0, **look)
 
 
 def _set_rates(ax: Axes, panel: GrowthPanel) -> float:
@@ -468,7 +410,7 @@ def _set_rates(ax: Axes, panel: GrowthPanel) -> float:
 
     The theory's curve may go beyond any, beside a resonance.
     """
-    parts = [part for c in panel.curves for part in (c.rate + c.bars, c.theory)]
+    parts = [part for c in panel.curves for part in (c[RATE] + c[BARS], c[THEORY])]
     known = np.concatenate(parts)
     known = known[np.isfinite(known)]
     top = 1.1 * float(known.max()) if known.size and known.max() > 0.0 else 1.0
@@ -478,35 +420,39 @@ def _set_rates(ax: Axes, panel: GrowthPanel) -> float:
 
 def _draw_map(figure: FigureBase, ax: Axes, panel: GrowthPanel, top: float) -> None:
     """Rates of all perturbations in theory, and those measured as points in the same colours."""
-    found = panel.theory
-    assert found is not None
+    assert panel.theory is not None
+    k, kappa, rates = (panel.theory[name].values for name in ("k", "kappa", "rates"))
     ax.set_facecolor(STABLE)
-    growing = np.ma.masked_where(~(found.rates > 0.0), found.rates)
     colours = Normalize(0.0, top)
-    drawn = ax.pcolormesh(found.k, found.kappa, growing, norm=colours, rasterized=True)
+    growing = np.ma.masked_where(~(rates > 0.0), rates)
+    drawn = ax.pcolormesh(k, kappa, growing, norm=colours, rasterized=True)
     for curve in panel.curves:
-        ax.scatter(
-            *(curve.k, curve.kappa, 14.0),
-            c=np.maximum(curve.rate, 0.0),
-            norm=colours,
-            edgecolors="white",
-            linewidths=0.6,
-            zorder=3,
+        look: dict[str, Any] = {
+            "norm": colours,
+            "edgecolors": "white",
+            "linewidths": 0.6,
+            "zorder": 3,
+        }
+        places, heights, rate = (
+            curve[name].values for name in ("carrier_k", "perturbation_kappa", RATE)
         )
-    ax.set_ylim(0.0, float(found.kappa[-1]))
+        ax.scatter(places, heights, 14.0, c=np.maximum(rate, 0.0), **look)
+    ax.set_ylim(0.0, float(kappa[-1]))
     ax.set_ylabel(r"$\kappa$ of the perturbation")
-    extend = "max" if np.nanmax(found.rates) > top else "neither"
+    extend = "max" if np.nanmax(rates) > top else "neither"
     figure.colorbar(drawn, ax=ax, label="growth rate in $T$", extend=extend)
 
 
 def _legend(panels: Sequence[GrowthPanel], looks: Looks) -> list[Line2D | Patch]:
     """Each curve's marker, over its line of theory where a panel has several."""
     handles: list[Line2D | Patch] = []
-    several = [_theory_looks(p, looks) for p in panels if len({c.line for c in p.curves}) > 1]
+    several = [
+        _theory_looks(p, looks) for p in panels if len({c.attrs["line"] for c in p.curves}) > 1
+    ]
     lines = {line: look for found in reversed(several) for line, look in found.items()}
-    for label, curve in {c.label: c for panel in panels for c in panel.curves}.items():
+    for label, curve in {c.attrs["label"]: c for p in panels for c in p.curves}.items():
         colour, marker = looks[label]["color"], looks[label]["marker"]
-        line = lines.get(curve.line, {"color": colour, "linestyle": ""})
+        line = lines.get(curve.attrs["line"], {"color": colour, "linestyle": ""})
         face = {"marker": marker, "markerfacecolor": colour, "markeredgecolor": colour}
         handles.append(Line2D([], [], label=label or "lattice", **line, **face))
     bare = {"linestyle": "", "marker": "o", "color": "black", "markerfacecolor": "white"}
@@ -516,10 +462,10 @@ def _legend(panels: Sequence[GrowthPanel], looks: Looks) -> list[Line2D | Patch]
         Patch(color=STABLE, label="stable in theory"),
     ]
     curves = [curve for panel in panels for curve in panel.curves]
-    if any(np.any(curve.failed) for curve in curves):
+    if any(curve["failed"].any() for curve in curves):
         handles.append(Line2D([], [], linestyle="", marker="x", color="black", label="no run"))
     maps = [panel.theory for panel in panels if panel.theory is not None]
-    if any(np.isnan(found.product).any() for found in maps):
+    if any(found["product"].isnull().any() for found in maps):
         handles.append(Patch(color=UNKNOWN, label="no NLS equation"))
     return handles
 

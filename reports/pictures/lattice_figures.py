@@ -11,7 +11,7 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure, FigureBase
 from numpy.typing import NDArray
 
-from longwave.reports.pictures.drawing import CURVES, TEXT_WIDTH, even_places
+from longwave.reports.pictures.drawing import CURVES, TEXT_WIDTH, even_places, figure_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -30,24 +30,17 @@ def even_times(run: xr.Dataset) -> list[int]:
     return even_places(run.sizes["time"], ACROSS)
 
 
-MAP_HEIGHT = 2.2
-"""Height of a row of maps, in inches."""
-
-
-def maps_height() -> float:
-    """Height in inches of `map_figure`."""
-    return 2 * MAP_HEIGHT + 0.2
+MAPS_HEIGHT = 4.6
+"""Height of two rows of maps, in inches."""
 
 
 def map_figure(run: xr.Dataset) -> Figure:
-    """Heat maps of a run on two axes: the lattice's strain, and its difference from the theory."""
-    figure = Figure((TEXT_WIDTH, maps_height()), layout="constrained")
-    draw_maps(figure, run)
-    return figure
+    """Draw the maps of `draw_maps` alone."""
+    return figure_of(MAPS_HEIGHT, draw_maps, run)
 
 
 def draw_maps(figure: FigureBase, run: xr.Dataset) -> None:
-    """Draw the maps of `map_figure` into a figure."""
+    """Heat maps of a run on two axes: the lattice's strain, and its difference from the theory."""
     places = even_times(run)
     panels = figure.subplots(2, len(places), squeeze=False, sharey=True)
     apart = abs(run["strain"] - run["analytic"])
@@ -98,14 +91,8 @@ def rate_figure(panels: Mapping[float, Mapping[str, Sequence[ErrorAt]]]) -> Figu
 def _draw_errors(ax: Axes, label: str, errors: Sequence[ErrorAt], look: Mapping[str, Any]) -> None:
     eps = [point.eps for point in errors]
     own = [min(point.discretisation, 0.99 * point.error) for point in errors]
-    ax.errorbar(
-        eps,
-        [point.error for point in errors],
-        own,
-        label=label,
-        capsize=2.0,
-        **{**look, "linewidth": 1.0},
-    )
+    heights = [point.error for point in errors]
+    ax.errorbar(eps, heights, own, label=label, capsize=2.0, **{**look, "linewidth": 1.0})
 
 
 def _draw_power(ax: Axes, points: Sequence[ErrorAt], power: float) -> None:

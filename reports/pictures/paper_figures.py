@@ -2,14 +2,12 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from pathlib import Path
 
 import xarray as xr
+from matplotlib.figure import Figure
 
-from longwave.reports.pictures.drawing import error_figure, save, snapshot_figure, styled
+from longwave.reports.pictures.drawing import error_figure, snapshot_figure
 from longwave.reports.pictures.run_data import snapshots
-
-Runs = Mapping[str, xr.Dataset]
 
 
 @dataclass(frozen=True)
@@ -80,15 +78,14 @@ ERROR_FIGURES = (
 )
 
 
-def draw_all(runs: Runs, folder: Path) -> Iterator[Path]:
-    """Draw every figure of the paper as PDF into the folder, yielding each path when written."""
-    with styled():
-        for figure in SNAPSHOT_FIGURES:
-            rows = [snapshots(runs[name], figure.half_width) for name in figure.scenes]
-            yield save(snapshot_figure(rows), folder / f"{figure.name}.pdf")
-        for curves in ERROR_FIGURES:
-            panels = {
-                title: {label: runs[name]["error_curve"] for label, name in pairs}
-                for title, pairs in curves.panels
-            }
-            yield save(error_figure(panels), folder / f"{curves.name}.pdf")
+def paper_figures(runs: Mapping[str, xr.Dataset]) -> Iterator[tuple[str, Figure]]:
+    """Every figure of the paper, drawn from the runs of its scenes, under its name."""
+    for figure in SNAPSHOT_FIGURES:
+        rows = [snapshots(runs[name], figure.half_width) for name in figure.scenes]
+        yield figure.name, snapshot_figure(rows)
+    for curves in ERROR_FIGURES:
+        panels = {
+            title: {label: runs[name]["error_curve"] for label, name in pairs}
+            for title, pairs in curves.panels
+        }
+        yield curves.name, error_figure(panels)

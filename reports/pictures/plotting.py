@@ -23,6 +23,7 @@ from longwave.reports.pictures.drawing import (
     MAP_HEIGHT,
     MOST_SPECTRA,
     TEXT_WIDTH,
+    Part,
     draw_crest,
     draw_error_panels,
     draw_snapshot_panels,
@@ -35,7 +36,7 @@ from longwave.reports.pictures.drawing import (
     styled,
 )
 from longwave.reports.pictures.growth_plotting import SIZES_HEIGHT, draw_sideband_sizes
-from longwave.reports.pictures.lattice_figures import draw_maps, maps_height
+from longwave.reports.pictures.lattice_figures import MAPS_HEIGHT, draw_maps
 from longwave.reports.pictures.run_data import (
     LEAST_LOOKS,
     error_curves,
@@ -84,6 +85,10 @@ class Picture:
     variables: Mapping[str, int]
     height: Callable[[xr.Dataset], float]
     draw: Callable[[FigureBase, xr.Dataset], None]
+
+    def part(self, data: xr.Dataset) -> Part:
+        """The picture of a run as a part of a figure."""
+        return Part(self.height(data), lambda figure: self.draw(figure, data))
 
 
 def plot(
@@ -214,30 +219,27 @@ def _draw(data: xr.Dataset, kind: str) -> Figure:
     """Draw the pictures of that kind, one below the other, the run's title above them."""
     data = with_looks(placed(data), LEAST_LOOKS if kind == ALL else 2)
     drawn = _pictures(data, kind)
-    figure, parts = _stacked(_title(data), [picture.height(data) for picture in drawn])
-    for part, picture in zip(parts, drawn, strict=True):
-        picture.draw(part, data)
-    return figure
+    return _stacked(_title(data), [picture.part(data) for picture in drawn])
 
 
 def _draw_sweep(data: xr.Dataset, kind: str, at: Choice, variable: str) -> Figure:
     """Draw the pictures of a sweep, what was chosen of it in the title."""
-    drawn = sweep_parts(data, None if kind == ALL else kind, at, variable)
-    where = ", ".join(f"{name} = {value}" for name, value in at.items())
-    title = "\n".join(line for line in (_title(data), one_line(where)[:WIDTH]) if line)
-    figure, parts = _stacked(title, [part.height for part in drawn])
-    for part, picture in zip(parts, drawn, strict=True):
-        picture.draw(part)
-    return figure
+    where = one_line(", ".join(f"{name} = {value}" for name, value in at.items()))[:WIDTH]
+    title = "\n".join(filter(None, (_title(data), where)))
+    return _stacked(title, sweep_parts(data, None if kind == ALL else kind, at, variable))
 
 
-def _stacked(title: str, heights: Sequence[float]) -> tuple[Figure, Sequence[FigureBase]]:
-    """A figure with a title and a part of each height below it."""
-    head = 0.25 * (1 + title.count("\n"))
-    figure = Figure((TEXT_WIDTH, sum(heights) + head), layout="constrained")
+def _stacked(title: str, parts: Sequence[Part]) -> Figure:
+    """A figure with a title and the parts below it."""
+    heights = [part.height for part in parts]
+    figure = Figure(
+        (TEXT_WIDTH, sum(heights) + 0.25 * (1 + title.count("\n"))), layout="constrained"
+    )
     figure.suptitle(title, parse_math=False, fontsize="medium")
-    parts = figure.subfigures(len(heights), 1, height_ratios=heights, squeeze=False)[:, 0]
-    return figure, list(parts)
+    places = figure.subfigures(len(heights), 1, height_ratios=heights, squeeze=False)[:, 0]
+    for place, part in zip(places, parts, strict=True):
+        part.draw(place)
+    return figure
 
 
 def _title(data: xr.Dataset) -> str:
@@ -280,7 +282,7 @@ def _shown_snapshots(data: xr.Dataset) -> list[list[int]]:
 
 
 def _snapshot_height(data: xr.Dataset) -> float:
-    return maps_height() if "row" in data.dims else snapshot_height(len(_shown_snapshots(data)))
+    return MAPS_HEIGHT if "row" in data.dims else snapshot_height(len(_shown_snapshots(data)))
 
 
 def _draw_snapshots(figure: FigureBase, data: xr.Dataset) -> None:
@@ -327,16 +329,12 @@ def _draw_errors(figure: FigureBase, data: xr.Dataset) -> None:
 
 
 def _draw_sizes(figure: FigureBase, data: xr.Dataset) -> None:
-    verdict = one_line(data.attrs.get("verdict", ""))[:MOST]
-    draw_sideband_sizes(figure, data, verdict)
+    draw_sideband_sizes(figure, data, one_line(data.attrs.get("verdict", ""))[:MOST])
 
 
 PICTURES: Mapping[str, Picture] = {
     "snapshots": Picture(
-        "strain",
-        {"strain": 2, "analytic": 2, "n": 2},
-        _snapshot_height,
-        _draw_snapshots,
+        "strain", {"strain": 2, "analytic": 2, "n": 2}, _snapshot_height, _draw_snapshots
     ),
     "space_time": Picture("space_time", {"space_time": 2}, lambda _: MAP_HEIGHT, _draw_map),
     "spectra": Picture(
@@ -347,10 +345,7 @@ PICTURES: Mapping[str, Picture] = {
     ),
     "errors": Picture("error_curve", {"error_curve": 1}, lambda _: ERROR_HEIGHT, _draw_errors),
     "crest": Picture(
-        "crest_track",
-        {"crest_position": 1, "crest_strain": 1},
-        lambda _: CREST_HEIGHT,
-        draw_crest,
+        "crest_track", {"crest_position": 1, "crest_strain": 1}, lambda _: CREST_HEIGHT, draw_crest
     ),
     GROWTH: Picture(
         "",

@@ -29,12 +29,7 @@ if TYPE_CHECKING:
     from longwave.reports.studies.evaluation_cost import EvaluationCost
     from longwave.reports.studies.hard_cases import HardCaseResult
 
-TABULATED = (
-    "double-double",
-    "balls, 40 digits",
-    "mpmath, 15 digits",
-    "mpmath, 60 digits",
-)
+TABULATED = ("double-double", "balls, 40 digits", "mpmath, 15 digits", "mpmath, 60 digits")
 """The arithmetics of the table; the figure has them all."""
 
 ERROR_UNIT = 1e-16
@@ -119,16 +114,24 @@ def digits(value: float) -> str:
     return "exact" if math.isinf(value) else f"{value:.1f}"
 
 
+def panels(points: Iterable[tuple[str, str, tuple[float, float]]]) -> CostPanels:
+    """Points as curves in panels: by the title of a panel, and the label of a curve in it.
+
+    >>> panels([("smooth", "RK4", (1.0, 0.1)), ("smooth", "RK4", (2.0, 0.01))])
+    {'smooth': {'RK4': [(1.0, 0.1), (2.0, 0.01)]}}
+    """
+    found: dict[str, dict[str, list[tuple[float, float]]]] = {}
+    for title, label, point in points:
+        found.setdefault(title, {}).setdefault(label, []).append(point)
+    return found
+
+
 def cost_panels(costs: Iterable[EvaluationCost]) -> CostPanels:
     """One panel a wave: digits against seconds for each family of arithmetics."""
-    panels = {}
-    for wave, group in groupby(costs, attrgetter("wave")):
-        curves: dict[str, list[tuple[float, float]]] = {}
-        for cost in group:
-            family = cost.arithmetic.partition(",")[0]
-            curves.setdefault(family, []).append((cost.seconds, cost.digits))
-        panels[wave.replace("_", " ")] = curves
-    return panels
+    return panels(
+        (c.wave.replace("_", " "), c.arithmetic.partition(",")[0], (c.seconds, c.digits))
+        for c in costs
+    )
 
 
 WANTED = (1e-2, 1e-4, 1e-6)
@@ -182,11 +185,7 @@ def _cheapest(points: Iterable[CostPoint], error: float) -> str:
 
 def precision_panels(points: Iterable[CostPoint]) -> CostPanels:
     """One panel a problem: error against seconds for each series."""
-    panels: dict[str, dict[str, list[tuple[float, float]]]] = {}
-    for point in points:
-        curves = panels.setdefault(point.problem, {})
-        curves.setdefault(PRINTED[point.series], []).append((point.seconds, point.error))
-    return panels
+    return panels((p.problem, PRINTED[p.series], (p.seconds, p.error)) for p in points)
 
 
 def scaling_table(points: Sequence[ScalingPoint]) -> str:
@@ -217,12 +216,8 @@ def _scaled(point: ScalingPoint) -> str:
 
 def scaling_panels(points: Iterable[ScalingPoint]) -> CostPanels:
     """Seconds against 1/eps for each way; a way of which a part was timed says so."""
-    curves: dict[str, list[tuple[float, float]]] = {}
-    for point in points:
-        if point.series not in (REDUCTION, TRUE_ERROR):
-            label = f"{point.series}{' (scaled)' if point.scaled else ''}"
-            curves.setdefault(label, []).append((point.x, point.value))
-    return {"": curves}
+    ways = (p for p in points if p.series not in (REDUCTION, TRUE_ERROR))
+    return panels(("", p.series + " (scaled)" * p.scaled, (p.x, p.value)) for p in ways)
 
 
 def rk4_table(points: Iterable[ScalingPoint]) -> str:

@@ -29,14 +29,7 @@ def scene_table(runs: Mapping[str, SceneRun]) -> str:
             )
         else:
             lines.append(_scene_cells(found, found.run))
-    head = [
-        "equation",
-        r"$\epsilon$",
-        r"error$\,/\,\epsilon^p$",
-        "relative error",
-        "cells",
-        "time",
-    ]
+    head = ["equation", r"$\epsilon$", r"error$\,/\,\epsilon^p$", "relative error", "cells", "time"]
     return table("L{36mm}llllr", head, lines)
 
 
@@ -120,9 +113,7 @@ def rate_title(found: MeasuredRate) -> str:
     return f"{escape(found.case)}: {title_latex(found.lattice)}; {values}"
 
 
-def rate_panels(
-    rates: Iterable[MeasuredRate],
-) -> dict[float, dict[str, tuple[ErrorAt, ...]]]:
+def rate_panels(rates: Iterable[MeasuredRate]) -> dict[float, dict[str, tuple[ErrorAt, ...]]]:
     """For each expected rate its curves, by the number and the equation of the case."""
     panels: dict[float, dict[str, tuple[ErrorAt, ...]]] = {}
     for found in sorted(rates, key=lambda one: one.expected):

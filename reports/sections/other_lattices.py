@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import sympy as sp
 
-from longwave.derive import Reduction
+from longwave.derive import LATTICES, Reduction, envelope
 from longwave.derive.normal_form import NORMAL_EQUATIONS
 from longwave.derive.output.notation import latex_of, terms
 from longwave.derive.symbols import k
@@ -18,7 +18,6 @@ from longwave.reports.studies.lattice_models import (
     LatticeModel,
     closed_waves,
     lattice_models,
-    tabled_envelope,
 )
 from longwave.solutions import CATALOGUE, closed_form
 from longwave.support.processes import Job, Key
@@ -156,14 +155,14 @@ def wave_names(names: Sequence[str]) -> str:
     return escape(", ".join(words))
 
 
-COEFFICIENTS = {"v": "v", "p": "p", "q": "q"}
+COEFFICIENTS = ("v", "p", "q")
 """What a row of envelopes shows."""
 
 
 def envelope_row(place: int) -> EnvelopeRow:
     """The row of one of `ENVELOPES`, with s and C for sine and cosine of k/2."""
     name, wavenumber = ENVELOPES[place]
-    found = tabled_envelope(name, wavenumber)
+    found = envelope(LATTICES[name], k=wavenumber)
     short = {sp.sin(k / 2): sp.Symbol("s"), sp.cos(k / 2): sp.Symbol("C")}
     return EnvelopeRow(
         title_latex(found.lattice.title),
@@ -182,7 +181,7 @@ def envelope_table(rows: Iterable[EnvelopeRow]) -> str:
         ]
         for found in rows
     ]
-    head = ["lattice", "at", *(f"${name}$" for name in COEFFICIENTS.values())]
+    head = ["lattice", "at", *(f"${name}$" for name in COEFFICIENTS)]
     return table("L{44mm}llll", head, lines, gap="0.8ex")
 
 
@@ -197,9 +196,7 @@ def normal_equations() -> list[tuple[str, str]]:
 
 
 def form_table(
-    proofs: Iterable[ProofRecord],
-    residuals: Mapping[str, Verdict],
-    accuracy: Iterable[Accuracy],
+    proofs: Iterable[ProofRecord], residuals: Mapping[str, Verdict], accuracy: Iterable[Accuracy]
 ) -> str:
     """The further closed forms: equation, domains, verdict, residual and worst error."""
     proved = {record.name: record for record in proofs}

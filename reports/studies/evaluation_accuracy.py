@@ -30,6 +30,11 @@ from longwave.support.processes import Job, Key
 
 Array = NDArray[np.float64]
 
+
+def _rationals(text: str) -> tuple[sp.Rational, ...]:
+    return tuple(map(sp.Rational, text.split()))
+
+
 _SOLITONS = {
     "breather p q X_0": "1e-8 1 1/3; 1/2 2 1/3; 2 2 0; 2 1/2 0; 1/2 1e-8 1/3; 3 40 0",
     "double_pole A X_0": "1e-8 1/3; 1 1/3; 2 0; 40 0",
@@ -55,35 +60,17 @@ _SOLITONS = {
 """Waves without modulus and their parameters: values at the ends of the domains, and between."""
 
 SOLITON_VALUES: dict[str, tuple[tuple[tuple[str, sp.Rational], ...], ...]] = {
-    name: tuple(
-        tuple(zip(names, map(sp.Rational, row.split()), strict=True)) for row in rows.split(";")
-    )
+    name: tuple(tuple(zip(names, _rationals(row), strict=True)) for row in rows.split(";"))
     for (name, *names), rows in ((head.split(), rows) for head, rows in _SOLITONS.items())
 }
 """For each wave its cases; a case is names with exact values."""
 
 
-MODULI: tuple[sp.Rational, ...] = (
-    sp.Rational(1, 10**8),
-    sp.Rational(1, 100),
-    sp.Rational(1, 2),
-    sp.Rational(9, 10),
-    sp.Rational(99, 100),
-    1 - sp.Rational(1, 10**4),
-    1 - sp.Rational(1, 10**8),
-    1 - sp.Rational(1, 10**12),
-)
-
-ALPHA_OVER_K: tuple[sp.Rational, ...] = (
-    sp.Rational(1, 10**8),
-    sp.Rational(1, 2),
-    1 - sp.Rational(1, 10**8),
-)
-AMPLITUDES: tuple[sp.Rational, ...] = tuple(
-    sp.Rational(value) for value in ("1/1000", "1/10", "1", "3/2", "10", "40", "1000")
-)
+MODULI = _rationals("1e-8 1/100 1/2 9/10 99/100 0.9999 0.99999999 0.999999999999")
+ALPHA_OVER_K = _rationals("1e-8 1/2 0.99999999")
+AMPLITUDES = _rationals("1/1000 1/10 1 3/2 10 40 1000")
 LARGEST_ORDER = 8
-SHIFTS: tuple[sp.Rational, ...] = (sp.Rational(-7, 3), sp.Rational(11, 2))
+SHIFTS = _rationals("-7/3 11/2")
 
 TIMES = (0, 2960, 800_000, 80_000_000, -80_000_000)
 """Lattice times: T = 0, 0.37, 100, 1e4 and -1e4 at eps = 1/20."""

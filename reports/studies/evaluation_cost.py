@@ -39,18 +39,10 @@ REPEATS = 3
 EXACT_DIGITS = 120
 """Digits of the values that errors are measured against."""
 
-ORDINARY = {
-    "k": sp.Rational(7, 10),
-    "alpha": sp.Rational(1, 2),
-    "A": sp.S.One,
-    "X_0": sp.S.Zero,
-    "p": sp.Rational(6, 5),
-    "q": sp.Rational(4, 5),
-    "A_1": sp.Rational(7, 5),
-    "A_2": sp.Rational(3, 5),
-    "kappa": sp.Rational(9, 10),
-    "U_0": sp.Rational(1, 2),
-}
+_ORDINARY = {"k": "7/10", "alpha": "1/2", "A": "1", "X_0": "0", "p": "6/5", "q": "4/5"}
+_ORDINARY |= {"A_1": "7/5", "A_2": "3/5", "kappa": "9/10", "U_0": "1/2"}
+ORDINARY = {name: sp.Rational(value) for name, value in _ORDINARY.items()}
+"""Values of parameters at which nothing is special."""
 
 Errors = Iterable[float]
 Row = Sequence[Any]

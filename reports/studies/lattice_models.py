@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from sympy import Expr, Integer, S, Symbol, pi
 
-from longwave.derive import LATTICES, Envelope, Lattice, Reduction, envelope, find_scaling, spring
+from longwave.derive import LATTICES, Lattice, Reduction, find_scaling, spring
 from longwave.derive.models.lattices import L2, L3, L4, cubic
 from longwave.derive.symbols import eps, ybar
 from longwave.scenes.modulation import ModulationGrid, modulation_grid
@@ -97,12 +97,8 @@ ENVELOPES: tuple[tuple[str, Expr | None], ...] = (
     ("klein_gordon", pi),
     ("mass_dimer", pi),
 )
-"""Lattices and wavenumbers, or None for all, whose envelope coefficients are short."""
-
-
-def tabled_envelope(name: str, wavenumber: Expr | None) -> Envelope:
-    """The envelope equation of one of `ENVELOPES`; its coefficients hold on every branch."""
-    return envelope(LATTICES[name], k=wavenumber)
+"""Lattices and wavenumbers, or None for all, whose envelope has short coefficients, the same on
+every branch."""
 
 
 LARGEST_K3, POINTS = 1.5, 240

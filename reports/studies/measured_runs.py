@@ -37,11 +37,6 @@ class MeasuredRuns:
     runs: Mapping[str, xr.Dataset]
     scenes: Mapping[str, Scene]
 
-    @property
-    def blown_up(self) -> list[str]:
-        """The names of the runs that did not come to their end."""
-        return [name for name, run in self.runs.items() if run.attrs["blow_up"]]
-
     def discretisation(self, name: str) -> xr.DataArray:
         """Return what y/eps may be off by step and domain together, at each snapshot.
 
@@ -105,9 +100,7 @@ def report_scenes() -> dict[str, Scene]:
     for order in (2, 3):
         base = scenes[f"rational_{order}_eps_0.05"]
         scenes[rk4_name(order)] = base.changed(
-            scheme="rk4",
-            step=RK4_STEP,
-            observables=("strain", "error_curve", "time_step_error"),
+            scheme="rk4", step=RK4_STEP, observables=("strain", "error_curve", "time_step_error")
         )
     asked = (*scenes[SPLIT].observables, "error_split")
     scenes[SPLIT] = replace(scenes[SPLIT], observables=asked)

@@ -1,33 +1,33 @@
 """`python -m longwave.reports.bench`: says where its tables are, and fails with a case."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from longwave.reports import bench, build
-from longwave.reports.build import STUDY_TABLES, Studies
+from longwave.reports.build import STUDY_TABLES
 from longwave.reports.studies.hard_cases import HardCaseResult
 from longwave.reports.studies.lattice_cost import CostPoint, PeakError, ScalingPoint
+from longwave.support.processes import Key
 
-FOUND = Studies(
-    evaluation=[],
-    precision=[CostPoint("crest", "rk4", 1e-3, 0.1)],
-    scaling=[ScalingPoint("window", x, x**4) for x in (10.0, 20.0)],
-    rk4=[ScalingPoint("error figure", x, 0.1 + x) for x in (0.25, 0.0)],
-    windows=[ScalingPoint("window", x, 1 / x) for x in (1024.0, 2048.0)],
-    hard_cases=[HardCaseResult("what", "how much", 0.5, 0.1, "")],
-    peaks=[PeakError(2, eps, eps**2, 1e-9, 1.0, "stencil") for eps in (0.1, 0.05)],
-    split={},
-    long_runs={},
-)
+HARD = HardCaseResult("what", "how much", 0.5, 0.1)
+FOUND = {
+    ("precision", ""): [CostPoint("crest", "rk4", 1e-3, 0.1)],
+    ("scaling", ""): [ScalingPoint("window", x, x**4) for x in (10.0, 20.0)],
+    ("rk4", ""): [ScalingPoint("error figure", x, 0.1 + x) for x in (0.25, 0.0)],
+    ("windows", ""): [ScalingPoint("window", x, 1 / x) for x in (1024.0, 2048.0)],
+    ("hard", "one"): HARD,
+    **{("peak", eps): PeakError(2, eps, eps**2, 1e-9, 1.0, "stencil") for eps in (0.1, 0.05)},
+}
 
 
-def measure(found: Studies, folder: Path, monkeypatch: pytest.MonkeyPatch) -> int:
+def measure(found: Mapping[Key, Any], folder: Path, monkeypatch: pytest.MonkeyPatch) -> int:
     """Run the command with these findings and without figures."""
-    monkeypatch.setattr(build, "run_jobs", lambda *_: {})
-    monkeypatch.setattr(build, "studies", lambda _: found)
-    monkeypatch.setattr(build, "write_study_figures", lambda *_: [folder / "figure.pdf"])
+    monkeypatch.setattr(build, "run_jobs", lambda *_: found)
+    monkeypatch.setattr(build, "write_figures", lambda *_: [folder / "figure.pdf"])
     return bench.main(["--output", str(folder)])
 
 
@@ -49,5 +49,5 @@ def test_it_tells_where_its_tables_are(
 def test_a_case_that_fails_is_its_exit_status(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    wrong = replace(FOUND, hard_cases=[replace(FOUND.hard_cases[0], measured=1.0)])
+    wrong = FOUND | {("hard", "one"): replace(HARD, measured=1.0)}
     assert measure(wrong, tmp_path, monkeypatch) == 1

@@ -1,22 +1,20 @@
 """`python -m reports`: what is left when LaTeX is missing, exit statuses, one-line errors."""
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 import xarray as xr
 
 from longwave.reports import build
 from longwave.reports.__main__ import main
-from longwave.reports.build import Findings, Studies
 from longwave.reports.engine import EngineMissingError
-from longwave.reports.lattice_chapter import LatticeChapter
 from longwave.reports.studies.hard_cases import HardCaseResult
-from longwave.reports.studies.lattice_models import modulation_plane
-from longwave.reports.studies.measured_runs import MeasuredRuns
 from longwave.reports.studies.proofs import ProofRecord
 from longwave.reports.studies.published_verdicts import PublishedVerdict
 from longwave.reports.studies.scene_runs import SceneRun
 from longwave.scenes.named_scenes import load_scene
+from longwave.support.processes import Key
 from longwave.verify.evidence.mutations import MutationCount, Survivor
 from longwave.verify.published import chosen
 from longwave.verify.verdict import Outcome
@@ -29,24 +27,24 @@ def findings(
     fails: bool = False,
     library: Outcome = Outcome.PROVED,
     scenes: dict[str, SceneRun] | None = None,
-) -> Findings:
+) -> dict[Key, Any]:
     """What a report found: one proof, run, count of misprints and published solution."""
-    proof = ProofRecord("kink", "exact", outcome, 0.1, 1000, 0.1, True)
     survivors = (Survivor("term", Outcome.UNDECIDED, "too hard"),) * undecided
-    hard = HardCaseResult("what", "how much", 0.5, 1.0 if fails else 0.1, "")
-    empty = Studies([], [], [], [], [], [hard], [], {}, {})
-    evidence = MeasuredRuns({"one": xr.Dataset(attrs={"blow_up": blow_up})}, {})
     (text,) = chosen(["kdv_one_soliton"])
-    published = [PublishedVerdict(text, library, 0.1)]
-    count = MutationCount("kink", 8, survivors, 0.1)
-    chapter = LatticeChapter([], [], modulation_plane(2), [], scenes or {})
-    return Findings(evidence, [proof], {}, [count], [], empty, published, chapter)
+    found: dict[Key, Any] = {
+        ("run", "one"): xr.Dataset(attrs={"blow_up": blow_up}),
+        ("proof", "kink"): ProofRecord("kink", "exact", outcome, 0.1, 1000, 0.1, True),
+        ("mutants", "kink"): MutationCount("kink", 8, survivors, 0.1),
+        ("hard", "one"): HardCaseResult("what", "how much", 0.5, 1.0 if fails else 0.1),
+        ("library", "KdV"): [PublishedVerdict(text, library, 0.1)],
+    }
+    return found | {("scene", name): scene for name, scene in (scenes or {}).items()}
 
 
 @pytest.fixture
 def without_work(monkeypatch: pytest.MonkeyPatch) -> None:
     """Nothing is computed or drawn; the source is one line."""
-    monkeypatch.setattr(build, "find", lambda *_: findings())
+    monkeypatch.setattr(build, "run_jobs", lambda *_: findings())
     monkeypatch.setattr(build, "all_jobs", lambda *_: {})
     monkeypatch.setattr(build, "write_figures", lambda *_: [])
 
@@ -116,9 +114,9 @@ def test_what_it_takes_is_refused_before_an_engine_is_looked_for(
     ids=["form", "blow-up", "misprint", "hard case", "published solution", "other lattice"],
 )
 def test_what_does_not_stand_fails_the_report(
-    without_work: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, found: Findings
+    without_work: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, found: dict[Key, Any]
 ) -> None:
-    monkeypatch.setattr(build, "find", lambda *_: found)
+    monkeypatch.setattr(build, "run_jobs", lambda *_: found)
     assert main(["--output", str(tmp_path)]) == 1
 
 

@@ -11,13 +11,8 @@ from sympy import Rational, symbols
 
 from longwave.derive import LATTICES, find_scaling
 from longwave.derive.symbols import eps
-from longwave.reports.lattice_chapter import (
-    CHAPTER_TABLES,
-    PEREGRINES,
-    ROGUES,
-    LatticeChapter,
-    chapter_jobs,
-)
+from longwave.reports.build import TABLES, Findings, all_jobs
+from longwave.reports.lattice_chapter import PEREGRINES, ROGUES
 from longwave.reports.pictures.drawing import styled
 from longwave.reports.pictures.lattice_figures import (
     DEFOCUSING,
@@ -46,6 +41,7 @@ from longwave.scenes.envelope_study import ENVELOPE_CASES
 from longwave.scenes.named_scenes import lattice_scenes, load_scene
 from longwave.scenes.rate_cases import RATE_CASES
 from longwave.solutions import CATALOGUE
+from longwave.support.processes import Key
 from longwave.verify.verdict import Outcome, Verdict
 
 POINTS = tuple(ErrorAt(at, 100, 2.0 * at**3, 1e-3 * at**3) for at in (0.2, 0.1, 0.05))
@@ -195,33 +191,29 @@ def test_a_rate_that_is_not_reached_is_seen() -> None:
     assert "2.2 (2.1 to 2.3) (NOT REACHED)" in text
 
 
-def chapter(**changes: Any) -> LatticeChapter:
-    empty = LatticeChapter([], [], modulation_plane(8), [measured_rate()], {})
-    return replace(empty, **changes)
-
-
 @pytest.mark.parametrize(
-    ("changes", "sound"),
+    ("found", "sound"),
     [
         ({}, True),
-        ({"rates": [measured_rate(2.2)]}, False),
-        ({"scenes": {"one": SceneRun(SCENE, None, "blew up")}}, False),
-        ({"scenes": {"one": SceneRun(SCENE, run(estimate=1.0))}}, False),
-        ({"scenes": {"one": SceneRun(SCENE, run())}}, True),
+        ({("rate", "6a"): measured_rate(2.2)}, False),
+        ({("scene", "one"): SceneRun(SCENE, None, "blew up")}, False),
+        ({("scene", "one"): SceneRun(SCENE, run(estimate=1.0))}, False),
+        ({("scene", "one"): SceneRun(SCENE, run())}, True),
     ],
 )
-def test_what_fails_makes_the_chapter_unsound(changes: dict[str, Any], sound: bool) -> None:
-    assert chapter(**changes).sound is sound
+def test_what_fails_makes_the_report_unsound(found: dict[Key, Any], sound: bool) -> None:
+    assert Findings({("rate", "6a"): measured_rate()} | found, {}).sound is sound
 
 
 def test_tables_of_nothing_are_latex_still() -> None:
-    for name, made in CHAPTER_TABLES.items():
-        text = made(chapter(scenes={"one": SceneRun(SCENE, None, "blew up")}))
+    found = Findings({("scene", "one"): SceneRun(SCENE, None, "blew up")}, {})
+    for name in ("model_table", "envelope_table", "scene_table", "scene_maps", "rate_table"):
+        text = TABLES[name](found)
         assert text.count(r"\begin") == text.count(r"\end{"), name
 
 
 def test_every_case_and_scene_is_a_job() -> None:
-    short, full = chapter_jobs(full=False), chapter_jobs(full=True)
+    short, full = all_jobs({}, full=False), all_jobs({}, full=True)
     assert short.keys() < full.keys()
     assert {name for part, name in short if part == "scene"} == set(lattice_scenes())
     names = {name for name, _ in ENVELOPES}

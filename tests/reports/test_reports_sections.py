@@ -7,9 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from longwave.reports.build import STUDY_TABLES, TABLES, source
+from longwave.reports.build import TABLES, source
 from longwave.reports.engine import compile_pdf, engine_present
-from longwave.reports.lattice_chapter import CHAPTER_TABLES
 from longwave.reports.paper import SOURCES, cited
 from longwave.reports.pictures.paper_figures import ERROR_FIGURES, SNAPSHOT_FIGURES
 from longwave.reports.sections.costs import accuracy_table
@@ -34,9 +33,7 @@ from longwave.verify.verdict import Outcome, Verdict
 
 @pytest.fixture(scope="module")
 def report() -> str:
-    tables = dict.fromkeys((*TABLES, *STUDY_TABLES, *CHAPTER_TABLES), "") | {
-        "solution_table": solution_table()
-    }
+    tables = dict.fromkeys(TABLES, "") | {"solution_table": solution_table()}
     return source(tables, report_scenes(), full=False)
 
 

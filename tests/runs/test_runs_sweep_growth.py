@@ -87,13 +87,13 @@ def test_the_picture_holds_cells_and_the_map_of_theory(swept: tuple[xr.Dataset, 
     panels = growth_panels(data, 8)
     assert [panel.title for panel in panels] == ["fput", "klein_gordon"]
     for case, panel in enumerate(panels):
-        assert [curve.label for curve in panel.curves] == ["eps = 0.1", "eps = 0.2"]
+        assert [curve.attrs["label"] for curve in panel.curves] == ["eps = 0.1", "eps = 0.2"]
         assert panel.theory is not None
-        curve, (line,) = panel.curves[0], panel.theory.curves.values()
-        drawn = np.interp(curve.k[1:3], panel.theory.k, line)
+        curve, (line,) = panel.curves[0], panel.theory.lines.values
+        drawn = np.interp(curve.carrier_k[1:3], panel.theory.k, line)
         np.testing.assert_allclose(drawn, data.growth_rate_theory.values[1:3, 0, case], rtol=2e-3)
-        assert curve.failed.tolist() == [False, False, False, True]
-        stable = panel.theory.product <= 0
+        assert curve.failed.values.tolist() == [False, False, False, True]
+        stable = panel.theory["product"].values <= 0
         assert np.array_equal(stable, line == 0)
         assert stable[np.searchsorted(panel.theory.k, 0.5)]
     figure = plot(folder / "growth.nc", folder / "growth.png")
@@ -112,7 +112,7 @@ def test_growth_is_drawn_where_it_is_and_refused_elsewhere(
     swept: tuple[xr.Dataset, Path],
 ) -> None:
     data, _ = swept
-    assert growth_panels(data.isel(case=0, eps=0), 8)[0].curves[0].label == ""
+    assert growth_panels(data.isel(case=0, eps=0), 8)[0].curves[0].attrs["label"] == ""
     with pytest.raises(ValueError, match="growth_map must be of growth rates over envelope"):
         plot(data.isel(k=1), kind="growth_map")
     for lost in (data.drop_vars("growth_rate_error"), data.assign(carrier_k=data.k)):

@@ -62,19 +62,22 @@ def _check(data: xr.Dataset, titles: Sequence[str], labels: Sequence[str]) -> No
     assert [panel.title for panel in panels] == titles
     count = 0
     for panel in panels:
-        assert [curve.label for curve in panel.curves] == labels
+        assert [curve.attrs["label"] for curve in panel.curves] == labels
         found = panel.theory
         assert found is not None
         for curve in panel.curves:
-            count += curve.k.size
-            line = np.interp(curve.k, found.k, found.curves[curve.line])
-            np.testing.assert_allclose(line, curve.theory, rtol=0.05, atol=1e-3)
-            places = np.searchsorted(found.k, curve.k)
-            heights = np.searchsorted(found.kappa, curve.kappa)
+            k, kappa, theory = (
+                curve[name].values
+                for name in ("carrier_k", "perturbation_kappa", "growth_rate_theory")
+            )
+            count += k.size
+            line = np.interp(k, found.k, found.lines.sel(line=curve.attrs["line"]))
+            np.testing.assert_allclose(line, theory, rtol=0.05, atol=1e-3)
+            places, heights = np.searchsorted(found.k, k), np.searchsorted(found.kappa, kappa)
             inside = heights < found.kappa.size
-            on_map = found.rates[heights[inside], places[inside]]
-            np.testing.assert_allclose(on_map, curve.theory[inside], rtol=0.1, atol=1e-2)
-            assert np.array_equal(found.product[places] > 0, curve.theory > 0)
+            on_map = found.rates.values[heights[inside], places[inside]]
+            np.testing.assert_allclose(on_map, theory[inside], rtol=0.1, atol=1e-2)
+            assert np.array_equal(found["product"].values[places] > 0, theory > 0)
     assert count == data["status"].size
 
 

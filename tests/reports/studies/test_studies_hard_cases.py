@@ -30,18 +30,14 @@ found_of = cache(run_hard_case)
 @pytest.mark.parametrize("name", FAST)
 def test_hard_case(name: str) -> None:
     found = found_of(name)
-    assert found.passed, (
-        f"{found.what}: {found.criterion}: {found.measured:g} > {found.bound:g} ({found.detail})"
-    )
+    assert found.passed, f"{found.what}: {found.criterion}: {found.measured} > {found.bound}"
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", SLOW)
 def test_long_hard_case(name: str) -> None:
     found = run_hard_case(name)
-    assert found.passed, (
-        f"{found.what}: {found.criterion}: {found.measured:g} > {found.bound:g} ({found.detail})"
-    )
+    assert found.passed, f"{found.what}: {found.criterion}: {found.measured} > {found.bound}"
 
 
 def test_the_refusal_tells_the_limit() -> None:
@@ -56,7 +52,7 @@ def test_the_blow_up_tells_time_site_and_criterion() -> None:
 
 
 def test_nan_does_not_pass() -> None:
-    assert not HardCaseResult("", "", 1.0, math.nan, "").passed
+    assert not HardCaseResult("", "", 1.0, math.nan).passed
 
 
 def test_the_cases_are_jobs_in_the_order_in_which_they_are_declared() -> None:

@@ -1,0 +1,355 @@
+"""Curves, heat maps and panels of work against precision over what a sweep has swept.
+
+An axis is a swept dimension: numbers in their places, evenly spaced ones in the logarithm on a
+logarithmic axis, or texts side by side. Cells without a value are grey; those that were run and
+came to no end bear a cross; those whose value has a large error of its own are hatched.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
+from matplotlib.colors import LogNorm, Normalize
+from matplotlib.figure import FigureBase
+from matplotlib.patches import Patch
+from matplotlib.ticker import NullFormatter
+from numpy.typing import NDArray
+
+from longwave.reports.pictures.drawing import CURVES, draw_grid, panel_grid, time_edges
+
+Array = NDArray[np.float64]
+Cells = NDArray[np.bool_]
+
+CURVE_HEIGHT, HEAT_HEIGHT, WORK_HEIGHT = 3.2, 2.7, 3.0
+"""Height of a panel of curves, a row of heat maps, and panels of work, in inches."""
+
+HEAT_ACROSS = 3
+"""Heat maps side by side."""
+
+WIDE = 30.0
+"""Ratio of the largest to the smallest of positive values from which colours are logarithmic."""
+
+EMPTY = "#d9d9d9"
+"""The colour of a cell without a value."""
+
+UNSURE, HATCH = 0.1, "////"
+"""Of a value in a heat map: it is hatched where its own error is more."""
+
+DARK = 0.6
+"""Of the range of colours, below which they are dark: hatches are white there, else black."""
+
+BESIDE = 0.1
+"""How far points of several curves stand beside each other at a text."""
+
+ROW = 0.04
+"""Height of a row of crosses, in the height of the axes."""
+
+NO_RESULT = "\N{MULTIPLICATION SIGN}: no result"
+"""What the crosses at the lower edge of curves are."""
+
+OF_ESTIMATE, OF_WAVE = "estimated", "relative to the wave"
+
+LETTERS = {"eps": r"$\epsilon$", "kappa": r"$\kappa$", "alpha": r"$\alpha$", "beta": r"$\beta$"}
+"""How names of fields are written where they are Greek."""
+
+LETTER = re.compile("[A-Za-z](_?[0-9A-Za-z])?")
+"""Names that are one letter, with or without an index."""
+
+LONGEST_TICK, LONGEST_BESIDE, LONGEST_ABOVE, LONGEST_IN_TWO = 16, 24, 80, 50
+"""Characters of a text beside a tick, in a legend beside a picture, as in the title of a map, above
+it, and there in two columns."""
+
+CUT = "..."
+"""What stands for the middle of a longer one."""
+
+MOST_TICKS = 6
+"""Ticks of a logarithmic axis, which has them at its values."""
+
+
+@dataclass(frozen=True)
+class SweptAxis:
+    """A swept dimension: its name, and its numbers or texts in the order of the cells."""
+
+    name: str
+    values: Sequence[float] | Sequence[str]
+
+    @property
+    def is_text(self) -> bool:
+        """Whether the values are texts, which have no distance."""
+        return any(isinstance(value, str) for value in self.values)
+
+    @property
+    def places(self) -> Array:
+        """Where the values are on the axis."""
+        return np.asarray(range(len(self.values)) if self.is_text else self.values, dtype=float)
+
+    @property
+    def is_logarithmic(self) -> bool:
+        """Whether the values are more evenly spaced in their logarithms than themselves."""
+        places = np.sort(self.places)
+        if self.is_text or places.size < 3 or places[0] <= 0.0 or places[-1] < 4.0 * places[0]:
+            return False
+        plain, logs = np.diff(places), np.diff(np.log(places))
+        return bool(np.std(logs) / np.mean(logs) < np.std(plain) / np.mean(plain))
+
+    @property
+    def order(self) -> NDArray[np.intp]:
+        """The cells in the order of their places."""
+        return np.argsort(self.places, kind="stable")
+
+    @property
+    def in_order(self) -> SweptAxis:
+        """The axis of cells that are in the order of their places."""
+        return SweptAxis(self.name, [self.values[place] for place in self.order])
+
+    @property
+    def edges(self) -> Array:
+        """Edges half way between the places, which must be in order."""
+        if self.is_logarithmic:
+            return np.exp(time_edges(np.log(self.places)))
+        return time_edges(self.places)
+
+    def set_on(self, ax: Axes, letter: str, labelled: bool = True) -> None:
+        """Name one of the two axes, with ticks at the values where they are few or texts."""
+        name = self.name
+        label = LETTERS.get(name, f"${name}$" if LETTER.fullmatch(name) else name)
+        if labelled:
+            getattr(ax, f"set_{letter}label")(label, parse_math=label.startswith("$"))
+        set_ticks = getattr(ax, f"set_{letter}ticks")
+        if self.is_text:
+            texts = [_short(str(value), LONGEST_TICK) for value in self.values]
+            set_ticks(self.places, texts, parse_math=False, rotation=30 if letter == "x" else 0)
+        elif self.is_logarithmic:
+            getattr(ax, f"set_{letter}scale")("log")
+            ticks = self.places[:: -(-len(self.places) // MOST_TICKS)]
+            set_ticks(ticks, [f"{v:.0f}" if 1e3 <= v < 1e7 else f"{v:.3g}" for v in ticks])
+            set_ticks([], minor=True)
+
+
+def draw_swept_curves(
+    figure: FigureBase,
+    axis: SweptAxis,
+    curves: Mapping[str, xr.Dataset],
+    joined: bool = True,
+    told: str = "",
+) -> None:
+    """Draw the curves of each label over a swept dimension, in logarithms where values are wide.
+
+    A curve has a ``value``, how far its bars go ``low`` and ``high`` (NaN for none), maybe a
+    ``band`` to either side, and where what was run is ``faulty``. Points are ``joined`` by lines
+    where the axis has numbers. What is ``told`` stands above.
+    """
+    ax, order, axis = figure.subplots(), axis.order, axis.in_order
+    logarithmic = _is_wide(np.concatenate([curve["value"].values for curve in curves.values()]))
+    signs, rows = {}, 0
+    for number, (label, cells) in enumerate(curves.items()):
+        curve = cells.isel(dict.fromkeys(cells.dims, order))
+        look: dict[str, Any] = CURVES[number % len(CURVES)] | {"markersize": 4.0}
+        if axis.is_text or not joined:
+            look["linestyle"] = ""
+        aside = BESIDE * (number - (len(curves) - 1) / 2) if axis.is_text else 0.0
+        places, known = axis.places + aside, np.isfinite(curve["value"].values)
+        crosses = places[curve["faulty"].values & ~known]
+        if crosses.size:
+            heights, transform = np.full(crosses.size, ROW * (rows + 0.5)), ax.get_xaxis_transform()
+            cross = {"color": look["color"], "markersize": 5.0, "transform": transform}
+            signs[label] = ax.plot(crosses, heights, "x", **cross)[0]
+            rows += 1
+        if known.any():
+            signs[label] = _draw_curve(ax, places, curve, look, logarithmic)
+    if logarithmic:
+        ax.set_yscale("log")
+    else:
+        ax.ticklabel_format(axis="y", useOffset=False)
+    _leave_room(ax, rows)
+    axis.set_on(ax, "x")
+    ax.set_ylabel(curve.attrs["label"])
+    ax.set_title("; ".join(filter(None, (told, NO_RESULT if rows else ""))), loc="left")
+    draw_grid(ax)
+    if len(curves) > 1:
+        legend = ax.legend(
+            signs.values(), signs.keys(), loc="center left", bbox_to_anchor=(1.0, 0.5)
+        )
+        _plain_legend(legend, LONGEST_BESIDE)
+
+
+def _draw_curve(
+    ax: Axes, places: Array, curve: xr.Dataset, look: dict[str, Any], logarithmic: bool
+) -> Any:
+    """Draw the values with their bars and band; return what stands in a legend."""
+    values, low, high = (curve[name].values for name in ("value", "low", "high"))
+    bars = np.array([np.minimum(low, 0.99 * values) if logarithmic else low, high])
+    known = bars if np.isfinite(bars).any() else None
+    sign = ax.errorbar(places, values, known, capsize=3.0, **look)
+    if "band" in curve:
+        band = np.nan_to_num(curve["band"].values)
+        colour = {"color": look["color"], "alpha": 0.2}
+        if look["linestyle"]:
+            ax.fill_between(places, values - band, values + band, linewidth=0.0, **colour)
+        else:
+            ax.vlines(places, values - band, values + band, linewidth=8.0, **colour)
+    return sign
+
+
+def _leave_room(ax: Axes, rows: int) -> None:
+    """Move the values out of the way of that many rows of crosses, which are on grey."""
+    if rows:
+        share, scale = ROW * rows, ax.yaxis.get_transform()
+        low, high = scale.transform(np.array(ax.get_ylim()))
+        ends = np.array([low - share / (1.0 - share) * (high - low), low])
+        bottom, top = scale.inverted().transform(ends).tolist()
+        ax.set_ylim(bottom=bottom)
+        ax.axhspan(bottom, top, color=EMPTY, linewidth=0.0, zorder=0.0)
+
+
+def heat_height(count: int) -> float:
+    """Height in inches of that many heat maps."""
+    return HEAT_HEIGHT * -(-count // HEAT_ACROSS) + (0.6 if count == 1 else 0.0)
+
+
+def draw_heat_maps(
+    figure: FigureBase, axes: Mapping[str, SweptAxis], maps: Mapping[str, xr.Dataset]
+) -> None:
+    """Draw the maps of each title over two dimensions, with the same axes and the same colours.
+
+    A map has a ``value`` of each cell, NaN where there is none, its ``own`` error, NaN where that
+    is not known, and says where it is ``faulty``.
+    """
+    grid = panel_grid(figure, len(maps), HEAT_ACROSS, "", "")
+    norm = _colours(np.concatenate([cells["value"].values.ravel() for cells in maps.values()]))
+    (x, y), across = (axis.in_order for axis in axes.values()), grid.shape[1]
+    orders = {name: axis.order for name, axis in axes.items()}
+    told = []
+    for place, (ax, (title, cells)) in enumerate(zip(grid.flat, maps.items(), strict=False)):
+        cells = cells.isel(orders).transpose(*reversed(list(axes)))
+        values, own = cells["value"].values, np.nan_to_num(cells["own"].values)
+        unsure = np.isfinite(values) & (own > UNSURE * np.abs(np.nan_to_num(values)))
+        ax.set_facecolor(EMPTY)
+        shown = np.ma.masked_invalid(values)
+        drawn = ax.pcolormesh(x.edges, y.edges, shown, cmap="viridis", norm=norm, rasterized=True)
+        rows, columns = np.nonzero(cells["faulty"].values)
+        ax.plot(x.places[columns], y.places[rows], "x", color="black", markersize=4.0)
+        dark = np.asarray(norm(shown) < DARK)
+        _hatch(ax, x.edges, y.edges, unsure & dark, "white")
+        _hatch(ax, x.edges, y.edges, unsure & ~dark, "black")
+        ax.set_title(_short(title, LONGEST_BESIDE), loc="left", parse_math=False)
+        x.set_on(ax, "x", labelled=place >= len(maps) - across)
+        y.set_on(ax, "y", labelled=place % across == 0)
+        if np.isfinite(cells["own"]).any():
+            told.append(bool(unsure.any()))
+    figure.colorbar(drawn, ax=list(grid.flat), label=cells.attrs["label"])
+    if told:
+        look: dict[str, Any] = {"hatch": HATCH} if any(told) else {"alpha": 0.0}
+        words = f"own error {'above' if any(told) else 'nowhere above'} {UNSURE:.0%} of the value"
+        sign = Patch(facecolor="none", edgecolor="black", linewidth=0.0, label=words, **look)
+        figure.legend(handles=[sign], loc="outside lower left")
+
+
+def _hatch(ax: Axes, x: Array, y: Array, cells: Cells, colour: str) -> None:
+    """Hatch the cells, (y, x), between the edges."""
+    corners = [
+        [(x[j], y[i]), (x[j + 1], y[i]), (x[j + 1], y[i + 1]), (x[j], y[i + 1])]
+        for i, j in np.argwhere(cells)
+    ]
+    if corners:
+        look: dict[str, Any] = {"edgecolor": colour, "linewidth": 0.0, "hatch": HATCH}
+        ax.add_collection(PolyCollection(corners, facecolor="none", **look))
+
+
+def _work_columns(labels: Collection[str]) -> int:
+    """Columns of the legend above the panels of work against precision."""
+    longest = max(map(len, labels), default=0)
+    return 2 if longest + len(f": {OF_WAVE}") <= LONGEST_IN_TWO else 1
+
+
+def work_height(labels: Collection[str]) -> float:
+    """Height in inches of the panels of work against precision with their legend."""
+    return WORK_HEIGHT + 0.4 * len(labels) / _work_columns(labels)
+
+
+def draw_work_precision(
+    figure: FigureBase, curves: Mapping[str, xr.Dataset], joined: bool = True
+) -> None:
+    """Errors against work, both in logarithms: seconds, and site updates, which repeat exactly.
+
+    A curve has ``seconds``, ``updates``, errors that were ``estimated``, those ``achieved`` against
+    the wave, and the ``own`` ones of these. Estimates are ``joined``, and where there are none what
+    was achieved.
+    """
+    panels = figure.subplots(1, 2, sharey=True)
+    works = {"seconds": "seconds of the run", "updates": "site updates"}
+    for number, (label, curve) in enumerate(curves.items()):
+        look: dict[str, Any] = CURVES[number % len(CURVES)] | {"markersize": 4.0}
+        look |= {} if joined else {"linestyle": ""}
+        for ax, work in zip(panels, works, strict=True):
+            _draw_work(ax, work, f"{label}: " if label else "", curve, look)
+    for ax, (work, words) in zip(panels, works.items(), strict=True):
+        ax.set_xlabel(words)
+        ax.xaxis.set_minor_formatter(NullFormatter())
+        done = np.concatenate([np.ravel(curve[work]) for curve in curves.values()])
+        known = done[np.isfinite(done)]
+        if known.size and known.max() < 1.1 * known.min():  # the same work in all cells
+            ax.set_xlim(known.min() / 2.0, 2.0 * known.max())
+        low, high = ax.get_xlim()
+        if high < 10.0 * low:  # no power of ten may be among them
+            ticks = np.geomspace(low, high, 5)[1::2]
+            ax.set_xticks(ticks, [f"{tick:.3g}" for tick in ticks])
+        draw_grid(ax)
+    panels[0].set_ylabel("error")
+    handles, labels = panels[0].get_legend_handles_labels()
+    above = figure.legend(handles, labels, loc="outside upper center", ncols=_work_columns(curves))
+    _plain_legend(above, LONGEST_ABOVE)
+
+
+def _draw_work(ax: Axes, along: str, name: str, curve: xr.Dataset, look: dict[str, Any]) -> None:
+    work, own = (np.atleast_1d(curve[part]) for part in (along, "own"))
+    estimated, values = (
+        np.where(held > 0.0, held, np.nan)
+        for held in (np.atleast_1d(curve[part]) for part in ("estimated", "achieved"))
+    )
+    achieved = look | {"markerfacecolor": "none"}
+    if np.isfinite(curve["estimated"]).any():
+        ax.loglog(work, estimated, label=f"{name}{OF_ESTIMATE}", **look)
+        achieved["linestyle"] = ""
+    if np.isfinite(values).any():
+        ax.loglog(work, values, label=f"{name}{OF_WAVE}", **achieved)
+    low = np.maximum(values - own, 0.01 * values)
+    ax.vlines(work, low, values + own, color=look["color"], linewidth=1.0)
+
+
+def _plain_legend(legend: Any, longest: int) -> None:
+    """Show texts of a file as they are, if they are not longer than that."""
+    for text in legend.get_texts():
+        text.set_parse_math(False)
+        text.set_text(_short(text.get_text(), longest))
+
+
+def _short(text: str, longest: int) -> str:
+    """A text with its middle left out if it is longer: texts of one axis may begin alike."""
+    if len(text) <= longest:
+        return text
+    half = (longest - len(CUT)) // 2
+    return f"{text[:half].rstrip()}{CUT}{text[-half:].lstrip()}"
+
+
+def _is_wide(values: Array) -> bool:
+    known = values[np.isfinite(values)]
+    return known.size > 1 and known.min() > 0.0 and known.max() >= WIDE * known.min()
+
+
+def _colours(values: Array) -> Normalize:
+    """Logarithmic colours for wide positive values; some range where all are equal."""
+    known = values[np.isfinite(values)]
+    if not known.size:
+        return Normalize(0.0, 1.0)
+    low, high = float(known.min()), float(known.max())
+    if _is_wide(values):
+        return LogNorm(low, high)
+    return Normalize(low, high) if low < high else Normalize(low - 0.5, low + 0.5)
