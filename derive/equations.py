@@ -169,6 +169,17 @@ class Coefficients:
     monomials: Mapping[str, Monomial] = field(repr=False)
 
     @property
+    def nonlinear(self) -> Expr:
+        """The coefficient of the one nonlinear term; ValueError unless there is exactly one."""
+        found = [name for name, monomial in self.monomials.items() if len(monomial) > 1]
+        if len(found) != 1:
+            raise ValueError(
+                f"the equation must have one nonlinear term, got {len(found)} in "
+                f"{', '.join(self.terms)} (read the coefficients from .terms)"
+            )
+        return self.terms[found[0]]
+
+    @property
     def dispersive(self) -> Expr:
         """The coefficient of Y_XXX, 0 if the equation has no such term."""
         return self.terms.get("Y_XXX", S.Zero)

@@ -37,6 +37,8 @@ def fake(name: str, off: float = 0.0) -> xr.Dataset:
         "error_estimate": 4e-5,
         "seconds": 2.0,
         "planning_seconds": 1.0,
+        "frame_speed": scene.model.sound_speed(),
+        "power": 1,
     }
     return xr.Dataset(data, {"time": list(scene.snapshots), "site": np.arange(-2, 3)}, attributes)
 
