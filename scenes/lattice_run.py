@@ -12,6 +12,7 @@ import numpy as np
 
 from longwave.lattice.refine import Announce, StoppedSearch, refine
 from longwave.scenes.lattice_derivation import LatticeDerivation, derivation, lattice_wave
+from longwave.scenes.numerics import Tolerance
 from longwave.scenes.observables import MEASURED, observable_named
 from longwave.scenes.pulse_meter import crest, pulse_track
 from longwave.scenes.recorders import exact_times
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
     from longwave.lattice.model import State
     from longwave.lattice.trial import Progress
     from longwave.scenes.lattice_wave import LatticeWave
+    from longwave.scenes.ring_spectral import SpectralRuns
 
 ACROSS = 2
 """``Z = eps**2 m``."""
@@ -52,9 +54,20 @@ def scene_cost(scene: Scene) -> ExpectedCost:
 
     Raises ValueError as `record_scene` does for what is wrong before anything is run.
     """
+    if isinstance(scene.numerics, Tolerance) and scene.numerics.engine == "spectral":
+        return engine_of(*wave_rings(scene)).expected
     wave = lattice_wave(scene)
     timed = in_lattice_times(scene, wave.slow)
     return expected_rings(wave, compared_cells(scene, wave), _stops(timed))
+
+
+def engine_of(timed: Scene, rings: WaveRings) -> RingRuns | SpectralRuns:
+    """The engine that the scene names, or the one site by site."""
+    if timed.target.engine != "spectral":
+        return RingRuns(timed, rings)
+    from longwave.scenes.ring_spectral import SpectralRuns  # with a library of its own
+
+    return SpectralRuns(timed, rings)
 
 
 def wave_size(scene: Scene, t: float, far_field: bool) -> float:
@@ -75,7 +88,10 @@ def _started_wave(scene: Scene) -> LatticeWave:
 def in_lattice_times(scene: Scene, slow: int) -> Scene:
     """The scene with t0 and snapshots in the place of slow times; ``T = eps**slow t``."""
     times = scene.lattice_times(slow)
-    return scene.changed(t0=times[0], snapshots=times if scene.keeps_start else times[1:])
+    timed = scene.changed(t0=times[0], snapshots=times if scene.keeps_start else times[1:])
+    if getattr(scene.numerics, "engine", "") != "spectral" or scene.look_points is not None:
+        return timed
+    return timed.changed(look_points=scene.curve_points)  # it stops nowhere by itself
 
 
 def _stops(timed: Scene) -> Sequence[float]:
@@ -129,12 +145,12 @@ def record_scene(
     derived = derivation(scene)
     timed, rings = wave_rings(scene)
     announce = announce or (lambda _: None)
-    announce(rings.expected.seconds)
     try:
         if scene.tolerance is None:
+            announce(rings.expected.seconds)
             record = run_from(RingCells(timed, rings), restart, progress)
         else:
-            record = _to_tolerance(scene, RingRuns(timed, rings), progress, announce, begun)
+            record = _to_tolerance(scene, engine_of(timed, rings), progress, announce, begun)
     except UnfinishedRun as stop:
         _tell(stop.record, derived, rings.wave)
         raise
@@ -170,26 +186,28 @@ LONG_NAMES = {
 
 def _to_tolerance(
     scene: Scene,
-    engine: RingRuns,
+    engine: RingRuns | SpectralRuns,
     progress: Progress | None,
     announce: Announce,
     begun: float,
 ) -> RunRecord:
+    announce(engine.expected.seconds)
     try:
         found = refine(engine, scene.target.tolerance, progress or (lambda _: None), announce)
     except StoppedSearch as stop:
         run = None if stop.trial is None else stop.trial.payload
         raise unfinished(run, scene, stop.error, stop.before) from None
-    record: RunRecord = found.trial.payload
-    if math.isinf(found.error) and not record.attrs["blow_up"]:
+    record: RunRecord | None = found.trial.payload
+    if record is None or (math.isinf(found.error) and not record.attrs["blow_up"]):
         raise ValueError(
             f"times must end before {scene.lattice} blows up, got {engine.times[-1]:g} (no step "
             "follows it; end earlier or take a smaller eps)"
         )
     judged(record, scene, found, begun)
-    _add_pulse(record, engine, found.trial.choices.step)
-    if engine.rings.wave.lattice.dimension > 1:
-        record.scene = scene  # the ring of a plane has no number of sites that says it
+    if isinstance(engine, RingRuns):
+        _add_pulse(record, engine, found.trial.choices.step)
+    if not isinstance(engine, RingRuns) or engine.rings.wave.lattice.dimension > 1:
+        record.scene = scene  # a spectral ring, and that of a plane, has no sites that say it
     return record
 
 

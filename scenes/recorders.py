@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any, Protocol
@@ -120,10 +120,19 @@ class Recorder:
 
     def see(self, view: View) -> None:
         """Measure every entry once."""
-        found = [entry.measure(view) for entry in self.entries]
-        for name, value in ((name, row[name]) for row in found for name in row):
+        self.add(view.t, self.measured(view))
+
+    def measured(self, view: View) -> dict[str, Any]:
+        """What every entry measures of a view."""
+        return {
+            name: value for entry in self.entries for name, value in entry.measure(view).items()
+        }
+
+    def add(self, t: float, row: Mapping[str, Any]) -> None:
+        """Record what was measured at a time."""
+        for name, value in row.items():
             self._rows.setdefault(name, []).append(value)
-        self.times.append(view.t)
+        self.times.append(t)
 
     def memory(self) -> Memory:
         """What was recorded, and when it is to look next."""

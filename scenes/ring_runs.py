@@ -215,25 +215,28 @@ class WaveRings:
 class RingCells:
     """The cells of a ring as they are stepped (`stated_run.SteppedScene`).
 
-    The scene has times of the lattice. Its ring has as many sites as it says, or is so much
-    ``wider`` than it must be. Raises ValueError for a ring that is too small.
+    The scene has times of the lattice. Its ring has as many sites as it says, unless its ``ends``
+    are given. Raises ValueError for a ring that is too small.
     """
 
     def __init__(
-        self, scene: Scene, rings: WaveRings, wider: int | None = None, nudged: bool = False
+        self,
+        scene: Scene,
+        rings: WaveRings,
+        ends: list[Ends] | None = None,
+        nudged: bool = False,
     ) -> None:
         self.scene, self.rings, self._nudged = scene, rings, nudged
         self.scale, self.reach = rings.wave.scale, rings.compared.reach
-        if wider is None:
+        if ends is None:
             least, sites = sites_of(rings.ends()), scene.discretisation.sites
             if sites < least:
                 raise ValueError(
                     f"sites must satisfy sites >= {least} on this ring, got {sites} (else signals "
                     "from the seam reach the compared sites; widen it or end earlier)"
                 )
-            wider = sites - least
-        self._wider = wider
-        self.ends = rings.ends(wider)
+            ends = rings.ends(sites - least)
+        self.ends = ends
 
     @property
     def task(self) -> str:
@@ -445,6 +448,7 @@ class RingRuns(StepSearch):
         longest = longest_step(rings.fastest, wave.frequency, self._scheme)
         sites = float(sites_of(rings.ends()))
         super().__init__(self._scheme.order, longest, np.array(self.times), sites)
+        self.expected = rings.expected
 
     def run(self, choices: Choices, shown: bool, progress: Progress = lambda _: None) -> Trial:
         """A run on a ring as wide as it must be, or as much wider as the size is larger.
@@ -467,7 +471,10 @@ class RingRuns(StepSearch):
             run, stopped = stop.record, True
         if not choices.nudged:
             self.metered[choices.step] = np.array(metered.samples)
-        _tell_energies(run, wave, energies.samples, metered.samples)
+        if metered.samples:
+            tell_energies(run, float(metered.samples[0][-1]), float(metered.samples[-1][-1]))
+        elif wave.lattice.conserves_energy:
+            tell_energies(run, float(energies.samples[0]), float(energies.samples[-1]))
         values, ring = np.array(judged.samples), cells.ring
         whole = float(np.max(np.abs(self.rings.seen(ring, ring.f, ring.v))))
         limit = GROWTH * max(self.rings.least, whole) / wave.scale
@@ -494,7 +501,7 @@ class RingRuns(StepSearch):
         stated = Discretisation(choices.step, "ring", sites, self._scheme.name)
         observables = () if choices.nudged else self.scene.observables
         plan = replace(self.scene, numerics=stated, observables=observables)
-        return RingCells(plan, self.rings, wider, choices.nudged)
+        return RingCells(plan, self.rings, self.rings.ends(wider), choices.nudged)
 
     def metered_before(self, step: float) -> Array:
         """What the meter gave in the run with the next longer step; nan where there is none."""
@@ -518,13 +525,9 @@ class RingRuns(StepSearch):
         return super().work(choices) * self._scheme.stages * choices.size * self._fields
 
 
-def _tell_energies(
-    run: RunRecord, wave: LatticeWave, energies: Sequence[Array], metered: Sequence[Array]
-) -> None:
-    """Tell by how much the energy changed, of the ring or as the wave's meter has it."""
-    found = [row[-1] for row in metered] or list(energies)
-    begin, end = (float(value) for value in (found[0], found[-1]))
-    if (wave.lattice.conserves_energy or metered) and math.isfinite(begin):
+def tell_energies(run: RunRecord, begin: float, end: float) -> None:
+    """Tell by how much an energy changed; nothing where it is none."""
+    if math.isfinite(begin):
         run.attrs["energy_drift"] = abs(end - begin) / abs(begin) if begin else 0.0
 
 

@@ -111,10 +111,20 @@ def _check_numerics(scene: Scene) -> None:
                 f"domain must be 'ring' for {scene.wave} on {scene.lattice}, or a tolerance be "
                 f"given, got {numerics} (mKdV waves on {CHAIN} have others)"
             )
-    elif numerics.engine not in ("", "stencil") or (numerics.scheme and scene.is_growth):
+    elif numerics.engine == "spectral" and (scene.disorder or scene.is_growth):
+        what = "with disorder" if scene.disorder else f"with the wave {PERTURBED_PLANE}"
         raise ValueError(
-            f"engine must be 'stencil' for {scene.wave} on {scene.lattice}, got {numerics} (mKdV "
-            f"waves on {CHAIN} have others)"
+            f"engine must be 'stencil' {what}, got 'spectral' (it takes waves on a lattice that is "
+            "the same in all cells; leave the engine out)"
+        )
+    elif numerics.engine == "spectral" and "state" in scene.observables:
+        raise ValueError(
+            "engine must be 'stencil' for state, got 'spectral' (it has no sites to go on with)"
+        )
+    elif numerics.scheme and scene.is_growth:
+        raise ValueError(
+            f"scheme must not be given with the wave {PERTURBED_PLANE}, got {numerics.scheme} "
+            "(leave it out)"
         )
 
 

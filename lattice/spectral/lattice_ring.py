@@ -16,6 +16,7 @@ Time, which the frame's place depends on, is carried along as the last of the mo
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from functools import cached_property
 
 import numpy as np
@@ -27,6 +28,7 @@ from longwave.lattice.spectral.evolution import WATCH, SamplingError
 from longwave.lattice.spectral.exponential import ExponentialAdams
 from longwave.lattice.spectral.field_ring import FieldRing, modes_of, spectrum_tails, values_of
 from longwave.lattice.spectral.normal_modes import multipliers, normal_modes
+from longwave.support.checkpoint import Memory
 from longwave.support.compiled.jit import njit
 
 Array = NDArray[np.float64]
@@ -160,27 +162,45 @@ class LatticeRing:
         lifted = np.flatnonzero(modes.excess)
         self._lifted = lifted, (modes.excess / (2j * modes.w)).reshape(-1)[lifted]
 
-    def at(self, t: float) -> FieldRing:
-        """The ring at time ``t``, which must not lie before the last one; its points stay."""
+    def at(self, t: float, pause: Callable[[], None] = lambda: None) -> FieldRing:
+        """The ring at time ``t``, which must not lie before the last one; its points stay.
+
+        ``pause`` is called on the way wherever the fields were looked at.
+        """
         with np.errstate(over="ignore", invalid="ignore"):
-            p = self._moved(t - self.start.t)
+            p = self._moved(t - self.start.t, pause)
         f = self._watch(p, t)
         start = self.start
         velocities = self._fields(0.5 * (p[0, :-1] + p[1, :-1]), p[0, -1].real)
         v = values_of(velocities, start.counts[-1])
         return FieldRing(t, start.left, start.circumferences, f, v)
 
-    def _moved(self, duration: float) -> Complex:
+    def memory(self) -> Memory:
+        """What `recall` needs at a pause."""
+        return {"largest": self.largest, "integrator": self.integrator.memory()}
+
+    def recall(self, memory: Memory) -> None:
+        """Be where another ring, made alike, had that `memory`."""
+        self.largest = memory["largest"]
+        self.integrator.recall(memory["integrator"])
+
+    def _moved(self, duration: float, pause: Callable[[], None]) -> Complex:
         integrator = self.integrator
         for _ in range(integrator.whole_steps(duration)):
             integrator.step()
             if integrator.steps % WATCH == 0:
                 self._watch(integrator.p, self.start.t + integrator.steps * integrator.h)
+                pause()
         return integrator.ahead(duration)
 
     def typical_rates(self) -> tuple[float, float]:
-        """Mean frequency of what moves, in the frame that moves and in that which stands still."""
-        share = np.abs(self._first[:, :-1]) ** 2
+        """Mean frequency of what moves, in the frame that moves and in that which stands still.
+
+        Where the fields' means are does not count: under a mean strain they rest away from 0.
+        """
+        p = self._first[:, :-1].copy()
+        p[:, :: self._size] = np.mean(p[:, :: self._size], axis=0)
+        share = np.abs(p) ** 2
         total = float(np.sum(share)) or 1.0
         moving = np.abs(self._linear[:, :-1]) ** 2
         still = np.broadcast_to(np.abs(self._divisor / 2.0) ** 2, share.shape)

@@ -3,7 +3,8 @@
 The run is judged by `lattice.refine`: done again with a shorter step and more points, and with the
 last digits of its data changed. The tail of the spectrum is watched all the time: where it rises
 above its bound, the run is begun again with more points. Fewer than the state has are taken where
-they hold it, none fewer where its points are the sites of lattices.
+they hold it, none fewer where its points are the sites of lattices that are all judged. A ring that
+has a point for each site of its one lattice is that lattice, and needs no more of them.
 """
 
 from __future__ import annotations
@@ -44,6 +45,7 @@ from longwave.lattice.trial import (
     nudged,
     rounding_error,
 )
+from longwave.support.checkpoint import Memory, begin_loop
 
 Array = NDArray[np.float64]
 Judged = Callable[[FieldRing], Array]
@@ -122,7 +124,8 @@ def spectral_integrate(
     trial = found.trial
     if trial.values is None:
         raise ValueError(engine.refusal(float(wanted[-1])))
-    ring, states = trial.payload
+    ring, rows = trial.payload
+    states = tuple(FieldRing(**row) for row in rows)
     cost = Cost(
         ring.integrator.steps,
         ring.integrator.evaluations,
@@ -177,7 +180,11 @@ def _frame(lattice: NumericLattice, speed: float | tuple[float, ...]) -> tuple[f
 
 
 class FieldSearch:
-    """Runs of a ring of fields from a state, for `refine` to judge."""
+    """Runs of a ring of fields from a state, for `refine` to judge.
+
+    What is judged is in so many ``unit`` of the fields. It is ``at_sites`` if it stands at the
+    sites of one lattice alone, each of which is a point of the state.
+    """
 
     kinds: tuple[Kind, ...] = ("step", "sampling")
     threads = 1
@@ -195,26 +202,29 @@ class FieldSearch:
         speed: tuple[float, ...],
         tolerance: float,
         judged: Judged | None,
+        unit: float = 1.0,
+        at_sites: bool = False,
     ) -> None:
         self.fragile = not lattice.is_linear
         self._lattice, self._state, self._speed = lattice, state, speed
         self._times, self._tolerance = times, tolerance
         self._duration = float(times[-1] - state.t)
+        self._unit, self._at_sites = unit, at_sites
         largest = float(np.max(np.abs(state.f)))
-        least = rounding_error(largest, 100)
+        least = rounding_error(largest / unit, 100)
         if tolerance < least:
             raise ValueError(
                 f"tolerance must satisfy tolerance >= {least:.2g} here, got {tolerance:g} (less is "
                 "rounding)"
             )
-        self._tail = max(TAIL_SHARE * tolerance, ROUNDED_TAIL * largest)
+        self._tail = max(TAIL_SHARE * tolerance * unit, ROUNDED_TAIL * largest)
         self._whole = judged is None and whole(state)
         counts = state.counts
         self._judged: Judged = judged or (
             lambda ring: np.array(ring_stretches(lattice, ring.sampled(counts)))
         )
         self._density, self._crowded = self._first_density(), False
-        self._dense_state: dict[tuple[int, ...], FieldRing] = {}
+        self._dense_state: dict[tuple[float, tuple[int, ...]], FieldRing] = {}
         self._alike, self._ran_away = 0.0, list[float]()
         self._first = self._first_choices()
 
@@ -275,7 +285,7 @@ class FieldSearch:
                 return self._run(choices, progress)
             except SamplingError:
                 self._density *= DENSER
-                if math.prod(self._counts(choices)) > MOST_POINTS:
+                if not self._at_sites and math.prod(self._counts(choices)) > MOST_POINTS:
                     self._crowded = True
                     break
             except RunawayError as error:
@@ -304,7 +314,8 @@ class FieldSearch:
     def better(self, choices: Choices, kind: Kind, excess: float) -> Choices:
         """By the law of the order, or more points."""
         if kind == "sampling":
-            return choices if self._whole else replace(choices, density=DENSER * choices.density)
+            density = choices.density if self._is_whole(choices) else DENSER * choices.density
+            return replace(choices, density=density)
         factor = max(LEAST_FACTOR, 0.9 * excess ** (-1.0 / ORDER))
         return replace(choices, step=factor * choices.step)
 
@@ -329,39 +340,65 @@ class FieldSearch:
             "step follows them; end earlier or take smaller fields)"
         )
 
+    def _begun(self, choices: Choices) -> tuple[NumericLattice, FieldRing]:
+        """The lattice and the state that a run begins from, before it is sampled."""
+        return self._lattice, self._state
+
     def _counts(self, choices: Choices) -> tuple[int, ...]:
+        _, state = self._begun(choices)
         if self._whole:
-            return self._state.counts
-        return _fast_counts(self._state, self._density * choices.density, choices.finer)
+            return state.counts
+        found = _fast_counts(state, self._density * choices.density, choices.finer)
+        pairs = zip(found, state.counts, strict=True)
+        return state.counts if self._at_sites and any(a >= b for a, b in pairs) else found
+
+    def _is_whole(self, choices: Choices) -> bool:
+        """Whether the ring is a lattice, so that nothing is folded onto its points."""
+        at_sites = self._at_sites and self._counts(choices) == self._begun(choices)[1].counts
+        return self._whole or at_sites
 
     def _ring(self, choices: Choices, tail: float) -> LatticeRing:
-        counts = self._counts(choices)
-        if counts not in self._dense_state:
-            self._dense_state[counts] = self._state.sampled(counts)
-        state = self._dense_state[counts]
+        lattice, state = self._begun(choices)
+        key = choices.size, self._counts(choices)
+        if key not in self._dense_state:
+            self._dense_state[key] = state.sampled(key[1])
+        state = self._dense_state[key]
         if choices.nudged:
             f, v = nudged(state.f, state.v)
             state = replace(state, f=f, v=v)
-        return LatticeRing(self._lattice, state, choices.step, self._duration, self._speed, tail)
+        return LatticeRing(lattice, state, choices.step, self._duration, self._speed, tail)
 
     def _run(self, choices: Choices, progress: Progress) -> Trial:
-        begun = perf_counter()
-        ring = self._ring(choices, math.inf if self._whole else self._tail)
-        states = []
-        for t in self._times:
-            states.append(ring.at(float(t)))
+        loop = begin_loop(f"spectral {choices} {self._counts(choices)}")
+        ring = self._ring(choices, math.inf if self._is_whole(choices) else self._tail)
+        rows: list[tuple[Array, Memory]] = []
+
+        def memory() -> Memory:
+            return {"rows": rows, "ring": ring.memory()}
+
+        if loop.memory is not None:
+            rows.extend(loop.memory["rows"])
+            ring.recall(loop.memory["ring"])
+        for t in self._times[len(rows) :]:
+            state = ring.at(float(t), lambda: loop.offer(memory))
+            rows.append((self._judged(state), self._kept(state)))
             progress((float(t) - self._state.t) / (self._duration or 1.0))
-        values = np.array([self._judged(state) for state in states])
+        loop.end(memory)
+        values, kept = zip(*rows, strict=True)
         told = choices.step <= self._telling
         return Trial(
             choices,
-            values,
+            np.array(values),
             self.work(choices),
-            perf_counter() - begun,
-            rounding_error(ring.largest, ring.integrator.evaluations),
-            (ring, tuple(states)),
+            perf_counter() - loop.begun,
+            rounding_error(ring.largest / self._unit, ring.integrator.evaluations),
+            (ring, kept),
             alike=0.0 if told else self._alike,
         )
+
+    def _kept(self, state: FieldRing) -> Memory:
+        """What is kept of a ring at one of the times, beside what is judged: all of it."""
+        return vars(state)
 
 
 def _fast_counts(state: FieldRing, density: float, finer: float = 1.0) -> tuple[int, ...]:

@@ -113,7 +113,11 @@ for command in (derive, prove, library, check, verify):
     metavar="X",
     help="Sup error of y/eps to be kept; step and domain are then chosen by the program.",
 )
-@click.option("--engine", metavar="E", help=f"{' or '.join(ENGINES)}, with a tolerance.")
+@click.option(
+    "--engine",
+    metavar="E",
+    help=f"{' or '.join(ENGINES)}, with a tolerance; site by site or on a spectral ring.",
+)
 @click.option("--output", metavar="FILE.nc", type=click.Path(), help="Write the run as NetCDF-4.")
 @click.option(
     "--store",

@@ -131,7 +131,7 @@ def test_a_control_run_has_more_points_than_the_fewest() -> None:
     search = FieldSearch(CHAIN, long.sampled((96,)), np.array([1.0]), (0.6,), 1e-2, None)
     first = search.run(search.first(), False)
     control = search.run(search.varied(search.first(), search.kinds), True)
-    fewest, more = (trial.payload[1][0].counts[0] for trial in (first, control))
+    fewest, more = (trial.payload[1][0]["f"].shape[1] for trial in (first, control))
     assert fewest == 8
     assert more == 10
 

@@ -129,10 +129,7 @@ def test_a_wrong_word_is_one_line_and_status_2(capsys: Output) -> None:
         (["converge", "toda_soliton", "--eps", "0.1,0.1,0.2"], "eps must be 3 to 20 different"),
         (["converge", "toda_soliton", "--output", "rate.txt"], "must be a path ending in .png"),
         (["converge", "rogue_cn_k_0.5"], "tolerance must be given for this, got a stated step"),
-        (
-            ["run", "toda_soliton", "--engine", "spectral"],
-            "engine must be 'stencil' for kdv_soliton on toda",
-        ),
+        (["run", "toda_soliton", "--engine", "steam"], "got 'steam' (one of stencil, spectral)"),
         (["list", "wavse"], "'wavse' is not one of 'lattices', 'waves'"),
         (["list", "wavse"], "(did you mean waves? see longwave list --help)"),
         (["--completion", "tcsh"], "'tcsh' is not one of 'bash', 'zsh', 'fish'"),

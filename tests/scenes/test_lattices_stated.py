@@ -82,7 +82,7 @@ def test_finer_steps_and_wider_rings_change_no_more_than_was_estimated(whole: xr
 @pytest.mark.parametrize(
     ("scene", "changes", "message"),
     [
-        (TODA, {"engine": "spectral"}, "engine must be 'stencil' for kdv_soliton on toda"),
+        (TODA, {"engine": "spectral", "observables": ["state"]}, "engine must be 'stencil' for s"),
         (TODA, {"observables": ["energ"]}, "observables must be a known one, got 'energ'"),
         (TODA, {"observables": ["domain_error"]}, "observables must have no refinement with a"),
         (STRAINS, {"observables": ["energy"]}, "observables must have no energy on fput_strain"),
