@@ -19,7 +19,7 @@ from longwave.solutions.compile.tape import tape_of
 from longwave.solutions.functions.multiprecision import MpmathFormula
 from longwave.solutions.record import ClosedForm
 from longwave.solutions.run.program import Program
-from longwave.support.compiled.kernel_folder import cache_folder, read_whole, write_whole
+from longwave.support.compiled.kernel_folder import cache_folder
 from longwave.support.compiled.source_digest import source_digest
 
 __all__ = ["compile_program", "kept_program"]
@@ -35,23 +35,19 @@ def kept_program(
 ) -> Program:
     """The program of a part of a closed form: from disk, or compiled and kept there.
 
-    ``expressions`` makes the part's real expressions; it is not called if the program is there. A
-    cache can only save time: whatever goes wrong in it means that the program is compiled.
+    ``expressions`` makes the part's real expressions; it is not called if the program is there.
     """
-    folder = cache_folder(__name__, source_digest(__name__))
-    if folder is None:
-        return compile_program(expressions(), parameters, form.equation.has_across)
     if form.module:
         key = f"{source_digest(form.module)} {form.name} {part} {parameters}"
     else:
         key = f"{sp.srepr(tuple(expressions()))} {sp.srepr(parameters)}"
-    path = folder / f"{hashlib.sha256(key.encode()).hexdigest()[:32]}.json"
-    kept = read_whole(path)
-    if kept is not None:
-        return Program.read(kept.decode())
-    program = compile_program(expressions(), parameters, form.equation.has_across)
-    write_whole(path, program.text().encode())
-    return program
+    kept = cache_folder(__name__).kept(
+        f"{hashlib.sha256(key.encode()).hexdigest()[:32]}.json",
+        lambda: compile_program(expressions(), parameters, form.equation.has_across)
+        .text()
+        .encode(),
+    )
+    return Program.read(kept.decode())
 
 
 def compile_program(
