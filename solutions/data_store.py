@@ -55,8 +55,9 @@ class DataStore:
         """Keep it, if it can be."""
         with suppress(pickle.PicklingError, TypeError, AttributeError):
             self._folder.write(f"{self._stem}.{part}", pickle.dumps(value))
+        folder = self._folder.path
         with suppress(OSError):
-            files = [*self._folder.path.iterdir()]
+            files = [] if folder is None else [*folder.iterdir()]
             if len(files) > MOST_FILES + SPARE_FILES:
                 files.sort(key=lambda path: path.stat().st_mtime)
                 for path in files[:-MOST_FILES]:

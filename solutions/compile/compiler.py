@@ -2,8 +2,9 @@
 
 The lowered expression (``solutions.compile.lowering``) becomes a tape with derivatives
 (``solutions.compile.tape``), and the tape bytecode for the machine. A program is kept on disk, in
-the folder of the compiled kernels: its key is made of the sources that write programs and of the
-expression, or of the source of the closed form, which need not be made then.
+a folder that follows the sources of what writes it and of the catalogue, under the name of the
+closed form, whose expression need not be made then; for others than the catalogue's, the expression
+is the key.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from collections.abc import Callable, Sequence
 
 import sympy as sp
 
+from longwave.solutions.catalogue import CATALOGUE
 from longwave.solutions.compile.assembler import Assembler
 from longwave.solutions.compile.lowering import Lowering
 from longwave.solutions.compile.tape import tape_of
@@ -20,7 +22,6 @@ from longwave.solutions.functions.multiprecision import MpmathFormula
 from longwave.solutions.record import ClosedForm
 from longwave.solutions.run.program import Program
 from longwave.support.compiled.kernel_folder import cache_folder
-from longwave.support.compiled.source_digest import source_digest
 
 __all__ = ["compile_program", "kept_program"]
 
@@ -38,16 +39,15 @@ def kept_program(
     ``expressions`` makes the part's real expressions; it is not called if the program is there.
     """
     if form.module:
-        key = f"{source_digest(form.module)} {form.name} {part} {parameters}"
+        key = f"{form.name} {part} {parameters}"
     else:
         key = f"{sp.srepr(tuple(expressions()))} {sp.srepr(parameters)}"
-    kept = cache_folder(__name__).kept(
-        f"{hashlib.sha256(key.encode()).hexdigest()[:32]}.json",
-        lambda: compile_program(expressions(), parameters, form.equation.has_across)
-        .text()
-        .encode(),
-    )
-    return Program.read(kept.decode())
+
+    def text() -> bytes:
+        return compile_program(expressions(), parameters, form.equation.has_across).text().encode()
+
+    name = f"{hashlib.sha256(key.encode()).hexdigest()[:32]}.json"
+    return Program.read(cache_folder(__name__, *CATALOGUE.modules).kept(name, text).decode())
 
 
 def compile_program(

@@ -1,4 +1,4 @@
-"""Where machine code, and data, are kept from one process to the next, under keys that follow sources.
+"""Where machine code and data are kept from one process to the next, under keys of their sources.
 
 What is kept lies in a folder that is named by a digest of all that it is made from
 (`support.compiled.source_digest`) and of numba's settings. So nothing old is ever found, and going
