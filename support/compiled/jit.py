@@ -14,7 +14,6 @@ import functools
 import os
 import re
 import struct
-import threading
 from collections.abc import Callable, Iterable
 from functools import cached_property, lru_cache
 from types import MethodType
@@ -38,8 +37,9 @@ LARGEST = 2**63
 
 PROTOTYPE = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_char_p)
 
-FLAGS = 0x503
-"""NumPy's flags of arrays for the order in C and in Fortran, for aligned and for writeable."""
+C_ORDER, OF_C, OF_OTHERS = 0x1, 0x501, 0x502
+"""NumPy's flags of arrays: the order of C; with it, aligned and writeable; these two and the order
+of Fortran."""
 
 ADDRESS = object.__basicsize__
 """Where an array object says where its numbers are: NumPy's binary interface, as a test asks. To
@@ -83,7 +83,6 @@ class Kernel:
         self.py_func = function
         self._kept, self._options = kept, OPTIONS | options
         self._entries: dict[tuple[Any, ...], tuple[Callable[..., int], Callable[..., bytes]]] = {}
-        self._lock = threading.Lock()
 
     def __call__(self, *arguments: Any) -> Any:
         """The function's value."""
@@ -94,8 +93,7 @@ class Kernel:
         _unpack(arguments, kinds, words)
         known = tuple(kinds)
         if known not in self._entries:
-            with self._lock:
-                self._entries[known] = self._entry(known, words, arguments)
+            self._entries[known] = self._entry(known, words, arguments)
         entry, packed = self._entries[known]
         if entry(packed(*words)):
             raise RuntimeError(f"{self.py_func.__name__} must raise nothing, got an exception")
@@ -170,7 +168,9 @@ def _unpack(values: Iterable[Any], kinds: list[Any], words: list[Any]) -> None:
     for value in values:
         kind = type(value)
         if kind is np.ndarray:
-            kinds += (value.dtype, value.ndim, value.flags.num & FLAGS)
+            flags = value.flags.num
+            flags &= OF_C if flags & C_ORDER else OF_OTHERS
+            kinds += (value.dtype, value.ndim, flags)
             words += (0, 0, value.size, value.itemsize, _word(id(value) + ADDRESS).value)
             words += value.shape
             words += value.strides
@@ -183,7 +183,7 @@ def _unpack(values: Iterable[Any], kinds: list[Any], words: list[Any]) -> None:
         elif value is None:
             kinds.append(None)
             words.append(0)
-        elif isinstance(value, np.generic):
+        elif isinstance(value, np.float64 | np.integer):
             _unpack((value.item(),), kinds, words)
         else:
             raise TypeError(
@@ -193,7 +193,9 @@ def _unpack(values: Iterable[Any], kinds: list[Any], words: list[Any]) -> None:
 
 
 def _plain(value: Any) -> Any:
-    """Python's own number for NumPy's."""
+    """Python's own numbers for NumPy's."""
+    if isinstance(value, tuple):
+        return tuple(map(_plain, value))
     return value.item() if isinstance(value, np.generic) else value
 
 

@@ -73,9 +73,9 @@ def _compiled(text: str) -> bytes:
     options = binding.create_pipeline_tuning_options(speed_level=3)
     builder = binding.create_pass_builder(_machine(), options)
     builder.getModulePassManager().run(parsed, builder)
-    for function in parsed.functions:
-        name = function.name
-        if function.is_declaration and not (name.startswith("llvm.") or hasattr(math, name)):
+    for value in (*parsed.functions, *parsed.global_variables):
+        name = value.name
+        if value.is_declaration and not (name.startswith("llvm.") or hasattr(math, name)):
             raise TypeError(
                 "machine code must call nothing but itself and C's mathematical functions, got "
                 f"{name} (NRT_ stands for arrays that are made: give it its space)"

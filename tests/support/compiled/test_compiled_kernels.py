@@ -50,7 +50,7 @@ def frozen(array: np.ndarray) -> np.ndarray:
         ((GRID, (1.0, 2.0), 0.5, 3, 0.0, None), 19.0),
         ((GRID, (1.0, 2.0), 0.5, 3, 0.0, 4.0), 23.0),
         ((GRID, (1.0, 2.0), np.float64(0.5), np.int64(3), 0.0, None), 19.0),
-        ((GRID, (1.0, 2.0), np.float32(0.5), 3, 0.0, None), 19.0),
+        ((GRID, (np.int32(1), np.float64(2.0)), 0.5, np.int8(3), 0.0, None), 19.0),
         ((GRID.T, (1.0, 2.0), 0.5, 3, 0.0, None), 19.0),
         ((np.ones((4, 6))[::2, ::3], (1.0, 2.0), 0.5, 3, 0.0, None), 8.0),
         ((np.ones((4, 6))[::-2, ::3], (1.0, 2.0), 0.5, 3, 0.0, None), 8.0),
@@ -79,6 +79,7 @@ def test_arguments_of_all_kinds_are_read_as_what_they_are(
         (GRID, (1.0, 2.0), "0.5", 3, 1.0, None),
         (GRID, (1.0, 2.0), 0.5, True, 1.0, None),
         (GRID, (1.0, 2.0), 0.5j, 3, 1.0, None),
+        (GRID, (1.0, 2.0), np.float32(0.5), 3, 1.0, None),
         (GRID.tolist(), (1.0, 2.0), 0.5, 3, 1.0, None),
         (GRID.astype(">f8"), (1.0, 2.0), 0.5, 3, 1.0, None),
         (GRID, (1.0, 2.0), 0.5, 2**63, 1.0, None),
@@ -102,6 +103,15 @@ def test_an_array_that_may_not_be_written_is_another_kind() -> None:
     total(GRID, (1.0, 2.0), 0.5, 3, 0.0, None)
     with pytest.raises(NumbaError, match="readonly"):
         _total(frozen(np.zeros(1)), GRID, (1.0, 2.0), 0.5, 3, 0.0, None)
+
+
+def test_arrays_of_one_row_are_of_the_same_kind_as_those_of_more() -> None:
+    """They are in the order of Fortran as well: the kernel would be compiled twice."""
+    arguments = (1.0, 2.0), 0.5, 3, 0.0, None
+    total(GRID, *arguments)
+    known = len(_total._entries)
+    assert total(GRID[:1], *arguments) == 7.0
+    assert len(_total._entries) == known
 
 
 @pytest.mark.parametrize("array", [GRID, GRID[:, ::2], GRID.T, frozen(GRID), np.empty(0)])
