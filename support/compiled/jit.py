@@ -3,8 +3,9 @@
 Numba, whose import and first look at a type take half a second, is asked when a kernel is first
 called with arguments of some kinds. The text in LLVM's language that it gives is kept as machine
 code by `support.compiled.native_code`, which the next process loads without numba. Its arguments
-are handed over as numba does from kernel to kernel, in words of 64 bits: of an array its owner
-twice (here 0), size, item size, address, shape and strides, of a tuple the items, for None 0.
+are words of 64 bits: of an array the address of NumPy's object, of a tuple the items, for None 0.
+They are handed over as numba does from kernel to kernel: an array as its owner, twice (here 0),
+size, item size, address, shape and strides.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ import functools
 import os
 import re
 import struct
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from functools import cached_property, lru_cache
 from types import MethodType
 from typing import Any
@@ -41,11 +42,8 @@ C_ORDER, OF_C, OF_OTHERS = 0x1, 0x501, 0x502
 """NumPy's flags of arrays: the order of C; with it, aligned and writeable; these two and the order
 of Fortran."""
 
-ADDRESS = object.__basicsize__
-"""Where an array object says where its numbers are: NumPy's binary interface, as a test asks. To
-ask the array takes ten times as long."""
-
-_word = ctypes.c_ssize_t.from_address
+DATA, SHAPE, STRIDES = (object.__basicsize__ // 8 + place for place in (0, 2, 3))
+"""Where in an array object, in words, the addresses of these are: NumPy's binary interface."""
 
 ENTRY = "kernel"
 """The name of what Python calls, which takes the address of the words."""
@@ -92,9 +90,10 @@ class Kernel:
         words: list[Any] = []
         _unpack(arguments, kinds, words)
         known = tuple(kinds)
-        if known not in self._entries:
-            self._entries[known] = self._entry(known, words, arguments)
-        entry, packed = self._entries[known]
+        found = self._entries.get(known)
+        if found is None:
+            found = self._entries[known] = self._entry(known, words, arguments)
+        entry, packed = found
         if entry(packed(*words)):
             raise RuntimeError(f"{self.py_func.__name__} must raise nothing, got an exception")
         return None
@@ -148,18 +147,42 @@ class Kernel:
 def _entry_text(context: Any, compiled: Any) -> str:
     """A function in LLVM's language that calls the kernel with the words at an address."""
     from llvmlite import ir
+    from numba import types
 
     module, word = ir.Module(), ir.IntType(64)
     native = context.declare_function(module, compiled.fndesc)
     kind = ir.FunctionType(ir.IntType(32), [word.as_pointer()])
     entry = ir.Function(module, kind, name=ENTRY)
     builder = ir.IRBuilder(entry.append_basic_block())
+
+    def loaded(begin: Any, place: int) -> Any:
+        return builder.load(builder.gep(begin, [word(place)]))
+
+    def scalars(kinds: Iterable[Any]) -> Iterator[Any]:
+        for kind in kinds:
+            yield from scalars(kind) if isinstance(kind, types.BaseTuple) else (kind,)
+
+    words = []
+    for place, kind in enumerate(scalars(compiled.fndesc.argtypes)):
+        given = loaded(entry.args[0], place)
+        if not isinstance(kind, types.Array):
+            words.append(given)
+            continue
+        array = builder.inttoptr(given, word.as_pointer())
+        places = [builder.inttoptr(loaded(array, n), word.as_pointer()) for n in (SHAPE, STRIDES)]
+        axes = [loaded(begin, n) for begin in places for n in range(kind.ndim)]
+        size = functools.reduce(builder.mul, axes[: kind.ndim], word(1))
+        item = context.get_abi_sizeof(context.get_data_type(kind.dtype))
+        words += [word(0), word(0), size, word(item), loaded(array, DATA), *axes]
     result, exception, *kinds = native.function_type.args
-    given = [builder.alloca(result.pointee), builder.alloca(exception.pointee)]
-    for place, kind in enumerate(kinds):
-        address = builder.gep(entry.args[0], [word(place)])
-        given.append(builder.load(builder.bitcast(address, kind.as_pointer())))
-    builder.ret(builder.call(native, given, attrs=("noinline",)))
+    values = [
+        builder.inttoptr(value, kind)
+        if isinstance(kind, ir.PointerType)
+        else builder.bitcast(value, kind)
+        for value, kind in zip(words, kinds, strict=True)
+    ]
+    space = builder.alloca(result.pointee), builder.alloca(exception.pointee)
+    builder.ret(builder.call(native, [*space, *values], attrs=("noinline",)))
     return str(module)
 
 
@@ -171,9 +194,7 @@ def _unpack(values: Iterable[Any], kinds: list[Any], words: list[Any]) -> None:
             flags = value.flags.num
             flags &= OF_C if flags & C_ORDER else OF_OTHERS
             kinds += (value.dtype, value.ndim, flags)
-            words += (0, 0, value.size, value.itemsize, _word(id(value) + ADDRESS).value)
-            words += value.shape
-            words += value.strides
+            words.append(id(value))
         elif kind is float or (kind is int and -LARGEST <= value < LARGEST):
             kinds.append(kind)
             words.append(value)

@@ -10,7 +10,6 @@ import pytest
 from numba.core.errors import NumbaError
 
 from longwave.solutions.run.linear_phase import _fill
-from longwave.support.compiled import jit
 from longwave.support.compiled.jit import njit
 
 HOUSE = Path(__file__).parents[3]
@@ -112,14 +111,6 @@ def test_arrays_of_one_row_are_of_the_same_kind_as_those_of_more() -> None:
     known = len(_total._entries)
     assert total(GRID[:1], *arguments) == 7.0
     assert len(_total._entries) == known
-
-
-@pytest.mark.parametrize("array", [GRID, GRID[:, ::2], GRID.T, frozen(GRID), np.empty(0)])
-def test_arrays_say_their_address_where_it_is_looked_for(array: np.ndarray) -> None:
-    """NumPy's binary interface, which a version of it could change."""
-    words: list[Any] = []
-    jit._unpack((array,), [], words)
-    assert words[4] == array.ctypes.data
 
 
 def test_a_kernel_gives_nothing_and_makes_no_arrays() -> None:
