@@ -21,9 +21,6 @@ from types import MethodType
 from typing import Any
 
 import numpy as np
-from llvmlite import binding  # type: ignore[import-untyped]
-
-from longwave.support.compiled.native_code import native_functions
 
 __all__ = ["Intrinsic", "Kernel", "njit"]
 
@@ -106,6 +103,8 @@ class Kernel:
         self, kinds: tuple[Any, ...], words: list[Any], arguments: tuple[Any, ...]
     ) -> tuple[Callable[..., int], Callable[..., bytes]]:
         """The machine code for arguments of these kinds, and what packs their words."""
+        from longwave.support.compiled.native_code import native_functions
+
         key = f"{self.py_func.__qualname__}-{self.py_func.__code__.co_firstlineno} {kinds}"
         [entry] = native_functions(
             self.__module__, key, lambda: self._text(arguments), {ENTRY: PROTOTYPE}
@@ -115,6 +114,8 @@ class Kernel:
 
     def _text(self, arguments: tuple[Any, ...]) -> str:
         """The kernel in LLVM's language, for arguments of these types, and its entry."""
+        from llvmlite import binding  # type: ignore[import-untyped]
+
         numba = _numba()
         types = tuple(numba.typeof(_plain(argument)) for argument in arguments)
         _compile_complex_product()
@@ -158,7 +159,7 @@ def _entry_text(context: Any, compiled: Any) -> str:
     def loaded(begin: Any, place: int) -> Any:
         return builder.load(builder.gep(begin, [word(place)]))
 
-    def scalars(kinds: Iterable[Any]) -> Iterator[Any]:
+    def scalars(kinds: Any) -> Iterator[Any]:
         for kind in kinds:
             yield from scalars(kind) if isinstance(kind, types.BaseTuple) else (kind,)
 

@@ -22,14 +22,10 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from longwave.support.compiled.source_digest import (
-    Files,
-    all_sources,
-    are_older,
-    runs_as_written,
-    text_digest,
-)
+if TYPE_CHECKING:
+    from longwave.support.compiled.source_digest import Files
 
 __all__ = ["CacheFolder", "cache_folder", "read_whole", "write_whole"]
 
@@ -57,12 +53,16 @@ class CacheFolder:
 
     def read(self, name: str) -> bytes | None:
         """The file's content; None if it is not there, or damaged."""
+        from longwave.support.compiled.source_digest import are_older
+
         if self.path is None or not are_older(self.sources):
             return None
         return read_whole(self.path / name)
 
     def write(self, name: str, data: bytes) -> None:
         """Keep a file, if it can be."""
+        from longwave.support.compiled.source_digest import runs_as_written
+
         if self.path is not None and runs_as_written(self.sources):
             write_whole(self.path / name, data)
 
@@ -70,8 +70,10 @@ class CacheFolder:
 @lru_cache
 def cache_folder(module: str, *others: str) -> CacheFolder:
     """The folder for what an imported module makes, with the ``others``; made if need be."""
+    from longwave.support.compiled.source_digest import all_sources, text_digest
+
     sources = all_sources((module, *others))
-    name = f"{module}-{_digest(sources)[:20]}"
+    name = f"{module}-{_digest(text_digest(sources))[:20]}"
     for base in _bases(Path(str(sys.modules[module].__file__))):
         folder = base / name
         try:
@@ -108,7 +110,7 @@ def read_whole(path: Path) -> bytes | None:
     return data if hashlib.sha256(data).digest() == digest else None
 
 
-def _digest(sources: Files) -> str:
+def _digest(sources: str) -> str:
     """What machine code depends on: the sources and numba's settings."""
     settings = [
         f"{name}={value}"
@@ -117,7 +119,7 @@ def _digest(sources: Files) -> str:
     ]
     with suppress(OSError):
         settings.append(Path(".numba_config.yaml").read_text(encoding="utf-8"))
-    return hashlib.sha256("\n".join([text_digest(sources), *settings]).encode()).hexdigest()
+    return hashlib.sha256("\n".join([sources, *settings]).encode()).hexdigest()
 
 
 def _bases(file: Path) -> Iterator[Path]:

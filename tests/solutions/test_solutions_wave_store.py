@@ -14,7 +14,7 @@ import pytest
 from house import HOUSE, ROOMS
 from longwave.derive import mkdv_normal_form
 from longwave.solutions import Wave, closed_form, data_store, kept_data, kept_wave
-from longwave.support.compiled import kernel_folder, source_digest
+from longwave.support.compiled import source_digest
 from longwave.support.compiled.kernel_folder import CacheFolder
 from longwave.support.compiled.source_digest import all_sources, text_digest
 
@@ -107,7 +107,7 @@ def test_data_are_made_once(folder: Path) -> None:
 def test_nothing_is_kept_of_what_the_files_do_not_say(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(kernel_folder, "runs_as_written", lambda _: False)
+    monkeypatch.setattr(source_digest, "runs_as_written", lambda _: False)
     assert kept_data(__name__, "data", lambda: [1.5]) == [1.5]
     assert not list(folder.iterdir())
 
