@@ -103,7 +103,7 @@ class StrainDynamics:
             return
         [bond] = self.lattice.bonds
         K2, K3, K4 = (*bond.force.coefficients, 0.0, 0.0)[:3]
-        nystroem.advance_nystroem(f, v, *scheme.floats, h, steps, K2, K3 or None, K4 or None)
+        nystroem.advance_nystroem(f, v, scheme.floats, h, steps, K2, K3 or None, K4 or None)
 
     @cached_property
     def chain(self) -> FieldDynamics:

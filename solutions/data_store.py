@@ -1,22 +1,17 @@
 """Data that are kept from one process to the next, so that the next needs no SymPy to make them.
 
 What is kept is found under a key made of what is asked for, in a folder named by a digest of the
-sources: of all files that making it may read. It is written only by a process that ran what these
-files say (`runs_as_written`). A cache can only save time: whatever is missing, damaged or cannot be
-written is made anew.
+sources: of all files that making it may read (`support.compiled.kernel_folder`).
 """
 
 import hashlib
-import os
 import pickle
 from collections.abc import Callable
 from contextlib import suppress
-from pathlib import Path
 from typing import Any, TypeVar, cast
 
 from longwave.solutions.catalogue import CATALOGUE
-from longwave.support.compiled.kernel_folder import cache_folder, read_whole, write_whole
-from longwave.support.compiled.source_digest import Files, all_sources, runs_as_written, text_digest
+from longwave.support.compiled.kernel_folder import CacheFolder, cache_folder
 
 __all__ = ["DataStore", "kept_data", "open_store"]
 
@@ -44,33 +39,29 @@ def kept_data(maker: str, key: str, make: Callable[[], Data]) -> Data:
 class DataStore:
     """The files of what the module ``maker`` makes of ``key``, in ``folder``."""
 
-    def __init__(self, maker: str, key: str, folder: Path, sources: Files) -> None:
+    def __init__(self, maker: str, key: str, folder: CacheFolder) -> None:
         self.maker, self.key = maker, key
-        stem = hashlib.sha256(f"{maker} {key}".encode()).hexdigest()[:32]
-        self._stem, self._sources = folder / stem, sources
+        self._folder = folder
+        self._stem = hashlib.sha256(f"{maker} {key}".encode()).hexdigest()[:32]
 
     def read(self, part: str) -> Any:
         """What was kept under that name, None if nothing was."""
-        data = read_whole(self._path(part))
+        data = self._folder.read(f"{self._stem}.{part}")
         with suppress(Exception):  # of another version of NumPy, say
             return None if data is None else pickle.loads(data)
         return None
 
     def write(self, part: str, value: object) -> None:
-        """Keep it, if what is in memory is what the files say."""
-        if not runs_as_written(self._sources):
-            return
+        """Keep it, if it can be."""
         with suppress(pickle.PicklingError, TypeError, AttributeError):
-            write_whole(self._path(part), pickle.dumps(value))
+            self._folder.write(f"{self._stem}.{part}", pickle.dumps(value))
+        folder = self._folder.path
         with suppress(OSError):
-            folder = self._stem.parent
-            if len(os.listdir(folder)) > MOST_FILES + SPARE_FILES:
-                files = sorted(folder.iterdir(), key=lambda path: path.stat().st_mtime)
+            files = [] if folder is None else [*folder.iterdir()]
+            if len(files) > MOST_FILES + SPARE_FILES:
+                files.sort(key=lambda path: path.stat().st_mtime)
                 for path in files[:-MOST_FILES]:
                     path.unlink(missing_ok=True)
-
-    def _path(self, part: str) -> Path:
-        return self._stem.with_name(f"{self._stem.name}.{part}")
 
 
 def open_store(maker: str, key: str) -> DataStore | None:
@@ -78,6 +69,5 @@ def open_store(maker: str, key: str) -> DataStore | None:
 
     None where no folder can be written.
     """
-    sources = all_sources((maker, __name__, *CATALOGUE.modules))
-    folder = cache_folder(__name__, text_digest(sources))
-    return None if folder is None else DataStore(maker, key, folder, sources)
+    folder = cache_folder(__name__, maker, *CATALOGUE.modules)
+    return None if folder.path is None else DataStore(maker, key, folder)

@@ -45,7 +45,7 @@ PLAIN = {
 
 def run_stamp(key: str) -> str:
     """What the bits of the run of that key follow from: another machine's may be others."""
-    from longwave.support.compiled.entry_point import processor
+    from longwave.support.compiled.native_code import processor
 
     settings = [f"{k}={v}" for k, v in sorted(os.environ.items()) if k.startswith("NUMBA_")]
     return "\n".join([key, processor(), *settings])

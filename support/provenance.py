@@ -13,7 +13,7 @@ from functools import lru_cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
-from longwave.support.compiled.entry_point import processor
+from longwave.support.compiled.native_code import processor
 from longwave.support.compiled.source_digest import HOUSE
 
 PACKAGES = (

@@ -17,7 +17,7 @@ from longwave.support.compiled.jit import njit
 
 Array = NDArray[np.float64]
 
-_jit = njit(cache=True, fastmath={"contract"}, error_model="numpy")
+_jit = njit(fastmath={"contract"})
 
 
 @_jit
@@ -53,30 +53,36 @@ def _accumulate(total: Array, weight: float, term: Array) -> None:
             total[i] += weight * term[i]
 
 
-@_jit
 def advance_nystroem(
-    y: Array,
-    s: Array,
-    nodes: Array,
-    inner: Array,
-    outer: Array,
-    weights: Array,
-    h: float,
-    steps: int,
-    *constants: float | None,
+    y: Array, s: Array, table: tuple[Array, ...], h: float, steps: int, *constants: float | None
 ) -> None:
     """Advance the ring (y, s) in place by ``steps`` steps h of an explicit Nystroem method.
 
-    Stage i: g_i = D V'(y + nodes_i h s + h^2 sum_j inner_ij g_j); then
-    y += h s + h^2 sum outer_i g_i and s += h sum weights_i g_i. At least 3 sites.
+    ``table`` holds its nodes, inner and outer coefficients and weights. Stage i:
+    g_i = D V'(y + nodes_i h s + h^2 sum_j inner_ij g_j); then y += h s + h^2 sum outer_i g_i and
+    s += h sum weights_i g_i. At least 3 sites.
     """
+    space = np.empty((table[0].size + 2, y.size))
+    _advance(y, s, table, h, steps, space, *constants)
+
+
+@njit(cache=True, fastmath={"contract"})
+def _advance(
+    y: Array,
+    s: Array,
+    table: tuple[Array, ...],
+    h: float,
+    steps: int,
+    space: Array,
+    *constants: float | None,
+) -> None:
+    nodes, inner, outer, weights = table
     stages = nodes.size
-    g = np.empty((stages, y.size))
-    f = np.empty_like(y)
-    stage = np.empty_like(y)
+    g, f, stage = space[:stages], space[stages], space[stages + 1]
     for _ in range(steps):
         for i in range(stages):
-            stage[:] = y
+            for n in range(y.size):
+                stage[n] = y[n]
             _accumulate(stage, nodes[i] * h, s)
             for j in range(i):
                 _accumulate(stage, inner[i, j] * h * h, g[j])

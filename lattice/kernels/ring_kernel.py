@@ -49,9 +49,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from longwave.lattice.kernels.native_code import ALIGNMENT, aligned, native_functions
 from longwave.lattice.kernels.streams import Flow, rows_of, varied_flow
 from longwave.support.compiled.cores import other_core, usable_cores
+from longwave.support.compiled.native_code import native_functions
 
 if TYPE_CHECKING:
     from longwave.lattice.numeric_lattice import NumericLattice
@@ -61,6 +61,9 @@ Places = NDArray[np.int64]
 
 LANES = 8
 """Cells per row: one vector of 512 bits, which is also a line of the cache."""
+
+ALIGNMENT = 8
+"""Doubles in a line of the cache."""
 
 ROWS = 256
 """Rows by which a block moves up. 64 to 512 cost the same to 5 %; `benchmarks/lattice_constants.py`
@@ -103,8 +106,8 @@ DOUBLED = 0.2
 DRIFTED = 16_384
 """Cells that are drifted at a time."""
 
-_PASSAGES = (*[ctypes.c_void_p] * 8, *[ctypes.c_int64] * 8)
-_MOVE = (*[ctypes.c_void_p] * 5, *[ctypes.c_int64] * 5)
+_PASSAGES = ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * 8, *[ctypes.c_int64] * 8)
+_MOVE = ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * 5, *[ctypes.c_int64] * 5)
 
 
 def _together(flow: Flow) -> int:
@@ -125,6 +128,13 @@ def _machine_code(flow: Flow, lanes: int, count: int, columns: int) -> list[Call
     key = f"{flow!r} {lanes} {together} {block} {count} {columns}"
     functions = {"passages": _PASSAGES, "to_rows": _MOVE, "from_rows": _MOVE}
     return native_functions(__name__, key, written, functions)
+
+
+def _aligned(size: int) -> Array:
+    """Zeros that begin at a line of the cache."""
+    raw = np.zeros(size + ALIGNMENT)
+    offset = (-(raw.ctypes.data // 8)) % ALIGNMENT
+    return raw[offset : offset + size]
 
 
 def _drift(f: Array, v: Array, length: float) -> None:
@@ -212,8 +222,8 @@ class _Arc:
         edge = layout.edge * layout.lanes
         margin = together * layout.skew * pitch + edge
         self._plane = margin + self._rows * pitch + ALIGNMENT
-        planes = [aligned(flow.fields * self._plane) for _ in range(2)]
-        carried = aligned((self._each + together) * layout.kept * pitch + edge)
+        planes = [_aligned(flow.fields * self._plane) for _ in range(2)]
+        carried = _aligned((self._each + together) * layout.kept * pitch + edge)
         repeats = self._repeats()
         self._held: list[Any] = [*planes, carried, numbers, *repeats]
         self._copies = repeats[0].size

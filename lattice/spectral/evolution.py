@@ -53,7 +53,7 @@ class NotHyperbolicError(FloatingPointError):
         self.t = t
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
+@njit(cache=True, fastmath={"contract"})
 def _strain_modes(p: Complex, inverse: Array, out: Complex) -> None:
     """y = (p_+ - p_-)/(2 i w), mode by mode."""
     for k in range(1, p.shape[1]):
@@ -61,14 +61,14 @@ def _strain_modes(p: Complex, inverse: Array, out: Complex) -> None:
         out[k] = complex(difference.imag * inverse[k], -difference.real * inverse[k])
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
+@njit(cache=True, fastmath={"contract"})
 def _residual_force(y: Array, b: float, K3: float, K4: float) -> None:
     """V'(y) - (K2 + b) y, in place."""
     for i in range(y.size):
         y[i] *= y[i] * (K3 + K4 * y[i]) - b
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True)
 def _bend(force: Complex, symbol: Array) -> None:
     for k in range(force.size):
         force[k] *= symbol[k]

@@ -117,7 +117,7 @@ SLACK = 1e-9
 """A time this near to a whole step, in steps, is that step."""
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
+@njit(cache=True, fastmath={"contract"})
 def _predict(factor: Complex, p: Complex, weights: Complex, past: Complex, out: Complex) -> None:
     for branch in range(p.shape[0]):
         for k in range(p.shape[1]):
@@ -127,7 +127,7 @@ def _predict(factor: Complex, p: Complex, weights: Complex, past: Complex, out: 
             out[branch, k] = value
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
+@njit(cache=True, fastmath={"contract"})
 def _correct(weights: Complex, newest: Complex, past: Complex, p: Complex) -> None:
     for branch in range(p.shape[0]):
         for k in range(p.shape[1]):

@@ -40,7 +40,7 @@ STILL = 0.03
 BLOCK = 64
 """Modes of a chain whose phases are products of a coarse and a fine one."""
 
-_jit = njit(cache=True, error_model="numpy", fastmath={"contract"})
+_jit = njit(cache=True, fastmath={"contract"})
 
 
 @_jit

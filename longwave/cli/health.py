@@ -111,13 +111,12 @@ def _kernels() -> Finding:
     import warnings
 
     from longwave.solutions.run import machine
-    from longwave.support.compiled.jit import SUFFIX
     from longwave.support.compiled.kernel_folder import cache_folder
-    from longwave.support.compiled.source_digest import source_digest
+    from longwave.support.compiled.native_code import SUFFIX
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # that there is no folder, told below
-        folder = cache_folder(machine.__name__, source_digest(machine.__name__))
+        folder = cache_folder(machine.__name__).path
     if folder is None:
         cost = "every process compiles anew: set NUMBA_CACHE_DIR to a folder that can be written"
         return Finding(part, "no folder can be written", "costs", cost)

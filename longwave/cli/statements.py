@@ -19,7 +19,7 @@ from longwave.cli.exporting import ProofFile
 from longwave.cli.verdicts import STYLES, summary
 from longwave.derive.algebra.formula_text import FormulaError
 from longwave.support.command_line import duration, fail, interrupted
-from longwave.support.compiled.source_digest import all_sources, text_digest
+from longwave.support.compiled.source_digest import source_digest
 from longwave.support.console import finished, print_lines, table_console, tracked
 from longwave.support.dask_cluster import DaskWorkers
 from longwave.support.processes import (
@@ -241,7 +241,7 @@ def _last_word(statement: Statement, call: Call, limit: float) -> StatementVerdi
 
 def proof_digest() -> str:
     """The digest (hexadecimal) of the sources and versions that a verdict follows from."""
-    return text_digest(all_sources((__name__,)))
+    return source_digest(__name__)
 
 
 def check_cluster(client: Client) -> None:

@@ -13,10 +13,8 @@ from longwave.support.compiled.jit import njit
 
 Array = NDArray[np.float64]
 
-_jit = njit(cache=True, error_model="numpy")
 
-
-@_jit
+@njit()
 def _axpy(y: Array, weight: Array, s: Array) -> None:
     """y += weight s; numbers are pairs along the last axis."""
     for i in range(y.shape[0]):
@@ -24,7 +22,7 @@ def _axpy(y: Array, weight: Array, s: Array) -> None:
         y[i, 0], y[i, 1] = moved
 
 
-@_jit
+@njit()
 def _forces(y: Array, f: Array, K2: float, K3: float, K4: float) -> None:
     for i in range(y.shape[0]):
         pair = (y[i, 0], y[i, 1])
@@ -33,7 +31,7 @@ def _forces(y: Array, f: Array, K2: float, K3: float, K4: float) -> None:
         f[i, 0], f[i, 1] = multiply(slope, pair)
 
 
-@_jit
+@njit()
 def _bends(f: Array, g: Array) -> None:
     size = f.shape[0]
     for i in range(size):
@@ -42,11 +40,20 @@ def _bends(f: Array, g: Array) -> None:
         g[i, 0], g[i, 1] = subtract(ends, scale((f[i, 0], f[i, 1]), 2.0))
 
 
-@_jit
+@njit(cache=True)
 def _advance(
-    y: Array, s: Array, drifts: Array, kicks: Array, steps: int, K2: float, K3: float, K4: float
+    y: Array,
+    s: Array,
+    f: Array,
+    g: Array,
+    drifts: Array,
+    kicks: Array,
+    steps: int,
+    K2: float,
+    K3: float,
+    K4: float,
 ) -> None:
-    f, g = np.empty_like(y), np.empty_like(y)
+    """``f`` and ``g`` are space."""
     for _ in range(steps):
         for i in range(kicks.shape[0]):
             _axpy(y, drifts[i], s)
@@ -68,7 +75,9 @@ def advance_doubled(
     kicks = [Fraction(gamma) * Fraction(h) for gamma in scheme.gammas]
     ends = [Fraction(0), *kicks, Fraction(0)]
     drifts = [(a + b) / 2 for a, b in pairwise(ends)]
-    _advance(y, s, _pairs(drifts), _pairs(kicks), steps, constants.K2, constants.K3, constants.K4)
+    space = np.empty_like(y), np.empty_like(y)
+    given = _pairs(drifts), _pairs(kicks), steps, constants.K2, constants.K3, constants.K4
+    _advance(y, s, *space, *given)
 
 
 def _pairs(numbers: list[Fraction]) -> Array:

@@ -2,8 +2,9 @@
 
 The lowered expression (``solutions.compile.lowering``) becomes a tape with derivatives
 (``solutions.compile.tape``), and the tape bytecode for the machine. A program is kept on disk, in
-the folder of the compiled kernels: its key is made of the sources that write programs and of the
-expression, or of the source of the closed form, which need not be made then.
+a folder that follows the sources of what writes it and of the catalogue, under the name of the
+closed form, whose expression need not be made then; for others than the catalogue's, the expression
+is the key.
 """
 
 from __future__ import annotations
@@ -13,14 +14,14 @@ from collections.abc import Callable, Sequence
 
 import sympy as sp
 
+from longwave.solutions.catalogue import CATALOGUE
 from longwave.solutions.compile.assembler import Assembler
 from longwave.solutions.compile.lowering import Lowering
 from longwave.solutions.compile.tape import tape_of
 from longwave.solutions.functions.multiprecision import MpmathFormula
 from longwave.solutions.record import ClosedForm
 from longwave.solutions.run.program import Program
-from longwave.support.compiled.kernel_folder import cache_folder, read_whole, write_whole
-from longwave.support.compiled.source_digest import source_digest
+from longwave.support.compiled.kernel_folder import cache_folder
 
 __all__ = ["compile_program", "kept_program"]
 
@@ -35,23 +36,18 @@ def kept_program(
 ) -> Program:
     """The program of a part of a closed form: from disk, or compiled and kept there.
 
-    ``expressions`` makes the part's real expressions; it is not called if the program is there. A
-    cache can only save time: whatever goes wrong in it means that the program is compiled.
+    ``expressions`` makes the part's real expressions; it is not called if the program is there.
     """
-    folder = cache_folder(__name__, source_digest(__name__))
-    if folder is None:
-        return compile_program(expressions(), parameters, form.equation.has_across)
     if form.module:
-        key = f"{source_digest(form.module)} {form.name} {part} {parameters}"
+        key = f"{form.name} {part} {parameters}"
     else:
         key = f"{sp.srepr(tuple(expressions()))} {sp.srepr(parameters)}"
-    path = folder / f"{hashlib.sha256(key.encode()).hexdigest()[:32]}.json"
-    kept = read_whole(path)
-    if kept is not None:
-        return Program.read(kept.decode())
-    program = compile_program(expressions(), parameters, form.equation.has_across)
-    write_whole(path, program.text().encode())
-    return program
+
+    def text() -> bytes:
+        return compile_program(expressions(), parameters, form.equation.has_across).text().encode()
+
+    name = f"{hashlib.sha256(key.encode()).hexdigest()[:32]}.json"
+    return Program.read(cache_folder(__name__, *CATALOGUE.modules).kept(name, text).decode())
 
 
 def compile_program(

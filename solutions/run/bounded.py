@@ -28,82 +28,82 @@ TINY = 2.0**-960
 """Bound of what underflow of a low part or of an exponential loses."""
 
 
-@njit(inner=True, error_model="numpy")
+@njit()
 def load(block: Array, i: int) -> Bounded:
     """Return the i-th number of a block of high parts, low parts and bounds."""
     return block[i], block[i + BLOCK], block[i + 2 * BLOCK]
 
 
-@njit(inner=True, error_model="numpy")
+@njit()
 def store(block: Array, i: int, value: Bounded) -> None:
     """Set the i-th number of a block."""
     block[i], block[i + BLOCK], block[i + 2 * BLOCK] = value
 
 
-@njit(inner=True, error_model="numpy")
+@njit()
 def load_pair(block: Array, i: int) -> Pair:
     """Return the i-th number of a block without its bound."""
     return block[i], block[i + BLOCK]
 
 
-@njit(inner=True, error_model="numpy")
+@njit()
 def store_pair(block: Array, i: int, value: Pair) -> None:
     """Set the i-th number of a block, its bound left as it is."""
     block[i], block[i + BLOCK] = value
 
 
-@njit(inner=True, error_model="numpy")
+@njit()
 def rounded(value: Pair, error: float) -> Bounded:
     """Return the result of an operation whose operands' errors amount to `error`."""
     return value[0], value[1], error + (UNIT * abs(value[0]) + TINY)
 
 
-@njit(inner=True, error_model="numpy")
+@njit()
 def add(a: Bounded, b: Bounded) -> Bounded:
     """Return a + b."""
     high, low = add_loosely((a[0], a[1]), (b[0], b[1]))
     return high, low, a[2] + b[2] + UNIT * (abs(a[0]) + abs(b[0]))
 
 
-@njit(inner=True, error_model="numpy")
+@njit()
 def negate(a: Bounded) -> Bounded:
     """Return -a."""
     return -a[0], -a[1], a[2]
 
 
-@njit(inner=True, error_model="numpy")
+@njit()
 def subtract(a: Bounded, b: Bounded) -> Bounded:
     """Return a - b."""
     return add(a, negate(b))
 
 
-@njit(inner=True, error_model="numpy")
+@njit()
 def multiply(a: Bounded, b: Bounded) -> Bounded:
     """Return a b."""
     error = abs(a[0]) * b[2] + (abs(b[0]) + b[2]) * a[2]
     return rounded(doubledouble.multiply((a[0], a[1]), (b[0], b[1])), error)
 
 
-@njit(inner=True, error_model="numpy")
+@njit()
 def scale(a: Bounded, c: float) -> Bounded:
     """Return a c for a power of two c, or minus one."""
     return a[0] * c, a[1] * c, a[2] * abs(c) + TINY
 
 
-@njit(inner=True, error_model="numpy")
+@njit()
 def relative_error(d: float) -> float:
     """Return d / (1 - d), infinite for d > 1/2: that of a quotient whose divisor has d."""
     return d / (1.0 - d) if d <= 0.5 else math.inf
 
 
-@njit(inner=True, error_model="numpy")
+@njit()
 def reciprocal(a: Bounded) -> Bounded:
     """Return 1 / a."""
     high, low = doubledouble.reciprocal((a[0], a[1]))
     return rounded((high, low), abs(high) * relative_error(a[2] * abs(high)))
 
 
-@njit(inner=True, error_model="numpy")
+@njit()
 def square_root(a: Bounded) -> Bounded:
     """Return the square root of a > 0."""
     high, low = doubledouble.square_root((a[0], a[1]))

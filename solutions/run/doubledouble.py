@@ -100,26 +100,26 @@ _fma: Any = Intrinsic(_fma_signature)
 _halves: Any = Intrinsic(_power_signature)
 
 
-@njit(error_model="numpy")
+@njit()
 def fma(x: float, y: float, z: float) -> float:
     """Return x y + z, rounded once."""
     return _fma(x, y, z)
 
 
-@njit(error_model="numpy")
+@njit()
 def power_of_half(n: float) -> float:
     """Return 2^-n for a whole number n, -1023 < n < 1023."""
     return _halves(n)
 
 
-@njit(error_model="numpy")
+@njit()
 def quick_two_sum(a: float, b: float) -> Pair:
     """Return a + b exactly, for |a| >= |b|."""
     s = a + b
     return s, b - (s - a)
 
 
-@njit(error_model="numpy")
+@njit()
 def two_sum(a: float, b: float) -> Pair:
     """Return a + b exactly."""
     s = a + b
@@ -127,14 +127,14 @@ def two_sum(a: float, b: float) -> Pair:
     return s, (a - (s - t)) + (b - t)
 
 
-@njit(error_model="numpy")
+@njit()
 def two_prod(a: float, b: float) -> Pair:
     """Return a b exactly (barring underflow)."""
     p = a * b
     return p, _fma(a, b, -p)
 
 
-@njit(error_model="numpy")
+@njit()
 def add(a: Pair, b: Pair) -> Pair:
     """Return a + b with relative error below 2^-103, cancellation included."""
     s, e = two_sum(a[0], b[0])
@@ -143,34 +143,34 @@ def add(a: Pair, b: Pair) -> Pair:
     return quick_two_sum(s, e + f)
 
 
-@njit(error_model="numpy")
+@njit()
 def add_loosely(a: Pair, b: Pair) -> Pair:
     """Return a + b with error below 2^-103 (|a| + |b|): half the work of `add`."""
     s, e = two_sum(a[0], b[0])
     return quick_two_sum(s, e + (a[1] + b[1]))
 
 
-@njit(error_model="numpy")
+@njit()
 def subtract(a: Pair, b: Pair) -> Pair:
     """Return a - b."""
     return add(a, (-b[0], -b[1]))
 
 
-@njit(error_model="numpy")
+@njit()
 def multiply(a: Pair, b: Pair) -> Pair:
     """Return a b with relative error below 2^-101."""
     p, e = two_prod(a[0], b[0])
     return quick_two_sum(p, _fma(a[0], b[1], _fma(a[1], b[0], e)))
 
 
-@njit(error_model="numpy")
+@njit()
 def scale(a: Pair, b: float) -> Pair:
     """Return a b for a float b."""
     p, e = two_prod(a[0], b)
     return quick_two_sum(p, _fma(a[1], b, e))
 
 
-@njit(error_model="numpy")
+@njit()
 def reciprocal(x: Pair) -> Pair:
     """Return 1 / x with relative error below 2^-101."""
     q = 1.0 / x[0]
@@ -178,7 +178,7 @@ def reciprocal(x: Pair) -> Pair:
     return quick_two_sum(q, q * _fma(-q, x[1], rest))
 
 
-@njit(error_model="numpy")
+@njit()
 def square_root(a: Pair) -> Pair:
     """Return the square root of a >= 0 with relative error below 2^-100."""
     root = np.sqrt(a[0])

@@ -72,7 +72,7 @@ _COSINE = _inverse_factorials(0, 2)
 _EXPONENTIAL = _inverse_factorials(1, 1)
 
 
-@njit(inner=True, error_model="numpy")
+@njit()
 def _polynomial(coefficients: Array, z: Array, total: Array) -> None:
     """Fill `total` with the sum of the coefficients times powers of z, |z| <= 0.63."""
     for i in range(BLOCK):
@@ -89,7 +89,7 @@ def _polynomial(coefficients: Array, z: Array, total: Array) -> None:
             store_pair(total, i, add_loosely((high, low), product))
 
 
-@njit(inner=True, error_model="numpy")
+@njit()
 def sine_or_cosine(x: Array, is_sine: bool, z: Array, scratch: Array) -> None:
     """Fill ``z`` with sin(x), of full relative precision, or cos(x), |x| <= 0.79."""
     square, series = scratch[0], scratch[1]
@@ -106,7 +106,7 @@ def sine_or_cosine(x: Array, is_sine: bool, z: Array, scratch: Array) -> None:
             store(z, i, (high, low, (abs(x[i]) + e) * e + UNIT))
 
 
-@njit(inner=True, error_model="numpy")
+@njit()
 def decay(w: Array, x: Array, power: Array, fall: Array, rise: Array) -> None:
     """Fill `fall` with exp(-w) and `rise` with 1 - exp(-w) for w >= 0; `x`, `power` are scratch.
 
@@ -131,13 +131,13 @@ def decay(w: Array, x: Array, power: Array, fall: Array, rise: Array) -> None:
         store_pair(rise, i, subtract(two_sum(1.0, -part), p))
 
 
-@njit(inner=True, error_model="numpy")
+@njit()
 def _is_gone(x: Array, i: int) -> bool:
     """Whether exp(-|x|) is below ``TINY`` for certain."""
     return abs(x[i]) - x[i + 2 * BLOCK] > _GONE
 
 
-@njit(inner=True, error_model="numpy")
+@njit()
 def _store_exponential(z: Array, i: int, value: Pair, x: Array, is_falling: bool) -> None:
     """Store a multiple of exp(x) or of what has no larger logarithmic derivative."""
     e, size = x[i + 2 * BLOCK], abs(x[i])
@@ -146,7 +146,7 @@ def _store_exponential(z: Array, i: int, value: Pair, x: Array, is_falling: bool
     store(z, i, (value[0], value[1], error))
 
 
-@njit(inner=True, error_model="numpy")
+@njit()
 def decay_of(x: Array, factor: float, scratch: Array) -> None:
     """Fill scratch[3] with exp(-factor |x|), scratch[4] with 1 minus that."""
     for i in range(BLOCK):
@@ -154,7 +154,7 @@ def decay_of(x: Array, factor: float, scratch: Array) -> None:
     decay(scratch[0], scratch[1], scratch[2], scratch[3], scratch[4])
 
 
-@njit(inner=True, error_model="numpy")
+@njit()
 def exponential(x: Array, z: Array, scratch: Array) -> None:
     """Fill ``z`` with exp(x), after `decay_of` x."""
     fall = scratch[3]
@@ -165,14 +165,14 @@ def exponential(x: Array, z: Array, scratch: Array) -> None:
         _store_exponential(z, i, value, x, down)
 
 
-@njit(inner=True, error_model="numpy")
+@njit()
 def start_logarithm(x: Array, start: Array) -> None:
     """Fill ``start`` with -log(x) in double."""
     for i in range(BLOCK):
         store(start, i, (-math.log(x[i]), 0.0, 0.0))
 
 
-@njit(inner=True, error_model="numpy")
+@njit()
 def logarithm(x: Array, start: Array, power: Array, z: Array) -> None:
     """Fill ``z`` with log(x): one Newton step from ``start``, ``power`` being exp(start)."""
     for i in range(BLOCK):
@@ -183,7 +183,7 @@ def logarithm(x: Array, start: Array, power: Array, z: Array) -> None:
         store(z, i, (high, low, moved + UNIT * (1.0 + abs(high))))
 
 
-@njit(inner=True, error_model="numpy")
+@njit()
 def tanh(x: Array, z: Array, scratch: Array) -> None:
     """Fill ``z`` with tanh(x), of full relative precision, after `decay_of` 2 x."""
     fall, rise = scratch[3], scratch[4]
@@ -196,7 +196,7 @@ def tanh(x: Array, z: Array, scratch: Array) -> None:
         store(z, i, (high, low, moved + (UNIT * abs(high) + TINY)))
 
 
-@njit(inner=True, error_model="numpy")
+@njit()
 def sech(x: Array, z: Array, scratch: Array) -> None:
     """Fill ``z`` with sech(x), after `decay_of` x."""
     fall = scratch[3]

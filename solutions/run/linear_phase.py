@@ -30,7 +30,7 @@ OF_TERMS = 2.0**-150
 """Bound of the error relative to the largest term."""
 
 
-@njit(inner=True, error_model="numpy")
+@njit()
 def _three(c: Three, x: float) -> Three:
     """``c x`` as three floats."""
     high, e = two_prod(c[0], x)
@@ -39,7 +39,7 @@ def _three(c: Three, x: float) -> Three:
     return high, middle, c[2] * x + (e + f)
 
 
-@njit(inner=True, error_model="numpy")
+@njit()
 def _plus(a: Three, b: Three) -> Three:
     high, e = two_sum(a[0], b[0])
     middle, f = two_sum(a[1], b[1])
@@ -47,7 +47,7 @@ def _plus(a: Three, b: Three) -> Three:
     return high, middle, a[2] + b[2] + (f + g)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True)
 def _add_across(w: Three, z: Array, out: Array) -> None:
     """Add ``w z`` to what `_fill` made."""
     for i in range(z.size):
@@ -60,7 +60,7 @@ def _add_across(w: Three, z: Array, out: Array) -> None:
         out[3, i] += OF_TERMS * abs(across[0])
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True)
 def _fill(p: Three, q: Three, r: Three, x: Array, t: Array, out: Array) -> None:
     for i in range(x.size):
         moving, drifting = _three(p, x[i]), _three(q, t[i])

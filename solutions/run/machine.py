@@ -41,7 +41,7 @@ from longwave.support.compiled.jit import njit
 __all__ = ["add_row", "run_pairs", "scale_rows"]
 
 
-@njit(inner=True, error_model="numpy")
+@njit()
 def _binary(operation: int, x: Array, y: Array, z: Array) -> None:
     if operation == Operation.MULTIPLY:
         for i in range(BLOCK):
@@ -54,7 +54,7 @@ def _binary(operation: int, x: Array, y: Array, z: Array) -> None:
             store(z, i, add(load(x, i), negate(load(y, i))))
 
 
-@njit(inner=True, error_model="numpy")
+@njit()
 def _choose(chosen: Array, x: Array, y: Array, z: Array) -> None:
     for part in range(PARTS):
         for i in range(BLOCK):
@@ -62,7 +62,7 @@ def _choose(chosen: Array, x: Array, y: Array, z: Array) -> None:
             z[place] = x[place] if chosen[i] == 1.0 else y[place]
 
 
-@njit(inner=True, error_model="numpy")
+@njit()
 def _with_constant(operation: int, x: Array, c: Bounded, z: Array) -> None:
     if operation == Operation.MULTIPLY_CONSTANT:
         for i in range(BLOCK):
@@ -81,7 +81,7 @@ def _with_constant(operation: int, x: Array, c: Bounded, z: Array) -> None:
             store(z, i, c)
 
 
-@njit(inner=True, error_model="numpy")
+@njit()
 def _unary(operation: int, x: Array, z: Array, scratch: Array) -> None:
     if operation == Operation.RECIPROCAL:
         for i in range(BLOCK):
@@ -95,7 +95,7 @@ def _unary(operation: int, x: Array, z: Array, scratch: Array) -> None:
         _exponential(operation, x, z, scratch)
 
 
-@njit(inner=True, error_model="numpy")
+@njit()
 def _exponential(operation: int, x: Array, z: Array, scratch: Array) -> None:
     """What is made from exp(-|x|); a logarithm from exp of its negative in double."""
     source, power = x, z
@@ -113,7 +113,7 @@ def _exponential(operation: int, x: Array, z: Array, scratch: Array) -> None:
         logarithm(x, source, power, z)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True)
 def _run(
     code: NDArray[np.int64],
     constants: Array,
@@ -149,14 +149,14 @@ def _run(
                     out[row, part, start + i] = registers[outputs[row], part * BLOCK + i]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True)
 def _scale_row(row: Array, factor: Pair) -> None:
     for i in range(row.shape[1]):
         bounded = factor[0], factor[1], UNIT * abs(factor[0])
         row[0, i], row[1, i], row[2, i] = multiply((row[0, i], row[1, i], row[2, i]), bounded)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True)
 def _add_row(row: Array, other: Array, factor: Pair) -> None:
     bounded = factor[0], factor[1], UNIT * abs(factor[0])
     for i in range(row.shape[1]):

@@ -218,7 +218,7 @@ def _hyperbolic(code: Code, m: Any, m1: Any, K: Any, K1: Any, q: Any) -> list[An
     ]
 
 
-@njit(inner=True, error_model="numpy")
+@njit()
 def _without(u: Three, j: float, quarter: Three) -> Three:
     """Return u - j K as three floats, with an error of 2^-155 |u|."""
     high, e = two_prod(quarter[0], j)
@@ -235,7 +235,7 @@ def _without(u: Three, j: float, quarter: Three) -> Three:
     return high, middle, low
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True)
 def _reduce(phase: Array, K: Three, out: Array) -> None:
     """A quotient of more than 53 bits takes the second step."""
     quarter = K[0] if K[0] != 0.0 else np.inf

@@ -27,7 +27,7 @@ _STEPS = np.array([[_XX, _X], [_X, _VALUE], [_VALUE, -1], [_XT, _T], [_T, -1]])
 """What each row takes in a step: another row, or the polynomial in t (-1)."""
 
 
-@njit(inner=True, error_model="numpy")
+@njit()
 def _step(z: Array, x: Array, y: Array, weight: Array) -> None:
     """``z = z x + y weight``, the weights being powers of two; the same of the sizes."""
     for i in range(BLOCK):
@@ -37,7 +37,7 @@ def _step(z: Array, x: Array, y: Array, weight: Array) -> None:
         z[size] = z[size] * x[size] + y[size] * weight[i]
 
 
-@njit(inner=True, error_model="numpy")
+@njit()
 def _prepare(x: Array, t: Array, scales: Array, weights: Array) -> None:
     """Divide x by S, with ``|x| <= S`` and ``|t| <= S**3``; fill ``weights[n] = S**-n``.
 
@@ -56,7 +56,7 @@ def _prepare(x: Array, t: Array, scales: Array, weights: Array) -> None:
             weight *= down
 
 
-@njit(inner=True, error_model="numpy")
+@njit()
 def _row(c: Array, first: int, step: int, t: Pair, square: Pair) -> tuple[Pair, Pair]:
     """The row ``sum c[j] t**j`` and its derivative, over j = first, first + step, ..."""
     variable = square if step == 2 else t
@@ -73,7 +73,7 @@ def _row(c: Array, first: int, step: int, t: Pair, square: Pair) -> tuple[Pair, 
     return multiply(value, t), add(value, multiply(slope, t))
 
 
-@njit(inner=True, error_model="numpy")
+@njit()
 def _row_sizes(c: Array, t: float) -> tuple[float, float]:
     """The sums of the sizes of a row's terms, and of those of its derivative."""
     value = slope = 0.0
@@ -83,7 +83,7 @@ def _row_sizes(c: Array, t: float) -> tuple[float, float]:
     return value, slope
 
 
-@njit(inner=True, error_model="numpy")
+@njit()
 def _rows(c: Array, parity: int, t: Array, values: Array, slopes: Array) -> None:
     """Fill the lanes of each row; ``c[i, j]`` belongs to x^i t^j.
 
@@ -105,7 +105,7 @@ def _rows(c: Array, parity: int, t: Array, values: Array, slopes: Array) -> None
             slopes[i, lane], slopes[i, low], slopes[i, size] = slope[0], slope[1], sizes[1]
 
 
-@njit(inner=True, error_model="numpy")
+@njit()
 def _polynomial(values: Array, slopes: Array, x: Array, weights: Array, out: Array) -> None:
     """Fill the rows of ``out`` with the polynomial and its derivatives."""
     degree = values.shape[0] - 1
@@ -119,26 +119,26 @@ def _polynomial(values: Array, slopes: Array, x: Array, weights: Array, out: Arr
                 _step(out[target], x, given, weights[degree - i])
 
 
-@njit(inner=True, error_model="numpy")
+@njit()
 def _cross(A: Bounded, b: Bounded, a: Bounded, B: Bounded) -> Bounded:
     """``A b - a B``."""
     return bounded.subtract(bounded.multiply(A, b), bounded.multiply(a, B))
 
 
-@njit(inner=True, error_model="numpy")
+@njit()
 def _dot(A: Bounded, a: Bounded, B: Bounded, b: Bounded) -> Bounded:
     """``A a + B b``."""
     return bounded.add(bounded.multiply(A, a), bounded.multiply(B, b))
 
 
-@njit(inner=True, error_model="numpy")
+@njit()
 def _lane(rows: Array, row: int, i: int, rounding: float) -> Bounded:
     """One lane of a flat workspace."""
     high, low, size = bounded.load(rows[3 * BLOCK * row : 3 * BLOCK * (row + 1)], i)
     return high, low, rounding * size
 
 
-@njit(inner=True, error_model="numpy")
+@njit()
 def _wave(A: Array, B: Array, weights: Array, e: float, sign: float, out: Array) -> None:
     """U, U_xi, U_tau (flat, as the workspaces are) from the angle of A + i B and its rates.
 
@@ -167,7 +167,7 @@ def _wave(A: Array, B: Array, weights: Array, e: float, sign: float, out: Array)
         bounded.store(out[6 * BLOCK :], i, rate)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True)
 def rational_loop(
     tables: Array,
     parities: NDArray[np.int64],

@@ -1,52 +1,61 @@
-"""Numba's ``njit`` with a cache on disk that follows the sources, read without numba.
+"""Numba's ``njit`` with kernels whose machine code is kept, and called without numba.
 
-A kernel is compiled by numba when it is first called with arguments of some types. What is kept of
-it (`support.compiled.kernel_folder` says where, `support.compiled.entry_point` what) is loaded by
-the next process without numba, which takes half a second to import. Numba is asked for what has no
-such entry point, for what its own runtime is needed for, and where anything is not as expected.
+Numba, whose import and first look at a type take half a second, is asked when a kernel is first
+called with arguments of some kinds. The text in LLVM's language that it gives is kept as machine
+code by `support.compiled.native_code`, which the next process loads without numba. Its arguments
+are words of 64 bits: of an array the address of NumPy's object, of a tuple the items, for None 0.
+They are handed over as numba does from kernel to kernel: an array as its owner, twice (here 0),
+size, item size, address, shape and strides.
 """
 
 from __future__ import annotations
 
+import ctypes
 import functools
-import hashlib
-import json
 import os
-import sys
-import threading
-from collections.abc import Callable
+import re
+import struct
+from collections.abc import Callable, Iterable, Iterator
 from functools import cached_property, lru_cache
-from importlib import import_module
-from pathlib import Path
 from types import MethodType
 from typing import Any
 
 import numpy as np
 
-from longwave.support.compiled import entry_point
-from longwave.support.compiled.entry_point import Machine, Unsupported
-from longwave.support.compiled.kernel_folder import cache_folder, read_whole, write_whole
-from longwave.support.compiled.source_digest import source_digest
-
 __all__ = ["Intrinsic", "Kernel", "njit"]
 
-SUFFIX = ".kernel"
-"""Of the files of compiled kernels."""
+OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": False}
+"""What a function does not say: one that is silent of ``fastmath`` takes it from the first kernel
+that calls it, and the last digits of all others would depend on what a process compiled before."""
 
-STRICT: dict[str, Any] = {"fastmath": False}
-"""What a kernel does not say: an inner function that is silent takes it from the first kernel that
-calls it, and the last digits of all others would depend on what a process compiled before."""
+BARE = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+"""Without numba's own entry for Python a function compiles in half the time."""
+
+LARGEST = 2**63
+
+PROTOTYPE = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_char_p)
+
+C_ORDER, OF_C, OF_OTHERS = 0x1, 0x501, 0x502
+"""NumPy's flags of arrays: the order of C; with it, aligned and writeable; these two and the order
+of Fortran."""
+
+DATA, SHAPE, STRIDES = (object.__basicsize__ // 8 + place for place in (0, 2, 3))
+"""Where in an array object, in words, the addresses of these are: NumPy's binary interface."""
+
+ENTRY = "kernel"
+"""The name of what Python calls, which takes the address of the words."""
+
+NEVER_CALLED = re.compile(r"^declare (void @NRT_MemInfo_call_dtor\(.*?\)).*$", re.MULTILINE)
+"""What numba calls when an array of its own is left: never in a kernel that makes none."""
 
 
-def njit(
-    *, cache: bool = False, inner: bool = False, **options: Any
-) -> Callable[[Callable[..., Any]], Any]:
-    """``numba.njit(**options)``; with ``cache``, machine code is kept from one process to the next.
+def njit(*, cache: bool = False, **options: Any) -> Callable[[Callable[..., Any]], Any]:
+    """``numba.njit(**options)``; with ``cache``, a kernel whose machine code is kept.
 
-    An ``inner`` function is called from other compiled ones alone: without an entry for Python it
-    compiles in half the time.
+    A kernel takes doubles, integers, arrays, tuples and None. It gives nothing, makes no arrays and
+    raises nothing.
 
-    >>> @njit(error_model="numpy")
+    >>> @njit()
     ... def half(x):
     ...     return 0.5 * x
     >>> half(3.0)
@@ -56,118 +65,160 @@ def njit(
     def compiled(function: Callable[..., Any]) -> Any:
         if os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0"):
             return function
-        return Kernel(function, cache, inner, options)
+        return Kernel(function, cache, options)
 
     return compiled
 
 
 class Kernel:
-    """A function to be compiled: for Python, and for the kernels that call it.
+    """A function to be compiled: for Python, and for the kernels that call it."""
 
-    ``found`` counts the signatures whose machine code was there already.
-    """
-
-    def __init__(
-        self, function: Callable[..., Any], cache: bool, inner: bool, options: dict[str, Any]
-    ) -> None:
+    def __init__(self, function: Callable[..., Any], kept: bool, options: dict[str, Any]) -> None:
         functools.update_wrapper(self, function)
         self.py_func = function
-        self.found = 0
-        self._kept, self._inner, self._options = cache, inner, STRICT | options
-        self._entries: list[Callable[..., Any]] = []
-        self._compiled: set[Any] = set()
-        self._loaded = False
-        self._lock = threading.Lock()
+        self._kept, self._options = kept, OPTIONS | options
+        self._entries: dict[tuple[Any, ...], tuple[Callable[..., int], Callable[..., bytes]]] = {}
 
     def __call__(self, *arguments: Any) -> Any:
         """The function's value."""
-        for entry in self._entries:
-            value = entry(*arguments)
-            if value is not NotImplemented:
-                return value
-        return self._other(arguments)
+        if not self._kept:
+            return self._by_numba(*arguments)
+        kinds: list[Any] = []
+        words: list[Any] = []
+        _unpack(arguments, kinds, words)
+        known = tuple(kinds)
+        found = self._entries.get(known)
+        if found is None:
+            found = self._entries[known] = self._entry(known, words, arguments)
+        entry, packed = found
+        if entry(packed(*words)):
+            raise RuntimeError(f"{self.py_func.__name__} must raise nothing, got an exception")
+        return None
 
     def __get__(self, instance: object, owner: type | None = None) -> Any:
         """The kernel, bound to an instance as functions are: for Python's inspection it is one."""
         return self if instance is None else MethodType(self, instance)
 
-    def _other(self, arguments: tuple[Any, ...]) -> Any:
-        """The value for arguments of types that were not met before."""
-        if self._inner:
-            raise TypeError(
-                f"{self.py_func.__name__} must be called from compiled code (it has no other entry)"
-            )
-        arguments = tuple(a.item() if isinstance(a, np.generic) else a for a in arguments)
-        if self._kept and entry_point.fields_are_known():
-            for prepare in (self._load, self._compile):
-                with self._lock:
-                    prepare(arguments)
-                for entry in self._entries:
-                    value = entry(*arguments)
-                    if value is not NotImplemented:
-                        return value
-        return self._by_numba(*arguments)
+    def _entry(
+        self, kinds: tuple[Any, ...], words: list[Any], arguments: tuple[Any, ...]
+    ) -> tuple[Callable[..., int], Callable[..., bytes]]:
+        """The machine code for arguments of these kinds, and what packs their words."""
+        from longwave.support.compiled.native_code import native_functions
 
-    def _load(self, _: tuple[Any, ...]) -> None:
-        """Load what is on disk, once."""
-        if self._folder is None or self._loaded:
-            return
-        self._loaded = True
-        for path in sorted(self._folder.glob(f"{self._stem}.*{SUFFIX}")):
-            machine = _read(path)
-            entry = None if machine is None else _loaded(machine)
-            if entry is not None:
-                self._entries.append(entry)
-                self.found += 1
+        key = f"{self.py_func.__qualname__}-{self.py_func.__code__.co_firstlineno} {kinds}"
+        [entry] = native_functions(
+            self.__module__, key, lambda: self._text(arguments), {ENTRY: PROTOTYPE}
+        )
+        letters = ("d" if isinstance(word, float) else "q" for word in words)
+        return entry, struct.Struct("".join(letters)).pack
 
-    def _compile(self, arguments: tuple[Any, ...]) -> None:
-        """Compile for arguments of these types, and keep what comes of it."""
+    def _text(self, arguments: tuple[Any, ...]) -> str:
+        """The kernel in LLVM's language, for arguments of these types, and its entry."""
+        from llvmlite import binding  # type: ignore[import-untyped]
+
         numba = _numba()
-        try:
-            types = tuple(map(numba.typeof, arguments))
-        except ValueError:  # numba says so when it is called
-            return
-        if types in self._compiled:
-            return
-        self._compiled.add(types)
+        types = tuple(numba.typeof(_plain(argument)) for argument in arguments)
         _compile_complex_product()
-        dispatcher = self.dispatcher
-        _, folded = dispatcher._compiler.fold_argument_types(types, {})
-        dispatcher.compile(folded)
-        known = f"{types} {entry_point.processor()}"
-        key = hashlib.sha256(known.encode()).hexdigest()[:16]
-        name = f"{self.__module__}.{self._stem}.{key}"
-        nogil = self._options.get("nogil", False)
-        try:
-            compiled = dispatcher.overloads[folded]
-            machine = entry_point.write(dispatcher.targetctx, compiled, name, nogil)
-        except Unsupported:
-            return
-        entry = _loaded(machine)
-        if entry is not None:
-            self._entries.append(entry)
-            if self._folder is not None:
-                _write(machine, self._folder / f"{self._stem}.{key}{SUFFIX}")
+        _, folded = self.dispatcher._compiler.fold_argument_types(types, {})
+        self.dispatcher.compile(folded)
+        compiled = self.dispatcher.overloads[folded]
+        if compiled.signature.return_type != numba.types.none:
+            raise TypeError(
+                f"{self.py_func.__name__} must return nothing to be kept, got a function that "
+                f"returns {compiled.signature.return_type} (leave out cache=True)"
+            )
+        text = NEVER_CALLED.sub(
+            r"define internal \1 {\n  unreachable\n}", compiled.library.get_llvm_str()
+        )
+        module = binding.parse_assembly(text)
+        module.link_in(binding.parse_assembly(_entry_text(self.dispatcher.targetctx, compiled)))
+        return str(module)
 
     @cached_property
     def dispatcher(self) -> Any:
         """Numba's own object, as other kernels call it."""
-        bare = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-        options = self._options | (bare if self._kept or self._inner else {})
-        return _numba().njit(**options)(self.py_func)
+        return _numba().njit(**self._options, **BARE)(self.py_func)
 
     @cached_property
     def _by_numba(self) -> Any:
         """Numba's own object, as Python calls it."""
         return _numba().njit(**self._options)(self.py_func)
 
-    @cached_property
-    def _folder(self) -> Path | None:
-        return cache_folder(self.__module__, source_digest(self.__module__))
 
-    @property
-    def _stem(self) -> str:
-        return f"{self.py_func.__qualname__}-{self.py_func.__code__.co_firstlineno}"
+def _entry_text(context: Any, compiled: Any) -> str:
+    """A function in LLVM's language that calls the kernel with the words at an address."""
+    from llvmlite import ir
+    from numba import types
+
+    module, word = ir.Module(), ir.IntType(64)
+    native = context.declare_function(module, compiled.fndesc)
+    kind = ir.FunctionType(ir.IntType(32), [word.as_pointer()])
+    entry = ir.Function(module, kind, name=ENTRY)
+    builder = ir.IRBuilder(entry.append_basic_block())
+
+    def loaded(begin: Any, place: int) -> Any:
+        return builder.load(builder.gep(begin, [word(place)]))
+
+    def scalars(kinds: Any) -> Iterator[Any]:
+        for kind in kinds:
+            yield from scalars(kind) if isinstance(kind, types.BaseTuple) else (kind,)
+
+    words = []
+    for place, kind in enumerate(scalars(compiled.fndesc.argtypes)):
+        given = loaded(entry.args[0], place)
+        if not isinstance(kind, types.Array):
+            words.append(given)
+            continue
+        array = builder.inttoptr(given, word.as_pointer())
+        places = [builder.inttoptr(loaded(array, n), word.as_pointer()) for n in (SHAPE, STRIDES)]
+        axes = [loaded(begin, n) for begin in places for n in range(kind.ndim)]
+        size = functools.reduce(builder.mul, axes[: kind.ndim], word(1))
+        item = context.get_abi_sizeof(context.get_data_type(kind.dtype))
+        words += [word(0), word(0), size, word(item), loaded(array, DATA), *axes]
+    result, exception, *kinds = native.function_type.args
+    values = [
+        builder.inttoptr(value, kind)
+        if isinstance(kind, ir.PointerType)
+        else builder.bitcast(value, kind)
+        for value, kind in zip(words, kinds, strict=True)
+    ]
+    space = builder.alloca(result.pointee), builder.alloca(exception.pointee)
+    builder.ret(builder.call(native, [*space, *values], attrs=("noinline",)))
+    return str(module)
+
+
+def _unpack(values: Iterable[Any], kinds: list[Any], words: list[Any]) -> None:
+    """Append the kinds that machine code depends on, and the words that it takes."""
+    for value in values:
+        kind = type(value)
+        if kind is np.ndarray:
+            flags = value.flags.num
+            flags &= OF_C if flags & C_ORDER else OF_OTHERS
+            kinds += (value.dtype, value.ndim, flags)
+            words.append(id(value))
+        elif kind is float or (kind is int and -LARGEST <= value < LARGEST):
+            kinds.append(kind)
+            words.append(value)
+        elif kind is tuple:
+            kinds.append(len(value))
+            _unpack(value, kinds, words)
+        elif value is None:
+            kinds.append(None)
+            words.append(0)
+        elif isinstance(value, np.float64 | np.integer):
+            _unpack((value.item(),), kinds, words)
+        else:
+            raise TypeError(
+                "arguments of a kernel must be doubles, integers of 64 bits, arrays, tuples or "
+                f"None, got {value!r}"
+            )
+
+
+def _plain(value: Any) -> Any:
+    """Python's own numbers for NumPy's."""
+    if isinstance(value, tuple):
+        return tuple(map(_plain, value))
+    return value.item() if isinstance(value, np.generic) else value
 
 
 class Intrinsic:
@@ -193,13 +244,9 @@ class Intrinsic:
 
 @lru_cache(maxsize=1)
 def _numba() -> Any:
-    """Numba, which knows kernels and intrinsics then, and its runtime."""
+    """Numba, which knows kernels and intrinsics then."""
     import numba
-    from numba.core.registry import cpu_target
-    from numba.core.runtime.nrt import rtsys
     from numba.core.typing.typeof import typeof_impl
-
-    _load_arrays_without_blas()
 
     @typeof_impl.register(Kernel)
     def _kernel(kernel: Kernel, _: Any) -> Any:
@@ -209,7 +256,6 @@ def _numba() -> Any:
     def _intrinsic(intrinsic: Intrinsic, _: Any) -> Any:
         return intrinsic.kind
 
-    rtsys.initialize(cpu_target.target_context)
     return numba
 
 
@@ -224,54 +270,5 @@ def _compile_complex_product() -> None:
 
     cpu_target.target_context.cached_internal_func.clear()
     kind = _numba().complex128
-    bare = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-    product = _numba().njit(error_model="numpy", **bare)(lambda a, b: a * b)
+    product = _numba().njit(error_model="numpy", **BARE)(lambda a, b: a * b)
     product.compile((kind, kind))
-
-
-def _load_arrays_without_blas() -> None:
-    """Spare the 0.2 s that numba takes to import SciPy's BLAS, which is there, before any kernel.
-
-    What needs it (``np.dot`` in a kernel) imports it then.
-    """
-    from numba.np import linalg
-
-    ensure = linalg.ensure_blas
-    linalg.ensure_blas = lambda: None
-    try:
-        import_module("numba.np.arraymath")
-    finally:
-        linalg.ensure_blas = ensure
-
-
-def _loaded(machine: Machine) -> Callable[..., Any] | None:
-    """The entry point; None if numba's runtime lacks something that it needs, too."""
-    entry = entry_point.load(machine) if sys.platform == "linux" else None
-    if entry is None:
-        _numba()
-        entry = entry_point.load(machine)
-    return entry
-
-
-def _write(machine: Machine, path: Path) -> None:
-    """Keep machine code: a line that says what it is, and the code."""
-    head = {
-        "processor": entry_point.processor(),
-        "entry": machine.entry,
-        "needed": machine.needed,
-        "kernel": len(machine.kernel),
-    }
-    write_whole(path, json.dumps(head).encode() + b"\n" + machine.kernel + machine.caller)
-
-
-def _read(path: Path) -> Machine | None:
-    """What `_write` kept; None if it is damaged or for another processor."""
-    data = read_whole(path)
-    if data is None:
-        return None
-    line, _, code = data.partition(b"\n")
-    head = json.loads(line)
-    if head["processor"] != entry_point.processor():
-        return None
-    size = head["kernel"]
-    return Machine(head["entry"], code[:size], code[size:], head["needed"])

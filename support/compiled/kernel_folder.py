@@ -1,14 +1,12 @@
-"""Where compiled kernels are kept from one process to the next, under keys that follow the sources.
+"""Where machine code and data are kept from one process to the next, under keys of their sources.
 
-A kernel's machine code lies in a folder that is named by a digest of all that it is built from: the
-text of every file of the project that its module imports, directly or through others; the byte
-code and the constants that these modules hold in memory (Python's own cache of byte code can be
-stale as well); the versions of Python, numba, llvmlite, NumPy and of what else these files import;
-numba's settings.  So nothing old is ever found, and going back to an earlier source finds what was
-compiled from that.
+What is kept lies in a folder that is named by a digest of all that it is made from
+(`support.compiled.source_digest`) and of numba's settings. So nothing old is ever found, and going
+back to an earlier source finds what was made from that.
 
 The folder is the first that can be written of ``NUMBA_CACHE_DIR``, the module's ``__pycache__`` and
-the user's cache.  Where there is none, every process compiles anew, and a warning says so once.
+the user's cache. Where there is none, every process makes all anew, and a warning says so once. A
+cache can only save time: whatever is missing, damaged or cannot be written is made anew.
 """
 
 from __future__ import annotations
@@ -19,24 +17,63 @@ import shutil
 import sys
 import tempfile
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import suppress
+from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-__all__ = ["cache_folder", "read_whole", "write_whole"]
+if TYPE_CHECKING:
+    from longwave.support.compiled.source_digest import Files
+
+__all__ = ["CacheFolder", "cache_folder", "read_whole", "write_whole"]
 
 KEPT = 8
-"""Versions of a module's kernels that a cache keeps; the least lately used ones go first."""
+"""Versions of a module's folder that a cache keeps; the least lately used ones go first."""
+
+
+@dataclass(frozen=True)
+class CacheFolder:
+    """The files made from ``sources`` that are kept in the folder ``path``; None keeps nothing.
+
+    Read and written only by a process that runs what the sources say.
+    """
+
+    path: Path | None
+    sources: Files = ()
+
+    def kept(self, name: str, make: Callable[[], bytes]) -> bytes:
+        """The file's content, made if it is not there."""
+        data = self.read(name)
+        if data is None:
+            data = make()
+            self.write(name, data)
+        return data
+
+    def read(self, name: str) -> bytes | None:
+        """The file's content; None if it is not there, or damaged."""
+        from longwave.support.compiled.source_digest import are_older
+
+        if self.path is None or not are_older(self.sources):
+            return None
+        return read_whole(self.path / name)
+
+    def write(self, name: str, data: bytes) -> None:
+        """Keep a file, if it can be."""
+        from longwave.support.compiled.source_digest import runs_as_written
+
+        if self.path is not None and runs_as_written(self.sources):
+            write_whole(self.path / name, data)
 
 
 @lru_cache
-def cache_folder(module: str, sources: str) -> Path | None:
-    """The folder for the kernels of an imported module, made if need be; None if none can be.
+def cache_folder(module: str, *others: str) -> CacheFolder:
+    """The folder for what an imported module makes, with the ``others``; made if need be."""
+    from longwave.support.compiled.source_digest import all_sources, text_digest
 
-    ``sources`` is the digest of what they are built from (`support.compiled.source_digest`).
-    """
-    name = f"{module}-{_digest(sources)[:20]}"
+    sources = all_sources((module, *others))
+    name = f"{module}-{_digest(text_digest(sources))[:20]}"
     for base in _bases(Path(str(sys.modules[module].__file__))):
         folder = base / name
         try:
@@ -46,9 +83,9 @@ def cache_folder(module: str, sources: str) -> Path | None:
         except OSError:
             continue
         _prune(base, module)
-        return folder
+        return CacheFolder(folder, sources)
     _tell_once()
-    return None
+    return CacheFolder(None)
 
 
 def write_whole(path: Path, data: bytes) -> None:
@@ -74,7 +111,7 @@ def read_whole(path: Path) -> bytes | None:
 
 
 def _digest(sources: str) -> str:
-    """What the machine code depends on: the sources and numba's settings."""
+    """What machine code depends on: the sources and numba's settings."""
     settings = [
         f"{name}={value}"
         for name, value in sorted(os.environ.items())
@@ -104,7 +141,7 @@ def _users_cache() -> Path:
 
 
 def _prune(base: Path, module: str) -> None:
-    """Remove the least lately used versions of the module's kernels."""
+    """Remove the least lately used versions of the module's folder."""
     try:
         versions = sorted(base.glob(f"{module}-*"), key=lambda path: path.stat().st_mtime)
     except OSError:  # another process has just removed one

@@ -14,6 +14,7 @@ from longwave.derive.normal_form import NORMAL_EQUATIONS
 from longwave.solutions import CATALOGUE, ClosedForm, Wave, closed_form, data_store, kept_wave
 from longwave.solutions.equation import KP, NLS, Equation
 from longwave.solutions.symbols import s, tau, xi, zeta
+from longwave.support.compiled.kernel_folder import CacheFolder
 
 OTHERS = [form for form in CATALOGUE if form not in CATALOGUE.of("mKdV")]
 TOLERANCE = 1e-13
@@ -208,7 +209,7 @@ def test_either_sign_where_the_form_says_so(sign: int) -> None:
 def test_a_kept_wave_is_the_one_that_is_made(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(data_store, "cache_folder", lambda *_: tmp_path)
+    monkeypatch.setattr(data_store, "cache_folder", lambda *_: CacheFolder(tmp_path))
     values = {"kp_lump": {"kappa": 1}, "kdv_cnoidal": {"k": 0.5}}.get(name, {})
     exact = made(closed_form(name), **values)
 

@@ -15,6 +15,7 @@ from house import HOUSE, ROOMS
 from longwave.derive import mkdv_normal_form
 from longwave.solutions import Wave, closed_form, data_store, kept_data, kept_wave
 from longwave.support.compiled import source_digest
+from longwave.support.compiled.kernel_folder import CacheFolder
 from longwave.support.compiled.source_digest import all_sources, text_digest
 
 SITES = np.linspace(-4000.0, 4000.0, 301)
@@ -44,7 +45,7 @@ def values(wave: Any) -> Iterator[Any]:
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.setattr(data_store, "cache_folder", lambda *_: tmp_path)
+    monkeypatch.setattr(data_store, "cache_folder", lambda *_: CacheFolder(tmp_path))
     return tmp_path
 
 
@@ -106,7 +107,7 @@ def test_data_are_made_once(folder: Path) -> None:
 def test_nothing_is_kept_of_what_the_files_do_not_say(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(data_store, "runs_as_written", lambda _: False)
+    monkeypatch.setattr(source_digest, "runs_as_written", lambda _: False)
     assert kept_data(__name__, "data", lambda: [1.5]) == [1.5]
     assert not list(folder.iterdir())
 
@@ -146,7 +147,12 @@ def test_another_text_is_another_key(tmp_path: Path) -> None:
 STALE = """
 import os, sys, time
 from pathlib import Path
-from longwave.support.compiled.source_digest import runs_as_written
+from longwave.support.compiled.source_digest import are_older, runs_as_written
+
+def forget():
+    are_older.cache_clear()
+    runs_as_written.cache_clear()
+
 from longwave import derive
 lazy_face = sys.modules["longwave.support.lazy_face"]
 path = Path("old.py")
@@ -159,11 +165,11 @@ path.write_text("value = 2\\n")
 os.utime(path, (1e9, 1e9))
 del sys.modules["old"]
 import old
-runs_as_written.cache_clear()
+forget()
 print(old.value, runs_as_written((("old", path.resolve()),)))
 lazy_face.BEGUN = 0.0
 path.write_text("value = 1\\n")
-runs_as_written.cache_clear()
+forget()
 print(runs_as_written((("old", path.resolve()),)))
 """
 
@@ -207,15 +213,15 @@ def test_a_warm_run_imports_nothing_heavy_and_prints_the_same() -> None:
 def test_the_imports_of_a_file_are_read_as_python_reads_them() -> None:
     """Without Python's parser; every file of the house."""
 
-    def imported(body: list[Any], at_once: bool = True) -> Iterator[tuple[str, str, bool]]:
+    def imported(body: list[Any]) -> Iterator[tuple[str, str]]:
         for node in body:
             if isinstance(node, ast.Import):
-                yield from ((alias.name, "", at_once) for alias in node.names)
+                yield from ((alias.name, "") for alias in node.names)
             elif isinstance(node, ast.ImportFrom):
                 stem = "." * node.level + (node.module or "")
-                yield from ((stem, alias.name, at_once) for alias in node.names)
+                yield from ((stem, alias.name) for alias in node.names)
             for inner in ("body", "orelse", "finalbody", "handlers", "cases"):
-                yield from imported(getattr(node, inner, []), at_once=False)
+                yield from imported(getattr(node, inner, []))
 
     for room in ROOMS:
         for path in (HOUSE / room).rglob("*.py"):
@@ -224,7 +230,7 @@ def test_the_imports_of_a_file_are_read_as_python_reads_them() -> None:
 
 
 def test_without_a_folder_the_wave_is_made(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(data_store, "cache_folder", lambda *_: None)
+    monkeypatch.setattr(data_store, "cache_folder", lambda *_: CacheFolder(None))
     exact = made("kink")
     assert kept_wave(__name__, "kink", lambda: exact) is exact
     assert kept_data(__name__, "data", lambda: [1.5]) == [1.5]

@@ -10,9 +10,10 @@ import pytest
 from llvmlite import binding  # type: ignore[import-untyped]
 
 import longwave.reports.engine
-import longwave.support.compiled.kernel_folder
 from longwave.__main__ import main
 from longwave.cli import health
+from longwave.support.compiled import kernel_folder
+from longwave.support.compiled.kernel_folder import CacheFolder
 
 Output = pytest.CaptureFixture[str]
 
@@ -71,13 +72,11 @@ def test_one_core_costs(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_kernels_that_cannot_be_kept_cost(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setattr(longwave.support.compiled.kernel_folder, "cache_folder", lambda *_: None)
+    monkeypatch.setattr(kernel_folder, "cache_folder", lambda *_: CacheFolder(None))
     assert "NUMBA_CACHE_DIR" in found("compiled kernels").cost
-    monkeypatch.setattr(
-        longwave.support.compiled.kernel_folder, "cache_folder", lambda *_: tmp_path
-    )
+    monkeypatch.setattr(kernel_folder, "cache_folder", lambda *_: CacheFolder(tmp_path))
     assert "the first run compiles" in found("compiled kernels").cost
-    (tmp_path / "kernel.kernel").touch()
+    (tmp_path / "kernel.object").touch()
     assert found("compiled kernels").state == "good"
     monkeypatch.setenv("NUMBA_DISABLE_JIT", "1")
     assert "unset NUMBA_DISABLE_JIT" in found("compiled kernels").cost

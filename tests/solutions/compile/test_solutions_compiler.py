@@ -12,14 +12,14 @@ from longwave.solutions.compile import compiler
 from longwave.solutions.compile.compiler import compile_program, kept_program
 from longwave.solutions.run.program import Program
 from longwave.solutions.symbols import tau, xi
-from longwave.support.compiled.kernel_folder import read_whole
+from longwave.support.compiled.kernel_folder import CacheFolder, read_whole
 
 NAMES = ["rogue_cn", "breather_sn", "two_soliton", "kink"]
 
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.setattr(compiler, "cache_folder", lambda *_: tmp_path)
+    monkeypatch.setattr(compiler, "cache_folder", lambda *_: CacheFolder(tmp_path))
     return tmp_path
 
 
@@ -79,7 +79,8 @@ def test_a_damaged_program_is_written_anew(folder: Path, normal_forms: Any) -> N
 
 def test_without_a_folder_it_runs(monkeypatch: pytest.MonkeyPatch, normal_forms: Any) -> None:
     first = values("kink", normal_forms)
-    monkeypatch.setattr(compiler, "cache_folder", lambda *_: None)
+    monkeypatch.setattr(compiler, "cache_folder", lambda *_: CacheFolder(None))
     assert values("kink", normal_forms) == first
-    monkeypatch.setattr(compiler, "cache_folder", lambda *_: Path("/dev/null/nowhere"))
+    nowhere = CacheFolder(Path("/dev/null/nowhere"))
+    monkeypatch.setattr(compiler, "cache_folder", lambda *_: nowhere)
     assert values("kink", normal_forms) == first
