@@ -233,7 +233,7 @@ def runs_its_sources() -> bool:
 
     paths = [path for room in CODE for path in sorted((HOUSE / room).rglob("*.py"))]
     stems = [path.relative_to(HOUSE).with_suffix("").parts for path in paths]
-    names = [".".join(parts).removesuffix(".__init__") for parts in stems]
+    names = [".".join(("longwave", *parts)).removesuffix(".__init__") for parts in stems]
     return runs_as_written(tuple(zip(names, paths, strict=True)))
 
 

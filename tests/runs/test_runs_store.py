@@ -18,6 +18,7 @@ from longwave.runs.run_file import load_run
 from longwave.runs.run_store import RunStore, UnkeptRunError, code_that_matters
 from longwave.scenes import scene_run
 from longwave.scenes.named_scenes import load_scene
+from longwave.support.compiled.source_digest import Files
 from longwave.support.provenance import provenance
 from tests.runs.unfinished_scenes import bits, chain
 
@@ -175,6 +176,23 @@ def test_sources_that_changed_keep_no_run(
         store.fetch(SMALL)
     longwave.runs.run_store.runs_its_sources.cache_clear()
     assert runs_made == []
+
+
+def test_the_sources_of_all_rooms_are_looked_at(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Catches: names that no module has, so that nothing is compared and all seems unchanged."""
+    seen: list[str] = []
+
+    def noted(sources: Files) -> bool:
+        seen.extend(name for name, _ in sources)
+        return True
+
+    monkeypatch.setattr("longwave.support.compiled.source_digest.runs_as_written", noted)
+    longwave.runs.run_store.runs_its_sources.cache_clear()
+    assert longwave.runs.run_store.runs_its_sources()
+    longwave.runs.run_store.runs_its_sources.cache_clear()
+    imported = {name for name in sys.modules if name.startswith("longwave.scenes.")}
+    assert imported
+    assert imported <= {*seen}
 
 
 FETCH = """
