@@ -401,12 +401,19 @@ def _frequency(carrier: Carrier, at: Mapping[str, mpmath.mpc], number: int) -> m
     highest = max(relation)
     phase = mpmath.conj(relation[highest]) / abs(relation[highest])
     polynomial = [(relation.get(i, mpmath.mpf(0)) * phase).real for i in range(highest, -1, -1)]
-    roots = sorted(mpmath.polyroots(polynomial, maxsteps=200, extraprec=200), key=mpmath.re)
+    at_k = f"k = {mpmath.nstr(mpmath.arg(at[str(z)]), 8)}"
+    try:
+        roots = sorted(mpmath.polyroots(polynomial, maxsteps=200, extraprec=200), key=mpmath.re)
+    except mpmath.mp.NoConvergence:  # of roots that are the same
+        raise ValueError(
+            f"k must leave the branches apart, got {at_k}, where two have one frequency (take "
+            "another k, or constants that part them)"
+        ) from None
     found = roots[number]
     if abs(found.imag) > ROUNDING * abs(found) or found.real <= 0:
         raise ValueError(
             f"constants must give a real frequency, got omega^2 = {mpmath.nstr(found, 8)} at "
-            f"k = {mpmath.nstr(mpmath.arg(at[str(z)]), 8)} (the lattice must be stable)"
+            f"{at_k} (the lattice must be stable)"
         )
     return mpmath.sqrt(found.real)
 

@@ -340,8 +340,11 @@ class SidebandRuns(StepSearch):
     """Runs of a ring, for `lattice.refine` to judge: only the step is varied.
 
     Values are the logarithms of the sizes at the moments, times a ``scale``: what these are off, a
-    growth rate is at most, in units of the largest in theory.
+    growth rate is at most, in units of the largest in theory. Other waves on the ring may grow
+    faster than the perturbation, from rounding.
     """
+
+    fragile = True
 
     def __init__(self, plan: GrowthPlan, scene: Scene) -> None:
         self.plan = plan

@@ -71,7 +71,7 @@ def soak_scene(
     try:
         derivation(scene)
     except ValueError as refusal:
-        fitting = re.search(r"\(one of ([\w, ]+)\)$", str(refusal))
+        fitting = re.search(r"\(one of ([\w, ]+)[;)]", str(refusal))
         if fitting:
             wave = draw.choice(fitting[1].split(", "))
             scene = scene.changed(wave=wave, parameters=_parameters(draw, wave))
