@@ -17,10 +17,13 @@ NUDGE = 2.0**-51
 """Relative change of the data's last digits."""
 
 
-def nudged(*arrays: Array) -> tuple[Array, ...]:
-    """The arrays with the last digits of all numbers changed, the same way each time."""
-    random = np.random.default_rng(0)
-    return tuple(values * (1.0 + random.choice([-NUDGE, NUDGE], values.shape)) for values in arrays)
+def nudged(*arrays: Array, times: float = 1.0) -> tuple[Array, ...]:
+    """The arrays with the last digits of all numbers changed, the same way each time.
+
+    They change by so many ``times`` the least that is usual.
+    """
+    random, size = np.random.default_rng(0), times * NUDGE
+    return tuple(values * (1.0 + random.choice([-size, size], values.shape)) for values in arrays)
 
 
 @dataclass(frozen=True)

@@ -60,9 +60,9 @@ class CellRing:
         v[:, :room] -= turned[:, ::-1]
         return replace(self, f=f, v=v)
 
-    def nudged(self) -> CellRing:
-        """The ring with the last digits of its state changed."""
-        f, v = nudged(self.f, self.v)
+    def nudged(self, times: float = 1.0) -> CellRing:
+        """The ring with the last digits of its state changed (`trial.nudged`)."""
+        f, v = nudged(self.f, self.v, times=times)
         return replace(self, f=f, v=v)
 
 

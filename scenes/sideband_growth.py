@@ -78,6 +78,10 @@ LEVER = 2.5 / (15.0 / 16.0)
 """By how much a line through the moments may be steeper for what each is off, times their span:
 ``sum |x| / sum x^2`` over `MOMENTS` places x from -1/2 to 1/2."""
 
+GROWTH_EVALUATIONS = 32.0
+"""A wave that grows G-fold begins in 1/(2 ln G) of a run, a 32nd for G = 1e7: of so many roundings
+one counts."""
+
 SEEN = 3.0
 """A rate is told from 0 if it is larger than that many times its error."""
 
@@ -341,7 +345,8 @@ class SidebandRuns(StepSearch):
 
     Values are the logarithms of the sizes at the moments, times a ``scale``: what these are off, a
     growth rate is at most, in units of the largest in theory. Other waves on the ring may grow
-    faster than the perturbation, from rounding.
+    faster than the perturbation, from rounding: data are nudged by as much as all roundings add up
+    to while these waves begin.
     """
 
     fragile = True
@@ -377,7 +382,10 @@ class SidebandRuns(StepSearch):
     def run(self, choices: Choices, shown: bool, progress: Progress = lambda _: None) -> Trial:
         """A run; its payload is the number of steps."""
         loop = begin_loop(f"sidebands {choices}")
-        ring = self.ring.nudged() if choices.nudged else self.ring
+        ring = self.ring
+        if choices.nudged:
+            evaluations = self.work(choices) * SCHEME.stages
+            ring = ring.nudged(math.sqrt(max(1.0, evaluations / GROWTH_EVALUATIONS)))
         state = FieldState(0.0, ring.f.copy(), ring.v.copy())
         stepper = ring_stepper(ring.lattice, StillRing(state), SCHEME, choices.step)
         measured: list[Complex] = []
