@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import lru_cache
 from time import perf_counter
 from typing import TYPE_CHECKING
@@ -16,7 +17,7 @@ from longwave.scenes.numerics import Tolerance
 from longwave.scenes.observables import MEASURED, observable_named
 from longwave.scenes.pulse_meter import crest, pulse_track
 from longwave.scenes.recorders import exact_times
-from longwave.scenes.ring_cost import BEGIN_SECONDS
+from longwave.scenes.ring_cost import BEGIN_SECONDS, USUAL_RUNS, search_cost
 from longwave.scenes.ring_runs import (
     ComparedCells,
     RingCells,
@@ -26,8 +27,9 @@ from longwave.scenes.ring_runs import (
 )
 from longwave.scenes.run_record import RunRecord, UnfinishedRun, judged, unfinished
 from longwave.scenes.scene import Scene
-from longwave.scenes.stated_run import run_from
-from longwave.support.request_limits import ExpectedCost
+from longwave.scenes.scene_checks import enough_steps
+from longwave.scenes.stated_run import REFINED_COST, refinements, run_from
+from longwave.support.request_limits import ExpectedCost, check_request
 
 if TYPE_CHECKING:
     from longwave.lattice.model import State
@@ -58,7 +60,38 @@ def scene_cost(scene: Scene) -> ExpectedCost:
         return engine_of(*wave_rings(scene)).expected
     wave = lattice_wave(scene)
     timed = in_lattice_times(scene, wave.slow)
-    return expected_rings(wave, compared_cells(scene, wave), _stops(timed))
+    _check_axes(timed, wave)
+    compared = compared_cells(scene, wave)
+    if scene.tolerance is None:
+        found = _stated_cost(timed, wave, compared)
+    else:
+        found = expected_rings(wave, compared, (timed.t0, *timed.snapshots))
+    return replace(found, memory_bytes=found.memory_bytes + _moments_bytes(timed))
+
+
+def _stated_cost(timed: Scene, wave: LatticeWave, compared: ComparedCells) -> ExpectedCost:
+    """What is taken by a scene that states its step and its sites, with runs that refine it."""
+    stated, measures = timed.discretisation, refinements(timed)
+    duration = timed.end - timed.t0
+    enough_steps(stated.step, duration)
+    runs = 1.0 + REFINED_COST * len(measures)
+    sites = stated.sites * (2.0 if "domain_error" in measures else 1.0)
+    kept = (2.0 * compared.reach[0] + 1.0) * len(timed.snapshots)
+    steps = duration / stated.step
+    share = runs / USUAL_RUNS * stated.sites / sites
+    found = search_cost(wave.lattice, sites, steps * share, stated.table.stages, kept)
+    return replace(found, steps=steps * runs)
+
+
+MOMENT_BYTES = 1000.0
+"""For each time at which something is seen, beside what is kept of it."""
+
+
+def _moments_bytes(timed: Scene) -> float:
+    """The memory that the times of curves and looks take."""
+    seen = {observable_named(name).seen for name in timed.observables}
+    looks = timed.look_points or timed.curve_points
+    return MOMENT_BYTES * (timed.curve_points * ("curve" in seen) + looks * ("looks" in seen))
 
 
 def engine_of(timed: Scene, rings: WaveRings) -> RingRuns | SpectralRuns:
@@ -103,6 +136,11 @@ def wave_rings(scene: Scene) -> tuple[Scene, WaveRings]:
     wave = lattice_wave(scene)
     timed = in_lattice_times(scene, wave.slow)
     _check_axes(timed, wave)
+    seen = ExpectedCost(memory_bytes=_moments_bytes(timed))
+    check_request(timed.name, seen, "take fewer curve_points or look_points")
+    if scene.tolerance is None:
+        stated = _stated_cost(timed, wave, compared_cells(scene, wave))
+        check_request(timed.name, stated, "take a larger step or fewer sites, or end earlier")
     wave.start(timed.t0)
     return timed, WaveRings(wave, compared_cells(scene, wave), _stops(timed))
 

@@ -180,6 +180,8 @@ def names(name: str, values: object, known: tuple[str, ...]) -> tuple[str, ...]:
         )
     for value in values:
         one_of(name, value, known)
+        if list(values).count(value) > 1:
+            raise ValueError(f"{name} must have each name once, got {value} twice (leave one out)")
     return tuple(values)
 
 

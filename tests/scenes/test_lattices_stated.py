@@ -18,6 +18,7 @@ from longwave.scenes.numerics import Discretisation
 from longwave.scenes.observables import OBSERVABLES
 from longwave.scenes.run_record import UnfinishedRun
 from longwave.scenes.scene import Scene
+from longwave.support.request_limits import request_limits
 
 ASKED = tuple(name for name, entry in OBSERVABLES.items() if entry.seen != "refinement")
 TODA = load_scene("toda_soliton").changed(eps=0.2, curve_points=11)
@@ -83,6 +84,7 @@ def test_finer_steps_and_wider_rings_change_no_more_than_was_estimated(whole: xr
     ("scene", "changes", "message"),
     [
         (TODA, {"engine": "spectral", "observables": ["state"]}, "engine must be 'stencil' for s"),
+        (TODA, {"observables": ["strain", "strain"]}, "observables must have each name once, got"),
         (TODA, {"observables": ["energ"]}, "observables must be a known one, got 'energ'"),
         (TODA, {"observables": ["domain_error"]}, "observables must have no refinement with a"),
         (STRAINS, {"observables": ["energy"]}, "observables must have no energy on fput_strain"),
@@ -102,11 +104,15 @@ def test_what_a_lattice_does_not_have_is_refused(
         ((9.0, "ring", 4096), "step must satisfy step <= "),
         ((1.0, "ring", 64), r"sites must satisfy sites >= \d+ on this ring, got 64"),
         ((1.0, "window", 4096), "domain must be 'ring' for kdv_soliton on toda"),
+        ((1e-12, "ring", 4096), "step must satisfy step >= "),
+        ((0.1, "ring", 10**9), "toda_soliton must fit 2 GB"),
+        ((1e-7, "ring", 4096), "toda_soliton must take at most 60 min"),
     ],
 )
 def test_a_stated_discretisation_is_checked(stated: Any, message: str) -> None:
     given = dict(zip(("step", "domain", "sites"), stated, strict=True))
-    with pytest.raises(ValueError, match=rf"^{message}[^\n]*$"):
+    limits = request_limits("2G", "1h")
+    with limits, pytest.raises(ValueError, match=rf"^{message}[^\n]*$"):
         run(TODA.changed(tolerance=None, **given))
 
 
