@@ -58,7 +58,7 @@ def test_a_cluster_gives_every_verdict_though_a_worker_is_killed(dask_cluster: A
 def test_workers_that_prove_by_another_code_are_refused(
     dask_cluster: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(statements, "text_digest", lambda sources: "of other sources")
+    monkeypatch.setattr(statements, "source_digest", lambda module: "of other sources")
     problems = [StatedProblem(soliton(4))]
     with pytest.raises(ValueError, match="sources and packages of this machine, got other ones on"):
         statements._decided(problems, 60.0, 0.0, dask_cluster.scheduler_address)
