@@ -96,7 +96,8 @@ def resume(
     ``at`` is the snapshot, by default the last one; ``snapshots`` are the times wanted after it, by
     default those of the scene; a ``wave`` of your own, which no file holds, is to be given again.
     The result holds what the scene asks for after ``at``. Same bits need the same stops:
-    ``curve_points`` and ``look_points`` times move with the end of the run.
+    ``curve_points`` and ``look_points`` times move with the end of the run. A wave with its next
+    order is solved for from one time to the next: it is the same to within that solution's error.
 
     Raises ValueError if the run carries no state at ``at`` or nothing is wanted after it.
     """
