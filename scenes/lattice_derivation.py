@@ -67,6 +67,12 @@ class LatticeDerivation:
             return f"{self.equation}: {self.source.pde.text()}"
         return f"{self.equation} envelope: i A_T + p A_XX + q |A|^2 A = 0"
 
+    def latex(self) -> str:
+        """The equation in LaTeX."""
+        if isinstance(self.source, Reduction):
+            return self.source.pde.latex()
+        return r"i A_T + p\, A_{XX} + q\, |A|^2 A = 0"
+
 
 def declared_lattice(scene: Scene) -> Lattice:
     """The scene's lattice in symbols; ValueError for a name or a declaration that is none."""

@@ -16,7 +16,7 @@ from longwave.scenes.lattice_derivation import LatticeDerivation, derivation, la
 from longwave.scenes.numerics import Tolerance
 from longwave.scenes.observables import MEASURED, observable_named
 from longwave.scenes.pulse_meter import crest, pulse_track
-from longwave.scenes.recorders import exact_times
+from longwave.scenes.recorders import MOMENT_BYTES, exact_times
 from longwave.scenes.ring_cost import BEGIN_SECONDS, USUAL_RUNS, search_cost
 from longwave.scenes.ring_runs import (
     ComparedCells,
@@ -25,10 +25,10 @@ from longwave.scenes.ring_runs import (
     WaveRings,
     expected_rings,
 )
-from longwave.scenes.run_record import RunRecord, UnfinishedRun, judged, unfinished
+from longwave.scenes.run_record import RunRecord, UnfinishedRun, error_unit, judged, unfinished
 from longwave.scenes.scene import Scene
 from longwave.scenes.scene_checks import enough_steps
-from longwave.scenes.stated_run import REFINED_COST, refinements, run_from
+from longwave.scenes.stated_run import run_from, stated_runs
 from longwave.support.request_limits import ExpectedCost, check_request
 
 if TYPE_CHECKING:
@@ -71,20 +71,15 @@ def scene_cost(scene: Scene) -> ExpectedCost:
 
 def _stated_cost(timed: Scene, wave: LatticeWave, compared: ComparedCells) -> ExpectedCost:
     """What is taken by a scene that states its step and its sites, with runs that refine it."""
-    stated, measures = timed.discretisation, refinements(timed)
+    stated, runs = timed.discretisation, stated_runs(timed)
     duration = timed.end - timed.t0
     enough_steps(stated.step, duration)
-    runs = 1.0 + REFINED_COST * len(measures)
-    sites = stated.sites * (2.0 if "domain_error" in measures else 1.0)
+    sites = stated.sites * (2.0 if "domain_error" in timed.observables else 1.0)
     kept = (2.0 * compared.reach[0] + 1.0) * len(timed.snapshots)
     steps = duration / stated.step
     share = runs / USUAL_RUNS * stated.sites / sites
     found = search_cost(wave.lattice, sites, steps * share, stated.table.stages, kept)
     return replace(found, steps=steps * runs)
-
-
-MOMENT_BYTES = 1000.0
-"""For each time at which something is seen, beside what is kept of it."""
 
 
 def _moments_bytes(timed: Scene) -> float:
@@ -136,13 +131,14 @@ def wave_rings(scene: Scene) -> tuple[Scene, WaveRings]:
     wave = lattice_wave(scene)
     timed = in_lattice_times(scene, wave.slow)
     _check_axes(timed, wave)
+    compared = compared_cells(scene, wave)
     seen = ExpectedCost(memory_bytes=_moments_bytes(timed))
     check_request(timed.name, seen, "take fewer curve_points or look_points")
     if scene.tolerance is None:
-        stated = _stated_cost(timed, wave, compared_cells(scene, wave))
+        stated = _stated_cost(timed, wave, compared)
         check_request(timed.name, stated, "take a larger step or fewer sites, or end earlier")
     wave.start(timed.t0)
-    return timed, WaveRings(wave, compared_cells(scene, wave), _stops(timed))
+    return timed, WaveRings(wave, compared, _stops(timed))
 
 
 def _check_axes(scene: Scene, wave: LatticeWave) -> None:
@@ -185,7 +181,7 @@ def record_scene(
     announce = announce or (lambda _: None)
     try:
         if scene.tolerance is None:
-            announce(rings.expected.seconds)
+            announce(_stated_cost(timed, rings.wave, rings.compared).seconds)
             record = run_from(RingCells(timed, rings), restart, progress)
         else:
             record = _to_tolerance(scene, engine_of(timed, rings), progress, announce, begun)
@@ -206,9 +202,8 @@ def _tell(record: RunRecord, derived: LatticeDerivation, wave: LatticeWave) -> N
         "frame_speed": wave.speed,
         "power": wave.power,
     }
-    unit = "eps" if wave.power == 1 else f"eps^{wave.power}"
     changes = {name: {"long_name": text} for name, text in LONG_NAMES.items()}
-    changes |= {name: {"units": unit} for name in ("sup_error", *MEASURED)}
+    changes |= {name: {"units": error_unit(wave.power)} for name in ("sup_error", *MEASURED)}
     for name in changes.keys() & record.variables.keys():
         dimensions, values, told = record.variables[name]
         record.variables[name] = dimensions, values, told | changes[name]

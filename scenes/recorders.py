@@ -30,6 +30,10 @@ LOOK_EVALUATIONS = 1088
 """Fewest force evaluations a site between two looks: a look then costs a hundredth of the run."""
 
 
+MOMENT_BYTES = 1000.0
+"""For each time at which something is seen, beside what is kept of it."""
+
+
 @dataclass
 class Moments:
     """Exact ``times``, or looks at the first stop after every ``interval`` if there are none.

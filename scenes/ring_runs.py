@@ -497,11 +497,11 @@ class RingRuns(StepSearch):
 
     def _cells(self, choices: Choices) -> RingCells:
         wider = WIDER if choices.size > self._first.size else 0
-        sites = sites_of(self.rings.ends(wider))
-        stated = Discretisation(choices.step, "ring", sites, self._scheme.name)
+        ends = self.rings.ends(wider)
+        stated = Discretisation(choices.step, "ring", sites_of(ends), self._scheme.name)
         observables = () if choices.nudged else self.scene.observables
         plan = replace(self.scene, numerics=stated, observables=observables)
-        return RingCells(plan, self.rings, self.rings.ends(wider), choices.nudged)
+        return RingCells(plan, self.rings, ends, choices.nudged)
 
     def metered_before(self, step: float) -> Array:
         """What the meter gave in the run with the next longer step; nan where there is none."""

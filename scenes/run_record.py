@@ -26,6 +26,15 @@ if TYPE_CHECKING:
     from longwave.scenes.scene import Scene
 
 
+def error_unit(power: int) -> str:
+    """The unit in which errors are told, that power of eps, in words.
+
+    >>> error_unit(1), error_unit(2)
+    ('eps', 'eps^2')
+    """
+    return "eps" if power == 1 else f"eps^{power}"
+
+
 @dataclass
 class RunRecord:
     """A run of ``scene`` as it was recorded: a `Dataset` before anyone needs one.

@@ -140,6 +140,11 @@ def refinements(scene: Scene) -> list[str]:
     return [name for name in scene.observables if observable_named(name).seen == "refinement"]
 
 
+def stated_runs(scene: Scene) -> float:
+    """The work of a stated scene with its refinements, in units of its run alone."""
+    return 1.0 + REFINED_COST * len(refinements(scene))
+
+
 def refined(scene: Scene, measure: str) -> Scene:
     """The scene with half the step (``time_step_error``) or twice the sites (``domain_error``)."""
     stated = scene.discretisation

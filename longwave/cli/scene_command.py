@@ -15,7 +15,7 @@ from longwave.runs.store_messages import fetch_with_messages
 from longwave.scenes.chain.trust import USUAL_TOLERANCE
 from longwave.scenes.named_scenes import load_scene
 from longwave.scenes.recorders import Variables
-from longwave.scenes.run_record import RunRecord, UnfinishedRun
+from longwave.scenes.run_record import RunRecord, UnfinishedRun, error_unit
 from longwave.scenes.scene import Scene
 from longwave.support.command_line import fail, fail_for_memory, interrupted
 from longwave.support.console import plain_console, progress_bar
@@ -116,8 +116,7 @@ COLUMNS = {
 def print_summary(run: RunRecord, scene: Scene, console: Console) -> None:
     """Print a run's errors, what was derived, its cost, what can be trusted of it, and a blow-up if
     there was one."""
-    power = run.attrs.get("power", 1)
-    unit = "eps" if power == 1 else f"eps^{power}"
+    unit = error_unit(run.attrs.get("power", 1))
     columns = {name: t.format(unit=unit) for name, t in COLUMNS.items() if name in run.variables}
     console.print(scene.title or scene.name, markup=False, soft_wrap=True)
     if columns:

@@ -176,8 +176,8 @@ def _check_cells(scene: Scene) -> None:
 
 def _compared(scene: Scene, progress: Progress | None, announce: Any) -> Comparison:
     from longwave.cli.scene_command import summary_lines
-    from longwave.derive import Reduction
     from longwave.scenes.lattice_derivation import derivation
+    from longwave.scenes.run_record import error_unit
 
     record = scene.record(progress, announce)
     run, told = record.dataset, record.attrs
@@ -188,7 +188,6 @@ def _compared(scene: Scene, progress: Progress | None, announce: Any) -> Compari
     errors = _largest(run.get("strains", run["strain"]) - run.get("analytics", run["analytic"]))
     relative = np.where(np.isnan(run["error"]), errors / np.max(np.abs(wave)), run["error"])
     derived = derivation(scene)
-    of_envelope = r"i A_T + p\, A_{XX} + q\, |A|^2 A = 0"
     return Comparison(
         X=_distances(scene.eps, run),
         times=run["time"].values,
@@ -198,11 +197,9 @@ def _compared(scene: Scene, progress: Progress | None, announce: Any) -> Compari
         errors=errors / scale,
         relative=relative,
         estimate=float(told["error_estimate"]),
-        unit="eps" if told["power"] == 1 else f"eps^{told['power']}",
+        unit=error_unit(told["power"]),
         equation=derived.text(),
-        equation_latex=derived.source.pde.latex()
-        if isinstance(derived.source, Reduction)
-        else of_envelope,
+        equation_latex=derived.latex(),
         wave_texts=wave_texts(scene),
         lines=tuple(summary_lines(record, scene)),
         ended=told["blow_up"],

@@ -7,7 +7,7 @@ alone the space-time map, the error over time and the track of the crest.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, NoReturn
+from typing import NoReturn
 
 import numpy as np
 import xarray as xr
@@ -17,9 +17,6 @@ from longwave.runs import scene_of_run
 from longwave.runs.own_error import scaled_own_error
 from longwave.scenes.observables import amplitudes, cell_width, extremum
 from longwave.support.user_files import shown
-
-if TYPE_CHECKING:
-    pass
 
 Array = NDArray[np.float64]
 

@@ -163,7 +163,7 @@ def judge(seed: int, index: int) -> Judged:
 
 
 def judge_scene(drawn: RandomScene, answer: Callable[[Scene], xr.Dataset] | None = None) -> Judged:
-    """Judge a scene; ``answer`` runs it in the place of `scenes.chain.run`."""
+    """Judge a scene; ``answer`` runs it in the place of `scenes.run`."""
     scene = drawn.scene
     begun = time.process_time()
     given = _answer(scene, answer)

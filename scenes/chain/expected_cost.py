@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 
 from longwave.scenes.chain.sites import PROCESS_SECONDS, SECONDS_PER_UPDATE, stated_seconds
 from longwave.scenes.observables import MAP_CELLS, Observable, observable_named
+from longwave.scenes.recorders import MOMENT_BYTES
 from longwave.scenes.scene import Scene
 from longwave.scenes.stated_run import refinements
 from longwave.support.request_limits import ExpectedCost, check_request
@@ -27,9 +28,6 @@ POINT_BYTES = 530.0
 
 VALUE_BYTES = 20.0
 """For each number that is kept: in rows, in an array, and as a file's content."""
-
-MOMENT_BYTES = 1000.0
-"""For each time at which something is seen, beside what is kept of it."""
 
 MOVE_BYTES = 250.0
 """For each move of a window."""

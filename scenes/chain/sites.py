@@ -13,7 +13,7 @@ from longwave.lattice.stepper import Stepper, advance
 from longwave.scenes.chain.domain import SiteRing, Window
 from longwave.scenes.chain.moving_wave import MovingWave
 from longwave.scenes.observables import observable_named
-from longwave.scenes.stated_run import REFINED_COST, refinements
+from longwave.scenes.stated_run import stated_runs
 from longwave.scenes.view import SiteView
 
 if TYPE_CHECKING:
@@ -95,6 +95,5 @@ def stated_seconds(scene: Scene) -> float:
     """What a scene takes that states its step and its sites, with the runs that measure errors."""
     stated = scene.discretisation
     steps = (scene.end - scene.t0) / stated.step
-    runs = 1.0 + REFINED_COST * len(refinements(scene))
     updates = steps * stated.table.stages * stated.sites
-    return START_SECONDS + SECONDS_PER_UPDATE * updates * runs
+    return START_SECONDS + SECONDS_PER_UPDATE * updates * stated_runs(scene)
