@@ -14,7 +14,7 @@ from longwave.lattice.field_state import FieldState, field_blow_up
 from longwave.lattice.force_program import ForceProgram
 from longwave.lattice.kernels import nystroem, reference
 from longwave.lattice.kernels.ring_kernel import RingKernel
-from longwave.lattice.model import BlowUp, Held, Model, State, find_blow_up
+from longwave.lattice.model import BlowUp, Held, Model, State, extremes, find_blow_up
 from longwave.lattice.numeric_lattice import Entry, NumericBond, NumericLattice
 from longwave.lattice.schemes import DriftKick, Scheme
 
@@ -65,8 +65,8 @@ class Dynamics(Protocol[Held]):
     def stretches(self, f: Array) -> Array:
         """What the error is measured of."""
 
-    def find_blow_up(self, state: Held, amplitude: float | None) -> BlowUp | None:
-        """What is wrong with a state, if anything."""
+    def find_blow_up(self, state: Held, ranges: Array, amplitude: float | None) -> BlowUp | None:
+        """What is wrong with a state of those ranges, if anything."""
 
 
 @dataclass(frozen=True)
@@ -130,7 +130,7 @@ class StrainDynamics:
 
     def ranges(self, state: State) -> Array:
         """The smallest and the largest strain."""
-        return np.array([[state.y.min(), state.y.max()]])
+        return extremes(state)
 
     def highest_frequency(self, ranges: Array) -> float:
         """About the ends of the range, where the stiffness is extreme within, and at rest."""
@@ -150,9 +150,9 @@ class StrainDynamics:
         """The strain itself."""
         return f
 
-    def find_blow_up(self, state: State, amplitude: float | None) -> BlowUp | None:
+    def find_blow_up(self, state: State, ranges: Array, amplitude: float | None) -> BlowUp | None:
         """As `lattice.model.find_blow_up`."""
-        return find_blow_up(self.model, state, amplitude)
+        return find_blow_up(self.model, state, amplitude, ranges)
 
 
 @dataclass(frozen=True)
@@ -258,7 +258,9 @@ class FieldDynamics:
         """The stretch of each bond in each cell."""
         return np.array(self.lattice.stretches(f))
 
-    def find_blow_up(self, state: FieldState, amplitude: float | None) -> BlowUp | None:
+    def find_blow_up(
+        self, state: FieldState, ranges: Array, amplitude: float | None
+    ) -> BlowUp | None:
         """As `lattice.field_state.field_blow_up`."""
         return field_blow_up(self.lattice, state, amplitude)
 

@@ -153,5 +153,5 @@ class Stepper(Generic[Held]):
         met = self.dynamics.ranges(self.state)
         self.ranges[:, 0] = np.fmin(self.ranges[:, 0], met[:, 0])
         self.ranges[:, 1] = np.fmax(self.ranges[:, 1], met[:, 1])
-        found = self.dynamics.find_blow_up(self.state, self._amplitude)
+        found = self.dynamics.find_blow_up(self.state, met, self._amplitude)
         return None if found is None else self.domain.locate(found, self.state)

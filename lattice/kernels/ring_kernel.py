@@ -42,9 +42,10 @@ from __future__ import annotations
 
 import ctypes
 import math
-from collections.abc import Callable
-from functools import cached_property, lru_cache
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Callable, Hashable, Iterable, Iterator
+from functools import cached_property, lru_cache, partial
+from itertools import chain
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -65,6 +66,9 @@ LANES = 8
 ALIGNMENT = 8
 """Doubles in a line of the cache."""
 
+PAGE = 512
+"""Doubles in a page of memory."""
+
 ROWS = 256
 """Rows by which a block moves up. 64 to 512 cost the same to 5 %; `benchmarks/lattice_constants.py`
 measures this and the other constants."""
@@ -82,8 +86,10 @@ CACHED = 65_536
 """Most doubles of a plane's rows between the first stage of a passage and the last: half of the
 second cache."""
 
-HALO = 4
-"""The rows that a passage repeats at the ends are at most this part of the ring's own."""
+HALO = 8
+"""The rows that a passage repeats at the ends are at most this part of the ring's own, if so many
+are enough for the stages that go together (with 4 rings of 512 to 4096 cells cost 3 to 5 % more).
+"""
 
 MOST_KEPT = 12
 """Values that two stages together may keep from row to row: with the 15 of next-nearest neighbours
@@ -103,11 +109,19 @@ MEETING = 64
 DOUBLED = 0.2
 """Most cells that both cores compute, in units of all."""
 
-DRIFTED = 16_384
-"""Cells that are drifted at a time."""
+FUNCTIONS = ("passages", "to_rows", "from_rows", "drift")
+"""What the machine code has (`lattice.kernels.row_code`)."""
 
-_PASSAGES = ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * 8, *[ctypes.c_int64] * 8)
-_MOVE = ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * 5, *[ctypes.c_int64] * 5)
+WORDS = 17
+"""Words of a call: which function, and as many as the one with most arguments takes."""
+
+MOST_SCRIPTS = 8
+"""Scripts that a kernel keeps: a march in pieces asks for a few of them, again and again."""
+
+_SCRIPT = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_int64)
+
+Call = tuple[Any, ...]
+"""One of ``FUNCTIONS`` and what it is given; arrays stand for where they begin."""
 
 
 def _together(flow: Flow) -> int:
@@ -116,8 +130,8 @@ def _together(flow: Flow) -> int:
 
 
 @lru_cache(maxsize=64)
-def _machine_code(flow: Flow, lanes: int, count: int, columns: int) -> list[Callable[..., None]]:
-    """`passages`, `to_rows` and `from_rows`; on disk they are found by what is written here."""
+def _machine_code(flow: Flow, lanes: int, count: int, columns: int) -> Callable[[int, int], None]:
+    """What makes the calls of a script; on disk it is found by what is written here."""
     together, block = _together(flow), ALONG if columns else ROWS
 
     def written() -> str:
@@ -126,8 +140,8 @@ def _machine_code(flow: Flow, lanes: int, count: int, columns: int) -> list[Call
         return passage_text(flow, lanes, together, block, count, columns)
 
     key = f"{flow!r} {lanes} {together} {block} {count} {columns}"
-    functions = {"passages": _PASSAGES, "to_rows": _MOVE, "from_rows": _MOVE}
-    return native_functions(__name__, key, written, functions)
+    [script] = native_functions(__name__, key, written, {"script": _SCRIPT})
+    return script
 
 
 def _aligned(size: int) -> Array:
@@ -137,11 +151,13 @@ def _aligned(size: int) -> Array:
     return raw[offset : offset + size]
 
 
-def _drift(f: Array, v: Array, length: float) -> None:
-    """``f += length v`` of contiguous rings, without room for all of ``length v``."""
-    f, v = f.reshape(-1), v.reshape(-1)
-    for begin in range(0, f.size, DRIFTED):
-        f[begin : begin + DRIFTED] += length * v[begin : begin + DRIFTED]
+def _spaced(size: int, count: int) -> int:
+    """Doubles from one array to the next of ``count`` that hold ``size``, apart within a page.
+
+    A processor takes a load for one of what was just stored if both are as far into their pages.
+    """
+    apart = PAGE // count // ALIGNMENT * ALIGNMENT
+    return size + (apart - size) % PAGE
 
 
 class _Layout(NamedTuple):
@@ -191,6 +207,21 @@ def _layout(flow: Flow, count: int, columns: int) -> _Layout:
     return _Layout(lanes, starts, vectors, vectors, rows.margin, count, *ends)
 
 
+class _Script:
+    """Calls that are made one after the other, while other threads may run."""
+
+    def __init__(self, code: Callable[[int, int], None], calls: Iterable[Call]) -> None:
+        self._code, self._calls = code, list(calls)
+        self._words = np.zeros((len(self._calls), WORDS), np.int64)
+        for row, (name, *given) in zip(self._words, self._calls, strict=True):
+            words = [word if isinstance(word, int) else word.ctypes.data for word in given]
+            row[: 1 + len(words)] = FUNCTIONS.index(name), *words
+        self._at = self._words.ctypes.data
+
+    def __call__(self) -> None:
+        self._code(self._at, len(self._calls))
+
+
 class _Arc:
     """The cells, or rows, ``first`` .. ``past - 1`` of a ring, and room to advance them.
 
@@ -214,25 +245,28 @@ class _Arc:
         pitch, together = layout.pitch, layout.together
         ended = self._columns > 0 and below + above > 0
         halo = 0 if ended else HALO * max(1, layout.skew + layout.below)
-        self._each = max(1, min(layout.most, layout.height // halo if halo else layout.most))
-        self._each -= self._each % together if self._each > together else 0
+        most = min(layout.most, layout.height // halo) if halo else layout.most
+        self._each = max(together, most - most % together)
         repeated = 0 if ended else self._each
         self._below = repeated * layout.below
         self._rows = self._below + layout.height + repeated * layout.skew
         edge = layout.edge * layout.lanes
         margin = together * layout.skew * pitch + edge
-        self._plane = margin + self._rows * pitch + ALIGNMENT
-        planes = [_aligned(flow.fields * self._plane) for _ in range(2)]
-        carried = _aligned((self._each + together) * layout.kept * pitch + edge)
+        self._plane = _spaced(margin + self._rows * pitch + ALIGNMENT, 2 * flow.fields)
+        both, kept = 2 * flow.fields * self._plane, (self._each + together) * layout.kept
+        planes, carried = np.split(_aligned(both + kept * pitch + edge), [both])
         repeats = self._repeats()
-        self._held: list[Any] = [*planes, carried, numbers, *repeats]
-        self._copies = repeats[0].size
-        at = [array.ctypes.data for array in self._held]
-        self._planes = [place + 8 * margin for place in at[:2]]
-        self._work, self._repeated = (*self._planes, at[2] + 8 * edge), at[3:]
-        self._passages, self._to_rows, self._from_rows = _machine_code(
+        self._held = planes
+        self._planes = [data[margin:].ctypes.data for data in np.split(planes, 2)]
+        self._work = (*self._planes, carried[edge:])
+        self._repeated = (numbers, *repeats, repeats[0].size)
+        self._code = _machine_code(
             flow, layout.lanes, numbers.size - 1, self._columns and self._columns % LANES + LANES
         )
+
+    def script(self, *calls: Iterator[Call]) -> _Script:
+        """These calls of the arc's functions."""
+        return _Script(self._code, chain.from_iterable(calls))
 
     def _repeats(self) -> list[Places]:
         """The places of the rows below and above the arc's own, and from where they are filled.
@@ -253,8 +287,8 @@ class _Arc:
         return [target.ravel(), source.ravel()]
 
     def _move(
-        self, kind: Callable[..., None], rings: Array, plane: int, begin: int, end: int
-    ) -> None:
+        self, way: Literal["to_rows", "from_rows"], rings: Array, plane: int, begin: int, end: int
+    ) -> Iterator[Call]:
         """Copy what is at ``begin`` .. ``end - 1`` in the arc from its fields' rings, or back."""
         layout, starts = self._layout, self._layout.starts[:-1]
         moved: tuple[Places, ...]
@@ -262,17 +296,16 @@ class _Arc:
             moved = starts, np.zeros_like(starts), np.full_like(starts, layout.vectors)
             runs, size = self._runs(begin, end), self._columns
         else:
-            lengths = layout.vectors if kind is self._to_rows else np.diff(layout.starts)
+            lengths = layout.vectors if way == "to_rows" else np.diff(layout.starts)
             ends = (np.clip(place - starts, 0, lengths) for place in (begin, end))
             moved = (self._first + starts) % self._size, *ends
             runs, size = [(0, 0, 1)], self._size
-        at = [array.ctypes.data for array in moved]
         for row, own, count in runs:
             for field, ring in enumerate(rings):
                 there = ring.ctypes.data + row * ring.strides[0]
                 here = plane + 8 * (field * self._plane + (self._below + own) * layout.pitch)
                 counts = layout.vectors, count, self._columns, layout.pitch
-                kind(there, here, *at, size, *counts)
+                yield way, there, here, *moved, size, *counts
 
     def _runs(self, begin: int, end: int) -> list[tuple[int, int, int]]:
         """The rows of a plane where they begin in the ring and in the arc, and how many."""
@@ -285,59 +318,53 @@ class _Arc:
         return found
 
     def _move_both(
-        self, kind: Callable[..., None], f: Array, v: Array, *ranges: tuple[int, int]
-    ) -> None:
+        self, way: Literal["to_rows", "from_rows"], f: Array, v: Array, *ranges: tuple[int, int]
+    ) -> Iterator[Call]:
         for begin, end in ranges:
             for rings, plane in zip((f, v), self._planes, strict=True):
-                self._move(kind, rings, plane, begin, end)
+                yield from self._move(way, rings, plane, begin, end)
 
-    def load(self, f: Array, v: Array) -> None:
+    def drift(self, f: Array, v: Array, length: float) -> Iterator[Call]:
+        """``f += length v`` of the arc's own in the ring."""
+        first, past = (self._first + end for end in self._own)
+        for there, speeds in zip(f, v, strict=True):
+            at = (ring.ctypes.data + first * ring.strides[0] for ring in (there, speeds))
+            count = (past - first) * (self._columns or 1)
+            yield "drift", *at, np.array([length]), count
+
+    def load(self, f: Array, v: Array) -> Iterator[Call]:
         """Take all of it from the ring."""
-        self._move_both(self._to_rows, f, v, (0, self._count))
+        return self._move_both("to_rows", f, v, (0, self._count))
 
-    def rest(self, resting: Array, fields: int) -> None:
+    def rest(self, resting: Array, fields: int) -> Iterator[Call]:
         """Take what differs from cell to cell, as positions after the ``fields`` that move."""
         plane = self._planes[0] + 8 * fields * self._plane
-        self._move(self._to_rows, resting, plane, 0, self._count)
+        return self._move("to_rows", resting, plane, 0, self._count)
 
-    def store(self, f: Array, v: Array) -> None:
+    def store(self, f: Array, v: Array) -> Iterator[Call]:
         """Put the arc's own where it belongs in the ring."""
-        self._move_both(self._from_rows, f, v, self._own)
+        return self._move_both("from_rows", f, v, self._own)
 
-    def show(self, f: Array, v: Array) -> None:
+    def show(self, f: Array, v: Array) -> Iterator[Call]:
         """Put into the ring what another arc needs beside its own."""
         (first, past), (below, above) = self._own, self._beside
-        self._move_both(self._from_rows, f, v, (first, first + above), (past - below, past))
+        return self._move_both("from_rows", f, v, (first, first + above), (past - below, past))
 
-    def look(self, f: Array, v: Array) -> None:
+    def look(self, f: Array, v: Array) -> Iterator[Call]:
         """Take from the ring what is beside the arc's own."""
         (first, past), count = self._own, self._count
-        self._move_both(self._to_rows, f, v, (0, first), (past, count))
+        return self._move_both("to_rows", f, v, (0, first), (past, count))
 
-    def run(self, drifts: Array, kicks: Array, begun: int, stages: int) -> None:
+    def run(self, drifts: Array, kicks: Array, begun: int, stages: int) -> Iterator[Call]:
         """So many stages, their weights in turn from ``begun`` on."""
         each, period, layout = self._each, kicks.size, self._layout
-        weights = [np.resize(np.roll(given, -begun), period + each) for given in (drifts, kicks)]
-        begins = [array.ctypes.data for array in weights]
-
-        def passages(count: int, length: int, begun: int) -> None:
-            self._passages(
-                *self._work,
-                *(begin + 8 * begun for begin in begins),
-                *self._repeated,
-                self._copies,
-                self._plane,
-                layout.pitch,
-                layout.width,
-                self._rows,
-                length,
-                count,
-                period,
-            )
-
-        passages(stages // each, each, 0)
-        if stages % each:
-            passages(1, stages % each, stages // each * each % period)
+        whole = stages // each * each
+        for done, count, length in ((0, stages // each, each), (whole, 1, stages - whole)):
+            if count * length:
+                turned = (np.roll(given, -(begun + done)) for given in (drifts, kicks))
+                weights = (np.resize(given, period + each) for given in turned)
+                counts = self._plane, layout.pitch, layout.width, self._rows, length, count, period
+                yield "passages", *self._work, *weights, *self._repeated, *counts
 
 
 class RingKernel:
@@ -354,6 +381,7 @@ class RingKernel:
         self._fields, self._shape = len(lattice.fields), tuple(map(int, shape))
         self._arcs: list[_Arc] = []
         self._between = 0
+        self._scripts: dict[Hashable, list[list[_Script]]] = {}
 
     def advance(self, f: Array, v: Array, drifts: Array, kicks: Array, steps: int) -> None:
         """Advance in place by a drift-kick splitting.
@@ -361,31 +389,56 @@ class RingKernel:
         ``drifts`` (one longer than ``kicks``) and ``kicks`` are already multiplied by the time
         step; the last drift of a step and the first of the next are done as one.
         """
-        last, joint = drifts[-1], drifts[:-1].copy()
+        last, joint = float(drifts[-1]), drifts[:-1].copy()
         joint[0] += last
         if steps > 0:
-            _drift(f, v, -last)
-            self.advance_stages(f, v, joint, kicks, steps * kicks.size)
-            _drift(f, v, last)
+            self._advance(f, v, joint, kicks, steps * kicks.size, last)
 
     def advance_stages(self, f: Array, v: Array, drifts: Array, kicks: Array, stages: int) -> None:
         """So many stages, ``f += drift v`` and ``v += kick f''``, their weights in turn."""
+        self._advance(f, v, drifts, kicks, stages, 0.0)
+
+    def _advance(
+        self, f: Array, v: Array, drifts: Array, kicks: Array, stages: int, ahead: float
+    ) -> None:
+        """The same; positions are ``ahead`` of their velocities before and after."""
+        between = self._stages_between(kicks.size)
+        if between != self._between or not self._arcs:
+            self._arcs, self._between = self._made(between), between
+            self._scripts.clear()
+        rings = ((ring.ctypes.data, ring.strides, ring.dtype) for ring in (f, v))
+        asked = (*rings, drifts.tobytes(), kicks.tobytes(), stages, ahead)
+        found = self._scripts.get(asked)
+        if found is None:
+            if len(self._scripts) == MOST_SCRIPTS:
+                self._scripts.clear()
+            written = self._written(f, v, drifts, kicks, stages, ahead)
+            found = self._scripts[asked] = list(written)
+        for scripts in found:
+            _on_cores(scripts)
+
+    def _written(
+        self, f: Array, v: Array, drifts: Array, kicks: Array, stages: int, ahead: float
+    ) -> Iterator[list[_Script]]:
+        """What each arc does between two meetings."""
         for name, ring in (("f", f), ("v", v)):
             if ring.dtype != np.float64 or not ring.flags.c_contiguous:
                 raise ValueError(
                     f"{name} must be contiguous doubles, got {ring.dtype} with strides "
                     f"{ring.strides} (np.ascontiguousarray makes them)"
                 )
-        between = self._stages_between(kicks.size)
-        if between != self._between or not self._arcs:
-            self._arcs, self._between = self._made(between), between
-        self._on_cores(_Arc.load, f, v)
-        between = between or max(stages, 1)
+        work = [partial(_Arc.load, f=f, v=v)]
+        between = self._between or max(stages, 1)
         for done in range(0, stages, between):
-            for meet in (_Arc.show, _Arc.look) if done else ():
-                self._on_cores(meet, f, v)
-            self._on_cores(_Arc.run, drifts, kicks, done, min(between, stages - done))
-        self._on_cores(_Arc.store, f, v)
+            work += [partial(meet, f=f, v=v) for meet in (_Arc.show, _Arc.look) if done]
+            length = min(between, stages - done)
+            work.append(partial(_Arc.run, drifts=drifts, kicks=kicks, begun=done, stages=length))
+        work.append(partial(_Arc.store, f=f, v=v))
+        if ahead:
+            back, on = (partial(_Arc.drift, f=f, v=v, length=by) for by in (-ahead, ahead))
+            work = [back, *work, on]
+        for together in [[do] for do in work] if self._between else [work]:
+            yield [arc.script(*(do(arc) for do in together)) for arc in self._arcs]
 
     def _stages_between(self, period: int) -> int:
         """Stages between two meetings of two cores; 0 if one does all.
@@ -412,13 +465,14 @@ class RingKernel:
         beside = between * below, between * skew
         arcs = [_Arc(self._flow, self._numbers, self._shape, own, beside) for own in ends]
         for arc in arcs:
-            arc.rest(self._resting, self._fields)
+            arc.script(arc.rest(self._resting, self._fields))()
         return arcs
 
-    def _on_cores(self, do: Callable[..., None], *values: Any) -> None:
-        """Have the arcs do the same, each on a core."""
-        here, *others = self._arcs
-        waiting = [other_core().submit(do, there, *values) for there in others]
-        do(here, *values)
-        for one in waiting:
-            one.result()
+
+def _on_cores(scripts: list[_Script]) -> None:
+    """Each on a core."""
+    here, *others = scripts
+    waiting = [other_core().submit(there) for there in others]
+    here()
+    for one in waiting:
+        one.result()

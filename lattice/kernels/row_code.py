@@ -326,12 +326,11 @@ class _Writer:
         return self._text({1: self._along(rows, columns)}, {1: sum(rows.depths)})
 
     def _text(self, groups: dict[int, Any], kept: dict[int, int]) -> str:
-        self._passages(groups, kept)
-        self._move("to_rows")
-        self._move("from_rows")
+        moves = [self._move(name) for name in ("to_rows", "from_rows")]
+        self._script([self._passages(groups, kept), *moves, self._drift()])
         return str(self._module)
 
-    def _function(self, name: str, kinds: Sequence[Any], internal: bool) -> Any:
+    def _function(self, name: str, kinds: Sequence[Any], internal: bool = True) -> Any:
         made = ir.Function(self._module, ir.FunctionType(ir.VoidType(), kinds), name)
         if internal:
             made.linkage = "internal"
@@ -342,7 +341,7 @@ class _Writer:
 
     def _group(self, together: int) -> Any:
         """The function of some stages together, from the front row ``first`` below ``past``."""
-        function, code = self._function(f"stages_{together}", _STAGES, internal=True)
+        function, code = self._function(f"stages_{together}", _STAGES)
         f, v, carried, drifts, kicks, data, plane, _, _, level, first, past = function.args
         flow, builder = self._flow, code.builder
         numbers = [code.number(data, place) for place in range(self._count)]
@@ -380,7 +379,7 @@ class _Writer:
 
     def _along(self, rows: Rows, columns: int) -> Any:
         """The function of a stage along a plane's rows, from the row ``first`` below ``past``."""
-        function, code = self._function("stages_1", _STAGES, internal=True)
+        function, code = self._function("stages_1", _STAGES)
         f, v, carried, drifts, kicks, data, plane, pitch, width, level, first, past = function.args
         flow, builder = self._flow, code.builder
         numbers = [code.number(data, place) for place in range(self._count)]
@@ -452,7 +451,7 @@ class _Writer:
         for more in range(rows.left):
             repeat(_INDEX(-1 - more), builder.sub(last, _INDEX(more)), -1, down)
 
-    def _move(self, name: str) -> None:
+    def _move(self, name: str) -> Any:
         """The function that copies cells of rings ``to_rows``, or ``from_rows``.
 
         Vector r holds in lane l the cell ``starts[l] + r`` modulo ``size``; it is copied where
@@ -460,7 +459,7 @@ class _Writer:
         There are so many rings, these doubles apart.
         """
         kinds = [*[_DOUBLES] * 2, *[_INDICES] * 3, *[_INDEX] * 5]
-        function, code = self._function(name, kinds, internal=False)
+        function, code = self._function(name, kinds)
         begin, to, starts, firsts, pasts, size, height, rings, ring_pitch, row_pitch = function.args
         builder = code.builder
         ends = [
@@ -483,11 +482,43 @@ class _Writer:
                     there, at = reversed(ends_at) if name == "to_rows" else ends_at
                     builder.store(builder.load(at), there)
         builder.ret_void()
+        return function
 
-    def _passages(self, groups: dict[int, Any], kept: dict[int, int]) -> None:
-        """The function that is called: ``passages`` times ``stages`` stages over all rows."""
+    def _drift(self) -> Any:
+        """The function of ``count`` doubles, ``f += length v``, rounded twice."""
+        function, code = self._function("drift", [*[_DOUBLES] * 3, _INDEX])
+        f, v, length, count = function.args
+        builder = code.builder
+        by = builder.load(length)
+        with code.loop(_INDEX(0), count) as place:
+            at, speed = (builder.gep(data, [place]) for data in (f, v))
+            moved = builder.fmul(by, builder.load(speed))
+            builder.store(builder.fadd(builder.load(at), moved), at)
+        builder.ret_void()
+        return function
+
+    def _script(self, functions: Sequence[Any]) -> None:
+        """The function that is called: it makes ``count`` calls, each of so many words."""
+        function, code = self._function("script", [_INDICES, _INDEX], internal=False)
+        words, count = function.args
+        builder, size = code.builder, 1 + max(len(called.args) for called in functions)
+        with code.loop(_INDEX(0), count) as row:
+            at = builder.gep(words, [builder.mul(row, _INDEX(size))])
+            wanted = builder.load(at)
+            for place, called in enumerate(functions):
+                with builder.if_then(builder.icmp_signed("==", wanted, _INDEX(place))):
+                    given = []
+                    for number, argument in enumerate(called.args, 1):
+                        word = builder.load(builder.gep(at, [_INDEX(number)]))
+                        pointer = argument.type != _INDEX
+                        given.append(builder.inttoptr(word, argument.type) if pointer else word)
+                    builder.call(called, given)
+        builder.ret_void()
+
+    def _passages(self, groups: dict[int, Any], kept: dict[int, int]) -> Any:
+        """The function of ``passages`` times ``stages`` stages over all rows."""
         kinds = [*[_DOUBLES] * 6, *[_INDICES] * 2, *[_INDEX] * 8]
-        function, code = self._function("passages", kinds, internal=False)
+        function, code = self._function("passages", kinds)
         f, v, carried, drifts, kicks, numbers, target, source, *counts = function.args
         copies, plane, pitch, width, rows, stages, passages, period = counts
         builder = code.builder
@@ -505,6 +536,7 @@ class _Writer:
             sizes = {size: builder.mul(pitch, _INDEX(number)) for size, number in kept.items()}
             self._passage(code, groups, data, sizes, rows, stages)
         builder.ret_void()
+        return function
 
     def _passage(
         self,
