@@ -53,8 +53,7 @@ class LaneCode:
             return value
         undefined = ir.Constant(self.kind, ir.Undefined)
         seed = self.builder.insert_element(undefined, value, _INDEX(0))
-        mask = ir.Constant(ir.VectorType(ir.IntType(32), self.lanes), [0] * self.lanes)
-        return self.builder.shuffle_vector(seed, undefined, mask)
+        return self.picked(seed, undefined, [0] * self.lanes)
 
     def number(self, data: Any, place: Any) -> Any:
         """One double of memory in all lanes."""
@@ -73,6 +72,11 @@ class LaneCode:
     def store(self, data: Any, row: Any, value: Any) -> None:
         """Put a vector into memory."""
         self.builder.store(value, self.address(data, row), align=8)
+
+    def picked(self, one: Any, other: Any, lanes: Sequence[int]) -> Any:
+        """The lanes so numbered, the other's being counted after those of the one."""
+        mask = ir.Constant(ir.VectorType(ir.IntType(32), self.lanes), list(lanes))
+        return self.builder.shuffle_vector(one, other, mask)
 
     def fma(self, factor: Any, other: Any, term: Any) -> Any:
         """factor * other + term, rounded once where the processor can."""
@@ -441,8 +445,7 @@ class _Writer:
         def repeat(to: Any, at: Any, way: int, moved: Sequence[int]) -> None:
             """What is a vector on instead where a lane is ``short``."""
             one, other = (code.load(data, builder.add(at, _INDEX(more))) for more in (0, way))
-            mask = ir.Constant(ir.VectorType(ir.IntType(32), lanes), list(moved))
-            code.store(data, to, one if lanes == 1 else builder.shuffle_vector(one, other, mask))
+            code.store(data, to, one if lanes == 1 else code.picked(one, other, moved))
 
         up = [(lane + 1) % lanes + lanes * short[lane] for lane in range(lanes)]
         down = [(lane - 1) % lanes + lanes * short[lane - 1] for lane in range(lanes)]
@@ -455,8 +458,9 @@ class _Writer:
         """The function that copies cells of rings ``to_rows``, or ``from_rows``.
 
         Vector r holds in lane l the cell ``starts[l] + r`` modulo ``size``; it is copied where
-        ``firsts[l] <= r < pasts[l]``. A block of vectors at a time, so that each line is met once.
-        There are so many rings, these doubles apart.
+        ``firsts[l] <= r < pasts[l]``. A block of vectors at a time, so that each line is met once;
+        in it as many as there are lanes are taken together where all lanes have them. There are so
+        many rings, these doubles apart.
         """
         kinds = [*[_DOUBLES] * 2, *[_INDICES] * 3, *[_INDEX] * 5]
         function, code = self._function(name, kinds)
@@ -472,17 +476,55 @@ class _Writer:
                 for data, pitch in ((begin, ring_pitch), (to, row_pitch))
             )
             high = code.least(builder.add(low, _INDEX(MOVED)), height)
+            shared, unshared = low, high
+            for start, first, past in ends:
+                shared = code.most(shared, first)
+                unshared = code.least(unshared, code.least(past, builder.sub(size, start)))
+            together = builder.sdiv(builder.sub(unshared, shared), _INDEX(self._lanes))
+            together = builder.mul(code.most(together, _INDEX(0)), _INDEX(self._lanes))
+            done = builder.add(shared, together)
+            with code.loop(shared, done, self._lanes) as row:
+                cells = [builder.gep(ring, [builder.add(start, row)]) for start, _, _ in ends]
+                self._transpose(code, cells, rows, row, name == "to_rows")
             for lane, (start, first, past) in enumerate(ends):
-                with code.loop(code.most(low, first), code.least(high, past)) as row:
-                    cell = builder.add(start, row)
-                    beyond = builder.icmp_signed(">=", cell, size)
-                    cell = builder.select(beyond, builder.sub(cell, size), cell)
-                    place = builder.add(builder.mul(row, _INDEX(self._lanes)), _INDEX(lane))
-                    ends_at = builder.gep(ring, [cell]), builder.gep(rows, [place])
-                    there, at = reversed(ends_at) if name == "to_rows" else ends_at
-                    builder.store(builder.load(at), there)
+                past = code.least(high, past)
+                ranges = (code.most(low, first), code.least(shared, past)), (done, past)
+                for some in ranges:
+                    with code.loop(*some) as row:
+                        cell = builder.add(start, row)
+                        beyond = builder.icmp_signed(">=", cell, size)
+                        cell = builder.select(beyond, builder.sub(cell, size), cell)
+                        place = builder.add(builder.mul(row, _INDEX(self._lanes)), _INDEX(lane))
+                        ends_at = builder.gep(ring, [cell]), builder.gep(rows, [place])
+                        there, at = reversed(ends_at) if name == "to_rows" else ends_at
+                        builder.store(builder.load(at), there)
         builder.ret_void()
         return function
+
+    def _transpose(
+        self, code: LaneCode, cells: Sequence[Any], rows: Any, row: Any, to_rows: bool
+    ) -> None:
+        """Copy as many vectors as lanes from ``row`` on, each lane's cells standing at its own."""
+        builder, size = code.builder, range(self._lanes)
+        vectors = [builder.add(row, _INDEX(more)) for more in size]
+        along = [builder.bitcast(cell, code.kind.as_pointer()) for cell in cells]
+        if to_rows:
+            held = [builder.load(at, align=8) for at in along]
+        else:
+            held = [code.load(rows, vector) for vector in vectors]
+        step = 1
+        while step < self._lanes:
+            low = [lane - step + self._lanes if lane & step else lane for lane in size]
+            high = [lane + self._lanes if lane & step else lane + step for lane in size]
+            for one in (lane for lane in size if not lane & step):
+                pair = held[one], held[one + step]
+                held[one], held[one + step] = (code.picked(*pair, of) for of in (low, high))
+            step *= 2
+        for at, vector, value in zip(along, vectors, held, strict=True):
+            if to_rows:
+                code.store(rows, vector, value)
+            else:
+                builder.store(value, at, align=8)
 
     def _drift(self) -> Any:
         """The function of ``count`` doubles, ``f += length v``, rounded twice."""
