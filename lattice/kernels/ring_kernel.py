@@ -44,7 +44,7 @@ import ctypes
 import math
 from collections.abc import Callable, Hashable, Iterable, Iterator
 from functools import cached_property, lru_cache, partial
-from itertools import chain
+from itertools import chain, product
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
@@ -86,10 +86,10 @@ CACHED = 65_536
 """Most doubles of a plane's rows between the first stage of a passage and the last: half of the
 second cache."""
 
-HALO = 8
+HALO = 24
 """The rows that a passage repeats at the ends are at most this part of the ring's own, if so many
-are enough for the stages that go together (with 4 rings of 512 to 4096 cells cost 3 to 5 % more).
-"""
+are enough for the stages that go together: with 8 rings of 1024 to 4096 cells cost 3 to 4 % more,
+with 4 as much again."""
 
 MOST_KEPT = 12
 """Values that two stages together may keep from row to row: with the 15 of next-nearest neighbours
@@ -287,25 +287,31 @@ class _Arc:
         return [target.ravel(), source.ravel()]
 
     def _move(
-        self, way: Literal["to_rows", "from_rows"], rings: Array, plane: int, begin: int, end: int
+        self,
+        way: Literal["to_rows", "from_rows"],
+        planes: Iterable[tuple[int, Array]],
+        *ranges: tuple[int, int],
     ) -> Iterator[Call]:
-        """Copy what is at ``begin`` .. ``end - 1`` in the arc from its fields' rings, or back."""
+        """Copy what is at the ``ranges`` of the arc from rings of fields to planes, or back."""
         layout, starts = self._layout, self._layout.starts[:-1]
-        moved: tuple[Places, ...]
-        if self._columns:
-            moved = starts, np.zeros_like(starts), np.full_like(starts, layout.vectors)
-            runs, size = self._runs(begin, end), self._columns
-        else:
-            lengths = layout.vectors if way == "to_rows" else np.diff(layout.starts)
-            ends = (np.clip(place - starts, 0, lengths) for place in (begin, end))
-            moved = (self._first + starts) % self._size, *ends
-            runs, size = [(0, 0, 1)], self._size
-        for row, own, count in runs:
-            for field, ring in enumerate(rings):
-                there = ring.ctypes.data + row * ring.strides[0]
-                here = plane + 8 * (field * self._plane + (self._below + own) * layout.pitch)
-                counts = layout.vectors, count, self._columns, layout.pitch
-                yield way, there, here, *moved, size, *counts
+        at: tuple[Places, ...]
+        for (begin, end), (plane, rings) in product(ranges, planes):
+            if self._columns:
+                at = starts, np.zeros_like(starts), np.full_like(starts, layout.vectors)
+                runs, size = self._runs(begin, end), self._columns
+            else:
+                lengths = layout.vectors if way == "to_rows" else np.diff(layout.starts)
+                ends = (
+                    np.minimum(np.maximum(place - starts, 0), lengths) for place in (begin, end)
+                )
+                at = (self._first + starts) % self._size, *ends
+                runs, size = [(0, 0, 1)], self._size
+            for row, own, count in runs:
+                for field, ring in enumerate(rings):
+                    there = ring.ctypes.data + row * ring.strides[0]
+                    here = plane + 8 * (field * self._plane + (self._below + own) * layout.pitch)
+                    counts = layout.vectors, count, self._columns, layout.pitch
+                    yield way, there, here, *at, size, *counts
 
     def _runs(self, begin: int, end: int) -> list[tuple[int, int, int]]:
         """The rows of a plane where they begin in the ring and in the arc, and how many."""
@@ -317,12 +323,8 @@ class _Arc:
             begin += count
         return found
 
-    def _move_both(
-        self, way: Literal["to_rows", "from_rows"], f: Array, v: Array, *ranges: tuple[int, int]
-    ) -> Iterator[Call]:
-        for begin, end in ranges:
-            for rings, plane in zip((f, v), self._planes, strict=True):
-                yield from self._move(way, rings, plane, begin, end)
+    def _both(self, f: Array, v: Array) -> Iterator[tuple[int, Array]]:
+        return zip(self._planes, (f, v), strict=True)
 
     def drift(self, f: Array, v: Array, length: float) -> Iterator[Call]:
         """``f += length v`` of the arc's own in the ring."""
@@ -334,26 +336,27 @@ class _Arc:
 
     def load(self, f: Array, v: Array) -> Iterator[Call]:
         """Take all of it from the ring."""
-        return self._move_both("to_rows", f, v, (0, self._count))
+        return self._move("to_rows", self._both(f, v), (0, self._count))
 
     def rest(self, resting: Array, fields: int) -> Iterator[Call]:
         """Take what differs from cell to cell, as positions after the ``fields`` that move."""
         plane = self._planes[0] + 8 * fields * self._plane
-        return self._move("to_rows", resting, plane, 0, self._count)
+        return self._move("to_rows", [(plane, resting)], (0, self._count))
 
     def store(self, f: Array, v: Array) -> Iterator[Call]:
         """Put the arc's own where it belongs in the ring."""
-        return self._move_both("from_rows", f, v, self._own)
+        return self._move("from_rows", self._both(f, v), self._own)
 
     def show(self, f: Array, v: Array) -> Iterator[Call]:
         """Put into the ring what another arc needs beside its own."""
         (first, past), (below, above) = self._own, self._beside
-        return self._move_both("from_rows", f, v, (first, first + above), (past - below, past))
+        ends = (first, first + above), (past - below, past)
+        return self._move("from_rows", self._both(f, v), *ends)
 
     def look(self, f: Array, v: Array) -> Iterator[Call]:
         """Take from the ring what is beside the arc's own."""
         (first, past), count = self._own, self._count
-        return self._move_both("to_rows", f, v, (0, first), (past, count))
+        return self._move("to_rows", self._both(f, v), (0, first), (past, count))
 
     def run(self, drifts: Array, kicks: Array, begun: int, stages: int) -> Iterator[Call]:
         """So many stages, their weights in turn from ``begun`` on."""
@@ -361,8 +364,8 @@ class _Arc:
         whole = stages // each * each
         for done, count, length in ((0, stages // each, each), (whole, 1, stages - whole)):
             if count * length:
-                turned = (np.roll(given, -(begun + done)) for given in (drifts, kicks))
-                weights = (np.resize(given, period + each) for given in turned)
+                turn = (begun + done + np.arange(period + each)) % period
+                weights = drifts[turn], kicks[turn]
                 counts = self._plane, layout.pitch, layout.width, self._rows, length, count, period
                 yield "passages", *self._work, *weights, *self._repeated, *counts
 
@@ -464,7 +467,7 @@ class RingKernel:
         ends = [(0, half), (half, size)] if between else [(0, size)]
         beside = between * below, between * skew
         arcs = [_Arc(self._flow, self._numbers, self._shape, own, beside) for own in ends]
-        for arc in arcs:
+        for arc in arcs if len(self._resting) else ():
             arc.script(arc.rest(self._resting, self._fields))()
         return arcs
 
