@@ -105,9 +105,19 @@ def scene_fields(given: Mapping[str, Any], folder: Path = Path()) -> dict[str, A
     Traceback (most recent call last):
     ...
     ValueError: keys must be known ones, got colour (one of name, ..., constants, ...)
+    >>> scene_fields({"step": 0.1})
+    Traceback (most recent call last):
+    ...
+    ValueError: step must be in [scheme], got it at the top of the scene (write it below a line ...)
     """
-    document = in_one_spelling(given)
-    refuse_unknown(document, (*TOP, *PAIRS, *TABLES, "disorder"), "")
+    document, known = in_one_spelling(given), (*TOP, *PAIRS, *TABLES, "disorder")
+    for name, fields in TABLES.items():
+        for key in sorted(document.keys() & fields.keys() - set(known)):
+            raise ValueError(
+                f"{key} must be in [{name}], got it at the top of the scene (write it below a line "
+                f"[{name}])"
+            )
+    refuse_unknown(document, known, "")
     found = {key: document[key] for key in TOP if key in document}
     found |= _lattice(document.get("lattice"), folder)
     found |= {name: tuple(table(document, name).items()) for name in PAIRS}
