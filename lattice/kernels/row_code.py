@@ -486,7 +486,10 @@ class _Writer:
             with code.loop(shared, done, self._lanes) as row:
                 cells = [builder.gep(ring, [builder.add(start, row)]) for start, _, _ in ends]
                 self._transpose(code, cells, rows, row, name == "to_rows")
-            for lane, (start, first, past) in enumerate(ends):
+            with code.loop(_INDEX(0), _INDEX(self._lanes)) as lane:
+                start, first, past = (
+                    builder.load(builder.gep(data, [lane])) for data in (starts, firsts, pasts)
+                )
                 past = code.least(high, past)
                 ranges = (code.most(low, first), code.least(shared, past)), (done, past)
                 for some in ranges:
@@ -494,7 +497,7 @@ class _Writer:
                         cell = builder.add(start, row)
                         beyond = builder.icmp_signed(">=", cell, size)
                         cell = builder.select(beyond, builder.sub(cell, size), cell)
-                        place = builder.add(builder.mul(row, _INDEX(self._lanes)), _INDEX(lane))
+                        place = builder.add(builder.mul(row, _INDEX(self._lanes)), lane)
                         ends_at = builder.gep(ring, [cell]), builder.gep(rows, [place])
                         there, at = reversed(ends_at) if name == "to_rows" else ends_at
                         builder.store(builder.load(at), there)
