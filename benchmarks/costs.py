@@ -13,10 +13,10 @@ import resource
 import statistics
 import time
 
-from longwave.reports.studies.estimate_scenes import random_scene
 from longwave.scenes import run
 from longwave.scenes.chain.expected_cost import expected_cost
 from longwave.support.processes import Job, LocalWorkers, in_order
+from searches.estimate_scenes import random_scene
 
 
 def ratios(seed: int, index: int, budget: float) -> tuple[str, float, float] | None:

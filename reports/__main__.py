@@ -4,6 +4,7 @@ import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -23,9 +24,17 @@ FOLDER = "longwave-report"
 )
 @force_option
 @click.option("--full", is_flag=True, help="Take the long scenes and the full studies as well.")
+@click.option(
+    "--estimates",
+    metavar="FILE",
+    type=click.Path(path_type=Path),
+    help="Table what python -m searches.estimates --output FILE found.",
+)
 @click.option("--workers", type=int, metavar="N", help="Processes to use (default all cores).")
 @limit_options
-def report(output: Path, force: bool, full: bool, workers: int | None) -> int:
+def report(
+    output: Path, force: bool, full: bool, estimates: Path | None, workers: int | None
+) -> int:
     """Derive, check and run everything, and write it as a PDF.
 
     It goes to the folder longwave-report in the working folder.
@@ -33,7 +42,8 @@ def report(output: Path, force: bool, full: bool, workers: int | None) -> int:
     from longwave.reports.build import write_report
 
     processes = os.cpu_count() or 1 if workers is None else workers
-    return write_report(output, called_by(), force=force, full=full, workers=processes)
+    options: dict[str, Any] = {"force": force, "full": full, "estimates": estimates}
+    return write_report(output, called_by(), workers=processes, **options)
 
 
 def main(argv: Sequence[str] | None = None) -> int:

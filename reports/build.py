@@ -27,7 +27,7 @@ from longwave.reports.pictures.paper_figures import paper_figures
 from longwave.reports.sections import costs, lattice_runs, literature, other_lattices, runs, theory
 from longwave.reports.sections.other_lattices import model_jobs
 from longwave.reports.studies.claims import all_claims
-from longwave.reports.studies.estimates import estimate_jobs, estimate_rows
+from longwave.reports.studies.estimates import estimate_rows, judged_findings
 from longwave.reports.studies.evaluation_accuracy import Accuracy, accuracy_jobs, worst_of
 from longwave.reports.studies.evaluation_cost import evaluation_cost_jobs
 from longwave.reports.studies.hard_cases import hard_case_jobs
@@ -63,9 +63,9 @@ def all_jobs(scenes: Mapping[str, Scene], full: bool) -> dict[Key, Job]:
 
 
 def study_jobs(full: bool) -> dict[Key, Job]:
-    """The jobs of the studies of cost and of hard cases; long runs and estimates if ``full``."""
+    """The jobs of the studies of cost and of hard cases; long runs if ``full``."""
     jobs = evaluation_cost_jobs() | lattice_cost_jobs(full) | hard_case_jobs(full)
-    return jobs | long_run_jobs() | estimate_jobs() if full else jobs
+    return jobs | long_run_jobs() if full else jobs
 
 
 def _residual(name: str) -> Verdict:
@@ -278,8 +278,18 @@ def _check_folder(output: Path, force: bool) -> None:
     check_output(str(output / SOURCE), force=True)
 
 
-def write_report(output: Path, program: str, *, force: bool, full: bool, workers: int) -> int:
+def write_report(
+    output: Path,
+    program: str,
+    *,
+    force: bool,
+    full: bool,
+    workers: int,
+    estimates: Path | None = None,
+) -> int:
     """Build the report in a folder, if ``full`` with long scenes; Ctrl-C is told by ``program``.
+
+    ``estimates`` is a file of `searches.estimates`, whose table the report then has as well.
 
     Returns 0, 1 if a check, a run or LaTeX failed, 2 for bad input, 130 after Ctrl-C.
     """
@@ -288,6 +298,7 @@ def write_report(output: Path, program: str, *, force: bool, full: bool, workers
         if workers < 1:
             raise ValueError(f"workers must be at least 1, got {workers} (2 is usual)")
         _check_folder(output, force)
+        judged = judged_findings(estimates)
         scenes = report_scenes()
         jobs = all_jobs(scenes, full)
         cost = report_cost(jobs, workers)
@@ -295,7 +306,7 @@ def write_report(output: Path, program: str, *, force: bool, full: bool, workers
         missing = _missing_engine(console)
         will_keep(f"what was written is in {shown(output)}")
         announce("the report", cost.seconds)
-        tex, sound = build(output, scenes, jobs, console, full, workers)
+        tex, sound = build(output, scenes, jobs, judged, console, full, workers)
         if missing:
             return 1
         pdf = compile_pdf(tex)
@@ -324,18 +335,24 @@ def build(
     output: Path,
     scenes: Mapping[str, Scene],
     jobs: Mapping[Key, Job],
+    judged: Mapping[Key, Any],
     console: Console,
     full: bool,
     workers: int,
 ) -> tuple[Path, bool]:
     """Do the jobs on the scenes; write figures, tables and source below the folder.
 
+    ``judged`` is what was found before.
+
     Returns the source's path, and whether every form stands and every run came to its end.
     """
     with bars(console) as bar:
         working = bar.add_task("proving and running", total=1.0)
         done = run_jobs(jobs, workers, lambda share: bar.update(working, completed=share))
-        found, drawing = Findings(done, scenes), bar.add_task("drawing", total=FIGURES)
+        found, drawing = (
+            Findings({**done, **judged}, scenes),
+            bar.add_task("drawing", total=FIGURES),
+        )
         for _ in write_figures(report_figures(found), output):
             bar.advance(drawing)
         writing = bar.add_task("writing", total=len(TABLES))

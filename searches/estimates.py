@@ -7,7 +7,6 @@ ends without an answer or a reason.
 """
 
 import argparse
-import json
 import os
 import sys
 import time
@@ -15,16 +14,16 @@ from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 
-from longwave.reports.studies.estimate_scenes import random_scene
 from longwave.reports.studies.estimates import (
     QUANTILES,
     VERDICTS,
     Judged,
     estimate_rows,
-    judge,
-    warm_up,
+    judged_scenes,
 )
 from longwave.support.processes import Job, LocalWorkers, as_ended
+from searches.estimate_judge import judge, warm_up
+from searches.estimate_scenes import random_scene
 
 
 def main() -> int:
@@ -74,8 +73,7 @@ def _judged(seed: int, indices: list[int], workers: int) -> Iterator[Judged]:
 def _known(path: Path | None, seed: int) -> list[Judged]:
     if path is None or not path.exists():
         return []
-    lines = path.read_text(encoding="utf-8").splitlines()
-    return [one for one in (Judged(**json.loads(line)) for line in lines) if one.seed == seed]
+    return [one for one in judged_scenes(path) if one.seed == seed]
 
 
 def _keep(path: Path | None, one: Judged) -> None:

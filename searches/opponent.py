@@ -43,8 +43,6 @@ from longwave.derive import LATTICES
 from longwave.lattice import integrate
 from longwave.lattice.refine import refine
 from longwave.lattice.trial import StepSearch, Trial
-from longwave.reports.studies.estimate_scenes import RandomScene, random_scene
-from longwave.reports.studies.estimates import judge_scene, warm_up
 from longwave.scenes.lattice_run import wave_rings
 from longwave.scenes.ring_runs import RingRuns
 from longwave.scenes.run_record import RunRecord
@@ -53,6 +51,8 @@ from longwave.scenes.scene_checks import Pairs
 from longwave.scenes.scene_rules import PERTURBED_PLANE
 from longwave.scenes.sideband_growth import SidebandRuns, growth_plan
 from longwave.support.processes import Job, LocalWorkers, OutOfTime, as_ended, time_limit
+from searches.estimate_judge import judge_scene, warm_up
+from searches.estimate_scenes import RandomScene, random_scene
 from searches.random_chains import random_case
 from searches.soak_scenes import soak_scene
 

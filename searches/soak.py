@@ -28,14 +28,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from longwave.reports.studies.estimate_scenes import random_scene
-from longwave.reports.studies.estimates import ANSWER_SECONDS, judge_scene, warm_up
 from longwave.scenes import run
 from longwave.scenes.lattice_run import record_scene
 from longwave.scenes.scene import Scene
 from longwave.scenes.sideband_growth import measure_growth
 from longwave.support.processes import OutOfTime, time_limit
 from longwave.support.request_limits import Cancelled
+from searches.estimate_judge import ANSWER_SECONDS, judge_scene, warm_up
+from searches.estimate_scenes import random_scene
 from searches.soak_scenes import soak_scene
 
 BUDGET = 2.0

@@ -1,9 +1,13 @@
 """The table of the search for dishonest estimates."""
 
 import math
+from pathlib import Path
 
+import pytest
+
+from longwave.reports.__main__ import main
 from longwave.reports.sections.costs import estimate_table, reason_table
-from longwave.reports.studies.estimates import Judged, estimate_rows
+from longwave.reports.studies.estimates import Judged, estimate_rows, judged_findings
 
 
 def judged(index: int, verdict: str, true: float, reason: str = "") -> Judged:
@@ -35,3 +39,22 @@ def test_reasons_that_differ_in_numbers_are_one() -> None:
 
 def test_without_scenes_there_is_no_table() -> None:
     assert estimate_table(estimate_rows([])) == reason_table([]) == reason_table(FOUND[:1]) == ""
+
+
+def test_what_the_search_wrote_is_tabled_in_the_order_of_the_scenes(tmp_path: Path) -> None:
+    path = tmp_path / "found.jsonl"
+    path.write_text("".join(one.json() + "\n" for one in reversed(FOUND)))
+    found = judged_findings(path)
+    assert list(found) == [("estimate", index) for index in range(4)]
+    assert estimate_table(estimate_rows(found.values())) == estimate_table(estimate_rows(FOUND))
+
+
+@pytest.mark.parametrize("text", ["no json", '{"seed": 1}', "[1]"])
+def test_another_file_is_refused_before_anything_is_run(
+    text: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "found.jsonl"
+    path.write_text(text)
+    assert main(["--output", str(tmp_path / "report"), "--estimates", str(path)]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("error: --estimates must be what `python -m searches.estimates")

@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 
 from longwave.lattice.refine import refine
-from longwave.reports.studies.estimate_scenes import RandomScene
-from longwave.reports.studies.estimates import judge_scene
 from longwave.scenes import run
 from longwave.scenes.lattice_derivation import lattice_wave
 from longwave.scenes.lattice_run import wave_rings
 from longwave.scenes.ring_runs import RingRuns
 from longwave.scenes.scene import Scene
+from searches.estimate_judge import judge_scene
+from searches.estimate_scenes import RandomScene
 
 
 def plane_wave(K2: float, eps: float) -> Scene:

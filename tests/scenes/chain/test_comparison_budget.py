@@ -14,10 +14,10 @@ import pytest
 
 from longwave.lattice.refine import refine
 from longwave.lattice.trial import Choices, Engine, Kind, Progress, Trial
-from longwave.reports.studies.estimate_scenes import random_scene
 from longwave.scenes import run
 from longwave.scenes.scene import Scene
 from longwave.support.request_limits import OverBudgetError
+from searches.estimate_scenes import random_scene
 
 
 @dataclass

@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from longwave.reports.studies.estimate_scenes import RandomScene
-from longwave.reports.studies.estimates import judge_scene
 from longwave.scenes.chain.chain_run import choose_engine
 from longwave.scenes.scene import Scene
 from longwave.scenes.scene_run import run
+from searches.estimate_judge import judge_scene
+from searches.estimate_scenes import RandomScene
 
 
 def _scene(name: str, eps: float, **fields: Any) -> Scene:

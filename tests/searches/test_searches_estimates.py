@@ -8,14 +8,15 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from longwave.reports.studies import estimates
-from longwave.reports.studies.causal_reference import CausalReference, SoftenedError
-from longwave.reports.studies.estimate_scenes import WAVES, RandomScene, random_scene
-from longwave.reports.studies.estimates import estimate_rows, judge, judge_scene, warm_up
+from longwave.reports.studies.estimates import Judged, estimate_rows
 from longwave.scenes import run
 from longwave.scenes.numerics import Discretisation
 from longwave.scenes.scene import Scene
 from longwave.solutions import CATALOGUE
+from searches import estimate_judge
+from searches.causal_reference import CausalReference, SoftenedError
+from searches.estimate_judge import judge, judge_scene, warm_up
+from searches.estimate_scenes import WAVES, RandomScene, random_scene
 
 COUNT = 60
 QUICK = (4, 6, 9)
@@ -122,7 +123,7 @@ def test_quick_scenes_are_honest(index: int) -> None:
     assert judge(1, index).verdict == "honest"
 
 
-def told_by(told: Scene, change: Callable[[xr.Dataset], xr.Dataset]) -> estimates.Judged:
+def told_by(told: Scene, change: Callable[[xr.Dataset], xr.Dataset]) -> Judged:
     return judge_scene(RandomScene(0, 0, told, 0), lambda given: change(run(given)))
 
 
@@ -169,7 +170,7 @@ def test_refusals_need_a_reason(error: Exception, verdict: str) -> None:
 
 
 def test_a_run_without_end_is_no_answer(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(estimates, "ANSWER_SECONDS", 0.2)
+    monkeypatch.setattr(estimate_judge, "ANSWER_SECONDS", 0.2)
 
     def forever(_: Scene) -> xr.Dataset:
         while True:
@@ -194,7 +195,7 @@ def test_the_table_counts_each_scene_once() -> None:
 @pytest.mark.slow
 def test_no_estimate_is_dishonest(monkeypatch: pytest.MonkeyPatch) -> None:
     """Sixty random scenes, the program's own choice and each engine by name."""
-    monkeypatch.setattr(estimates, "ANSWER_SECONDS", 1200.0)  # no answer is for want of time
+    monkeypatch.setattr(estimate_judge, "ANSWER_SECONDS", 1200.0)  # no answer is for want of time
     warm_up()
     found = [judge(2, index) for index in range(COUNT)]
     wrong = [one for one in found if not one.sound]
