@@ -37,7 +37,7 @@ report-full: $(STAMP)
 	@$(PY) -m reports --force --full --estimates $(ESTIMATES) --output reports/build
 
 bench: $(STAMP)
-	@$(PY) -m longwave.reports.bench --output reports/build/bench
+	@$(PY) benchmarks/studies.py --output reports/build/bench
 
 docs: $(DOCS_STAMP)
 	@$(PY) -m sphinx --quiet --fail-on-warning --keep-going --jobs $(WORKERS) docs docs/build

@@ -201,7 +201,6 @@ def source(content: Mapping[str, str], scenes: Mapping[str, Scene], full: bool) 
         "report.tex.j2",
         version=version("longwave"),
         full=full,
-        alone=False,
         formulas=theory.formulas(),
         equations=theory.equations(),
         figures=runs.figure_entries(scenes),
@@ -365,33 +364,6 @@ def shown(path: Path) -> str:
     with suppress(ValueError):
         return str(path.resolve().relative_to(Path.cwd()))
     return str(path)
-
-
-def write_bench(output: Path, short: bool, program: str) -> int:
-    """Run every study in a process of its own, nothing beside it; write its tables and figures.
-
-    Returns 0, 1 if a study fails, 2 for bad input, 130 after Ctrl-C, which ``program`` tells.
-    """
-    console = plain_console()
-    try:
-        output.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        return fail(f"--output must be a folder that can be written, got {output}: {error}")
-    jobs = study_jobs(full=not short)
-    announce("the studies", sum(job.weight for job in jobs.values()))
-    try:
-        with bars(console) as bar:
-            task = bar.add_task("measuring", total=1.0)
-            done = run_jobs(jobs, 1, lambda share: bar.update(task, completed=share))
-            found = Findings(done, {})
-            for name, text in write_tables(STUDY_TABLES, found, output):
-                if text:
-                    console.print(output / "tables" / f"{name}.tex", soft_wrap=True)
-            for path in write_figures(study_figures(found), output):
-                console.print(path, soft_wrap=True)
-    except KeyboardInterrupt:
-        return interrupted(program, "nothing was written of unfinished studies")
-    return 0 if found.sound else 1
 
 
 def bars(console: Console) -> Bars:

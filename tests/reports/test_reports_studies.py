@@ -1,4 +1,4 @@
-"""`python -m longwave.reports.bench`: says where its tables are, and fails with a case."""
+"""`make bench`: says where its tables are, and fails with a case."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from longwave.reports import bench, build
+from benchmarks import studies
 from longwave.reports.build import STUDY_TABLES
 from longwave.reports.studies.hard_cases import HardCaseResult
 from longwave.reports.studies.lattice_cost import CostPoint, PeakError, ScalingPoint
@@ -26,9 +26,9 @@ FOUND = {
 
 def measure(found: Mapping[Key, Any], folder: Path, monkeypatch: pytest.MonkeyPatch) -> int:
     """Run the command with these findings and without figures."""
-    monkeypatch.setattr(build, "run_jobs", lambda *_: found)
-    monkeypatch.setattr(build, "write_figures", lambda *_: [folder / "figure.pdf"])
-    return bench.main(["--output", str(folder)])
+    monkeypatch.setattr(studies, "run_jobs", lambda *_: found)
+    monkeypatch.setattr(studies, "write_figures", lambda *_: [folder / "figure.pdf"])
+    return studies.main(["--output", str(folder)])
 
 
 def test_it_tells_where_its_tables_are(
