@@ -22,7 +22,7 @@ from longwave.reports.engine import CompileError, EngineMissingError, compile_pd
 from longwave.reports.latex import render, write
 from longwave.reports.lattice_chapter import chapter_figures
 from longwave.reports.paper import SOURCES
-from longwave.reports.pictures.drawing import cost_figure, save, snapshot_figure, styled
+from longwave.reports.pictures.drawing import cost_figure, save, snapshot_panels, styled
 from longwave.reports.pictures.paper_figures import paper_figures
 from longwave.reports.sections import costs, lattice_runs, literature, other_lattices, runs, theory
 from longwave.reports.sections.other_lattices import model_jobs
@@ -237,7 +237,7 @@ def study_figures(found: Findings) -> Iterator[tuple[str, Figure]]:
         figure = cost_figure(panels, r"$\epsilon$", r"$L^\infty_\epsilon$", 1, 2.8)
         yield "reduction_error", figure
     if split := found.of("split"):
-        yield "split", snapshot_figure(runs.split_rows(split))
+        yield "split", snapshot_panels(runs.split_rows(split)).figure()
 
 
 def write_figures(figures: Iterable[tuple[str, Figure]], folder: Path) -> Iterator[Path]:

@@ -9,12 +9,12 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from longwave.reports.pictures.drawing import snapshot_figure
+from longwave.reports.pictures.drawing import snapshot_panels
 from longwave.reports.pictures.lattice_figures import (
     even_times,
-    map_figure,
     modulation_figure,
     rate_figure,
+    strain_maps,
 )
 from longwave.reports.pictures.run_data import snapshots
 from longwave.reports.sections.lattice_runs import is_map, rate_panels
@@ -38,12 +38,12 @@ def chapter_figures(found: Findings) -> Iterator[tuple[str, Figure]]:
     scenes, (plane,) = found.of("scene"), found.all("plane")
     own = snapshots(found.runs.runs[SPLIT], ROGUE_CELLS)
     rogues = [_rogue_row(scenes[name]) for name in ROGUES]
-    yield "lattice_rogues", snapshot_figure([own, *filter(None, rogues)], "theory")
+    yield "lattice_rogues", snapshot_panels([own, *filter(None, rogues)], "theory").figure()
     peregrines = [_peregrine_row(scenes[name]) for name in PEREGRINES]
-    yield "lattice_peregrines", snapshot_figure(list(filter(None, peregrines)), "theory")
+    yield "lattice_peregrines", snapshot_panels(list(filter(None, peregrines)), "theory").figure()
     for name, scene in scenes.items():
         if scene.run is not None and is_map(scene):
-            yield f"scene_{name}", map_figure(scene.run)
+            yield f"scene_{name}", strain_maps(scene.run).figure()
     yield "lattice_rates", rate_figure(rate_panels(found.all("rate")))
     yield "modulation", modulation_figure(*plane)
 

@@ -7,7 +7,7 @@ the crest and at the end.
 
 from matplotlib.figure import Figure
 
-from longwave.reports.pictures.drawing import snapshot_figure
+from longwave.reports.pictures.drawing import snapshot_panels
 from longwave.reports.pictures.run_data import snapshots
 from longwave.scenes import run
 
@@ -16,4 +16,4 @@ def picture() -> Figure:
     """The strain of the cells, 180 and then 16 of them to either side of the crest."""
     found = run("dimer_peregrine")
     wide, near = (snapshots(found, cells, (1, 2)) for cells in (180, 16))
-    return snapshot_figure([[wide[0], *near]], "theory")
+    return snapshot_panels([[wide[0], *near]], "theory").figure()

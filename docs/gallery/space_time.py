@@ -7,7 +7,7 @@ the solitons of the mKdV equation do.
 from matplotlib.figure import Figure
 
 from longwave import Scene, run
-from longwave.reports.pictures.drawing import space_time_figure
+from longwave.reports.pictures.drawing import space_time_map
 
 SCENE = Scene.of(
     name="two_solitons",
@@ -27,4 +27,4 @@ SCENE = Scene.of(
 
 def picture() -> Figure:
     """The strain over time, in the frame that moves with the sound."""
-    return space_time_figure(run(SCENE)["space_time"])
+    return space_time_map(run(SCENE)["space_time"]).figure()

@@ -12,7 +12,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from longwave.reports.pictures.animation import film_of
-from longwave.reports.pictures.drawing import save, snapshot_figure, styled
+from longwave.reports.pictures.drawing import save, snapshot_panels, styled
 from longwave.reports.pictures.film import Film
 from longwave.reports.pictures.film_files import SUFFIXES, film_path, save_film
 from longwave.reports.pictures.run_data import snapshots
@@ -50,7 +50,7 @@ def figure(file: Path) -> int:
 def readme_figure() -> Figure:
     """Run the scene for its snapshots alone and draw them."""
     scene = load_scene(SCENE).changed(observables=("strain",))
-    return snapshot_figure([snapshots(run(scene), HALF_WIDTH)])
+    return snapshot_panels([snapshots(run(scene), HALF_WIDTH)]).figure()
 
 
 def readme_film() -> Film:

@@ -68,14 +68,11 @@ class Part:
     height: float
     draw: Callable[[FigureBase], None]
 
-
-def figure_of(
-    height: float, draw: Callable[..., None], *given: Any, width: float = TEXT_WIDTH
-) -> Figure:
-    """A figure of that height and width in inches, into which ``draw`` draws what is given."""
-    figure = Figure((width, height), layout="constrained")
-    draw(figure, *given)
-    return figure
+    def figure(self, width: float = TEXT_WIDTH) -> Figure:
+        """The part alone, as a figure of that width in inches."""
+        made = Figure((width, self.height), layout="constrained")
+        self.draw(made)
+        return made
 
 
 _CHANGING = {".pdf": "CreationDate", ".svg": "Date"}
@@ -118,23 +115,17 @@ PANEL_HEIGHT = 1.55
 """Height of one row of panels, in inches."""
 
 
-def snapshot_figure(rows: Sequence[Sequence[xr.Dataset]], wave: str = "") -> Figure:
-    """Draw one panel for each of `run_data.snapshots`, one row per run, lettered (A), (B), ... .
+def snapshot_panels(rows: Sequence[Sequence[xr.Dataset]], wave: str = "") -> Part:
+    """One panel for each of `run_data.snapshots`, one row per run, lettered (A), (B), ... .
 
     ``wave`` is what the legend calls the analytical strain, where the run's own word is not taken.
+    Shorter rows end in empty places.
     """
-    return figure_of(snapshot_height(len(rows)), draw_snapshot_panels, rows, wave)
+    height = PANEL_HEIGHT * len(rows) + 0.35
+    return Part(height, lambda figure: _draw_snapshots(figure, rows, wave))
 
 
-def snapshot_height(rows: int) -> float:
-    """Height in inches of that many rows of panels and their legend."""
-    return PANEL_HEIGHT * rows + 0.35
-
-
-def draw_snapshot_panels(
-    figure: FigureBase, rows: Sequence[Sequence[xr.Dataset]], wave: str = ""
-) -> None:
-    """Draw the panels of `snapshot_figure` into a figure; shorter rows end in empty places."""
+def _draw_snapshots(figure: FigureBase, rows: Sequence[Sequence[xr.Dataset]], wave: str) -> None:
     across = max(len(row) for row in rows)
     panels = figure.subplots(len(rows), across, squeeze=False)
     letters = map(chr, range(ord("A"), ord("Z") + 1))
@@ -199,14 +190,12 @@ The coordinate ``own`` is the run's own error in the same units, NaN where it wa
 """
 
 
-def error_figure(panels: ErrorPanels) -> Figure:
-    """Draw one panel of curves for each title."""
-    width = TEXT_WIDTH if len(panels) > 1 else 0.5 * TEXT_WIDTH
-    return figure_of(ERROR_HEIGHT, draw_error_panels, panels, width=width)
+def error_panels(panels: ErrorPanels) -> Part:
+    """One panel of curves for each title, without markers but where there is one point alone."""
+    return Part(ERROR_HEIGHT, lambda figure: _draw_errors(figure, panels))
 
 
-def draw_error_panels(figure: FigureBase, panels: ErrorPanels) -> None:
-    """Draw the curves through all their points, without markers but of one alone."""
+def _draw_errors(figure: FigureBase, panels: ErrorPanels) -> None:
     axes = figure.subplots(1, len(panels), squeeze=False)[0]
     for ax, (title, curves) in zip(axes, panels.items(), strict=True):
         ax.set_title(title, loc="left")
@@ -263,18 +252,15 @@ LEAST_CELLS = 24
 """Fewest cells of sites that are shown."""
 
 
-def space_time_figure(strain: xr.DataArray) -> Figure:
-    """Draw the variable `space_time` of a run."""
-    return figure_of(MAP_HEIGHT, draw_space_time, strain)
-
-
-def draw_space_time(
-    figure: FigureBase, strain: xr.DataArray, half_width: int | None = None
-) -> None:
-    """Draw the map into a figure; `strain` has a time and, then, the first sites of its cells.
+def space_time_map(strain: xr.DataArray, half_width: int | None = None) -> Part:
+    """The variable `space_time` of a run; it has a time and, then, the first sites of its cells.
 
     `half_width` is how many sites are shown to either side of c t; `LEAST_CELLS` at least.
     """
+    return Part(MAP_HEIGHT, lambda figure: _draw_map(figure, strain, half_width))
+
+
+def _draw_map(figure: FigureBase, strain: xr.DataArray, half_width: int | None) -> None:
     time, place = (strain[dimension].values for dimension in strain.dims)
     edges = cell_edges(place)
     ax = figure.subplots()
@@ -315,8 +301,12 @@ CREST_HEIGHT = 2.0
 LABELS = {"crest_position": "crest at $n - c\\,t$  (sites)", "crest_strain": "$y$ at the crest"}
 
 
-def draw_crest(figure: FigureBase, run: xr.Dataset) -> None:
-    """Draw the crest's position and strain as points: a crest may give way to another one."""
+def crest_track(run: xr.Dataset) -> Part:
+    """The crest's position and strain as points: a crest may give way to another one."""
+    return Part(CREST_HEIGHT, lambda figure: _draw_crest(figure, run))
+
+
+def _draw_crest(figure: FigureBase, run: xr.Dataset) -> None:
     for ax, (name, label), look in zip(
         figure.subplots(1, len(LABELS)), LABELS.items(), CURVES, strict=False
     ):
@@ -339,13 +329,13 @@ DECADES = 1.0
 """How far below the rounding the axis of amplitudes ends."""
 
 
-def spectra_height(count: int) -> float:
-    """Height in inches of that many spectra and their legend."""
-    return SPECTRUM_HEIGHT * -(-count // SPECTRA_ACROSS) + 0.35
+def spectrum_panels(found: xr.Dataset) -> Part:
+    """One panel for each time of `run_data.spectra`, all with the same axes."""
+    height = SPECTRUM_HEIGHT * -(-found.sizes["time"] // SPECTRA_ACROSS) + 0.35
+    return Part(height, lambda figure: _draw_spectra(figure, found))
 
 
-def draw_spectra(figure: FigureBase, found: xr.Dataset) -> None:
-    """Draw `run_data.spectra`, one panel for each time, all with the same axes."""
+def _draw_spectra(figure: FigureBase, found: xr.Dataset) -> None:
     times = found["time"].values
     grid = panel_grid(
         figure, len(times), SPECTRA_ACROSS, "wavenumber  (1/site)", "amplitude of $y$"

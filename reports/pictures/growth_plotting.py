@@ -23,7 +23,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from longwave.reports.pictures.drawing import CURVES
+from longwave.reports.pictures.drawing import CURVES, Part
 
 if TYPE_CHECKING:
     from longwave.scenes.scene import Scene
@@ -328,13 +328,14 @@ class GrowthPanel:
     theory: xr.Dataset | None
 
 
-def growth_height(count: int) -> float:
-    """Height in inches of that many rows."""
-    return PANEL_HEIGHT * count + LEGEND_HEIGHT
+def growth_map(data: xr.Dataset, most_curves: int) -> Part:
+    """A row for each of `growth_panels`: rates over k, and the map of all perturbations."""
+    panels = growth_panels(data, most_curves)
+    height = PANEL_HEIGHT * len(panels) + LEGEND_HEIGHT
+    return Part(height, lambda figure: _draw_growth(figure, panels))
 
 
-def draw_growth(figure: FigureBase, panels: Sequence[GrowthPanel]) -> None:
-    """Draw a row for each panel: rates over k, and the map of all perturbations."""
+def _draw_growth(figure: FigureBase, panels: Sequence[GrowthPanel]) -> None:
     grid = figure.subplots(len(panels), 2, squeeze=False, sharex=True)
     labels = dict.fromkeys(curve.attrs["label"] for panel in panels for curve in panel.curves)
     looks = {label: CURVES[place % len(CURVES)] for place, label in enumerate(labels)}
@@ -471,11 +472,15 @@ def _legend(panels: Sequence[GrowthPanel], looks: Looks) -> list[Line2D | Patch]
 
 
 SIZES_HEIGHT = 2.8
-"""Height in inches of `draw_sideband_sizes`."""
+"""Height in inches of `sideband_sizes`."""
 
 
-def draw_sideband_sizes(figure: FigureBase, run: xr.Dataset, verdict: str) -> None:
+def sideband_sizes(run: xr.Dataset, verdict: str) -> Part:
     """The two waves beside a carrier over the slow time, in a logarithm, and in theory."""
+    return Part(SIZES_HEIGHT, lambda figure: _draw_sizes(figure, run, verdict))
+
+
+def _draw_sizes(figure: FigureBase, run: xr.Dataset, verdict: str) -> None:
     ax, slow_times = figure.subplots(), run["slow_time"].values
     look = CURVES[0] | {"linestyle": ""}
     ax.semilogy(slow_times, run["sideband_size"].values, label="lattice", **look)

@@ -11,7 +11,7 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure, FigureBase
 from numpy.typing import NDArray
 
-from longwave.reports.pictures.drawing import CURVES, TEXT_WIDTH, even_places, figure_of
+from longwave.reports.pictures.drawing import CURVES, TEXT_WIDTH, Part, even_places
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -34,13 +34,12 @@ MAPS_HEIGHT = 4.6
 """Height of two rows of maps, in inches."""
 
 
-def map_figure(run: xr.Dataset) -> Figure:
-    """Draw the maps of `draw_maps` alone."""
-    return figure_of(MAPS_HEIGHT, draw_maps, run)
-
-
-def draw_maps(figure: FigureBase, run: xr.Dataset) -> None:
+def strain_maps(run: xr.Dataset) -> Part:
     """Heat maps of a run on two axes: the lattice's strain, and its difference from the theory."""
+    return Part(MAPS_HEIGHT, lambda figure: _draw_maps(figure, run))
+
+
+def _draw_maps(figure: FigureBase, run: xr.Dataset) -> None:
     places = even_times(run)
     panels = figure.subplots(2, len(places), squeeze=False, sharey=True)
     apart = abs(run["strain"] - run["analytic"])

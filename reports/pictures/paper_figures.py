@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import xarray as xr
 from matplotlib.figure import Figure
 
-from longwave.reports.pictures.drawing import error_figure, snapshot_figure
+from longwave.reports.pictures.drawing import TEXT_WIDTH, error_panels, snapshot_panels
 from longwave.reports.pictures.run_data import snapshots
 
 
@@ -82,10 +82,11 @@ def paper_figures(runs: Mapping[str, xr.Dataset]) -> Iterator[tuple[str, Figure]
     """Every figure of the paper, drawn from the runs of its scenes, under its name."""
     for figure in SNAPSHOT_FIGURES:
         rows = [snapshots(runs[name], figure.half_width) for name in figure.scenes]
-        yield figure.name, snapshot_figure(rows)
+        yield figure.name, snapshot_panels(rows).figure()
     for curves in ERROR_FIGURES:
         panels = {
             title: {label: runs[name]["error_curve"] for label, name in pairs}
             for title, pairs in curves.panels
         }
-        yield curves.name, error_figure(panels)
+        width = TEXT_WIDTH if len(panels) > 1 else 0.5 * TEXT_WIDTH
+        yield curves.name, error_panels(panels).figure(width)

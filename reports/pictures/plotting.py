@@ -13,30 +13,25 @@ from pathlib import Path
 
 import numpy as np
 import xarray as xr
-from matplotlib.figure import Figure, FigureBase
+from matplotlib.figure import Figure
 
 from longwave.lattice.refine import Announce
 from longwave.lattice.trial import Progress
 from longwave.reports.pictures.drawing import (
-    CREST_HEIGHT,
-    ERROR_HEIGHT,
-    MAP_HEIGHT,
     MOST_SPECTRA,
     TEXT_WIDTH,
     Part,
-    draw_crest,
-    draw_error_panels,
-    draw_snapshot_panels,
-    draw_space_time,
-    draw_spectra,
+    crest_track,
+    error_panels,
     even_places,
     save,
-    snapshot_height,
-    spectra_height,
+    snapshot_panels,
+    space_time_map,
+    spectrum_panels,
     styled,
 )
-from longwave.reports.pictures.growth_plotting import SIZES_HEIGHT, draw_sideband_sizes
-from longwave.reports.pictures.lattice_figures import MAPS_HEIGHT, draw_maps
+from longwave.reports.pictures.growth_plotting import sideband_sizes
+from longwave.reports.pictures.lattice_figures import strain_maps
 from longwave.reports.pictures.run_data import (
     LEAST_LOOKS,
     error_curves,
@@ -78,17 +73,12 @@ Source = xr.Dataset | Scene | str | Path
 
 @dataclass(frozen=True)
 class Picture:
-    """One kind of picture: the observable ("" if no scene can ask for it) and the variables (with
-    their number of dimensions) that it is drawn from, its height in inches, and what draws it."""
+    """One kind of picture: the observable ("" if no scene can ask for it) and the variables that it
+    is drawn from, and the part of a figure that it is of a placed run."""
 
     observable: str
-    variables: Mapping[str, int]
-    height: Callable[[xr.Dataset], float]
-    draw: Callable[[FigureBase, xr.Dataset], None]
-
-    def part(self, data: xr.Dataset) -> Part:
-        """The picture of a run as a part of a figure."""
-        return Part(self.height(data), lambda figure: self.draw(figure, data))
+    variables: Sequence[str]
+    part: Callable[[xr.Dataset], Part]
 
 
 def plot(
@@ -266,41 +256,20 @@ def _pictures(data: xr.Dataset, kind: str) -> Sequence[Picture]:
 
 def _has(data: xr.Dataset, picture: Picture) -> bool:
     """Whether the run has the picture's variables, and numbers in them."""
-    return all(
-        name in data
-        and data[name].ndim == dimensions + ("row" in data[name].dims)
-        and data[name].dtype.kind in "fiu"
-        and bool(np.isfinite(data[name]).any())
-        for name, dimensions in picture.variables.items()
-    )
+    return all(name in data and np.isfinite(data[name]).any() for name in picture.variables)
 
 
-def _shown_snapshots(data: xr.Dataset) -> list[list[int]]:
-    """Which snapshots are shown, row by row."""
-    places = even_places(data.sizes["time"], MOST_PANELS)
-    return [places[first : first + ACROSS] for first in range(0, len(places), ACROSS)]
-
-
-def _snapshot_height(data: xr.Dataset) -> float:
-    return MAPS_HEIGHT if "row" in data.dims else snapshot_height(len(_shown_snapshots(data)))
-
-
-def _draw_snapshots(figure: FigureBase, data: xr.Dataset) -> None:
+def _snapshots(data: xr.Dataset) -> Part:
     """Lattice against wave on a chain; on two axes maps of the strain and of the difference."""
     if "row" in data.dims:
-        draw_maps(figure, data)
-        return
-    half_width = shown_half_width(data)
-    rows = [snapshots(data, half_width, places) for places in _shown_snapshots(data)]
-    draw_snapshot_panels(figure, rows)
+        return strain_maps(data)
+    places = even_places(data.sizes["time"], MOST_PANELS)
+    panels = snapshots(data, shown_half_width(data), places)
+    return snapshot_panels([panels[i : i + ACROSS] for i in range(0, len(panels), ACROSS)])
 
 
-def _shown_spectra(data: xr.Dataset) -> list[int]:
-    return even_places(data.sizes["time"], MOST_SPECTRA)
-
-
-def _draw_spectra(figure: FigureBase, data: xr.Dataset) -> None:
-    draw_spectra(figure, spectra(data, _shown_spectra(data)))
+def _spectra(data: xr.Dataset) -> Part:
+    return spectrum_panels(spectra(data, even_places(data.sizes["time"], MOST_SPECTRA)))
 
 
 def shown_half_width(data: xr.Dataset) -> int:
@@ -318,41 +287,27 @@ def shown_half_width(data: xr.Dataset) -> int:
     return int(max(1.25 * seen.max(), LEAST_SHOWN)) if seen.size else int(sites.max())
 
 
-def _draw_map(figure: FigureBase, data: xr.Dataset) -> None:
-    """Draw the map about the sites that the snapshots show, if there are snapshots."""
+def _map(data: xr.Dataset) -> Part:
+    """The map about the sites that the snapshots show, if there are snapshots."""
     shown = shown_half_width(data) if _has(data, PICTURES["snapshots"]) else None
-    draw_space_time(figure, data["space_time"], shown)
+    return space_time_map(data["space_time"], shown)
 
 
-def _draw_errors(figure: FigureBase, data: xr.Dataset) -> None:
-    draw_error_panels(figure, {rf"$\epsilon={data.attrs['eps']:g}$": error_curves(data)})
+def _errors(data: xr.Dataset) -> Part:
+    return error_panels({rf"$\epsilon={data.attrs['eps']:g}$": error_curves(data)})
 
 
-def _draw_sizes(figure: FigureBase, data: xr.Dataset) -> None:
-    draw_sideband_sizes(figure, data, one_line(data.attrs.get("verdict", ""))[:MOST])
+def _sizes(data: xr.Dataset) -> Part:
+    return sideband_sizes(data, one_line(data.attrs.get("verdict", ""))[:MOST])
 
 
 PICTURES: Mapping[str, Picture] = {
-    "snapshots": Picture(
-        "strain", {"strain": 2, "analytic": 2, "n": 2}, _snapshot_height, _draw_snapshots
-    ),
-    "space_time": Picture("space_time", {"space_time": 2}, lambda _: MAP_HEIGHT, _draw_map),
-    "spectra": Picture(
-        "strain",
-        {"strain": 2, "analytic": 2},
-        lambda data: spectra_height(len(_shown_spectra(data))),
-        _draw_spectra,
-    ),
-    "errors": Picture("error_curve", {"error_curve": 1}, lambda _: ERROR_HEIGHT, _draw_errors),
-    "crest": Picture(
-        "crest_track", {"crest_position": 1, "crest_strain": 1}, lambda _: CREST_HEIGHT, draw_crest
-    ),
-    GROWTH: Picture(
-        "",
-        {"sideband_size": 1, "sideband_theory": 1, "slow_time": 1},
-        lambda _: SIZES_HEIGHT,
-        _draw_sizes,
-    ),
+    "snapshots": Picture("strain", ("strain", "analytic", "n"), _snapshots),
+    "space_time": Picture("space_time", ("space_time",), _map),
+    "spectra": Picture("strain", ("strain", "analytic"), _spectra),
+    "errors": Picture("error_curve", ("error_curve",), _errors),
+    "crest": Picture("crest_track", ("crest_position", "crest_strain"), crest_track),
+    GROWTH: Picture("", ("sideband_size", "sideband_theory", "slow_time"), _sizes),
 }
 """The kinds of pictures, in the order in which they are drawn."""
 

@@ -16,15 +16,12 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from longwave.reports.pictures.drawing import Part
-from longwave.reports.pictures.growth_plotting import draw_growth, growth_height, growth_panels
+from longwave.reports.pictures.growth_plotting import growth_map
 from longwave.reports.pictures.sweep_drawing import (
-    CURVE_HEIGHT,
     SweptAxis,
-    draw_heat_maps,
-    draw_swept_curves,
-    draw_work_precision,
-    heat_height,
-    work_height,
+    heat_maps,
+    swept_curves,
+    work_precision,
 )
 from longwave.support.user_files import shown
 
@@ -82,10 +79,10 @@ def sweep_parts(data: xr.Dataset, kind: str | None, at: Choice, variable: str) -
     if kind == WORK_PRECISION:
         return [work_part(data)]
     if kind == GROWTH_MAP:
-        return [growth_part(data)]
+        return [growth_map(data, MOST_CURVES)]
     if "growth_rate" in data and variable == "error":
         with suppress(ValueError):
-            return [growth_part(data)]
+            return [growth_map(data, MOST_CURVES)]
     drawn = [name for name in PULSE if name in data and variable == "error"] + [variable]
     found = [] if data["status"].ndim == 0 else [values_part(data, name) for name in drawn]
     if work_dimension(data) is not None:
@@ -138,12 +135,6 @@ def _listed(texts: Sequence[str]) -> str:
 
 def _text(value: object) -> str:
     return f"{value:g}" if isinstance(value, int | float | np.number) else str(value)
-
-
-def growth_part(data: xr.Dataset) -> Part:
-    """Growth rates over the carrier's wavenumber beside the map of them in theory."""
-    panels = growth_panels(data, MOST_CURVES)
-    return Part(growth_height(len(panels)), lambda figure: draw_growth(figure, panels))
 
 
 def values_part(data: xr.Dataset, variable: str) -> Part:
@@ -270,7 +261,7 @@ def _curves(
     if families:
         titles = _titles(axis_of(data, families[0]), bare=True)
         curves = {title: cells.isel({families[0]: i}) for i, title in enumerate(titles)}
-    return Part(CURVE_HEIGHT, lambda figure: draw_swept_curves(figure, axis, curves, joined, told))
+    return swept_curves(axis, curves, joined, told)
 
 
 BY_MEDIAN = "median of {}, bars to the quartiles"
@@ -328,7 +319,7 @@ def _maps(data: xr.Dataset, cells: xr.Dataset) -> Part:
         titles = _titles(axis_of(data, over))
         maps = {title: cells.isel({over: place}) for place, title in enumerate(titles)}
     axes = {name: axis_of(data, name) for name in names}
-    return Part(heat_height(len(maps)), lambda figure: draw_heat_maps(figure, axes, maps))
+    return heat_maps(axes, maps)
 
 
 def work_dimension(data: xr.Dataset) -> str | None:
@@ -369,7 +360,7 @@ def work_part(data: xr.Dataset) -> Part:
         )
         for places in np.argwhere(drawn.values).tolist()
     }
-    return Part(work_height(curves), lambda figure: draw_work_precision(figure, curves, joined))
+    return work_precision(curves, joined)
 
 
 def _work_numbers(data: xr.Dataset) -> xr.Dataset:

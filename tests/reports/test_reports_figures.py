@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from longwave.reports.pictures.drawing import CURVES, error_figure, save, snapshot_figure, styled
+from longwave.reports.pictures.drawing import CURVES, error_panels, save, snapshot_panels, styled
 
 SITES = np.arange(-20.0, 21.0)
 
@@ -19,7 +19,7 @@ def snapshot(time: float, eps: float = 0.05) -> xr.Dataset:
 
 
 def test_numerical_is_solid_blue_and_analytical_dashed_red() -> None:
-    figure = snapshot_figure([[snapshot(0.0)]])
+    figure = snapshot_panels([[snapshot(0.0)]]).figure()
     lattice, wave = figure.axes[0].lines
     assert (lattice.get_color(), lattice.get_linestyle()) == ("blue", "-")
     assert (wave.get_color(), wave.get_linestyle()) == ("red", "--")
@@ -30,7 +30,7 @@ def test_numerical_is_solid_blue_and_analytical_dashed_red() -> None:
 def test_panels_are_lettered_row_by_row_and_share_the_strain_axis() -> None:
     times = (-1.0, 0.0, 1.0)
     rows = [[snapshot(t, eps) for t in times] for eps in (0.05, 0.075)]
-    axes = snapshot_figure(rows).axes
+    axes = snapshot_panels(rows).figure().axes
     assert [ax.get_title(loc="left")[:3] for ax in axes] == [f"({c})" for c in "ABCDEF"]
     assert len({ax.get_ylim() for ax in axes[:3]}) == 1
     assert axes[0].get_ylim() != axes[3].get_ylim()
@@ -39,7 +39,7 @@ def test_panels_are_lettered_row_by_row_and_share_the_strain_axis() -> None:
 def test_error_axis_starts_at_zero_and_curves_differ_without_colour() -> None:
     times = {"curve_time": np.arange(5.0)}
     curves = {str(n): xr.DataArray(np.arange(5.0) + n, times, "curve_time") for n in range(3)}
-    (ax,) = error_figure({"(A)": curves}).axes
+    (ax,) = error_panels({"(A)": curves}).figure().axes
     assert ax.get_ylim()[0] == 0
     assert len({(line.get_linestyle(), line.get_marker()) for line in ax.lines}) == 3
     assert len({look["color"] for look in CURVES}) == len(CURVES)
@@ -48,7 +48,8 @@ def test_error_axis_starts_at_zero_and_curves_differ_without_colour() -> None:
 @pytest.mark.parametrize(("suffix", "start"), [("pdf", b"%PDF"), ("svg", b"<?xml")])
 def test_it_is_written_twice_the_same(tmp_path: Path, suffix: str, start: bytes) -> None:
     with styled():
-        paths = [save(snapshot_figure([[snapshot(0.0)]]), tmp_path / f"{n}.{suffix}") for n in "ab"]
+        parts = [snapshot_panels([[snapshot(0.0)]]) for _ in "ab"]
+        paths = [save(p.figure(), tmp_path / f"{i}.{suffix}") for i, p in enumerate(parts)]
     first, second = (path.read_bytes() for path in paths)
     assert first.startswith(start)
     assert first == second

@@ -16,9 +16,9 @@ from longwave.reports.lattice_chapter import PEREGRINES, ROGUES
 from longwave.reports.pictures.drawing import styled
 from longwave.reports.pictures.lattice_figures import (
     DEFOCUSING,
-    map_figure,
     modulation_figure,
     rate_figure,
+    strain_maps,
 )
 from longwave.reports.pictures.run_data import snapshots
 from longwave.reports.sections.lattice_runs import rate_panels, rate_table, scene_maps, scene_table
@@ -270,6 +270,6 @@ def test_a_run_on_two_axes_is_drawn_with_its_difference() -> None:
     assert scene_maps(found).count(r"\includegraphics{figures/scene_flat.pdf}") == 1
     assert "scene_line" not in scene_maps(found)
     with styled():
-        figure = map_figure(run(axes=2))
+        figure = strain_maps(run(axes=2)).figure()
     meshes = [ax.collections[0] for ax in figure.axes[:4]]
     assert np.max(np.ma.asarray(meshes[3].get_array())) == pytest.approx(0.02)

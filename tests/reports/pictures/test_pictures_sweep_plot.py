@@ -8,12 +8,11 @@ import numpy as np
 import pytest
 import xarray as xr
 from matplotlib.colors import LogNorm
-from matplotlib.figure import Figure
 
 from longwave.__main__ import main
 from longwave.cli.command_tree import SWEEP_PICTURES as WORDS
 from longwave.reports.pictures.plotting import plot
-from longwave.reports.pictures.sweep_drawing import SweptAxis, draw_work_precision
+from longwave.reports.pictures.sweep_drawing import SweptAxis, work_precision
 from longwave.reports.pictures.sweep_plotting import SWEEP_PICTURES, axis_of
 from longwave.runs import save_run
 
@@ -369,9 +368,7 @@ def test_long_names_of_work_precision_have_a_column() -> None:
 def test_cells_that_took_the_same_work_stand_in_the_panel() -> None:
     numbers = {"seconds": 2e6, "updates": 2e6, "estimated": 1e-3, "achieved": 1e-3, "own": 1e-3}
     curve = xr.Dataset({name: ("step", np.full(3, value)) for name, value in numbers.items()})
-    figure = Figure()
-    draw_work_precision(figure, {"": curve})
-    for ax in figure.get_axes():
+    for ax in work_precision({"": curve}).figure().get_axes():
         low, high = ax.get_xlim()
         assert (low, high) == pytest.approx((1e6, 4e6))
         assert len({label.get_text() for label in ax.get_xticklabels()}) == 2
