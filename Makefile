@@ -62,8 +62,7 @@ format: $(STAMP)
 	@$(PY) -m ruff format .
 
 docs/rogue_wave.png docs/rogue_wave.gif: $(STAMP)
-	@mkdir -p docs
-	@$(PY) -m longwave.reports.pictures $@
+	@$(PY) docs/rogue_wave.py $@
 
 clean:
 	rm -rf reports/build docs/build docs/generated .pytest_cache .mypy_cache .ruff_cache .hypothesis

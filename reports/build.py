@@ -158,13 +158,13 @@ STUDY_TABLES: Mapping[str, Callable[[Findings], str]] = {
     "peak_table": lambda found: runs.peak_table(peaks) if (peaks := found.all("peak")) else "",
     "split_table": lambda found: runs.split_table(found.of("split")),
     "long_table": lambda found: runs.long_table(found.long_runs),
-    "estimate_table": lambda found: costs.estimate_table(estimate_rows(found.all("estimate"))),
-    "estimate_reasons": lambda found: costs.reason_table(found.all("estimate")),
 }
-"""The tables of the studies of cost, hard cases, long runs and estimates."""
+"""The tables of the studies of cost, hard cases and long runs."""
 
 TABLES: Mapping[str, Callable[[Findings], str]] = {
     **STUDY_TABLES,
+    "estimate_table": lambda found: costs.estimate_table(estimate_rows(found.all("estimate"))),
+    "estimate_reasons": lambda found: costs.reason_table(found.all("estimate")),
     "solution_table": lambda _: theory.solution_table(),
     "proof_table": lambda found: theory.proof_table(
         _papers(found.all("proof")), found.of("residual")

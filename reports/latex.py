@@ -3,14 +3,20 @@ r"""LaTeX sources: templates, text, numbers, and tables set with booktabs.
 Jinja2 has delimiters that LaTeX leaves alone: \VAR{...}, \BLOCK{...}, \#{...}, %% lines.
 """
 
+from __future__ import annotations
+
 import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-import jinja2
 import numpy as np
 
+from longwave.derive.algebra.foreign_characters import GREEK
 from longwave.reports.paper import cited
+
+if TYPE_CHECKING:
+    import jinja2
 
 TEMPLATES = Path(__file__).parent / "templates"
 
@@ -43,6 +49,8 @@ def environment(directory: Path = TEMPLATES) -> jinja2.Environment:
     The filter `e` escapes text for LaTeX; formulas pass unescaped. `cited(label)` gives the
     paper's number. An unknown name in a template is an error.
     """
+    import jinja2
+
     made = jinja2.Environment(
         loader=jinja2.FileSystemLoader(directory),
         block_start_string=r"\BLOCK{",
@@ -138,15 +146,16 @@ def row(cells: Sequence[str]) -> str:
 def scientific(value: float, digits: int = 2) -> str:
     r"""Return the number as LaTeX with that many significant digits.
 
-    >>> scientific(0.000123), scientific(0.0), scientific(0.1014, 4)
-    ('$1.2\\times 10^{-4}$', '$0$', '$0.1014$')
+    >>> scientific(0.000123), scientific(0.0), scientific(0.1014, 4), scientific(1.4e-9, 1)
+    ('$1.2\\times 10^{-4}$', '$0$', '$0.1014$', '$10^{-9}$')
     """
     if value == 0 or not np.isfinite(value):
         return "$0$" if value == 0 else rf"$\mathrm{{{value}}}$"
     mantissa, _, exponent = f"{value:.{digits - 1}e}".partition("e")
     if -3 <= int(exponent) < digits + 1:
         return f"${value:.{max(digits - 1 - int(exponent), 0)}f}$"
-    return rf"${mantissa}\times 10^{{{int(exponent)}}}$"
+    factor = "" if mantissa == "1" else rf"{mantissa}\times "
+    return f"${factor}10^{{{int(exponent)}}}$"
 
 
 def measured(value: float, error: float) -> str:
@@ -180,14 +189,10 @@ def write(path: Path, text: str) -> Path:
     return path
 
 
-COMMANDS = {
-    "eps": r"\epsilon ",
-    "alpha": r"\alpha ",
-    "tau": r"\tau ",
-    "dt": r"\Delta t",
-    "<=": r"\le ",
-}
-"""Names in the records' mathematics that LaTeX calls otherwise."""
+_GREEK = re.compile(rf"(?<![\\A-Za-z])(?:eps|{'|'.join(GREEK)})(?![A-Za-z])")
+
+COMMANDS = {"dt": r"\Delta t", "<=": r"\le "}
+"""Other names in the records' mathematics that LaTeX calls otherwise."""
 
 UNITS = ((1.0, "s"), (1e-3, "ms"), (1e-6, r"\textmu s"), (1e-9, "ns"))
 
@@ -196,7 +201,7 @@ def mathematics(text: str) -> str:
     r"""Return a record's text as LaTeX: escaped outside the dollars, commands inside.
 
     >>> mathematics("below 20 % at $eps = 0.05$")
-    'below 20 \\% at $\\epsilon  = 0.05$'
+    'below 20 \\% at $\\epsilon = 0.05$'
     """
     parts = text.split("$")
     parts[::2] = [escape(part) for part in parts[::2]]
@@ -205,7 +210,26 @@ def mathematics(text: str) -> str:
 
 
 def _commands(text: str) -> str:
-    return re.sub(r"[a-z]+|<=", lambda found: COMMANDS.get(found[0], found[0]), text)
+    return re.sub(r"[a-z]+|<=", lambda found: COMMANDS.get(found[0], found[0]), greek(text))
+
+
+def greek(text: str) -> str:
+    r"""Return mathematics with the names of Greek letters as LaTeX's commands.
+
+    >>> greek("xi - 6 tau"), greek("eps"), greek("taut")
+    ('\\xi - 6 \\tau', '\\epsilon', 'taut')
+    """
+    return _GREEK.sub(lambda found: "\\" + {"eps": "epsilon"}.get(found[0], found[0]), text)
+
+
+def symbol_latex(name: str) -> str:
+    r"""Return a symbol's name as LaTeX, digits and what is behind an underscore as its index.
+
+    >>> symbol_latex("kappa_1"), symbol_latex("K2"), symbol_latex("eps")
+    ('\\kappa_{1}', 'K_{2}', '\\epsilon')
+    """
+    letter, index = re.findall(r"([A-Za-z]+)_?(\w*)", name)[0]
+    return greek(letter) + (f"_{{{index}}}" if index else "")
 
 
 def duration(seconds: float) -> str:
@@ -233,11 +257,8 @@ def _domain_word(word: str) -> str:
     """Return one word of a domain: relations and symbols in mathematics."""
     if word in ("real", "positive"):
         return word
-    named = {"<": "<", "<=": r"\le", "elliptic_k(k**2)": "K(k)", "2*A": "2A"}
-    named |= {letter: rf"\{letter}" for letter in ("alpha", "kappa")}
-    letter, _, index = word.partition("_")
-    plain = f"{named.get(letter, letter)}_{{{index}}}" if index else word
-    return f"${named.get(word, plain)}$"
+    named = {"<=": r"\le", "elliptic_k(k**2)": "K(k)", "2*A": "2A"}
+    return f"${symbol_latex(word) if word.isidentifier() else named.get(word, word)}$"
 
 
 _INDEXED = re.compile(r"\b[a-z]_(?:\w|\{[^}]*\})(?: [=+-] [a-z]_(?:\w|\{[^}]*\}))*")

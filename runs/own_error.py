@@ -35,8 +35,8 @@ def _size(wave: NDArray[np.float64], background: NDArray[np.float64]) -> float:
 
 
 def own_error_at(run: xr.Dataset, scene: Scene, name: str, place: int) -> float:
-    """The run's own error in units of its variable ``name``, ``error`` or ``error_curve``, and at
-    that place of it; NaN where it was not measured."""
+    """The run's own error in units of its variable ``name``, ``error``, ``error_curve`` or
+    ``error_curve_far_field``, and at that place of it; NaN where it was not measured."""
     own, held = scaled_own_error(run), run.variables
     if own is None:
         return math.nan
@@ -51,4 +51,4 @@ def own_error_at(run: xr.Dataset, scene: Scene, name: str, place: int) -> float:
     here = own if "error_estimate" in run.attrs else own[held["time"].values == t]
     if not here.size:
         return math.nan
-    return float(here[0]) * unit / (scene.wave_size(t) or math.nan)
+    return float(here[0]) * unit / (scene.wave_size(t, name.endswith("far_field")) or math.nan)

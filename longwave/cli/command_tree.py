@@ -176,7 +176,7 @@ def sweep(sweep: str, **options: Any) -> int:
 @click.option("--at", metavar="NAME=VALUE", multiple=True, help="Of a sweep: draw these cells.")
 @force_option
 @limit_options
-def plot(source: str, output: str | None, force: bool, **words: Any) -> int:
+def plot(source: str, output: str | None, **options: Any) -> int:
     """Draw a run or a sweep, or run a scene and draw it.
 
     SOURCE is a run written by `longwave run SCENE --output run.nc`, a scene's TOML file or the name
@@ -185,9 +185,9 @@ def plot(source: str, output: str | None, force: bool, **words: Any) -> int:
     Of a sweep's file they are a number of its cells over what is swept, curves or heat maps, and
     the errors against the work.
     """
-    from longwave.reports.pictures.plotting import PlotWords, draw
+    from longwave.reports.pictures.plotting import draw
 
-    return draw(source, output, PlotWords(**words), called_by(), force)
+    return draw(source, output, called_by(), **options)
 
 
 @longwave.command(epilog=example("longwave animate rational_3_eps_0.05 --times -2000 2000"))

@@ -17,6 +17,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure, FigureBase
 from numpy.typing import NDArray
 
+from longwave.reports.latex import scientific
 from longwave.support.atomic_file import write_atomically
 
 Sites = NDArray[np.float64]
@@ -214,25 +215,12 @@ def _draw_errors(figure: FigureBase, panels: ErrorPanels) -> None:
         ax.legend()
 
 
-def scientific(value: float) -> str:
-    """A number to one digit, as mathematics.
-
-    >>> print(scientific(0.0), scientific(0.02), scientific(1.4e-9), scientific(3e-5))
-    0 0.02 $10^{-9}$ $3\\times10^{-5}$
-    """
-    text = f"{value:.0e}"
-    if not np.isfinite(value) or value == 0.0 or 1e-3 <= abs(value) < 1e3:
-        return f"{value:.1g}"
-    digits, _, power = text.partition("e")
-    return f"${'' if digits == '1' else digits + chr(92) + 'times'}10^{{{int(power)}}}$"
-
-
 def _draw_own(ax: Axes, times: Sites, errors: Sites, own: Sites, colour: str) -> None:
     """Draw a band about a curve, or bars where the run's own error is known at a few times.
 
     It is often thinner than the line, so its label says how much it is.
     """
-    label = rf"own error $\leq$ {scientific(float(np.nanmax(own)))}"
+    label = rf"own error $\leq$ {scientific(float(np.nanmax(own)), 1)}"
     known = np.isfinite(own)
     if known.sum() > BARS * own.size:
         ends = errors - own, errors + own
@@ -362,6 +350,13 @@ def panel_grid(figure: FigureBase, count: int, across: int, x: str, y: str) -> A
     return grid
 
 
+WAVENUMBER_TICKS = [0.0, np.pi / 2, np.pi], ["0", r"$\pi/2$", r"$\pi$"]
+"""Of an axis of wavenumbers per site: places and texts."""
+
+STABLE = "#d9d9d9"
+"""The colour of where plane waves are stable."""
+
+
 def draw_grid(ax: Axes) -> None:
     """Draw thin lines at the ticks."""
     ax.grid(visible=True, which="major", linewidth=0.3, alpha=0.5)
@@ -381,7 +376,7 @@ def _draw_spectrum(ax: Axes, at: xr.Dataset) -> None:
     level = rounding if 0.0 < rounding < np.inf else np.nan
     ax.axhline(level, color="black", linestyle=":", linewidth=0.8, label="rounding")
     ax.set_xlim(0.0, np.pi)
-    ax.set_xticks([0.0, np.pi / 2, np.pi], ["0", r"$\pi/2$", r"$\pi$"])
+    ax.set_xticks(*WAVENUMBER_TICKS)
     ax.set_title(f"$t={float(at['time']):g}$", loc="left")
 
 

@@ -23,7 +23,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from longwave.reports.pictures.drawing import CURVES, Part
+from longwave.reports.pictures.drawing import CURVES, STABLE, WAVENUMBER_TICKS, Part
 
 if TYPE_CHECKING:
     from longwave.scenes.scene import Scene
@@ -305,8 +305,8 @@ def _value(held: Any) -> Any:
     return held
 
 
-STABLE, UNKNOWN = "#d9d9d9", "#a6a6a6"
-"""Behind wavenumbers of stable plane waves, and of those without an NLS equation."""
+UNKNOWN = "#a6a6a6"
+"""The colour of where plane waves have no NLS equation."""
 
 PANEL_HEIGHT = 2.3
 """Height in inches of a row's two panels."""
@@ -350,7 +350,7 @@ def _draw_growth(figure: FigureBase, panels: Sequence[GrowthPanel]) -> None:
             _draw_map(figure, right, panel, top)
     for ax in grid[-1]:
         ax.set_xlabel("carrier wavenumber $k$")
-        ax.set_xticks([0, np.pi / 2, np.pi], ["0", r"$\pi/2$", r"$\pi$"])
+        ax.set_xticks(*WAVENUMBER_TICKS)
         ax.set_xlim(0.0, np.pi)
     columns = max(1, min(4, LEGEND_LETTERS // max(map(len, looks))) if any(looks) else 4)
     figure.legend(handles=_legend(panels, looks), loc="outside lower center", ncols=columns)

@@ -11,7 +11,14 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure, FigureBase
 from numpy.typing import NDArray
 
-from longwave.reports.pictures.drawing import CURVES, TEXT_WIDTH, Part, even_places
+from longwave.reports.pictures.drawing import (
+    CURVES,
+    STABLE,
+    TEXT_WIDTH,
+    WAVENUMBER_TICKS,
+    Part,
+    even_places,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -107,17 +114,13 @@ def _draw_power(ax: Axes, points: Sequence[ErrorAt], power: float) -> None:
     ax.set_xticks([], minor=True)
 
 
-DEFOCUSING = "#d9d9d9"
-"""The colour of where plane waves are stable."""
-
-
 def modulation_figure(grid: ModulationGrid, quadratic: Array) -> Figure:
     """Growth rate over wavenumber and K3; grey where p q < 0, a black line between."""
     figure = Figure((0.8 * TEXT_WIDTH, 3.0), layout="constrained")
     ax = figure.subplots()
     unstable = grid.product > 0
     stable = np.where(unstable, np.nan, 1.0)
-    ax.pcolormesh(grid.k, quadratic, stable, cmap=ListedColormap([DEFOCUSING]), rasterized=True)
+    ax.pcolormesh(grid.k, quadratic, stable, cmap=ListedColormap([STABLE]), rasterized=True)
     growth = np.where(unstable, grid.growth_rate, np.nan)
     drawn = ax.pcolormesh(grid.k, quadratic, growth, vmin=0.0, rasterized=True)
     ax.contour(grid.k, quadratic, grid.product, [0.0], colors="black", linewidths=1.0)
@@ -129,6 +132,6 @@ def modulation_figure(grid: ModulationGrid, quadratic: Array) -> Figure:
         ax.text(x, y, words, color=colour, ha="center", va="center")
     ax.set_xlabel("carrier wavenumber $k$")
     ax.set_ylabel("$K_3$")
-    ax.set_xticks([0, np.pi / 2, np.pi], ["0", r"$\pi/2$", r"$\pi$"])
+    ax.set_xticks(*WAVENUMBER_TICKS)
     figure.colorbar(drawn, ax=ax, label=r"growth rate in $T$ of $|A|=1$")
     return figure

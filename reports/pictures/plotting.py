@@ -146,13 +146,11 @@ def _run(
     """
     if scene.has_moving_wave:
         return run(_for_pictures(scene, kind), progress, announce)
-    if scene.is_growth:
-        return scene.run(progress, announce)
     named = "slow_times" if scene.slow_times else "snapshots"
     own: tuple[float, ...] = getattr(scene, named)
-    times = own
-    if kind not in ("snapshots", "spectra"):
-        times = tuple(sorted({*own, *np.linspace(own[0], own[-1], LATTICE_LOOKS).tolist()}))
+    if not own or kind in ("snapshots", "spectra"):
+        return scene.run(progress, announce)
+    times = tuple(sorted({*own, *np.linspace(own[0], own[-1], LATTICE_LOOKS).tolist()}))
     made = scene.changed(**{named: times}).run(progress, announce)
     return with_looks(placed(made)).isel(time=[times.index(t) for t in own])
 
@@ -186,20 +184,15 @@ def _for_pictures(scene: Scene, kind: str) -> Scene:
     it ends in an error where the wave cannot be told from its background. With it come the run's
     own errors, if the scene asks for them.
     """
-    if kind == ALL:
-        kinds = [
-            name for name in PICTURES if name != "errors" or "error_curve" in scene.observables
-        ]
-        kinds.remove(GROWTH)
-    elif kind == GROWTH:
+    if kind == GROWTH:
         raise ValueError(
             f'kind must not be {GROWTH} for the scene of a wave, got it (wave = "perturbed_plane" '
             "has its growth measured)"
         )
-    else:
-        kinds = [kind]
-    wanted = [PICTURES[name].observable for name in kinds]
-    if "errors" in kinds:
+    wanted = [p.observable for name, p in PICTURES.items() if kind in (ALL, name) and p.observable]
+    if kind == ALL and "error_curve" not in scene.observables:
+        wanted.remove("error_curve")
+    if "error_curve" in wanted:
         wanted += [name for name in MEASURED if name in scene.observables]
     asked = tuple(dict.fromkeys(wanted))
     return replace(scene, observables=asked, look_points=scene.look_points or LOOKS)
@@ -312,28 +305,26 @@ PICTURES: Mapping[str, Picture] = {
 """The kinds of pictures, in the order in which they are drawn."""
 
 
-@dataclass(frozen=True)
-class PlotWords:
-    """What the command line says of a picture."""
-
-    kind: str = ALL
-    variable: str = "error"
-    at: Sequence[str] = ()
-
-    @property
-    def choice(self) -> Choice:
-        """The values of ``at`` by name; ValueError for what is no NAME=VALUE."""
-        found: dict[str, str] = {}
-        for text in self.at:
-            name, sign, value = text.partition("=")
-            if not (name and sign and value):
-                raise ValueError(f"--at must be NAME=VALUE, got {shown(text)} (such as eps=0.1)")
-            found[name.strip()] = value.strip()
-        return found
+def _choice(at: Sequence[str]) -> Choice:
+    """Values by name; ValueError for what is no NAME=VALUE."""
+    found: dict[str, str] = {}
+    for text in at:
+        name, sign, value = text.partition("=")
+        if not (name and sign and value):
+            raise ValueError(f"--at must be NAME=VALUE, got {shown(text)} (such as eps=0.1)")
+        found[name.strip()] = value.strip()
+    return found
 
 
 def draw(
-    source: str, output: str | None, words: PlotWords, program: str, force: bool = False
+    source: str,
+    output: str | None,
+    program: str,
+    *,
+    force: bool,
+    kind: str,
+    variable: str,
+    at: Sequence[str],
 ) -> int:
     """Draw and print the picture's path; return the exit status.
 
@@ -343,12 +334,12 @@ def draw(
     errors = plain_console(stderr=True, soft_wrap=True)
     try:
         check_output(path, "run.png", force=force)
-        chosen = words.choice
+        chosen = _choice(at)
         with progress_bar(Path(source).name, source, errors) as (advance, tell):
-            plot(source, path, words.kind, advance, Announcer(tell), chosen, words.variable)
+            plot(source, path, kind, advance, Announcer(tell), chosen, variable)
     except UnfinishedRun as stop:
         with suppress(ValueError, OSError):
-            plot(stop.run, path, words.kind)
+            plot(stop.run, path, kind)
             return interrupted(program, f"what was run until then is in {path}")
         return interrupted(program, "too little was run to be drawn")
     except KeyboardInterrupt:

@@ -14,7 +14,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from longwave.runs import scene_of_run
-from longwave.runs.own_error import scaled_own_error
+from longwave.runs.own_error import own_error_at, scaled_own_error
 from longwave.scenes.observables import amplitudes, cell_width, extremum
 from longwave.support.user_files import shown
 
@@ -42,7 +42,7 @@ def placed(data: xr.Dataset) -> xr.Dataset:
     check_run(data)
     try:
         scene = scene_of_run(data)
-        told = data.attrs if "n" in data else {"frame_speed": 0.0, "power": 0.0}
+        told = data.attrs if "n" in data else {"frame_speed": 0.0, "power": 0.0, **data.attrs}
         speed, power = (float(told[name]) for name in ("frame_speed", "power"))
         if not 0.0 <= power <= LARGEST_POWER:
             raise ValueError(f"errors in units of eps^{power:g}")
@@ -168,24 +168,17 @@ CURVES = {"error_curve": "over background", "error_curve_far_field": "over far f
 
 def error_curves(data: xr.Dataset) -> dict[str, xr.DataArray]:
     """The errors over time that a placed run holds, with their own errors as the coordinate
-    ``own``: NaN where it was not measured, none if it was nowhere."""
+    ``own``: NaN where it was not measured."""
     curves = {label: data[name] for name, label in CURVES.items() if name in data}
     if "own" in data.coords:
         return curves
-    own, times = own_error(data), data.get("curve_time", xr.DataArray(np.zeros(0))).values
-    if own is None or not own.size:
-        return curves
-    found = np.full(times.size, own[0] if "error_estimate" in data.attrs else np.nan)
-    _, here, there = np.intersect1d(times, data["time"].values, return_indices=True)
-    found[here] = own[there]
-    known = np.isfinite(found)
-    scene = scene_of_run(data)
-    for label, curve in curves.items():
-        relative = found.copy()
-        far_field = curve.name == "error_curve_far_field"
-        relative[known] /= [scene.wave_size(float(t), far_field) or np.nan for t in times[known]]
-        curves[label] = curve.assign_coords(own=("curve_time", relative))
-    return curves
+    return {label: curve.assign_coords(own=_own(data, curve)) for label, curve in curves.items()}
+
+
+def _own(data: xr.Dataset, errors: xr.DataArray) -> tuple[str, list[float]]:
+    """The run's own error at each place of a variable, in its units, as a coordinate."""
+    scene, name = scene_of_run(data), str(errors.name)
+    return "curve_time", [own_error_at(data, scene, name, i) for i in range(errors.size)]
 
 
 def with_looks(data: xr.Dataset, least: int = LEAST_LOOKS) -> xr.Dataset:
@@ -223,7 +216,7 @@ def with_looks(data: xr.Dataset, least: int = LEAST_LOOKS) -> xr.Dataset:
     axes = {
         "look_time": times,
         "curve_time": times,
-        "own": ("curve_time", _own_relative(data)),
+        "own": _own(data, data["error"]),
         "map_site": np.asarray(data["site"])[starts],
     }
     return data.assign(found).assign_coords(axes)
@@ -233,15 +226,6 @@ def _at_offsets(values: Array, offsets: Array, wanted: NDArray[np.integer]) -> A
     """Values at whole offsets from c t, between the sites, which the frame passes one by one."""
     rows = zip(offsets, values, strict=True)
     return np.array([np.interp(wanted, offset, row) for offset, row in rows])
-
-
-def _own_relative(data: xr.Dataset) -> Array:
-    """The estimate in units of the wave's size, which the two errors' ratio is; NaN where both
-    vanish."""
-    relative, apart = (np.asarray(data[name], dtype=float) for name in ("error", "sup_error"))
-    with np.errstate(over="ignore"):  # a file may hold any numbers
-        size = np.divide(relative, apart, out=np.full(apart.size, np.nan), where=apart > 0.0)
-    return np.asarray(size * float(data.attrs.get("error_estimate", np.nan)))
 
 
 def _farthest(strain: Array, background: Array, starts: NDArray[np.intp]) -> Array:

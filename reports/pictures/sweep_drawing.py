@@ -22,6 +22,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import NullFormatter
 from numpy.typing import NDArray
 
+from longwave.reports.latex import greek
 from longwave.reports.pictures.drawing import CURVES, Part, draw_grid, panel_grid, time_edges
 
 Array = NDArray[np.float64]
@@ -56,11 +57,8 @@ NO_RESULT = "\N{MULTIPLICATION SIGN}: no result"
 
 OF_ESTIMATE, OF_WAVE = "estimated", "relative to the wave"
 
-LETTERS = {"eps": r"$\epsilon$", "kappa": r"$\kappa$", "alpha": r"$\alpha$", "beta": r"$\beta$"}
-"""How names of fields are written where they are Greek."""
-
-LETTER = re.compile("[A-Za-z](_?[0-9A-Za-z])?")
-"""Names that are one letter, with or without an index."""
+LETTER = re.compile(r"\\[a-z]+|[A-Za-z](_?[0-9A-Za-z])?")
+"""Names that are one letter, Greek ones as LaTeX's commands, with or without an index."""
 
 LONGEST_TICK, LONGEST_BESIDE, LONGEST_ABOVE, LONGEST_IN_TWO = 16, 24, 80, 50
 """Characters of a text beside a tick, in a legend beside a picture, as in the title of a map, above
@@ -118,8 +116,8 @@ class SweptAxis:
 
     def set_on(self, ax: Axes, letter: str, labelled: bool = True) -> None:
         """Name one of the two axes, with ticks at the values where they are few or texts."""
-        name = self.name
-        label = LETTERS.get(name, f"${name}$" if LETTER.fullmatch(name) else name)
+        letter_of_field = greek(self.name)
+        label = f"${letter_of_field}$" if LETTER.fullmatch(letter_of_field) else self.name
         if labelled:
             getattr(ax, f"set_{letter}label")(label, parse_math=label.startswith("$"))
         set_ticks = getattr(ax, f"set_{letter}ticks")

@@ -11,7 +11,15 @@ from itertools import groupby
 from operator import attrgetter
 from typing import TYPE_CHECKING
 
-from longwave.reports.latex import block, duration, escape, mathematics, scientific, table
+from longwave.reports.latex import (
+    block,
+    duration,
+    escape,
+    mathematics,
+    scientific,
+    symbol_latex,
+    table,
+)
 from longwave.reports.pictures.drawing import CostPanels
 from longwave.reports.studies.lattice_cost import (
     REDUCTION,
@@ -27,7 +35,7 @@ if TYPE_CHECKING:
     from longwave.reports.studies.estimates import EstimateRow, Judged
     from longwave.reports.studies.evaluation_accuracy import Accuracy
     from longwave.reports.studies.evaluation_cost import EvaluationCost
-    from longwave.reports.studies.hard_cases import HardCaseResult
+    from longwave.reports.studies.hard_cases import HardCase
 
 TABULATED = ("double-double", "balls, 40 digits", "mpmath, 15 digits", "mpmath, 60 digits")
 """The arithmetics of the table; the figure has them all."""
@@ -35,8 +43,6 @@ TABULATED = ("double-double", "balls, 40 digits", "mpmath, 15 digits", "mpmath, 
 ERROR_UNIT = 1e-16
 """The table of accuracy gives errors in this unit."""
 
-GREEK = ("alpha", "kappa", "tau")
-LATTICE = {"K2": "K_2", "K4": "K_4", "eps": r"\epsilon"}
 DASH = "--"
 
 
@@ -59,16 +65,8 @@ def _where(text: str) -> tuple[str, str, str]:
     """Return the parameters, the site and the time of a point as LaTeX."""
     found = dict(re.findall(r"(\w+) = ((?:1 - )?[^\s,]+)", text))
     site, time = (_value(found.pop(name)) if name in found else "" for name in ("n", "t"))
-    parameters = ", ".join(f"${_symbol(name)}={_value(v)[1:-1]}$" for name, v in found.items())
+    parameters = ", ".join(f"${symbol_latex(name)}={_value(v)[1:-1]}$" for name, v in found.items())
     return parameters or DASH, site, time
-
-
-def _symbol(name: str) -> str:
-    letter, _, index = name.partition("_")
-    if name in LATTICE:
-        return LATTICE[name]
-    greek = rf"\{letter}" if letter in GREEK else letter
-    return f"{greek}_{{{index}}}" if index else greek
 
 
 def _value(text: str) -> str:
@@ -243,7 +241,7 @@ def window_table(points: Sequence[ScalingPoint]) -> str:
     return table("rl", ["sites $N$", r"error of $y/\epsilon$"], rows)
 
 
-def hard_case_table(cases: Iterable[HardCaseResult]) -> str:
+def hard_case_table(cases: Iterable[HardCase]) -> str:
     """What each hard case measured against its bound."""
     rows = [
         [
@@ -259,7 +257,7 @@ def hard_case_table(cases: Iterable[HardCaseResult]) -> str:
     return table("L{50mm}L{46mm}lll", head, rows, gap="0.5ex")
 
 
-def message_table(cases: Iterable[HardCaseResult]) -> str:
+def message_table(cases: Iterable[HardCase]) -> str:
     """What the program says where a case must be refused or stopped."""
     rows = [[mathematics(case.what), escape(case.message)] for case in cases if case.message]
     return table("L{56mm}L{88mm}", ["case", "the program says"], rows, gap="0.5ex")

@@ -11,7 +11,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from longwave.reports.latex import duration, escape, mathematics, measured, scientific, table
+from longwave.reports.latex import (
+    duration,
+    escape,
+    mathematics,
+    measured,
+    scientific,
+    symbol_latex,
+    table,
+)
 from longwave.reports.paper import cited
 from longwave.reports.pictures.drawing import CostPanels
 from longwave.reports.pictures.paper_figures import ERROR_FIGURES, SNAPSHOT_FIGURES
@@ -119,17 +127,10 @@ def figure_entries(scenes: Mapping[str, Scene]) -> list[dict[str, Any]]:
 
 def caption_part(scene: Scene) -> str:
     """Return the scene's wave, parameters and constants as LaTeX, and the time it starts from."""
-    given = [
-        ("K_2", scene.model.K2),
-        ("K_4", scene.model.K4),
-        (r"\epsilon", scene.eps),
-        ("t_0", scene.t0),
-    ]
-    named = {"alpha": r"\alpha"}
-    parameters = [(named.get(name, name), value) for name, value in scene.parameters]
+    constants = {"K2": scene.model.K2, "K4": scene.model.K4, "eps": scene.eps, "t_0": scene.t0}
     values = ", ".join(
-        f"${name}={escape(value) if isinstance(value, str) else f'{value:g}'}$"
-        for name, value in [*parameters, *given]
+        f"${symbol_latex(name)}={escape(value) if isinstance(value, str) else f'{value:g}'}$"
+        for name, value in [*scene.parameters, *constants.items()]
     )
     title = scene.form.title
     return f"{escape(title[0].upper() + title[1:])} ({values})"

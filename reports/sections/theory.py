@@ -12,7 +12,7 @@ from longwave.derive import dispersion_relation, initial_velocity_latex, mkdv_re
 from longwave.derive.dispersion import agrees_with_reduction
 from longwave.reports.formulas.formula import Formula
 from longwave.reports.formulas.printing import equation_latex, latex
-from longwave.reports.latex import block, domain_latex, escape, scientific, table
+from longwave.reports.latex import block, domain_latex, escape, greek, scientific, table
 from longwave.reports.paper import cited
 from longwave.solutions import CATALOGUE, ClosedForm
 from longwave.solutions.record import Equation
@@ -198,8 +198,7 @@ def _mathematics(text: str) -> str:
     ('-6 \\tau + \\xi', 'k \\mathrm{sn}(\\cdots)')
     """
     text = text.replace("sqrt(\\cdots)", "\\sqrt{\\cdots}").replace("jacobi_", "")
-    text = re.sub(r"\b(tau|xi|alpha|kappa)\b", r"\\\1", text)
-    text = re.sub(r"(?<!\\)\b([a-z]{2,})\(", r"\\mathrm{\1}(", text)
+    text = re.sub(r"(?<!\\)\b([a-z]{2,})\(", r"\\mathrm{\1}(", greek(text))
     return text.replace("**", "^").replace("*", " ")
 
 

@@ -50,14 +50,20 @@ Reading = float | tuple[float, str]
 
 
 @dataclass(frozen=True)
-class HardCaseResult:
-    """What was measured in a hard case, and what the program told its user, if it is about that."""
+class HardCase:
+    """A hard case: ``what`` is done, and the ``criterion``, a number to be bounded.
+
+    Texts hold mathematics between dollars, as claims do. ``slow`` ones take more than about two
+    seconds. Once it is run, the number ``measured`` and what the program told its user, if the case
+    is about that.
+    """
 
     what: str
     criterion: str
     bound: float
-    measured: float
+    measured: float = math.nan
     message: str = ""
+    slow: bool = False
 
     @property
     def passed(self) -> bool:
@@ -65,23 +71,9 @@ class HardCaseResult:
         return self.measured <= self.bound
 
 
-@dataclass(frozen=True)
-class HardCase:
-    """A hard case to run: ``what`` is done, and the ``criterion``, a number to be bounded.
-
-    Texts hold mathematics between dollars, as claims do. ``slow`` ones take more than about two
-    seconds.
-    """
-
-    what: str
-    criterion: str
-    bound: float
-    measure: Callable[[], Reading]
-    slow: bool = False
-
-
 HARD_CASES: dict[str, HardCase] = {}
-"""The cases by name, in the order in which they are declared."""
+MEASURES: dict[str, Callable[[], Reading]] = {}
+"""The cases, and what measures them, by name in the order in which they are declared."""
 
 
 def hard_case(
@@ -91,7 +83,8 @@ def hard_case(
 
     def declare(measure: Callable[[], Reading]) -> Callable[[], Reading]:
         name = measure.__name__.lstrip("_")
-        HARD_CASES[name] = HardCase(what, criterion, bound, measure, slow)
+        HARD_CASES[name] = HardCase(what, criterion, bound, slow=slow)
+        MEASURES[name] = measure
         return measure
 
     return declare
@@ -410,11 +403,11 @@ def _restart() -> Reading:
     return float(differing) if compared else math.inf
 
 
-def run_hard_case(name: str) -> HardCaseResult:
+def run_hard_case(name: str) -> HardCase:
     """Run the case of that name."""
-    case, reading = HARD_CASES[name], HARD_CASES[name].measure()
-    told = reading if isinstance(reading, tuple) else (reading,)
-    return HardCaseResult(case.what, case.criterion, case.bound, *told)
+    reading = MEASURES[name]()
+    measured, message = reading if isinstance(reading, tuple) else (reading, "")
+    return replace(HARD_CASES[name], measured=measured, message=message)
 
 
 def hard_case_jobs(full: bool) -> dict[Key, Job]:

@@ -9,7 +9,7 @@ import xarray as xr
 from longwave.reports import build
 from longwave.reports.__main__ import main
 from longwave.reports.engine import EngineMissingError
-from longwave.reports.studies.hard_cases import HardCaseResult
+from longwave.reports.studies.hard_cases import HardCase
 from longwave.reports.studies.proofs import ProofRecord
 from longwave.reports.studies.published_verdicts import PublishedVerdict
 from longwave.reports.studies.scene_runs import SceneRun
@@ -35,7 +35,7 @@ def findings(
         ("run", "one"): xr.Dataset(attrs={"blow_up": blow_up}),
         ("proof", "kink"): ProofRecord("kink", "exact", outcome, 0.1, 1000, 0.1, True),
         ("mutants", "kink"): MutationCount("kink", 8, survivors, 0.1),
-        ("hard", "one"): HardCaseResult("what", "how much", 0.5, 1.0 if fails else 0.1),
+        ("hard", "one"): HardCase("what", "how much", 0.5, 1.0 if fails else 0.1),
         ("library", "KdV"): [PublishedVerdict(text, library, 0.1)],
     }
     return found | {("scene", name): scene for name, scene in (scenes or {}).items()}

@@ -13,7 +13,7 @@ from longwave.reports.sections.costs import (
     rk4_table,
     scaling_table,
 )
-from longwave.reports.studies.hard_cases import HardCaseResult
+from longwave.reports.studies.hard_cases import HardCase
 from longwave.reports.studies.lattice_cost import (
     SPECTRAL,
     TRUE_ERROR,
@@ -69,8 +69,8 @@ def test_a_hard_case_that_fails_is_seen() -> None:
     """Catches a message cut short, and one of a case that says nothing."""
     words = "step must satisfy step <= 0.5, got 0.6 " + 20 * "(take a smaller step) "
     cases = [
-        HardCaseResult("a step $10^{-6}$ too long", "ratio", 1.0, 0.1, words),
-        HardCaseResult("what b", "of $y/eps$", 1, 2),
+        HardCase("a step $10^{-6}$ too long", "ratio", 1.0, 0.1, words),
+        HardCase("what b", "of $y/eps$", 1, 2),
     ]
     _, first, second = (line for line in hard_case_table(cases).splitlines() if " & " in line)
     assert r"a step $10^{-6}$ too long & ratio & $0.10$ & $1.0$ & holds" in first

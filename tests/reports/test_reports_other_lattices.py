@@ -13,9 +13,8 @@ from longwave.derive import LATTICES, find_scaling
 from longwave.derive.symbols import eps
 from longwave.reports.build import TABLES, Findings, all_jobs
 from longwave.reports.lattice_chapter import PEREGRINES, ROGUES
-from longwave.reports.pictures.drawing import styled
+from longwave.reports.pictures.drawing import STABLE, styled
 from longwave.reports.pictures.lattice_figures import (
-    DEFOCUSING,
     modulation_figure,
     rate_figure,
     strain_maps,
@@ -250,7 +249,7 @@ def test_stable_carriers_are_grey_and_the_line_is_where_pq_vanishes() -> None:
     with styled():
         figure = modulation_figure(grid, quadratic)
     grey, growth = figure.axes[0].collections[:2]
-    assert to_hex(grey.get_cmap()(0.5)) == DEFOCUSING
+    assert to_hex(grey.get_cmap()(0.5)) == STABLE
     shown = np.ma.getmaskarray(np.ma.masked_invalid(np.ma.asarray(growth.get_array())))
     assert np.array_equal(shown.reshape(grid.product.shape), grid.product <= 0)
     limit = np.sqrt(1.5 / (1 + 1 / np.sin(grid.k / 2) ** 2))

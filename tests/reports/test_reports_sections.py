@@ -170,7 +170,7 @@ def test_a_caption_names_the_constants() -> None:
     caption = caption_part(report_scenes()["breather_sn_k_0.7"])
     assert "$k=0.7$" in caption
     assert r"$\alpha=K/2$" in caption
-    assert "$K_4=-1$" in caption
+    assert "$K_{4}=-1$" in caption
 
 
 @pytest.mark.slow

@@ -9,11 +9,11 @@ import pytest
 
 from benchmarks import studies
 from longwave.reports.build import STUDY_TABLES
-from longwave.reports.studies.hard_cases import HardCaseResult
+from longwave.reports.studies.hard_cases import HardCase
 from longwave.reports.studies.lattice_cost import CostPoint, PeakError, ScalingPoint
 from longwave.support.processes import Key
 
-HARD = HardCaseResult("what", "how much", 0.5, 0.1)
+HARD = HardCase("what", "how much", 0.5, 0.1)
 FOUND = {
     ("precision", ""): [CostPoint("crest", "rk4", 1e-3, 0.1)],
     ("scaling", ""): [ScalingPoint("window", x, x**4) for x in (10.0, 20.0)],

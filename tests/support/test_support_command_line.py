@@ -11,7 +11,6 @@ COMMANDS = {
     "longwave.derive.__main__": ("",),
     "longwave.verify.__main__": ("", "mutations", "accuracy"),
     "longwave.reports.__main__": ("",),
-    "longwave.reports.pictures.__main__": ("",),
 }
 
 

@@ -14,7 +14,7 @@ from longwave.lattice.stepper import advance
 from longwave.reports.studies import hard_cases
 from longwave.reports.studies.hard_cases import (
     HARD_CASES,
-    HardCaseResult,
+    HardCase,
     hard_case_jobs,
     run_hard_case,
 )
@@ -52,7 +52,7 @@ def test_the_blow_up_tells_time_site_and_criterion() -> None:
 
 
 def test_nan_does_not_pass() -> None:
-    assert not HardCaseResult("", "", 1.0, math.nan).passed
+    assert not HardCase("", "", 1.0, math.nan).passed
 
 
 def test_the_cases_are_jobs_in_the_order_in_which_they_are_declared() -> None:
