@@ -146,16 +146,15 @@ def row(cells: Sequence[str]) -> str:
 def scientific(value: float, digits: int = 2) -> str:
     r"""Return the number as LaTeX with that many significant digits.
 
-    >>> scientific(0.000123), scientific(0.0), scientific(0.1014, 4), scientific(1.4e-9, 1)
-    ('$1.2\\times 10^{-4}$', '$0$', '$0.1014$', '$10^{-9}$')
+    >>> scientific(0.000123), scientific(0.0), scientific(0.1014, 4)
+    ('$1.2\\times 10^{-4}$', '$0$', '$0.1014$')
     """
     if value == 0 or not np.isfinite(value):
         return "$0$" if value == 0 else rf"$\mathrm{{{value}}}$"
     mantissa, _, exponent = f"{value:.{digits - 1}e}".partition("e")
     if -3 <= int(exponent) < digits + 1:
         return f"${value:.{max(digits - 1 - int(exponent), 0)}f}$"
-    factor = "" if mantissa == "1" else rf"{mantissa}\times "
-    return f"${factor}10^{{{int(exponent)}}}$"
+    return rf"${mantissa}\times 10^{{{int(exponent)}}}$"
 
 
 def measured(value: float, error: float) -> str:

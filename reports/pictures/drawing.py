@@ -220,7 +220,8 @@ def _draw_own(ax: Axes, times: Sites, errors: Sites, own: Sites, colour: str) ->
 
     It is often thinner than the line, so its label says how much it is.
     """
-    label = rf"own error $\leq$ {scientific(float(np.nanmax(own)), 1)}"
+    largest = scientific(float(np.nanmax(own)), 1).replace(r"$1\times ", "$")
+    label = rf"own error $\leq$ {largest}"
     known = np.isfinite(own)
     if known.sum() > BARS * own.size:
         ends = errors - own, errors + own

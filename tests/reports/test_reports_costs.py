@@ -74,7 +74,7 @@ def test_a_hard_case_that_fails_is_seen() -> None:
     ]
     _, first, second = (line for line in hard_case_table(cases).splitlines() if " & " in line)
     assert r"a step $10^{-6}$ too long & ratio & $0.10$ & $1.0$ & holds" in first
-    assert r"of $y/\epsilon $ & $2.0$ & $1.0$ & \textbf{FAILS}" in second
+    assert r"of $y/\epsilon$ & $2.0$ & $1.0$ & \textbf{FAILS}" in second
     messages = message_table(cases)
     assert escape(words) in messages
     assert "what b" not in messages

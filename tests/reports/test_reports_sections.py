@@ -142,8 +142,8 @@ def test_a_claim_row_shows_number_error_verdict_and_reading() -> None:
     claim = Claim("one", "not above 20 %", numbers, Ruling.DEPENDS, "$alpha$")
     text = claim_table([claim])
     assert r"not above 20 \%" in text
-    assert r"$\epsilon =0.05$, largest: $0.101400 \pm 0.000040$\newline $Y_2$: $5$" in text
-    assert r"depends & $\alpha $" in text
+    assert r"$\epsilon=0.05$, largest: $0.101400 \pm 0.000040$\newline $Y_2$: $5$" in text
+    assert r"depends & $\alpha$" in text
 
 
 def test_equal_measurements_of_several_cases_are_one_line() -> None:
@@ -156,7 +156,7 @@ def test_equal_measurements_of_several_cases_are_one_line() -> None:
 
 def test_only_mathematics_is_translated() -> None:
     """Catches a word of the text taken for a symbol."""
-    assert mathematics("alpha of $alpha <= 1$") == r"alpha of $\alpha  \le  1$"
+    assert mathematics("alpha of $alpha <= 1$") == r"alpha of $\alpha \le  1$"
 
 
 def test_every_shipped_scene_is_in_a_figure() -> None:
