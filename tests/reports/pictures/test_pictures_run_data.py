@@ -81,6 +81,15 @@ def test_a_run_to_a_tolerance_has_a_band(to_tolerance: xr.Dataset) -> None:
     assert "own error" in ax.get_legend().get_texts()[1].get_text()
 
 
+def test_the_own_error_over_time_is_the_same_without_snapshots(stated: xr.Dataset) -> None:
+    """Catches: 1/eps times of it where a scene is run for the error curve alone."""
+    bare = stated.drop_vars(["strain", "analytic", "background", "n"])
+    for label, curve in error_curves(placed(stated)).items():
+        alone = error_curves(placed(bare))[label]
+        assert np.array_equal(alone["own"], curve["own"], equal_nan=True)
+        assert np.isfinite(curve["own"]).sum() == 3
+
+
 def test_a_run_that_measured_no_error_has_none(stated: xr.Dataset) -> None:
     bare = stated.drop_vars(["time_step_error", "domain_error"])
     assert own_error(placed(bare)) is None
