@@ -107,13 +107,6 @@ class PackedRun:
                 found[name] = (json.loads(held.attrs["dims"]), _values(held[self.row]), texts)
             return xr.Dataset(data, coordinates, json.loads(group["attributes"][self.row]))
 
-    def array(self, name: str) -> Any:
-        """The values of one variable."""
-        import h5py
-
-        with h5py.File(self.path) as file:
-            return _values(file[self.group]["arrays"][name][self.row])
-
 
 def _values(held: Any) -> Any:
     """What was put in: texts are held as bytes."""

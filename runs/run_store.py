@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import logging
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from functools import lru_cache
@@ -23,7 +22,7 @@ from typing import TYPE_CHECKING, Any
 from longwave.runs.run_pack import PackedRun, packed_run
 from longwave.support.checkpoint_folder import LEAST, SHARE, CheckpointFolder, run_stamp
 from longwave.support.file_lock import locked
-from longwave.support.sealed_file import is_whole, write_sealed
+from longwave.support.sealed_file import LOG, is_whole, write_sealed
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -31,8 +30,6 @@ if TYPE_CHECKING:
     from longwave.lattice.refine import Announce
     from longwave.lattice.trial import Progress
     from longwave.scenes.scene import Scene
-
-LOG = logging.getLogger("longwave.store")
 
 UNMOVED = ("xarray", "h5netcdf")
 """Packages whose version does not move a run's bits."""
@@ -228,13 +225,13 @@ def code_that_matters() -> str:
 @lru_cache
 def runs_its_sources() -> bool:
     """Whether what is in memory is what the files say."""
-    from longwave.support.compiled.source_digest import HOUSE, runs_as_written
-    from longwave.support.provenance import CODE
+    from longwave.support.compiled.source_digest import runs_as_written
+    from longwave.support.provenance import code_files
 
-    paths = [path for room in CODE for path in sorted((HOUSE / room).rglob("*.py"))]
-    stems = [path.relative_to(HOUSE).with_suffix("").parts for path in paths]
-    names = [".".join(("longwave", *parts)).removesuffix(".__init__") for parts in stems]
-    return runs_as_written(tuple(zip(names, paths, strict=True)))
+    files = code_files()
+    stems = [".".join(("longwave", *file.with_suffix("").parts)) for file in files]
+    names = [stem.removesuffix(".__init__") for stem in stems]
+    return runs_as_written(tuple(zip(names, files.values(), strict=True)))
 
 
 def check_sources() -> None:

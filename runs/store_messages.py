@@ -8,8 +8,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from longwave.runs.run_store import LOG, RunStore
+from longwave.runs.run_store import RunStore
 from longwave.support.command_line import one_line
+from longwave.support.sealed_file import LOG
 
 if TYPE_CHECKING:
     import xarray as xr

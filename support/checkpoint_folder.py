@@ -1,26 +1,21 @@
 """Checkpoints: the memories of an unfinished run's loops, as files of a folder.
 
-A file has the digest of what follows it, and then the stamp of its run, the loop's task and memory.
-One that is damaged, of another run, another machine or another task is not read.
+A file, which is sealed, has the stamp of its run, the loop's task and memory. One that is damaged,
+of another run, another machine or another task is not read.
 """
 
 from __future__ import annotations
 
-import hashlib
 import io
-import logging
-import os
 import pickle
 from contextlib import suppress
 from pathlib import Path
 from threading import Lock
 from typing import Any
 
-from longwave.support.atomic_file import write_atomically
 from longwave.support.checkpoint import Memory
-from longwave.support.compiled.kernel_folder import read_whole
-
-LOG = logging.getLogger("longwave.store")
+from longwave.support.compiled.source_digest import compiler_settings
+from longwave.support.sealed_file import LOG, read_sealed, write_sealed
 
 ANEW = "%s: begins anew: %s holds nothing of this scene, code and machine"
 
@@ -47,8 +42,7 @@ def run_stamp(key: str) -> str:
     """What the bits of the run of that key follow from: another machine's may be others."""
     from longwave.support.compiled.native_code import processor
 
-    settings = [f"{k}={v}" for k, v in sorted(os.environ.items()) if k.startswith("NUMBA_")]
-    return "\n".join([key, processor(), *settings])
+    return "\n".join([key, processor(), *compiler_settings()])
 
 
 class CheckpointFolder:
@@ -69,7 +63,7 @@ class CheckpointFolder:
     def read(self, name: str, task: str) -> Memory | None:
         """What was kept of the loop of that name; None if nothing that fits was."""
         path = self._path(name)
-        data = read_whole(path)
+        data = read_sealed(path)
         if data is None:
             if path in self._loops():
                 LOG.warning("%s is damaged: that part of the run is done again", path)
@@ -80,10 +74,9 @@ class CheckpointFolder:
     def write(self, name: str, task: str, memory: Memory) -> None:
         """Keep it at once, in the place of what was kept before."""
         data = pickle.dumps((self._stamp, task, memory), protocol=5)
-        whole = hashlib.sha256(data).digest() + data
         try:
             self._folder.mkdir(parents=True, exist_ok=True)
-            write_atomically(self._path(name), lambda draft: draft.write_bytes(whole))
+            write_sealed(self._path(name), data)
         except OSError as error:
             if self.least != PATIENCE:
                 LOG.warning("%s: the run goes on without a checkpoint", error)
@@ -94,7 +87,7 @@ class CheckpointFolder:
     @property
     def is_begun(self) -> bool:
         """Whether anything was kept that this run can go on with."""
-        return any(_read(read_whole(path) or b"")[0] == self._stamp for path in self._loops())
+        return any(_read(read_sealed(path) or b"")[0] == self._stamp for path in self._loops())
 
     def tell(self, name: str) -> None:
         """Tell whether the run of that name goes on with what was kept, or can not."""

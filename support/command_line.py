@@ -30,7 +30,7 @@ from longwave.support.request_limits import (
     request_limits,
 )
 from longwave.support.slow_work import SILENT, announce, notice_when_silent
-from longwave.support.user_files import printable
+from longwave.support.user_files import cut, printable
 
 __all__ = [
     "INTERRUPTED",
@@ -248,15 +248,6 @@ def _quoting_little(message: str, argv: Iterable[str]) -> str:
             if len(text) > QUOTED // 2:
                 message = message.replace(text, cut(text, QUOTED // 2))
     return re.sub(rf"\S{{{QUOTED},}}", lambda found: cut(found[0], QUOTED // 2), message)
-
-
-def cut(text: str, most: int) -> str:
-    """The text, of at most so many characters: from a longer one the end is left out.
-
-    >>> cut("a long text", 8)
-    'a lon...'
-    """
-    return text if len(text) <= most else f"{text[: most - 3]}..."
 
 
 def fail_for_memory(error: MemoryError, what: str = "sites") -> int:

@@ -11,6 +11,8 @@ from dataclasses import asdict, dataclass
 from importlib import metadata
 from typing import Any, Literal
 
+from longwave.support.compiled.source_digest import installed_version
+
 State = Literal["good", "costs", "broken"]
 
 VECTORS = {"avx512f": 8, "avx2": 4, "sve": 4, "neon": 2, "sse2": 2}
@@ -56,7 +58,7 @@ def _packages() -> Iterator[Finding]:
         if "extra ==" in text.replace(";", "; "):
             continue
         name = _name(text)
-        version = _installed(name)
+        version = installed_version(name)
         if version is None:
             yield Finding(name, "missing", "broken", f"install it: pip install '{text}'")
         else:
@@ -66,13 +68,6 @@ def _packages() -> Iterator[Finding]:
 def _name(requirement: str) -> str:
     found = re.match(r"[\w.-]+", requirement)
     return found[0] if found else requirement
-
-
-def _installed(package: str) -> str | None:
-    try:
-        return metadata.version(package)
-    except metadata.PackageNotFoundError:
-        return None
 
 
 def _cores() -> Finding:
@@ -145,7 +140,7 @@ def _extras() -> Iterator[Finding]:
         ("sphinx", "docs", "the site cannot be built", ", or make docs"),
         ("panel", "explore", "`longwave explore` has no page", ""),
     ):
-        version = _installed(package)
+        version = installed_version(package)
         if version is not None:
             yield Finding(package, version)
         else:
