@@ -50,6 +50,7 @@ __all__ = [
     "limit_options",
     "limits_of_each",
     "one_line",
+    "path_option",
     "run_words",
 ]
 
@@ -70,6 +71,11 @@ force_option = click.option(
     "--force", is_flag=True, help="Overwrite what is written, if it is there."
 )
 json_option = click.option("--json", "json_wanted", is_flag=True, help="Print JSON.")
+
+
+def path_option(name: str, metavar: str, said: str) -> Callable[[Wrapped], Wrapped]:
+    """Give a command an option that names a file or a folder."""
+    return click.option(name, metavar=metavar, type=click.Path(), help=said)
 
 
 class CommandGroup(click.Group):

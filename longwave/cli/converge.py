@@ -43,8 +43,7 @@ def measured_convergence(source: str, eps: str | None, tolerance: float | None) 
     scene = load_scene(source)
     if tolerance is not None:
         scene = scene.with_tolerance(tolerance)
-    errors = plain_console(stderr=True, soft_wrap=True)
-    with progress_bar(scene.name, f"{scene.name} at several eps", errors) as bar:
+    with progress_bar(scene.name, f"{scene.name} at several eps") as bar:
         return scene_convergence(scene, values, *bar)
 
 
@@ -61,9 +60,7 @@ def print_convergence(study: SceneConvergence, json_wanted: bool) -> None:
 
 
 def _table(study: SceneConvergence) -> Table:
-    table = Table()
-    for heading in ("eps", "sup error", "of the wave's size", "discretisation", "cells"):
-        table.add_column(heading)
+    table = Table("eps", "sup error", "of the wave's size", "discretisation", "cells")
     for point in study.points:
         table.add_row(
             f"{point.eps:g}",

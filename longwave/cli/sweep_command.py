@@ -54,8 +54,7 @@ def sweep_and_print(
     told = SweepState(0)
     try:
         with store_messages():
-            errors = plain_console(stderr=True, soft_wrap=True)
-            with progress_bar("reading", "reading the sweep", errors):
+            with progress_bar("reading", "reading the sweep"):
                 sweep = load_sweep(source)
                 told.cells = len(sweep)
                 output = output or f"{sweep.name}.nc"
@@ -129,8 +128,8 @@ def _run_with_bar(
     too_large = here and cost.memory_bytes > current_limits().memory_bytes
     fewer = "fewer --processes, " if too_large else ""
     check_request(work, cost, f"take {fewer}fewer or cheaper cells")
-    errors = plain_console(stderr=True, soft_wrap=True)
-    with progress_bar(sweep.name, work.removesuffix(","), errors, perf_counter) as (advance, tell):
+    shown = work.removesuffix(",")
+    with progress_bar(sweep.name, shown, clock=perf_counter) as (advance, tell):
         tell(cost.seconds)
 
         def show(state: SweepState) -> None:

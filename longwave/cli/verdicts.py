@@ -5,19 +5,19 @@ A misprint changes one single place: a coefficient, a sign, a term left out, k f
 
 from __future__ import annotations
 
-import json
 import math
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from rich.table import Table
 
 from longwave.cli.exporting import ProofFile
 from longwave.solutions.catalogue import CATALOGUE
-from longwave.support.command_line import check_and_announce, interrupted
-from longwave.support.console import finished, print_lines, table_console, tracked
+from longwave.support.command_line import check_and_announce
+from longwave.support.console import finished, print_found, print_lines, table_console, tracked
 from longwave.verify.evidence.mutations import MutationCount, count_mutants
 from longwave.verify.evidence.residual import Sampling, check_residual, scientific
 from longwave.verify.proof import ProofVerdict, prove_stable
@@ -88,13 +88,10 @@ def print_verdicts(
     work = _verdicts(names, stable, sampling)
     found, complete = finished(tracked(work, len(names), "checking"))
     proofs.write(_certificates(found))
-    if json_wanted:
-        print(json.dumps([verdict.json() for verdict in found], indent=2))
-    else:
-        _print(found, "stable form" if stable else "closed form")
-    if not complete:
-        return interrupted(program, f"after {len(found)} of {_noun(len(names))}")
-    return 0 if all(verdict.passed for verdict in found) else 1
+    noun = "stable form" if stable else "closed form"
+    show = partial(_print, noun=noun)
+    status = print_found(found, complete, show, json_wanted, program, _noun(len(names)))
+    return status or int(not all(verdict.passed for verdict in found))
 
 
 def _noun(count: int) -> str:
@@ -238,13 +235,9 @@ def print_mutations(only: Sequence[str], json_wanted: bool, program: str) -> int
     check_and_announce(named, MUTANTS.total(names), cheaper="take fewer forms, of lower order")
     work = (count_mutants(named_form(name)) for name in names)
     counts, complete = finished(tracked(work, len(names), "refuting"))
-    if json_wanted:
-        print(json.dumps([count.json() for count in counts], indent=2))
-    else:
-        _print_counts(counts)
-    if not complete:
-        return interrupted(program, f"after {len(counts)} of {len(names)} forms")
-    return 1 if any(count.undecided for count in counts) else 0
+    asked = f"{len(names)} forms"
+    status = print_found(counts, complete, _print_counts, json_wanted, program, asked)
+    return status or int(any(count.undecided for count in counts))
 
 
 def _print_counts(counts: Sequence[MutationCount]) -> None:
