@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from longwave.runs.run_file import as_json
 from longwave.support.sealed_file import is_whole, write_sealed
 
 if TYPE_CHECKING:
@@ -139,12 +140,12 @@ def _kind(run: xr.Dataset | None) -> str:
 def _write_group(group: Any, alike: Sequence[CellRecord]) -> None:
     import h5py
 
-    attributes = [{} if one.run is None else _plain(one.run.attrs) for one in alike]
+    attributes = [{} if one.run is None else one.run.attrs for one in alike]
     texts = {
         "key": [one.key for one in alike],
         "status": [one.status for one in alike],
         "message": [one.message for one in alike],
-        "attributes": [json.dumps(told) for told in attributes],
+        "attributes": [json.dumps(told, default=as_json) for told in attributes],
     }
     for name, lines in texts.items():
         group.create_dataset(name, data=np.array(lines, object), dtype=h5py.string_dtype())
@@ -167,15 +168,7 @@ def _write_group(group: Any, alike: Sequence[CellRecord]) -> None:
         held = arrays.create_dataset(str(label), data=values, **packing)
         held.attrs["dims"] = json.dumps(variable.dims)
         held.attrs["coordinate"] = label in first.coords
-        held.attrs["attributes"] = json.dumps(_plain(variable.attrs))
-
-
-def _plain(attributes: Mapping[Any, Any]) -> dict[str, Any]:
-    """Attributes as JSON has them: NumPy's numbers as Python's, of the same value."""
-    return {
-        str(name): value.tolist() if isinstance(value, np.generic | np.ndarray) else value
-        for name, value in attributes.items()
-    }
+        held.attrs["attributes"] = json.dumps(variable.attrs, default=as_json)
 
 
 def read_pack(path: Path) -> list[tuple[CellRecord, PackedRun | None]]:

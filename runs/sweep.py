@@ -28,7 +28,6 @@ from longwave.support.atomic_file import write_atomically
 from longwave.support.command_line import one_line
 from longwave.support.processes import POLL, Call, Job, LostProcess, Workers
 from longwave.support.request_limits import current_limits
-from longwave.support.sealed_file import is_whole
 
 if TYPE_CHECKING:
     from longwave.runs.sweep_file import Sweep
@@ -139,7 +138,7 @@ def _missing(
             state.found += 1
             continue
         key = store.key(scene)
-        if key in settled or key in given or is_whole(store.file_of(key)):
+        if key in given or store.holds(key, settled):
             state.found += 1
         else:
             given.add(key)

@@ -10,10 +10,15 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from longwave.runs.output_checkpoint import OutputCheckpoint
 from longwave.runs.run_file import load_run, names_a_run, scene_of_run
-from longwave.runs.save_elsewhere import check_run_output, fail_or_save_elsewhere, save_anywhere
-from longwave.runs.store_messages import fetch_with_messages
+from longwave.runs.run_output import (
+    OutputCheckpoint,
+    check_run_output,
+    fail_or_save_elsewhere,
+    save_anywhere,
+    store_messages,
+)
+from longwave.runs.run_store import RunStore
 from longwave.scenes.chain.trust import USUAL_TOLERANCE
 from longwave.scenes.named_scenes import load_scene
 from longwave.scenes.recorders import Variables
@@ -126,7 +131,8 @@ def _run_with_bar(scene: Scene, store: str | None, work: str) -> RunRecord:
     with progress_bar(scene.name, work) as bar:
         if store is None:
             return scene.record(*bar)
-        run = fetch_with_messages(store, scene, *bar)
+        with store_messages():
+            run = RunStore(store).run(scene, *bar)
     variables: Variables = {
         str(name): (tuple(map(str, value.dims)), value.values, dict(value.attrs))
         for name, value in run.variables.items()

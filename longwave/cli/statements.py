@@ -15,7 +15,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
-from longwave.cli.exporting import ProofFile
+from longwave.cli.certificates import ProofFile
 from longwave.cli.verdicts import STYLES, summary
 from longwave.derive.algebra.formula_text import FormulaError
 from longwave.support.command_line import duration, fail, interrupted

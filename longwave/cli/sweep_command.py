@@ -11,10 +11,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from longwave.runs.run_file import SWEPT, open_run
+from longwave.runs.run_output import BROKEN, check_run_output, store_messages
 from longwave.runs.run_pack import DONE
 from longwave.runs.run_store import RunStore
-from longwave.runs.save_elsewhere import BROKEN, check_run_output
-from longwave.runs.store_messages import store_messages
 from longwave.runs.sweep import SweepState, run_sweep, settled_keys
 from longwave.runs.sweep_cost import SweepCost, expected_sweep_cost
 from longwave.runs.sweep_file import Sweep, load_sweep

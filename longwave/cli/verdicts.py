@@ -14,7 +14,7 @@ from typing import Any
 
 from rich.table import Table
 
-from longwave.cli.exporting import ProofFile
+from longwave.cli.certificates import ProofFile
 from longwave.solutions.catalogue import CATALOGUE
 from longwave.support.command_line import check_and_announce
 from longwave.support.console import finished, print_found, print_lines, table_console, tracked
