@@ -15,8 +15,7 @@ from typing import TYPE_CHECKING
 
 from longwave.runs.run_file import is_run_file, save_run
 from longwave.runs.run_store import UnkeptRunError, run_key, runs_its_sources
-from longwave.support.checkpoint import kept_by
-from longwave.support.checkpoint_folder import LEAST, SHARE, CheckpointFolder, run_stamp
+from longwave.support.checkpoint import LEAST, SHARE, CheckpointFolder, kept_by, run_stamp
 from longwave.support.command_line import fail, one_line
 from longwave.support.console import check_output
 from longwave.support.sealed_file import LOG

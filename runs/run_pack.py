@@ -9,6 +9,7 @@ file ends with its checksum, as a store's other files do.
 from __future__ import annotations
 
 import json
+import uuid
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -114,8 +115,18 @@ def _values(held: Any) -> Any:
     return np.char.decode(held, "utf-8") if held.dtype.kind == "S" else held
 
 
+def new_pack(folder: Path) -> Path:
+    """A name for a further pack of the store in that folder."""
+    return folder / PACKS / f"{uuid.uuid4().hex}{SUFFIX}"
+
+
 def write_pack(path: Path, records: Iterable[CellRecord]) -> None:
     """Write the records to a new file, whole or not at all. Raises OSError that names it."""
+    write_sealed(path, pack_content(records), force=False)
+
+
+def pack_content(records: Iterable[CellRecord]) -> bytes:
+    """The bytes of a pack's file, without its seal."""
     import h5py
 
     kinds: dict[str, list[CellRecord]] = defaultdict(list)
@@ -126,7 +137,7 @@ def write_pack(path: Path, records: Iterable[CellRecord]) -> None:
     with h5py.File(image, "w") as file:
         for number, alike in enumerate(kinds.values()):
             _write_group(file.create_group(str(number)), alike)
-    write_sealed(path, image.getvalue(), force=False)
+    return image.getvalue()
 
 
 def _kind(run: xr.Dataset | None) -> str:

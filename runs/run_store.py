@@ -20,8 +20,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from longwave.runs.run_pack import PackedRun, packed_run
-from longwave.support.checkpoint import kept_by
-from longwave.support.checkpoint_folder import LEAST, SHARE, CheckpointFolder, run_stamp
+from longwave.support.checkpoint import LEAST, SHARE, CheckpointFolder, kept_by, run_stamp
 from longwave.support.file_lock import locked
 from longwave.support.sealed_file import LOG, is_whole, write_sealed
 

@@ -16,8 +16,8 @@ from longwave.runs.run_pack import (
     PACKS,
     REFUSED,
     SETTLED,
-    SUFFIX,
     CellRecord,
+    new_pack,
     packed_records,
     write_pack,
 )
@@ -28,6 +28,7 @@ from longwave.support.atomic_file import write_atomically
 from longwave.support.command_line import one_line
 from longwave.support.processes import POLL, Call, Job, LostProcess, Workers
 from longwave.support.request_limits import current_limits
+from longwave.support.sealed_file import write_sealed
 
 if TYPE_CHECKING:
     from longwave.runs.sweep_file import Sweep
@@ -116,8 +117,8 @@ def run_sweep(
     missing = _missing(sweep, store, known, state)
     first = next(missing, None)
     if first is not None:  # a store that holds all of it need not be writable
-        (Path(store.folder) / PACKS).mkdir(parents=True, exist_ok=True)
-        with _token(Path(store.folder)) as token:
+        (store.folder / PACKS).mkdir(parents=True, exist_ok=True)
+        with _token(store.folder) as token:
             march = _March(store, workers, state, progress, token, chain([first], missing))
             march.run()
     return state
@@ -195,8 +196,7 @@ class _March:
         return max(1, int(min(max(fair, LEAST_SECONDS), MOST_SECONDS) / pace))
 
     def _send(self, cells: list[Cell]) -> None:
-        folder = Path(self.store.folder).absolute()
-        given = (cells, folder, self.token, current_limits(), code_here())
+        given = (cells, self.store.folder.absolute(), self.token, current_limits(), code_here())
         self.sent[self.workers.submit(Job(run_cells, given))] = cells
 
     def _take(self, call: Call) -> None:
@@ -223,8 +223,7 @@ class _March:
         self.progress(self.state)
 
     def _keep(self, pack: bytes) -> None:
-        path = Path(self.store.folder) / PACKS / f"{uuid.uuid4().hex}{SUFFIX}"
-        write_atomically(path, lambda draft: draft.write_bytes(pack), force=False)
+        write_sealed(new_pack(self.store.folder), pack, force=False)
 
     def _lost(self, cells: list[Cell], alone: bool) -> None:
         """Cells whose worker was lost are run one by one, each alone, and given up at last."""
@@ -240,5 +239,5 @@ class _March:
     def _give_up(self, cell: Cell) -> None:
         told = f"its worker process ended {MOST_LOSSES} times (killed, or out of memory)"
         record = CellRecord(cell.key, FAILED, told)
-        write_pack(Path(self.store.folder) / PACKS / f"{uuid.uuid4().hex}{SUFFIX}", [record])
+        write_pack(new_pack(self.store.folder), [record])
         self.state.count(Batch([FAILED], 0.0, 0.0, 0.0, told))

@@ -9,8 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from longwave.support.checkpoint import Memory, begin_loop, branches, kept_by
-from longwave.support.checkpoint_folder import CheckpointFolder
+from longwave.support.checkpoint import (
+    CheckpointFolder,
+    Memory,
+    begin_loop,
+    branches,
+    kept_by,
+)
 from longwave.support.sealed_file import write_sealed
 
 MEMORY: Memory = {"seconds": 1.5, "f": np.arange(3.0), "rows": [np.float64(2.0), (1, None, "a")]}
