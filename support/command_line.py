@@ -49,6 +49,7 @@ __all__ = [
     "json_option",
     "limit_options",
     "limits_of_each",
+    "listed",
     "one_line",
     "path_option",
     "run_words",
@@ -66,6 +67,7 @@ QUOTED, LONGEST = 200, 4000
 _ARGV = "longwave.argv"
 
 Wrapped = TypeVar("Wrapped", bound=Callable[..., Any])
+Number = TypeVar("Number", int, float)
 
 force_option = click.option(
     "--force", is_flag=True, help="Overwrite what is written, if it is there."
@@ -153,6 +155,22 @@ _MEMORY = (
     "--max-memory", "SIZE", "Refuse what takes more, as 4G", "half of the machine's", _limit_memory
 )  # fmt: skip
 _TIME = "--max-time", "TIME", "Refuse what takes longer, as 30min", "1h", _limit_time
+
+
+def listed(
+    name: str, text: str, part: Callable[[str], Number], what: str, usual: str
+) -> tuple[Number, ...]:
+    """The numbers in the text of an option, ``what`` being said of them where they are none.
+
+    >>> listed("--eps", "0.1, 0.05", float, "numbers", "such as 0.1,0.05")
+    (0.1, 0.05)
+    """
+    try:
+        return tuple(map(part, text.split(",")))
+    except ValueError:
+        raise ValueError(
+            f"{name} must be {what} with commas between, got {text[:60]!r} ({usual})"
+        ) from None
 
 
 def called_by() -> str:

@@ -27,10 +27,10 @@ T = TypeVar("T")
 Tell = Callable[[float], None]
 
 
-def table_console() -> Console:
+def table_console(width: int = PIPE_WIDTH, **look: Any) -> Console:
     """The console for tables: as wide as the terminal, and wide enough for one row in a pipe."""
-    console = Console()
-    return console if console.is_terminal else Console(width=PIPE_WIDTH)
+    console = Console(**look)
+    return console if console.is_terminal else Console(width=width, **look)
 
 
 def tracked(items: Iterable[T], count: int, words: str) -> Iterator[T]:

@@ -48,13 +48,13 @@ def print_accuracy(
     if unknown:
         known = one_of(unknown[0], wave_names())
         raise ValueError(f"--only must be a wave, got {unknown[0]} ({known})")
-    if not 1 <= jobs <= MOST_JOBS:
-        raise ValueError(
-            f"--jobs must satisfy 1 <= --jobs <= {MOST_JOBS}, got {shown(jobs)} (2 is usual)"
-        )
-    if not 0 <= drawn <= MOST_DRAWN:
-        got = f"{shown(drawn)} ({DRAWN} is usual)"
-        raise ValueError(f"--drawn must satisfy 0 <= --drawn <= {MOST_DRAWN}, got {got}")
+    for name, least, given, most, usual in (
+        ("--jobs", 1, jobs, MOST_JOBS, 2),
+        ("--drawn", 0, drawn, MOST_DRAWN, DRAWN),
+    ):
+        if not least <= given <= most:
+            got = f"{shown(given)} ({usual} is usual)"
+            raise ValueError(f"{name} must satisfy {least} <= {name} <= {most}, got {got}")
     chosen = only or wave_names()
     cases = sum(len(list(all_cases(name, 0))) + drawn for name in chosen)
     cores = min(jobs, os.cpu_count() or 1)

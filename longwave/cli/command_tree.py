@@ -60,14 +60,6 @@ def _shipped_or_files(names: list[str], begun: str) -> list[CompletionItem]:
     return items if begun and items else [*items, CompletionItem(begun, type="file")]
 
 
-def _version(context: click.Context, _: click.Parameter, wanted: bool) -> None:
-    if wanted and not context.resilient_parsing:
-        from importlib.metadata import version
-
-        click.echo(f"longwave {version('longwave')}")
-        context.exit()
-
-
 def _completion(context: click.Context, _: click.Parameter, shell: str | None) -> None:
     found = get_completion_class(shell) if shell else None
     if found is not None and not context.resilient_parsing:
@@ -82,14 +74,7 @@ def _completion(context: click.Context, _: click.Parameter, shell: str | None) -
     + "\n\nExit status: 0 all is well, 1 something is refuted, undecided, missing or broke off, "
     "2 wrong input, 130 Ctrl-C.",
 )
-@click.option(
-    "--version",
-    is_flag=True,
-    expose_value=False,
-    is_eager=True,
-    callback=_version,
-    help="Print it.",
-)
+@click.version_option(package_name="longwave", message="longwave %(version)s", help="Print it.")
 @click.option(
     "--completion",
     type=click.Choice(SHELLS),

@@ -12,34 +12,21 @@ from rich.table import Table
 from longwave.reports.pictures.drawing import CURVES, TEXT_WIDTH, save, styled
 from longwave.scenes.named_scenes import load_scene
 from longwave.scenes.scene_checks import finite
-from longwave.support.command_line import fail_for_memory, interrupted
+from longwave.support.command_line import fail_for_memory, interrupted, listed
 from longwave.support.console import check_output, picture_path, plain_console, progress_bar
 
 if TYPE_CHECKING:
     from longwave.scenes.scene_convergence import SceneConvergence
 
 
-def eps_values(text: str | None) -> tuple[float, ...]:
-    """The numbers of ``0.1,0.05``; none for none.
-
-    >>> eps_values("0.1, 0.05")
-    (0.1, 0.05)
-    """
-    if text is None:
-        return ()
-    try:
-        return tuple(finite("--eps", float(part)) for part in text.split(","))
-    except ValueError:
-        raise ValueError(
-            f"--eps must be numbers with commas between, got {text[:60]!r} (such as 0.1,0.07,0.05)"
-        ) from None
-
-
 def measured_convergence(source: str, eps: str | None, tolerance: float | None) -> SceneConvergence:
     """The convergence of the scene that is named."""
     from longwave.scenes.scene_convergence import scene_convergence
 
-    values = eps_values(eps)
+    values: tuple[float, ...] = ()
+    if eps is not None:
+        usual = "such as 0.1,0.07,0.05"
+        values = listed("--eps", eps, lambda part: finite("--eps", float(part)), "numbers", usual)
     scene = load_scene(source)
     if tolerance is not None:
         scene = scene.with_tolerance(tolerance)

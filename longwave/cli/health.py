@@ -11,6 +11,7 @@ from dataclasses import asdict, dataclass
 from importlib import metadata
 from typing import Any, Literal
 
+from longwave.support.compiled.cores import usable_cores
 from longwave.support.compiled.source_digest import installed_version
 
 State = Literal["good", "costs", "broken"]
@@ -71,8 +72,7 @@ def _name(requirement: str) -> str:
 
 
 def _cores() -> Finding:
-    usable = getattr(os, "sched_getaffinity", None)
-    count = len(usable(0)) if usable else os.cpu_count() or 1
+    count = usable_cores()
     if count == 1:
         cost = "long runs and the report, which use two cores and more, take about twice as long"
         return Finding("cores", "1", "costs", cost)

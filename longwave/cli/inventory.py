@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from rich.console import Console
 from rich.table import Column, Table
+
+from longwave.support.console import table_console
 
 if TYPE_CHECKING:
     from longwave.solutions import ClosedForm
@@ -258,8 +259,7 @@ _KINDS: Mapping[str, _Kind] = {
 
 def print_tables(found: Mapping[str, Iterable[Record]]) -> None:
     """Print a table of each kind; text is printed as it is."""
-    width = None if Console().is_terminal else PIPE_WIDTH
-    console = Console(highlight=False, markup=False, emoji=False, width=width)
+    console = table_console(PIPE_WIDTH, highlight=False, markup=False, emoji=False)
     for kind, records in found.items():
         columns, note = _KINDS[kind].columns, _KINDS[kind].note
         headings = [Column(name, no_wrap=name == "name") for name in columns]

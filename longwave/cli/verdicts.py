@@ -16,7 +16,7 @@ from rich.table import Table
 
 from longwave.cli.certificates import ProofFile
 from longwave.solutions.catalogue import CATALOGUE
-from longwave.support.command_line import check_and_announce
+from longwave.support.command_line import check_and_announce, listed
 from longwave.support.console import finished, print_found, print_lines, table_console, tracked
 from longwave.verify.evidence.mutations import MutationCount, count_mutants
 from longwave.verify.evidence.residual import Sampling, check_residual, scientific
@@ -119,22 +119,9 @@ def sampling_of(method: str | None, exact: Sequence[str], **given: Any) -> Sampl
             f"{wrong[0]} must not be given with the method {method}, got it (leave it)"
         )
     if "digits" in sampled:
-        sampled["digits"] = digits_in(sampled["digits"])
+        usual = "30,50,100 is usual"
+        sampled["digits"] = listed("digits", sampled["digits"], int, "integers", usual)
     return None if method == "proof" else Sampling(**sampled)
-
-
-def digits_in(text: str) -> tuple[int, ...]:
-    """The precisions in a text; raises ValueError if it is no list of integers.
-
-    >>> digits_in("30,50")
-    (30, 50)
-    """
-    try:
-        return tuple(int(part) for part in text.split(","))
-    except ValueError:
-        raise ValueError(
-            f"digits must be integers with commas between, got {text!r} (30,50,100 is usual)"
-        ) from None
 
 
 def _verdicts(names: Sequence[str], stable: bool, sampling: Sampling | None) -> Iterator[Verdict]:
