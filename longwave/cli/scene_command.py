@@ -80,7 +80,8 @@ def run_and_print(
         return fail_for_memory(error)
     status = checkpoint.settle(lambda: run.dataset, force)
     if kept is not None:
-        return status or _compare_and_print(source, kept, run.dataset)
+        differs = _compare_and_print(source, kept, run.dataset)
+        return status or differs
     print_summary(run, scene, plain_console())
     return status or int(bool(run.attrs["blow_up"]))
 
