@@ -72,7 +72,7 @@ def print_found(
     return 0 if complete else interrupted(program, f"after {len(found)} of {asked}")
 
 
-def print_lines(console: Console, lines: Sequence[str]) -> None:
+def print_lines(console: Console, lines: Iterable[str]) -> None:
     """Print lines as they are, without markup and without breaking them."""
     for line in lines:
         console.print(line, markup=False, highlight=False, soft_wrap=True)

@@ -13,7 +13,13 @@ from longwave.reports.pictures.drawing import CURVES, TEXT_WIDTH, save, styled
 from longwave.scenes.named_scenes import load_scene
 from longwave.scenes.scene_checks import finite
 from longwave.support.command_line import fail_for_memory, interrupted, listed
-from longwave.support.console import check_output, picture_path, plain_console, progress_bar
+from longwave.support.console import (
+    check_output,
+    picture_path,
+    plain_console,
+    print_lines,
+    progress_bar,
+)
 
 if TYPE_CHECKING:
     from longwave.scenes.scene_convergence import SceneConvergence
@@ -39,14 +45,6 @@ def print_convergence(study: SceneConvergence, json_wanted: bool) -> None:
     if json_wanted:
         print(json.dumps(study.data(), indent=2))
         return
-    console = plain_console()
-    console.print(study.scene.title or study.scene.name, markup=False, soft_wrap=True)
-    console.print(_table(study))
-    for line in _lines(study):
-        console.print(line, markup=False, soft_wrap=True)
-
-
-def _table(study: SceneConvergence) -> Table:
     table = Table("eps", "sup error", "of the wave's size", "discretisation", "cells")
     for point in study.points:
         table.add_row(
@@ -56,17 +54,16 @@ def _table(study: SceneConvergence) -> Table:
             f"{point.discretisation:.1g}",
             str(point.sites),
         )
-    return table
-
-
-def _lines(study: SceneConvergence) -> list[str]:
-    scene = study.scene
+    scene, console = study.scene, plain_console()
     theory = "none known" if study.theory is None else str(study.theory)
-    return [
+    print_lines(console, [scene.title or scene.name])
+    console.print(table)
+    lines = [
         f"{scene.lattice}, {study.equation}, {scene.order} order: the sup error falls as eps^rate, "
         f"the wave's size as eps^{study.power}",
         f"rate {study.rate}, theory {theory}",
     ]
+    print_lines(console, lines)
 
 
 def convergence_figure(study: SceneConvergence) -> Figure:

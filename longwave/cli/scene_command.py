@@ -161,14 +161,13 @@ def print_summary(run: RunRecord, scene: Scene, console: Console) -> None:
     there was one."""
     unit = error_unit(run.attrs.get("power", 1))
     columns = {name: t.format(unit=unit) for name, t in COLUMNS.items() if name in run.variables}
-    console.print(scene.title or scene.name, markup=False, soft_wrap=True)
+    print_lines(console, [scene.title or scene.name])
     if columns:
         table = Table("t", *columns.values())
         for t, *row in zip(run.reached, *map(run.values, columns), strict=True):
             table.add_row(f"{t:g}", *(f"{value:.3g}" for value in row))
         console.print(table)
-    for line in summary_lines(run, scene):
-        console.print(line, markup=False, soft_wrap=True)
+    print_lines(console, summary_lines(run, scene))
 
 
 def summary_lines(run: RunRecord, scene: Scene) -> Iterator[str]:

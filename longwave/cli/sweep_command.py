@@ -19,7 +19,7 @@ from longwave.runs.sweep_cost import SweepCost, expected_sweep_cost
 from longwave.runs.sweep_file import Sweep, load_sweep
 from longwave.runs.sweep_workers import sweep_workers
 from longwave.support.command_line import duration, fail, interrupted
-from longwave.support.console import plain_console, progress_bar
+from longwave.support.console import plain_console, print_lines, progress_bar
 from longwave.support.processes import LocalWorkers, Workers
 from longwave.support.request_limits import check_request, current_limits
 
@@ -76,10 +76,8 @@ def sweep_and_print(
         return BROKEN
     except ValueError as error:
         return fail(error)
-    console = plain_console(soft_wrap=True)
-    for line in summary_lines(sweep, found, told):
-        console.print(line)
-    console.print(f"written: {output}; runs: {kept.folder}")
+    lines = [*summary_lines(sweep, found, told), f"written: {output}; runs: {kept.folder}"]
+    print_lines(plain_console(), lines)
     return 0 if bool((found["status"] == DONE).all()) else 1
 
 

@@ -137,12 +137,6 @@ def _certificates(verdicts: Sequence[Verdict]) -> list[Mapping[str, Any]]:
     return [certificate for certificate in found if certificate is not None]
 
 
-def _print(verdicts: Sequence[Verdict], noun: str) -> None:
-    console = table_console()
-    console.print(verdict_table(verdicts))
-    print_lines(console, [*failure_lines(verdicts), summary(verdicts, noun)])
-
-
 STYLES = {
     Outcome.PROVED: "green",
     Outcome.CHECKED: "cyan",
@@ -158,8 +152,8 @@ MEANINGS = {
 }
 
 
-def verdict_table(verdicts: Sequence[Verdict]) -> Table:
-    """One row a closed form: solution, equation, method, verdict, evidence, seconds.
+def _print(verdicts: Sequence[Verdict], noun: str) -> None:
+    """Print one row a form, a line for each that does not stand, and a summary.
 
     The evidence is the certificate's size if there is one, else the largest relative residual at
     the highest precision; an exact 0 is a proof.
@@ -172,11 +166,14 @@ def verdict_table(verdicts: Sequence[Verdict]) -> Table:
     for verdict in verdicts:
         outcome = f"[{STYLES[verdict.outcome]}]{verdict.outcome.value}[/]"
         cells = (verdict.name, verdict.equation, verdict.method, outcome)
-        table.add_row(*cells, evidence_text(verdict), f"{verdict.seconds:.2f}")
-    return table
+        table.add_row(*cells, _evidence(verdict), f"{verdict.seconds:.2f}")
+    console = table_console()
+    console.print(table)
+    failures = [_failure(verdict) for verdict in verdicts if not verdict.passed]
+    print_lines(console, [*failures, summary(verdicts, noun)])
 
 
-def evidence_text(verdict: Verdict) -> str:
+def _evidence(verdict: Verdict) -> str:
     """The size of the certificate, else the residual with two digits; a dash without either."""
     if isinstance(verdict, ProofVerdict) and verdict.certificate_bytes is not None:
         return f"{verdict.certificate_bytes} bytes"
@@ -185,12 +182,8 @@ def evidence_text(verdict: Verdict) -> str:
     return scientific(math.log10(verdict.residual) if verdict.residual else -math.inf)
 
 
-def failure_lines(verdicts: Sequence[Verdict]) -> list[str]:
-    """One line for each form that does not stand, with its witness or reason."""
-    return [_failure(verdict) for verdict in verdicts if not verdict.passed]
-
-
 def _failure(verdict: Verdict) -> str:
+    """The line of a form that does not stand, with its witness or reason."""
     place = ", ".join(f"{name} = {value}" for name, value in (verdict.witness or {}).items())
     at = f" (witness: {place})" if place else ""
     return f"{verdict.name}: {verdict.outcome.value}: {verdict.detail}{at}"
@@ -228,13 +221,7 @@ def print_mutations(only: Sequence[str], json_wanted: bool, program: str) -> int
 
 
 def _print_counts(counts: Sequence[MutationCount]) -> None:
-    console = table_console()
-    console.print(counts_table(counts))
-    print_lines(console, survivor_lines(counts))
-
-
-def counts_table(counts: Sequence[MutationCount]) -> Table:
-    """One row a form, and the totals."""
+    """Print one row a form, the totals, and a line for each mutant that is not refuted."""
     table = Table(title="Misprints of the closed forms", show_footer=True)
     table.add_column("solution", "total", no_wrap=True)
     for column in MUTATION_COLUMNS:
@@ -244,13 +231,11 @@ def counts_table(counts: Sequence[MutationCount]) -> Table:
     for count in counts:
         cells = (str(getattr(count, column)) for column in MUTATION_COLUMNS)
         table.add_row(count.name, *cells, f"{count.seconds:.1f}")
-    return table
-
-
-def survivor_lines(counts: Sequence[MutationCount]) -> list[str]:
-    """One line for each mutant that is not refuted."""
-    return [
+    console = table_console()
+    console.print(table)
+    survivors = [
         f"{count.name}: {survivor.outcome.value} ({survivor.reason}): {survivor.description}"
         for count in counts
         for survivor in count.survivors
     ]
+    print_lines(console, survivors)
