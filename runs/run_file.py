@@ -221,7 +221,7 @@ def _plain(attributes: Mapping[Any, Any]) -> dict[str, Any]:
         item = value.item() if isinstance(value, np.generic) else value
         if not _is_plain(item):
             texts.append(str(name))
-            item = json.dumps(item, default=_as_json)
+            item = json.dumps(item, default=as_json)
         found[str(name)] = item
     return found | ({TEXTS: json.dumps(texts)} if texts else {})
 
@@ -234,7 +234,8 @@ def _is_plain(value: object) -> bool:
     return isinstance(value, float) or (isinstance(value, int) and -(2**63) <= value < 2**63)
 
 
-def _as_json(value: object) -> object:
+def as_json(value: object) -> object:
+    """What JSON has of a complex number, an array or one of NumPy's numbers: the same value."""
     if isinstance(value, complex):
         return {"real": value.real, "imag": value.imag}
     if isinstance(value, np.ndarray | np.generic):

@@ -9,6 +9,7 @@ file ends with its checksum, as a store's other files do.
 from __future__ import annotations
 
 import json
+import uuid
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -18,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from longwave.runs.run_file import as_json
 from longwave.support.sealed_file import is_whole, write_sealed
 
 if TYPE_CHECKING:
@@ -107,21 +109,24 @@ class PackedRun:
                 found[name] = (json.loads(held.attrs["dims"]), _values(held[self.row]), texts)
             return xr.Dataset(data, coordinates, json.loads(group["attributes"][self.row]))
 
-    def array(self, name: str) -> Any:
-        """The values of one variable."""
-        import h5py
-
-        with h5py.File(self.path) as file:
-            return _values(file[self.group]["arrays"][name][self.row])
-
 
 def _values(held: Any) -> Any:
     """What was put in: texts are held as bytes."""
     return np.char.decode(held, "utf-8") if held.dtype.kind == "S" else held
 
 
+def new_pack(folder: Path) -> Path:
+    """A name for a further pack of the store in that folder."""
+    return folder / PACKS / f"{uuid.uuid4().hex}{SUFFIX}"
+
+
 def write_pack(path: Path, records: Iterable[CellRecord]) -> None:
     """Write the records to a new file, whole or not at all. Raises OSError that names it."""
+    write_sealed(path, pack_content(records), force=False)
+
+
+def pack_content(records: Iterable[CellRecord]) -> bytes:
+    """The bytes of a pack's file, without its seal."""
     import h5py
 
     kinds: dict[str, list[CellRecord]] = defaultdict(list)
@@ -132,7 +137,7 @@ def write_pack(path: Path, records: Iterable[CellRecord]) -> None:
     with h5py.File(image, "w") as file:
         for number, alike in enumerate(kinds.values()):
             _write_group(file.create_group(str(number)), alike)
-    write_sealed(path, image.getvalue(), force=False)
+    return image.getvalue()
 
 
 def _kind(run: xr.Dataset | None) -> str:
@@ -146,12 +151,12 @@ def _kind(run: xr.Dataset | None) -> str:
 def _write_group(group: Any, alike: Sequence[CellRecord]) -> None:
     import h5py
 
-    attributes = [{} if one.run is None else _plain(one.run.attrs) for one in alike]
+    attributes = [{} if one.run is None else one.run.attrs for one in alike]
     texts = {
         "key": [one.key for one in alike],
         "status": [one.status for one in alike],
         "message": [one.message for one in alike],
-        "attributes": [json.dumps(told) for told in attributes],
+        "attributes": [json.dumps(told, default=as_json) for told in attributes],
     }
     for name, lines in texts.items():
         group.create_dataset(name, data=np.array(lines, object), dtype=h5py.string_dtype())
@@ -174,15 +179,7 @@ def _write_group(group: Any, alike: Sequence[CellRecord]) -> None:
         held = arrays.create_dataset(str(label), data=values, **packing)
         held.attrs["dims"] = json.dumps(variable.dims)
         held.attrs["coordinate"] = label in first.coords
-        held.attrs["attributes"] = json.dumps(_plain(variable.attrs))
-
-
-def _plain(attributes: Mapping[Any, Any]) -> dict[str, Any]:
-    """Attributes as JSON has them: NumPy's numbers as Python's, of the same value."""
-    return {
-        str(name): value.tolist() if isinstance(value, np.generic | np.ndarray) else value
-        for name, value in attributes.items()
-    }
+        held.attrs["attributes"] = json.dumps(variable.attrs, default=as_json)
 
 
 def read_pack(path: Path) -> list[tuple[CellRecord, PackedRun | None]]:

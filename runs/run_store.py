@@ -13,17 +13,16 @@ from __future__ import annotations
 
 import hashlib
 import json
-import logging
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager, suppress
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from longwave.runs.run_pack import PackedRun, packed_run
-from longwave.support.checkpoint_folder import LEAST, SHARE, CheckpointFolder, run_stamp
+from longwave.support.checkpoint import LEAST, SHARE, CheckpointFolder, kept_by, run_stamp
 from longwave.support.file_lock import locked
-from longwave.support.sealed_file import is_whole, write_sealed
+from longwave.support.sealed_file import LOG, is_whole, write_sealed
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -31,8 +30,6 @@ if TYPE_CHECKING:
     from longwave.lattice.refine import Announce
     from longwave.lattice.trial import Progress
     from longwave.scenes.scene import Scene
-
-LOG = logging.getLogger("longwave.store")
 
 UNMOVED = ("xarray", "h5netcdf")
 """Packages whose version does not move a run's bits."""
@@ -71,6 +68,10 @@ class RunStore:
     def file_of(self, key: str) -> Path:
         """Where the run of that key is, or would be."""
         return self.folder / key[:2] / f"{key}.nc"
+
+    def holds(self, key: str, settled: Collection[str]) -> bool:
+        """Whether the run of that key is ``settled`` in a pack, or in a whole file."""
+        return key in settled or is_whole(self.file_of(key))
 
     def find(self, scene: Scene) -> Path | None:
         """The file of the scene's run; None if there is none of its own, or only a damaged one."""
@@ -129,25 +130,24 @@ class RunStore:
         return found or self._made(scene, progress, announce)
 
     def _made(self, scene: Scene, progress: Progress | None, announce: Announce | None) -> Path:
+        from longwave.scenes import scene_run
+
         path = self.path(scene)
         with self._alone(path):
             if is_whole(path):
                 return path
             check_sources()
-            checkpoint = self._checkpoint(path)
+            folder = path.with_suffix(".unfinished")
+            checkpoint = CheckpointFolder(folder, run_stamp(path.stem), *self._pace)
             checkpoint.tell(scene.name)
-            run = _gone_on_with(checkpoint, scene, progress, announce)
+            with kept_by(checkpoint):
+                run = scene_run.run(scene, progress, announce)
             try:
                 _kept(path, run)
             except OSError as error:
                 raise UnkeptRunError(error, run) from error
             checkpoint.clear()
             return path
-
-    def _checkpoint(self, path: Path) -> CheckpointFolder:
-        """Where the unfinished run of that file is kept."""
-        folder = path.with_suffix(".unfinished")
-        return CheckpointFolder(folder, run_stamp(path.stem), *self._pace)
 
     @contextmanager
     def _alone(self, path: Path) -> Iterator[None]:
@@ -173,19 +173,6 @@ def run_key(scene: Scene) -> str:
     asked = json.dumps(_canonical(json.loads(scene.json())), sort_keys=True)
     text = f"{type(scene).__name__}\n{asked}\n{code_that_matters()}"
     return hashlib.sha256(text.encode()).hexdigest()[:40]
-
-
-def _gone_on_with(
-    checkpoint: CheckpointFolder,
-    scene: Scene,
-    progress: Progress | None,
-    announce: Announce | None,
-) -> xr.Dataset:
-    from longwave.scenes import scene_run
-    from longwave.support.checkpoint import kept_by
-
-    with kept_by(checkpoint):
-        return scene_run.run(scene, progress, announce)
 
 
 def _kept(path: Path, run: xr.Dataset) -> Path:
@@ -228,13 +215,13 @@ def code_that_matters() -> str:
 @lru_cache
 def runs_its_sources() -> bool:
     """Whether what is in memory is what the files say."""
-    from longwave.support.compiled.source_digest import HOUSE, runs_as_written
-    from longwave.support.provenance import CODE
+    from longwave.support.compiled.source_digest import runs_as_written
+    from longwave.support.provenance import code_files
 
-    paths = [path for room in CODE for path in sorted((HOUSE / room).rglob("*.py"))]
-    stems = [path.relative_to(HOUSE).with_suffix("").parts for path in paths]
-    names = [".".join(("longwave", *parts)).removesuffix(".__init__") for parts in stems]
-    return runs_as_written(tuple(zip(names, paths, strict=True)))
+    files = code_files()
+    stems = [".".join(("longwave", *file.with_suffix("").parts)) for file in files]
+    names = [stem.removesuffix(".__init__") for stem in stems]
+    return runs_as_written(tuple(zip(names, files.values(), strict=True)))
 
 
 def check_sources() -> None:

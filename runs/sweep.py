@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import uuid
-from collections import deque
 from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import chain, islice
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,8 +15,8 @@ from longwave.runs.run_pack import (
     PACKS,
     REFUSED,
     SETTLED,
-    SUFFIX,
     CellRecord,
+    new_pack,
     packed_records,
     write_pack,
 )
@@ -26,9 +25,9 @@ from longwave.runs.sweep_cells import Batch, Cell, run_cells
 from longwave.runs.worker_code import code_here
 from longwave.support.atomic_file import write_atomically
 from longwave.support.command_line import one_line
-from longwave.support.processes import POLL, Call, Job, LostProcess, Workers
+from longwave.support.processes import Call, Job, LostProcess, Workers, in_turn
 from longwave.support.request_limits import current_limits
-from longwave.support.sealed_file import is_whole
+from longwave.support.sealed_file import write_sealed
 
 if TYPE_CHECKING:
     from longwave.runs.sweep_file import Sweep
@@ -117,10 +116,10 @@ def run_sweep(
     missing = _missing(sweep, store, known, state)
     first = next(missing, None)
     if first is not None:  # a store that holds all of it need not be writable
-        (Path(store.folder) / PACKS).mkdir(parents=True, exist_ok=True)
-        with _token(Path(store.folder)) as token:
-            march = _March(store, workers, state, progress, token, chain([first], missing))
-            march.run()
+        (store.folder / PACKS).mkdir(parents=True, exist_ok=True)
+        with _token(store.folder) as token:
+            march = _March(store, workers, state, progress, token)
+            march.run(chain([first], missing))
     return state
 
 
@@ -139,7 +138,7 @@ def _missing(
             state.found += 1
             continue
         key = store.key(scene)
-        if key in settled or key in given or is_whole(store.file_of(key)):
+        if key in given or store.holds(key, settled):
             state.found += 1
         else:
             given.add(key)
@@ -159,56 +158,50 @@ def _token(folder: Path) -> Iterator[str]:
 
 @dataclass
 class _March:
-    """The cells on their way: to be sent, sent, and those that lost a worker."""
+    """The cells on their way through the workers."""
 
     store: RunStore
     workers: Workers
     state: SweepState
     progress: Tell
     token: str
-    missing: Iterator[Cell]
-    sent: dict[Call, list[Cell]] = field(default_factory=dict)
-    suspects: deque[tuple[Cell, int]] = field(default_factory=deque)
+    sent: int = 0
+    """Cells that workers have."""
 
-    def run(self) -> None:
-        ended = False
-        while True:
-            while not ended and not self.suspects and len(self.sent) < AHEAD * self.workers.count:
-                cells = list(islice(self.missing, self._size()))
-                ended = not cells
-                if cells:
-                    self._send(cells)
-            if self.suspects and not self.sent:
-                self._send([self.suspects[0][0]])
-            if not self.sent and not self.suspects:
-                return
-            for call in self.workers.ended(POLL):
-                self._take(call)
+    def run(self, missing: Iterator[Cell]) -> None:
+        """Run the cells in batches, and at last those that lost a worker, each alone."""
+        suspects: list[Cell] = []
+        for cells, call in in_turn(self._batches(missing), self.workers, ahead=AHEAD):
+            if not self._take(cells, call):
+                suspects += cells
+        for cell in suspects:
+            self._run_alone(cell)
+
+    def _batches(self, missing: Iterator[Cell]) -> Iterator[tuple[tuple[Cell, ...], Job]]:
+        while cells := tuple(islice(missing, self._size())):
+            yield self._batch(cells)
+
+    def _batch(self, cells: tuple[Cell, ...]) -> tuple[tuple[Cell, ...], Job]:
+        self.sent += len(cells)
+        folder = self.store.folder.absolute()
+        return cells, Job(run_cells, (cells, folder, self.token, current_limits(), code_here()))
 
     def _size(self) -> int:
         """Cells of the next batch."""
         pace = self.state.pace
         if not pace:
             return 1
-        unsent = self.state.cells - self.state.found - self.state.done
-        unsent -= sum(map(len, self.sent.values()))
+        unsent = self.state.cells - self.state.found - self.state.done - self.sent
         fair = unsent * pace / (SHARE * self.workers.count)
         return max(1, int(min(max(fair, LEAST_SECONDS), MOST_SECONDS) / pace))
 
-    def _send(self, cells: list[Cell]) -> None:
-        folder = Path(self.store.folder).absolute()
-        given = (cells, folder, self.token, current_limits(), code_here())
-        self.sent[self.workers.submit(Job(run_cells, given))] = cells
-
-    def _take(self, call: Call) -> None:
-        """Take in what a batch came to."""
-        cells = self.sent.pop(call)
-        alone = bool(self.suspects) and cells[0] == self.suspects[0][0]
+    def _take(self, cells: tuple[Cell, ...], call: Call) -> bool:
+        """Take in what a batch came to; whether it did not lose its worker."""
+        self.sent -= len(cells)
         try:
             batch: Batch = call.result()
         except LostProcess:
-            self._lost(cells, alone)
-            return
+            return False
         except (ValueError, OSError):
             raise
         except Exception as error:
@@ -216,30 +209,21 @@ class _March:
                 f"workers must run cells, got {type(error).__name__}: {one_line(error)[:200]} "
                 "(a cluster needs its scheduler, and everywhere the longwave of this machine)"
             ) from error
-        if alone:
-            self.suspects.popleft()
         if batch.pack is not None:
             self._keep(batch.pack)
         self.state.count(batch)
         self.progress(self.state)
+        return True
 
     def _keep(self, pack: bytes) -> None:
-        path = Path(self.store.folder) / PACKS / f"{uuid.uuid4().hex}{SUFFIX}"
-        write_atomically(path, lambda draft: draft.write_bytes(pack), force=False)
+        write_sealed(new_pack(self.store.folder), pack, force=False)
 
-    def _lost(self, cells: list[Cell], alone: bool) -> None:
-        """Cells whose worker was lost are run one by one, each alone, and given up at last."""
-        if not alone:
-            self.suspects += [(cell, 0) for cell in cells]
-        else:
-            cell, losses = self.suspects.popleft()
-            if losses + 1 < MOST_LOSSES:
-                self.suspects.appendleft((cell, losses + 1))
-            else:
-                self._give_up(cell)
-
-    def _give_up(self, cell: Cell) -> None:
+    def _run_alone(self, cell: Cell) -> None:
+        """Run a cell that may be why its worker was lost, some times, and give it up then."""
+        for _ in range(MOST_LOSSES):
+            ((cells, call),) = in_turn([self._batch((cell,))], self.workers)
+            if self._take(cells, call):
+                return
         told = f"its worker process ended {MOST_LOSSES} times (killed, or out of memory)"
-        record = CellRecord(cell.key, FAILED, told)
-        write_pack(Path(self.store.folder) / PACKS / f"{uuid.uuid4().hex}{SUFFIX}", [record])
+        write_pack(new_pack(self.store.folder), [CellRecord(cell.key, FAILED, told)])
         self.state.count(Batch([FAILED], 0.0, 0.0, 0.0, told))

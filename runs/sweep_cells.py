@@ -5,12 +5,10 @@ from __future__ import annotations
 import signal
 import sys
 import threading
-import uuid
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass, replace
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from time import perf_counter, process_time
 from typing import TYPE_CHECKING
 
@@ -23,10 +21,10 @@ from longwave.runs.run_pack import (
     FAILED,
     NUMBERS,
     OPTIONAL,
-    PACKS,
     REFUSED,
-    SUFFIX,
     CellRecord,
+    new_pack,
+    pack_content,
     write_pack,
 )
 from longwave.runs.run_store import RunStore, UnkeptRunError, runs_its_sources
@@ -61,7 +59,7 @@ class Cell:
 class Batch:
     """What a worker did: how the cells ended, and how long they took themselves.
 
-    ``pack`` is the file of their runs where the worker does not see the store.
+    ``pack`` is the content of the pack of their runs where the worker does not see the store.
     """
 
     statuses: Sequence[str]
@@ -106,7 +104,10 @@ def run_cells(
                 processor += process_time() - spent
     finally:
         if found:
-            pack = _pack(found, None if store is None else folder / PACKS)
+            if store is not None:
+                write_pack(new_pack(folder), found)
+            else:
+                pack = pack_content(found)
     statuses = [record.status for record in found]
     faults = (record.message for record in found if record.status in (REFUSED, FAILED))
     return Batch(statuses, seconds, processor, process_time() - begun, next(faults, ""), pack)
@@ -116,16 +117,6 @@ def _limited(limits: RequestLimits | None) -> AbstractContextManager[object]:
     if limits is None:
         return nullcontext()
     return request_limits(limits.memory_bytes, limits.seconds)
-
-
-def _pack(found: Sequence[CellRecord], folder: Path | None) -> bytes | None:
-    name = f"{uuid.uuid4().hex}{SUFFIX}"
-    if folder is not None:
-        write_pack(folder / name, found)
-        return None
-    with TemporaryDirectory() as away:
-        write_pack(Path(away) / name, found)
-        return (Path(away) / name).read_bytes()
 
 
 @contextmanager

@@ -9,7 +9,6 @@ from time import process_time
 from typing import TYPE_CHECKING
 
 from longwave.support.request_limits import ExpectedCost
-from longwave.support.sealed_file import is_whole
 
 if TYPE_CHECKING:
     from longwave.runs.run_store import RunStore
@@ -80,7 +79,7 @@ def expected_sweep_cost(sweep: Sweep, store: RunStore, settled: Collection[str])
         try:
             scene = sweep.scene(number)
             key = store.key(scene)
-            if key in settled or key in given or is_whole(store.file_of(key)):
+            if key in given or store.holds(key, settled):
                 continue
             given.add(key)
             cost = expected_cell_cost(scene)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -33,26 +32,6 @@ if TYPE_CHECKING:
 
 MISSING = "missing"
 """The status of a cell that was not run yet."""
-
-
-@dataclass(frozen=True)
-class SweptCells:
-    """How each cell of a sweep ended, and where its run is, if it has one."""
-
-    records: Sequence[CellRecord]
-    places: Mapping[int, Place]
-
-
-def swept_cells(sweep: Sweep, store: RunStore) -> SweptCells:
-    """What the store holds of the sweep."""
-    packed = packed_records(store.folder)
-    records, places = [], {}
-    for number in range(len(sweep)):
-        record, place = _found(sweep, number, store, packed)
-        records.append(record)
-        if place is not None:
-            places[number] = place
-    return SweptCells(records, places)
 
 
 def _found(
@@ -84,14 +63,17 @@ def sweep_dataset(sweep: Sweep, store: RunStore, fields: bool = True) -> xr.Data
     those of the runs that have one shape in all cells, which are read from the store when they are
     used; NaN, or 0, where there is no run. `cell_run` reads the whole run of one cell.
     """
-    cells = swept_cells(sweep, store)
+    packed = packed_records(store.folder)
+    cells = [_found(sweep, number, store, packed) for number in range(len(sweep))]
+    records = [record for record, _ in cells]
+    places = {number: place for number, (_, place) in enumerate(cells) if place is not None}
     names, shape = tuple(d.name for d in sweep.dimensions), sweep.shape
     data: dict[str, Any] = {
         name: (names, column.reshape(shape), told)
-        for name, column, told in _number_columns(cells.records)
+        for name, column, told in _number_columns(records)
     }
     for name in ("status", "message", "key"):
-        texts = np.array([getattr(record, name) for record in cells.records], dtype=object)
+        texts = np.array([getattr(record, name) for record in records], dtype=object)
         data[name] = (names, texts.reshape(shape))
     coordinates: dict[str, Any] = {}
     swept = [field for dimension in sweep.dimensions for field in dimension.fields]
@@ -103,7 +85,7 @@ def sweep_dataset(sweep: Sweep, store: RunStore, fields: bool = True) -> xr.Data
             coordinates[name] = (dimension.name, _values(column), {"field": field})
     if fields:
         taken = {*names, *data, *coordinates}
-        for name, variable, is_coordinate in swept_fields(names, shape, cells.places, taken):
+        for name, variable, is_coordinate in swept_fields(names, shape, places, taken):
             (coordinates if is_coordinate else data)[name] = variable
     attributes = {
         "title": sweep.title or sweep.name,

@@ -5,18 +5,26 @@ decided between them follows from the run's scene and from what the loops gave; 
 later decides the same again, and its n-th loop is the n-th of the one before. So a loop's number is
 its name, and what it must remember is its own state alone.
 
-Who keeps that, and where, is not known here: a `Keeper` does, for all loops in `kept_by`. Without
-one a loop remembers nothing.
+A `CheckpointFolder` keeps that as files, for all loops in `kept_by`; without one a loop remembers
+nothing. A file, which is sealed, has the stamp of its run, the loop's task and memory. One that is
+damaged, of another run, another machine or another task is not read.
 """
 
 from __future__ import annotations
 
+import io
+import pickle
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from contextvars import Context, ContextVar
 from dataclasses import dataclass, field
+from pathlib import Path
+from threading import Lock
 from time import perf_counter
-from typing import Any, Protocol
+from typing import Any
+
+from longwave.support.compiled.source_digest import compiler_settings
+from longwave.support.sealed_file import LOG, read_sealed, write_sealed
 
 Memory = dict[str, Any]
 """By name: numbers, texts, arrays, and lists, tuples and dictionaries of them."""
@@ -24,34 +32,136 @@ Memory = dict[str, Any]
 FIRST_COST = 0.01
 """Seconds that keeping a memory is taken to cost before it was done: two flushes to a disk."""
 
+ANEW = "%s: begins anew: %s holds nothing of this scene, code and machine"
 
-class Keeper(Protocol):
-    """Keeps the memories of a run's loops."""
+LEAST = 5.0
+"""Seconds between two checkpoints of a loop: what a kill loses at most."""
 
-    least: float
-    """Seconds that a loop goes on at least before its memory is kept again."""
-    share: float
-    """The most of a loop's time that keeping its memory may take."""
+SHARE = 0.01
+"""The most of a run's time that its checkpoints take."""
+
+PATIENCE = 60.0
+"""Seconds until it is tried again where a checkpoint could not be written."""
+
+PLAIN = {
+    ("numpy", "dtype"),
+    ("numpy", "ndarray"),
+    ("numpy._core.multiarray", "_reconstruct"),
+    ("numpy._core.multiarray", "scalar"),
+    ("numpy._core.numeric", "_frombuffer"),
+}
+"""What may stand in a checkpoint beside numbers, texts, lists and dictionaries: arrays."""
+
+
+def run_stamp(key: str) -> str:
+    """What the bits of the run of that key follow from: another machine's may be others."""
+    from longwave.support.compiled.native_code import processor
+
+    return "\n".join([key, processor(), *compiler_settings()])
+
+
+class CheckpointFolder:
+    """Keeps the memories of one run's loops in a folder, which is made for the first of them.
+
+    ``stamp`` is all that the run's bits follow from. A loop goes on ``least`` seconds before its
+    memory is kept again, which takes at most the ``share`` of its time. A disk that is full stops
+    no run: that is told, and tried again later.
+    """
+
+    def __init__(
+        self, folder: Path, stamp: str, least: float = LEAST, share: float = SHARE
+    ) -> None:
+        self.least, self.share = least, share
+        self._folder, self._stamp = folder, stamp
+        self._usual, self._lock = least, Lock()
+        self._spared = 0.0
 
     def read(self, name: str, task: str) -> Memory | None:
-        """What was kept of the loop of that name; None if nothing was, or of another task."""
+        """What was kept of the loop of that name; None if nothing that fits was."""
+        path = self._path(name)
+        data = read_sealed(path)
+        if data is None:
+            if path in self._loops():
+                LOG.warning("%s is damaged: that part of the run is done again", path)
+            return None
+        stamp, kept_task, memory = _read(data)
+        return memory if (stamp, kept_task) == (self._stamp, task) else None
 
     def write(self, name: str, task: str, memory: Memory) -> None:
         """Keep it at once, in the place of what was kept before; what is in it changes later."""
+        data = pickle.dumps((self._stamp, task, memory), protocol=5)
+        try:
+            self._folder.mkdir(parents=True, exist_ok=True)
+            write_sealed(self._path(name), data)
+        except OSError as error:
+            if self.least != PATIENCE:
+                LOG.warning("%s: the run goes on without a checkpoint", error)
+            self.least = PATIENCE
+        else:
+            self.least = self._usual
+
+    @property
+    def is_begun(self) -> bool:
+        """Whether anything was kept that this run can go on with."""
+        return any(_read(read_sealed(path) or b"")[0] == self._stamp for path in self._loops())
+
+    def tell(self, name: str) -> None:
+        """Tell whether the run of that name goes on with what was kept, or can not."""
+        if self.is_begun:
+            LOG.info("%s: goes on where it was broken off", name)
+        elif self._loops():
+            LOG.info(ANEW, name, self._folder)
 
     def spared(self, seconds: float) -> None:
         """Count what need not be done again."""
+        with self._lock:
+            self._spared += seconds
 
     @property
     def spared_seconds(self) -> float:
         """All that was counted."""
+        return self._spared
+
+    def clear(self) -> None:
+        """Remove what was kept: the run is finished. A folder that holds other files stays."""
+        with suppress(OSError):
+            for path in (*self._loops(), *self._folder.glob(".*.draft.loop")):
+                path.unlink(missing_ok=True)
+            self._folder.rmdir()
+
+    def _loops(self) -> list[Path]:
+        try:
+            return sorted(self._folder.glob("*.loop"))
+        except OSError:  # a name that is too long, say
+            return []
+
+    def _path(self, name: str) -> Path:
+        return self._folder / f"{name}.loop"
+
+
+def _read(data: bytes) -> tuple[Any, Any, Any]:
+    """Stamp, task and memory; none of them in what this process cannot read."""
+    try:
+        stamp, task, memory = _Reader(io.BytesIO(data)).load()
+    except Exception:  # of another version of NumPy, say
+        return None, None, None
+    return stamp, task, memory
+
+
+class _Reader(pickle.Unpickler):
+    """Reads numbers, texts and arrays, and calls nothing else that a file may name."""
+
+    def find_class(self, module: str, name: str) -> Any:
+        if (module, name) in PLAIN:
+            return super().find_class(module, name)
+        raise pickle.UnpicklingError(f"{module}.{name} has no place in a checkpoint")
 
 
 @dataclass
 class _Trail:
     """The loops so far, in the order in which they began."""
 
-    keeper: Keeper
+    keeper: CheckpointFolder
     stem: str = ""
     count: int = 0
 
@@ -64,7 +174,7 @@ _TRAIL: ContextVar[_Trail | None] = ContextVar("_TRAIL", default=None)
 
 
 @contextmanager
-def kept_by(keeper: Keeper) -> Iterator[None]:
+def kept_by(keeper: CheckpointFolder) -> Iterator[None]:
     """Have the loops that begin in the body remembered."""
     token = _TRAIL.set(_Trail(keeper))
     try:
@@ -96,7 +206,7 @@ class Loop:
     ``begun`` is when it would have begun if it had not been interrupted, as `perf_counter` tells.
     """
 
-    keeper: Keeper | None = None
+    keeper: CheckpointFolder | None = None
     name: str = ""
     task: str = ""
     memory: Memory | None = None

@@ -30,7 +30,7 @@ from longwave.support.request_limits import (
     request_limits,
 )
 from longwave.support.slow_work import SILENT, announce, notice_when_silent
-from longwave.support.user_files import printable
+from longwave.support.user_files import cut, printable
 
 __all__ = [
     "INTERRUPTED",
@@ -49,7 +49,9 @@ __all__ = [
     "json_option",
     "limit_options",
     "limits_of_each",
+    "listed",
     "one_line",
+    "path_option",
     "run_words",
 ]
 
@@ -65,11 +67,17 @@ QUOTED, LONGEST = 200, 4000
 _ARGV = "longwave.argv"
 
 Wrapped = TypeVar("Wrapped", bound=Callable[..., Any])
+Number = TypeVar("Number", int, float)
 
 force_option = click.option(
     "--force", is_flag=True, help="Overwrite what is written, if it is there."
 )
 json_option = click.option("--json", "json_wanted", is_flag=True, help="Print JSON.")
+
+
+def path_option(name: str, metavar: str, said: str) -> Callable[[Wrapped], Wrapped]:
+    """Give a command an option that names a file or a folder."""
+    return click.option(name, metavar=metavar, type=click.Path(), help=said)
 
 
 class CommandGroup(click.Group):
@@ -147,6 +155,22 @@ _MEMORY = (
     "--max-memory", "SIZE", "Refuse what takes more, as 4G", "half of the machine's", _limit_memory
 )  # fmt: skip
 _TIME = "--max-time", "TIME", "Refuse what takes longer, as 30min", "1h", _limit_time
+
+
+def listed(
+    name: str, text: str, part: Callable[[str], Number], what: str, usual: str
+) -> tuple[Number, ...]:
+    """The numbers in the text of an option, ``what`` being said of them where they are none.
+
+    >>> listed("--eps", "0.1, 0.05", float, "numbers", "such as 0.1,0.05")
+    (0.1, 0.05)
+    """
+    try:
+        return tuple(map(part, text.split(",")))
+    except ValueError:
+        raise ValueError(
+            f"{name} must be {what} with commas between, got {text[:60]!r} ({usual})"
+        ) from None
 
 
 def called_by() -> str:
@@ -248,15 +272,6 @@ def _quoting_little(message: str, argv: Iterable[str]) -> str:
             if len(text) > QUOTED // 2:
                 message = message.replace(text, cut(text, QUOTED // 2))
     return re.sub(rf"\S{{{QUOTED},}}", lambda found: cut(found[0], QUOTED // 2), message)
-
-
-def cut(text: str, most: int) -> str:
-    """The text, of at most so many characters: from a longer one the end is left out.
-
-    >>> cut("a long text", 8)
-    'a lon...'
-    """
-    return text if len(text) <= most else f"{text[: most - 3]}..."
 
 
 def fail_for_memory(error: MemoryError, what: str = "sites") -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import tempfile
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -14,6 +15,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn, track
 from rich.text import Text
 
+from longwave.support.command_line import interrupted
 from longwave.support.request_limits import Announcer
 from longwave.support.slow_work import announce, count_notice, notice_when_silent
 from longwave.support.user_files import printable, shown
@@ -25,10 +27,10 @@ T = TypeVar("T")
 Tell = Callable[[float], None]
 
 
-def table_console() -> Console:
+def table_console(width: int = PIPE_WIDTH, **look: Any) -> Console:
     """The console for tables: as wide as the terminal, and wide enough for one row in a pipe."""
-    console = Console()
-    return console if console.is_terminal else Console(width=PIPE_WIDTH)
+    console = Console(**look)
+    return console if console.is_terminal else Console(width=width, **look)
 
 
 def tracked(items: Iterable[T], count: int, words: str) -> Iterator[T]:
@@ -51,7 +53,26 @@ def finished(items: Iterable[T]) -> tuple[list[T], bool]:
     return found, True
 
 
-def print_lines(console: Console, lines: Sequence[str]) -> None:
+def print_found(
+    found: Sequence[Any],
+    complete: bool,
+    show: Callable[[Sequence[Any]], object],
+    json_wanted: bool,
+    program: str,
+    asked: str,
+) -> int:
+    """Print what `finished` gives as ``show`` does, or as JSON; return the exit status.
+
+    That is 0, or 130 where ``program`` was interrupted before all that was ``asked``.
+    """
+    if json_wanted:
+        print(json.dumps([entry.json() for entry in found], indent=2))
+    else:
+        show(found)
+    return 0 if complete else interrupted(program, f"after {len(found)} of {asked}")
+
+
+def print_lines(console: Console, lines: Iterable[str]) -> None:
     """Print lines as they are, without markup and without breaking them."""
     for line in lines:
         console.print(line, markup=False, highlight=False, soft_wrap=True)
@@ -152,14 +173,18 @@ QUIET = 2.0
 
 @contextmanager
 def progress_bar(
-    name: str, work: str, console: Console, clock: Callable[[], float] = process_time
+    name: str,
+    work: str,
+    console: Console | None = None,
+    clock: Callable[[], float] = process_time,
 ) -> Iterator[tuple[Tell, Tell]]:
-    """A bar, where the console is a terminal, as `run` takes it.
+    """A bar on the standard error, where that is a terminal, as `run` takes it.
 
     Yields what the share done is told to, and what the seconds of ``work`` are told to: many are
     announced, and again where they have doubled. Where there is no bar, what takes `QUIET` seconds
     of the ``clock`` without a word gets one.
     """
+    console = console or plain_console(stderr=True, soft_wrap=True)
     if not console.is_terminal:
         with notice_when_silent(work, QUIET, clock):
             yield lambda _: None, Announcer(lambda seconds: announce(work, seconds))

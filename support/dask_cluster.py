@@ -13,8 +13,8 @@ from pkgutil import resolve_name
 from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any
 
-from longwave.support.checkpoint_folder import LOG
 from longwave.support.processes import PATIENCE, Call, Job, LostProcess, run_apart
+from longwave.support.sealed_file import LOG
 
 if TYPE_CHECKING:
     from distributed import Client

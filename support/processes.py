@@ -114,23 +114,32 @@ def as_ended(
     workers: Workers,
     look: Callable[[Mapping[Call, Subject]], object] = lambda _: None,
 ) -> Iterator[tuple[Subject, Call]]:
-    """Do all jobs, each taken when there is a worker for it; the keys and calls as they end.
-
-    ``look`` is shown the calls under way from time to time. The workers are stopped at the end,
-    also by an error or Ctrl-C.
-    """
-    waiting, running = iter(jobs), dict[Call, Subject]()
+    """Do all jobs as `in_turn` does, and stop the workers, also after an error or Ctrl-C."""
     try:
-        while True:
-            for key, job in islice(waiting, max(0, workers.count - len(running))):
-                running[workers.submit(job)] = key
-            if not running:
-                return
-            for call in workers.ended(POLL):
-                yield running.pop(call), call
-            look(running)
+        yield from in_turn(jobs, workers, look)
     finally:
         workers.stop()
+
+
+def in_turn(
+    jobs: Iterable[tuple[Subject, Job]],
+    workers: Workers,
+    look: Callable[[Mapping[Call, Subject]], object] = lambda _: None,
+    ahead: int = 1,
+) -> Iterator[tuple[Subject, Call]]:
+    """Do all jobs, each taken when a worker has less than ``ahead``; keys and calls as they end.
+
+    ``look`` is shown the calls under way from time to time.
+    """
+    waiting, running = iter(jobs), dict[Call, Subject]()
+    while True:
+        for key, job in islice(waiting, max(0, ahead * workers.count - len(running))):
+            running[workers.submit(job)] = key
+        if not running:
+            return
+        for call in workers.ended(POLL):
+            yield running.pop(call), call
+        look(running)
 
 
 def in_order(jobs: Iterable[Job], workers: Workers) -> Iterator[Any]:

@@ -7,14 +7,12 @@ was different.
 from __future__ import annotations
 
 import hashlib
-import os
 import platform
 from functools import lru_cache
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from longwave.support.compiled.native_code import processor
-from longwave.support.compiled.source_digest import HOUSE
+from longwave.support.compiled.source_digest import HOUSE, compiler_settings, installed_version
 
 PACKAGES = (
     *("longwave", "numpy", "scipy", "numba", "llvmlite", "ducc0", "sympy", "mpmath"),
@@ -24,9 +22,6 @@ PACKAGES = (
 CODE = ("support", "derive", "solutions", "lattice", "scenes")
 """Folders, with those in them, that hold all that a run is computed by: formulas are imported by
 name, so following imports would not do."""
-
-SETTINGS = ("NUMBA_",)
-"""How the variables of the environment begin that say how kernels are compiled."""
 
 PROVENANCE = ("versions", "platform", "code")
 """The attributes of a run that `provenance` gives."""
@@ -39,10 +34,12 @@ def provenance() -> dict[str, str]:
     >>> sorted(provenance())
     ['code', 'platform', 'versions']
     """
-    versions = [f"{package} {_version(package)}" for package in PACKAGES]
+    versions = [f"{package} {installed_version(package) or 'missing'}" for package in PACKAGES]
     name, _, features = processor().partition(" ")
-    settings = [f"{key}={value}" for key, value in sorted(os.environ.items()) if _is_setting(key)]
-    machine = [platform.platform(), f"{name} {_digest(features.encode())}", *settings]
+    machine = [
+        *(platform.platform(), f"{name} {_digest(features.encode())}"),
+        *compiler_settings(),
+    ]
     return {
         "versions": ", ".join([*versions, f"Python {platform.python_version()}"]),
         "platform": ", ".join(machine),
@@ -72,10 +69,15 @@ def code_digests() -> dict[str, str]:
     True
     """
     found: dict[str, list[Path]] = {}
-    for room in CODE:
-        for path in sorted((HOUSE / room).rglob("*.py")):
-            found.setdefault(path.parent.relative_to(HOUSE).as_posix(), []).append(path)
+    for file, path in code_files().items():
+        found.setdefault(file.parent.as_posix(), []).append(path)
     return {folder: _digest(*map(_content, paths)) for folder, paths in sorted(found.items())}
+
+
+def code_files() -> dict[Path, Path]:
+    """The Python files that a run is computed by, under their names in the house."""
+    paths = (path for room in CODE for path in sorted((HOUSE / room).rglob("*.py")))
+    return {path.relative_to(HOUSE): path for path in paths}
 
 
 def _content(path: Path) -> bytes:
@@ -85,14 +87,3 @@ def _content(path: Path) -> bytes:
 def _digest(*contents: bytes) -> str:
     parts = b"".join(hashlib.sha256(content).digest() for content in contents)
     return hashlib.sha256(parts).hexdigest()[:12]
-
-
-def _is_setting(name: str) -> bool:
-    return name.startswith(SETTINGS) and name != "NUMBA_CACHE_DIR"
-
-
-def _version(package: str) -> str:
-    try:
-        return version(package)
-    except PackageNotFoundError:
-        return "missing"

@@ -16,6 +16,8 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
+from longwave.support.user_files import cut
+
 SHARE = 0.5
 """Of the memory that there is, what a request may take unless told."""
 
@@ -179,8 +181,9 @@ def _quantity(name: str, text: str, units: dict[str, float], usual: str) -> floa
         return math.inf
     match = _QUANTITY.fullmatch(text)
     if match is None or match[2] not in units or not float(match[1]) > 0:
-        shown = text if len(text) <= 60 else f"{text[:57]}..."
-        raise ValueError(f"{name} must be a positive amount, got {shown!r} (such as {usual})")
+        raise ValueError(
+            f"{name} must be a positive amount, got {cut(text, 60)!r} (such as {usual})"
+        )
     return float(match[1]) * units[match[2]]
 
 

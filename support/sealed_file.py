@@ -1,21 +1,24 @@
-"""HDF5 files that end with their checksum: whole, or as good as missing.
+"""Files that end with their checksum: whole, or as good as missing.
 
-HDF5 passes over the line after a file's end. Files appear whole or not at all; that line tells of
-one that was damaged since.
+Files appear whole or not at all; the line after a file's end, which HDF5 passes over, tells of one
+that was damaged since.
 """
 
 from __future__ import annotations
 
 import hashlib
+import logging
 import os
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
 from longwave.support.atomic_file import write_atomically
-from longwave.support.checkpoint_folder import LOG
 
 if TYPE_CHECKING:
     from hashlib import _Hash as Hash
+
+LOG = logging.getLogger("longwave.store")
+"""What happens to runs and checkpoints on the way."""
 
 SEAL = b"\nlongwave run, sha256 of all before this line: "
 """How the line after a file's end begins; the digest, in hexadecimal, and a line's end follow."""
@@ -26,7 +29,7 @@ PART = 2**20
 """Bytes that are read at once."""
 
 
-def write_sealed(path: Path, content: bytes, force: bool = True) -> None:
+def write_sealed(path: Path, content: bytes, force: bool = True, durable: bool = True) -> None:
     """Write the content and its seal, whole or not at all; raises as `write_atomically`."""
 
     def write(draft: Path) -> None:
@@ -34,7 +37,17 @@ def write_sealed(path: Path, content: bytes, force: bool = True) -> None:
             stream.write(content)
             stream.write(_seal(hashlib.sha256(content)))
 
-    write_atomically(path, write, force)
+    write_atomically(path, write, force, durable)
+
+
+def read_sealed(path: Path) -> bytes | None:
+    """The content of such a file; None if it is not there, or damaged."""
+    try:
+        held = path.read_bytes()
+    except OSError:
+        return None
+    content = held[:-SEAL_LENGTH]
+    return content if held[len(content) :] == _seal(hashlib.sha256(content)) else None
 
 
 def is_whole(path: Path) -> bool:

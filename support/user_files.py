@@ -49,7 +49,16 @@ def shown(value: object) -> str:
         line = " ".join(repr(value).split())
     except RecursionError:
         return f"a {type(value).__name__} that is nested too deep"
-    return line if len(line) <= 60 else f"{line[:57]}..."
+    return cut(line, 60)
+
+
+def cut(text: str, most: int) -> str:
+    """The text, of at most so many characters: from a longer one the end is left out.
+
+    >>> cut("a long text", 8)
+    'a lon...'
+    """
+    return text if len(text) <= most else f"{text[: most - 3]}..."
 
 
 def shown_path(path: str | Path) -> str:
@@ -89,19 +98,11 @@ def file_stem(path: str | Path) -> str:
     return "stdin" if str(path) == STANDARD_INPUT else Path(path).stem
 
 
-def check_file(path: str | Path, what: str, most: float) -> None:
-    """Raise ValueError unless the path is a regular file of at most ``most`` bytes.
-
-    ``what`` is what the file is to be, such as "scene". Raises OSError as opening does.
-    """
-    _check(os.stat(_without_zeros(path, what)), path, what, most)
-
-
 def read_bytes(path: str | Path, what: str, most: int) -> bytes:
     """The content of a regular file, or of the standard input for ``-``.
 
-    Raises ValueError for another kind of file and for more than ``most`` bytes, OSError as opening
-    does.
+    ``what`` is what the file is to be, such as "scene". Raises ValueError for another kind of file
+    and for more than ``most`` bytes, OSError as opening does.
     """
     if str(path) == STANDARD_INPUT:
         content = sys.stdin.buffer.read(most + 1)
@@ -142,8 +143,7 @@ def parse_toml(content: bytes, path: str | Path, what: str) -> dict[str, Any]:
     except RecursionError:
         deep = True
     except tomllib.TOMLDecodeError as error:
-        words = " ".join(str(error).split())
-        reason = words if len(words) <= QUOTED else f"{words[: QUOTED - 3]}..."
+        reason = cut(" ".join(str(error).split()), QUOTED)
         raise ValueError(
             f"{what} must be a TOML file, got {shown_path(path)}: {reason} (mend it)"
         ) from None

@@ -3,7 +3,6 @@
 Exit status: 0 if every error is within the promised bound, 1 if one is not, 2 for bad input.
 """
 
-import json
 import os
 import sys
 from collections.abc import Iterator, Sequence
@@ -20,8 +19,8 @@ from longwave.reports.studies.evaluation_accuracy import (
     wave_names,
     worst_of,
 )
-from longwave.support.command_line import check_and_announce, interrupted
-from longwave.support.console import finished, table_console
+from longwave.support.command_line import check_and_announce
+from longwave.support.console import finished, print_found, table_console
 from longwave.support.known_names import one_of
 from longwave.support.processes import Job, LocalWorkers, in_order
 from longwave.support.user_files import shown
@@ -49,13 +48,13 @@ def print_accuracy(
     if unknown:
         known = one_of(unknown[0], wave_names())
         raise ValueError(f"--only must be a wave, got {unknown[0]} ({known})")
-    if not 1 <= jobs <= MOST_JOBS:
-        raise ValueError(
-            f"--jobs must satisfy 1 <= --jobs <= {MOST_JOBS}, got {shown(jobs)} (2 is usual)"
-        )
-    if not 0 <= drawn <= MOST_DRAWN:
-        got = f"{shown(drawn)} ({DRAWN} is usual)"
-        raise ValueError(f"--drawn must satisfy 0 <= --drawn <= {MOST_DRAWN}, got {got}")
+    for name, least, given, most, usual in (
+        ("--jobs", 1, jobs, MOST_JOBS, 2),
+        ("--drawn", 0, drawn, MOST_DRAWN, DRAWN),
+    ):
+        if not least <= given <= most:
+            got = f"{shown(given)} ({usual} is usual)"
+            raise ValueError(f"{name} must satisfy {least} <= {name} <= {most}, got {got}")
     chosen = only or wave_names()
     cases = sum(len(list(all_cases(name, 0))) + drawn for name in chosen)
     cores = min(jobs, os.cpu_count() or 1)
@@ -66,13 +65,9 @@ def print_accuracy(
         "take fewer waves, --drawn or --jobs",
     )
     results, complete = finished(_measured(chosen, jobs, drawn))
-    if json_wanted:
-        print(json.dumps([result.json() for result in results], indent=2))
-    else:
-        _print(results)
-    if not complete:
-        return interrupted(program, f"after {len(results)} of {len(chosen)} waves")
-    return 0 if all(result.passed for result in results) else 1
+    asked = f"{len(chosen)} waves"
+    status = print_found(results, complete, _print, json_wanted, program, asked)
+    return status or int(not all(result.passed for result in results))
 
 
 def _measured(names: Sequence[str], jobs: int, drawn: int) -> Iterator[Accuracy]:

@@ -1,4 +1,4 @@
-"""``longwave check FILE``: repeat the proofs in a file, without the prover.
+"""Files of proofs, which are written here; ``longwave check FILE`` repeats those in one.
 
 The checker counts before it works (`verify.kernel.limits`).  What would slip through ends
 at a limit of time and memory, in a process of its own: the last line of defence against hostile
@@ -7,24 +7,90 @@ input.
 
 from __future__ import annotations
 
+import glob
 import json
 import os
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NoReturn, TypeVar
 
-from longwave.cli.exporting import ProofFile
+from longwave.support.atomic_file import write_atomically
 from longwave.support.command_line import fail, one_line
+from longwave.support.console import check_output
 from longwave.support.processes import Job, limit_processor, run_apart
 from longwave.support.user_files import QUOTED, read_text, shown_path
 from longwave.verify.kernel.limits import FILE_BYTES
 from longwave.verify.proof import CertificateError, check_certificate
+from longwave.verify.proof.export.derivation import written_out
+from longwave.verify.proof.export.systems import SYSTEMS
+from longwave.verify.proof.export.terms import premises_in_short
 
 T = TypeVar("T")
 
 CERTIFICATES = 100
 """Most certificates in a file."""
+
+
+@dataclass(frozen=True)
+class ProofFile:
+    """The file ``output`` of proofs: their certificates or, for a ``system``, a script of each.
+
+    Several scripts get a number each. Without ``output`` nothing is written.
+    """
+
+    output: str | None
+    system: str | None = None
+    force: bool = False
+
+    def check(self, read: Sequence[str | Path] = ()) -> None:
+        """Raise ValueError, before the work, if it cannot or may not be written.
+
+        What is ``read`` is never overwritten.
+        """
+        if self.output is None:
+            if self.system is not None:
+                raise ValueError("--export must be given with --output FILE, got no file")
+            return
+        example = "c.json" if self.system is None else "proof.v"
+        check_output(self.output, example, force=self.force, read=read)
+        path = Path(self.output)
+        others = sorted(path.parent.glob(f"{glob.escape(path.stem)}_[0-9]*{path.suffix}"))
+        if self.system is not None and others and not self.force:
+            raise ValueError(
+                f"--output must name new files, got {self.output} beside {others[0].name}, "
+                "which is there (--force overwrites it)"
+            )
+
+    def write(self, certificates: Sequence[Mapping[str, Any]]) -> None:
+        """Write what is proved; of scripts, tell the premises on the standard error.
+
+        Raises CertificateError for a proof that has no script, ValueError for scripts of none,
+        OSError as writing does.
+        """
+        if self.output is None:
+            return
+        path = Path(self.output)
+        if self.system is None:
+            texts = [json.dumps(certificate) for certificate in certificates]
+            self._write(path, "[" + ",\n".join(texts) + "]\n")
+            return
+        if not certificates:
+            raise ValueError(
+                "--export must be given with what is proved, got no proof (see verdict)"
+            )
+        proofs = [written_out(certificate) for certificate in certificates]
+        texts = [SYSTEMS[self.system].write(proof) for proof in proofs]
+        for number, (text, proof) in enumerate(zip(texts, proofs, strict=True), 1):
+            file = path if len(texts) == 1 else path.with_stem(f"{path.stem}_{number}")
+            self._write(file, text)
+            if proof.premises:
+                conditions = premises_in_short(proof.conditions)
+                print(f"{file}: accepted will mean proved if {conditions}", file=sys.stderr)
+
+    def _write(self, path: Path, text: str) -> None:
+        write_atomically(path, lambda draft: draft.write_text(text, encoding="utf-8"), self.force)
 
 
 def print_certificates(

@@ -21,6 +21,7 @@ from longwave.support.command_line import (
     json_option,
     limit_options,
     limits_of_each,
+    path_option,
 )
 
 COMPLETION = "_LONGWAVE_COMPLETE"
@@ -46,23 +47,17 @@ def scene_names() -> list[str]:
 
 def complete_scenes(_: click.Context, __: click.Parameter, begun: str) -> list[CompletionItem]:
     """Files, where a path or nothing that is shipped has been begun, else the shipped scenes."""
-    names = [name for name in scene_names() if name.startswith(begun)]
-    items = [CompletionItem(name) for name in names]
-    return items if begun and names else [*items, CompletionItem(begun, type="file")]
+    return _shipped_or_files(scene_names(), begun)
 
 
 def complete_sweeps(_: click.Context, __: click.Parameter, begun: str) -> list[CompletionItem]:
-    """The shipped sweeps, and files."""
-    names = sorted(path.stem for path in SWEEPS.glob("*.toml") if path.stem.startswith(begun))
-    return [*map(CompletionItem, names), CompletionItem(begun, type="file")]
+    """The same of sweeps."""
+    return _shipped_or_files(sorted(path.stem for path in SWEEPS.glob("*.toml")), begun)
 
 
-def _version(context: click.Context, _: click.Parameter, wanted: bool) -> None:
-    if wanted and not context.resilient_parsing:
-        from importlib.metadata import version
-
-        click.echo(f"longwave {version('longwave')}")
-        context.exit()
+def _shipped_or_files(names: list[str], begun: str) -> list[CompletionItem]:
+    items = [CompletionItem(name) for name in names if name.startswith(begun)]
+    return items if begun and items else [*items, CompletionItem(begun, type="file")]
 
 
 def _completion(context: click.Context, _: click.Parameter, shell: str | None) -> None:
@@ -79,14 +74,7 @@ def _completion(context: click.Context, _: click.Parameter, shell: str | None) -
     + "\n\nExit status: 0 all is well, 1 something is refuted, undecided, missing or broke off, "
     "2 wrong input, 130 Ctrl-C.",
 )
-@click.option(
-    "--version",
-    is_flag=True,
-    expose_value=False,
-    is_eager=True,
-    callback=_version,
-    help="Print it.",
-)
+@click.version_option(package_name="longwave", message="longwave %(version)s", help="Print it.")
 @click.option(
     "--completion",
     type=click.Choice(SHELLS),
@@ -118,13 +106,12 @@ for command in (derive, prove, library, check, verify):
     metavar="E",
     help=f"{' or '.join(ENGINES)}, with a tolerance; site by site or on a spectral ring.",
 )
-@click.option("--output", metavar="FILE.nc", type=click.Path(), help="Write the run as NetCDF-4.")
-@click.option(
+@path_option("--output", "FILE.nc", "Write the run as NetCDF-4.")
+@path_option(
     "--store",
-    metavar="FOLDER",
-    type=click.Path(),
-    help="Keep the run in this folder; one that is there is not run again, one that was broken off "
-    "is gone on with.",
+    "FOLDER",
+    "Keep the run in this folder; one that is there is not run again, one that was broken off is "
+    "gone on with.",
 )
 @click.option("--force", is_flag=True, help="Let --output overwrite an older run.")
 @limit_options
@@ -144,12 +131,8 @@ def run(scene: str, **options: Any) -> int:
 @click.argument("sweep", shell_complete=complete_sweeps)
 @click.option("--processes", type=int, metavar="N", help="Worker processes (all cores).")
 @click.option("--scheduler", metavar="ADDRESS", help="A Dask scheduler, tcp://HOST:PORT, instead.")
-@click.option(
-    "--store", metavar="FOLDER", type=click.Path(), help="Keeps the runs (default SWEEP.store)."
-)
-@click.option(
-    "--output", metavar="FILE.nc", type=click.Path(), help="The cells' numbers (SWEEP.nc)."
-)
+@path_option("--store", "FOLDER", "Keeps the runs (default SWEEP.store).")
+@path_option("--output", "FILE.nc", "The cells' numbers (SWEEP.nc).")
 @click.option("--force", is_flag=True, help="Overwrite what is no result of this sweep, too.")
 @limit_options
 def sweep(sweep: str, **options: Any) -> int:
@@ -166,9 +149,7 @@ def sweep(sweep: str, **options: Any) -> int:
 
 @longwave.command(epilog=example("longwave plot rogue_cn_k_0.5 --output rogue_cn.pdf"))
 @click.argument("source", shell_complete=complete_scenes)
-@click.option(
-    "--output", metavar="FILE", type=click.Path(), help="PNG, PDF or SVG (default SOURCE.png)."
-)
+@path_option("--output", "FILE", "PNG, PDF or SVG (default SOURCE.png).")
 @click.option(
     "--kind", type=click.Choice(PICTURES + SWEEP_PICTURES), default="all", help="Which picture."
 )
@@ -192,12 +173,7 @@ def plot(source: str, output: str | None, **options: Any) -> int:
 
 @longwave.command(epilog=example("longwave animate rational_3_eps_0.05 --times -2000 2000"))
 @click.argument("source", shell_complete=complete_scenes)
-@click.option(
-    "--output",
-    metavar="FILE",
-    type=click.Path(),
-    help="MP4 or GIF (default SOURCE.mp4; SOURCE.gif without ffmpeg).",
-)
+@path_option("--output", "FILE", "MP4 or GIF (default SOURCE.mp4; SOURCE.gif without ffmpeg).")
 @click.option("--duration", type=float, default=6.0, show_default=True, help="Seconds.")
 @click.option("--fps", type=float, default=25.0, show_default=True, help="Frames a second.")
 @click.option("--dpi", type=float, default=110.0, show_default=True, help="Pixels an inch.")
@@ -223,7 +199,7 @@ longwave.add_command(report)
 @click.argument("scene", shell_complete=complete_scenes)
 @click.option("--eps", metavar="E1,E2,...", help="Values of eps; 2, 1.4, 1, 0.7 times the scene's.")
 @click.option("--tolerance", type=float, metavar="X", help="In the place of the scene's.")
-@click.option("--output", metavar="FILE", type=click.Path(), help="Draw it: PNG, PDF or SVG.")
+@path_option("--output", "FILE", "Draw it: PNG, PDF or SVG.")
 @force_option
 @json_option
 @limit_options

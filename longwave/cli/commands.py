@@ -16,6 +16,7 @@ from longwave.support.command_line import (
     force_option,
     json_option,
     limit_options,
+    path_option,
 )
 
 METHODS = ("proof", "residual")
@@ -53,8 +54,7 @@ _export = click.option(
 )
 
 
-def _output(said: str) -> Callable[[Wrapped], Wrapped]:
-    return click.option("--output", metavar="FILE", type=click.Path(), help=said)
+_certificates = path_option("--output", "FILE", "Write the proofs' certificates.")
 
 
 def _deciding(command: Wrapped) -> Wrapped:
@@ -64,7 +64,7 @@ def _deciding(command: Wrapped) -> Wrapped:
         json_option,
         force_option,
         _export,
-        _output("Write the proofs' certificates."),
+        _certificates,
         click.option("--latex", is_flag=True, help="Print a sentence on each in LaTeX."),
         click.option("--scheduler", metavar="ADDRESS", help="A Dask cluster, tcp://HOST:PORT."),
         click.option("--limit", type=float, metavar="SECONDS", help="For each (default 60)."),
@@ -147,7 +147,7 @@ def library(names: tuple[str, ...], **options: Any) -> int:
 
 @click.command(epilog=example("longwave check c.json"))
 @click.argument("file", type=click.Path(path_type=Path))
-@_output("Write the scripts of --export.")
+@path_option("--output", "FILE", "Write the scripts of --export.")
 @_export
 @force_option
 @json_option
@@ -168,7 +168,7 @@ def check(file: Path, **options: Any) -> int:
 )
 @_only
 @json_option
-@_output("Write the proofs' certificates.")
+@_certificates
 @_export
 @force_option
 @click.option("--stable", is_flag=True, help="Prove instead that evaluation form = canonical form.")

@@ -12,39 +12,31 @@ from rich.table import Table
 from longwave.reports.pictures.drawing import CURVES, TEXT_WIDTH, save, styled
 from longwave.scenes.named_scenes import load_scene
 from longwave.scenes.scene_checks import finite
-from longwave.support.command_line import fail_for_memory, interrupted
-from longwave.support.console import check_output, picture_path, plain_console, progress_bar
+from longwave.support.command_line import fail_for_memory, interrupted, listed
+from longwave.support.console import (
+    check_output,
+    picture_path,
+    plain_console,
+    print_lines,
+    progress_bar,
+)
 
 if TYPE_CHECKING:
     from longwave.scenes.scene_convergence import SceneConvergence
-
-
-def eps_values(text: str | None) -> tuple[float, ...]:
-    """The numbers of ``0.1,0.05``; none for none.
-
-    >>> eps_values("0.1, 0.05")
-    (0.1, 0.05)
-    """
-    if text is None:
-        return ()
-    try:
-        return tuple(finite("--eps", float(part)) for part in text.split(","))
-    except ValueError:
-        raise ValueError(
-            f"--eps must be numbers with commas between, got {text[:60]!r} (such as 0.1,0.07,0.05)"
-        ) from None
 
 
 def measured_convergence(source: str, eps: str | None, tolerance: float | None) -> SceneConvergence:
     """The convergence of the scene that is named."""
     from longwave.scenes.scene_convergence import scene_convergence
 
-    values = eps_values(eps)
+    values: tuple[float, ...] = ()
+    if eps is not None:
+        usual = "such as 0.1,0.07,0.05"
+        values = listed("--eps", eps, lambda part: finite("--eps", float(part)), "numbers", usual)
     scene = load_scene(source)
     if tolerance is not None:
         scene = scene.with_tolerance(tolerance)
-    errors = plain_console(stderr=True, soft_wrap=True)
-    with progress_bar(scene.name, f"{scene.name} at several eps", errors) as bar:
+    with progress_bar(scene.name, f"{scene.name} at several eps") as bar:
         return scene_convergence(scene, values, *bar)
 
 
@@ -53,17 +45,7 @@ def print_convergence(study: SceneConvergence, json_wanted: bool) -> None:
     if json_wanted:
         print(json.dumps(study.data(), indent=2))
         return
-    console = plain_console()
-    console.print(study.scene.title or study.scene.name, markup=False, soft_wrap=True)
-    console.print(_table(study))
-    for line in _lines(study):
-        console.print(line, markup=False, soft_wrap=True)
-
-
-def _table(study: SceneConvergence) -> Table:
-    table = Table()
-    for heading in ("eps", "sup error", "of the wave's size", "discretisation", "cells"):
-        table.add_column(heading)
+    table = Table("eps", "sup error", "of the wave's size", "discretisation", "cells")
     for point in study.points:
         table.add_row(
             f"{point.eps:g}",
@@ -72,17 +54,16 @@ def _table(study: SceneConvergence) -> Table:
             f"{point.discretisation:.1g}",
             str(point.sites),
         )
-    return table
-
-
-def _lines(study: SceneConvergence) -> list[str]:
-    scene = study.scene
+    scene, console = study.scene, plain_console()
     theory = "none known" if study.theory is None else str(study.theory)
-    return [
+    print_lines(console, [scene.title or scene.name])
+    console.print(table)
+    lines = [
         f"{scene.lattice}, {study.equation}, {scene.order} order: the sup error falls as eps^rate, "
         f"the wave's size as eps^{study.power}",
         f"rate {study.rate}, theory {theory}",
     ]
+    print_lines(console, lines)
 
 
 def convergence_figure(study: SceneConvergence) -> Figure:

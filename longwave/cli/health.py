@@ -11,6 +11,9 @@ from dataclasses import asdict, dataclass
 from importlib import metadata
 from typing import Any, Literal
 
+from longwave.support.compiled.cores import usable_cores
+from longwave.support.compiled.source_digest import installed_version
+
 State = Literal["good", "costs", "broken"]
 
 VECTORS = {"avx512f": 8, "avx2": 4, "sve": 4, "neon": 2, "sse2": 2}
@@ -56,7 +59,7 @@ def _packages() -> Iterator[Finding]:
         if "extra ==" in text.replace(";", "; "):
             continue
         name = _name(text)
-        version = _installed(name)
+        version = installed_version(name)
         if version is None:
             yield Finding(name, "missing", "broken", f"install it: pip install '{text}'")
         else:
@@ -68,16 +71,8 @@ def _name(requirement: str) -> str:
     return found[0] if found else requirement
 
 
-def _installed(package: str) -> str | None:
-    try:
-        return metadata.version(package)
-    except metadata.PackageNotFoundError:
-        return None
-
-
 def _cores() -> Finding:
-    usable = getattr(os, "sched_getaffinity", None)
-    count = len(usable(0)) if usable else os.cpu_count() or 1
+    count = usable_cores()
     if count == 1:
         cost = "long runs and the report, which use two cores and more, take about twice as long"
         return Finding("cores", "1", "costs", cost)
@@ -145,7 +140,7 @@ def _extras() -> Iterator[Finding]:
         ("sphinx", "docs", "the site cannot be built", ", or make docs"),
         ("panel", "explore", "`longwave explore` has no page", ""),
     ):
-        version = _installed(package)
+        version = installed_version(package)
         if version is not None:
             yield Finding(package, version)
         else:

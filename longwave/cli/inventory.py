@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from rich.console import Console
-from rich.table import Table
+from rich.table import Column, Table
+
+from longwave.support.console import table_console
 
 if TYPE_CHECKING:
     from longwave.solutions import ClosedForm
@@ -185,117 +186,96 @@ def observables() -> list[Record]:
     ]
 
 
-def _lattice_row(record: Record) -> Record:
-    return record | {name: ", ".join(record[name]) for name in ("fields", "constants", "forces")}
-
-
-def _wave_row(record: Record) -> Record:
-    domains = ", ".join(parameter["domain"] for parameter in record["parameters"])
-    return {
-        "name": record["name"],
-        "wave": record["title"],
-        "equation": record["equation"],
-        "parameters": domains,
-        "background": record["background"],
-        "period in xi": record["period"] or "",
-    }
-
-
-def _scheme_row(record: Record) -> Record:
-    return {
-        "name": record["name"],
-        "order": record["order"],
-        "forces a step": record["forces_a_step"],
-        "stable step x frequency": f"{record['stability_limit']:.2f}",
-        "from": record["reference"],
-    }
-
-
-def _scene_row(record: Record) -> Record:
-    if record["tolerance"] is not None:
-        computed = f"to {record['tolerance']:g}"
-    else:
-        computed = f"{record['scheme']}, step {record['step']:g}"
-    return {
-        "name": record["name"],
-        "title": record["title"],
-        "wave": record["wave"],
-        "eps": f"{record['eps']:g}",
-        "times": f"{record['start']:g} to {record['end']:g}",
-        "computed": computed,
-    }
-
-
-def _lattice_scene_row(record: Record) -> Record:
-    shown = ("name", "title", "lattice", "equation", "wave")
-    return {key: record[key] for key in shown} | {
-        "eps": f"{record['eps']:g}",
-        "order": record["order"],
-        "to": f"{record['tolerance']:g}",
-    }
-
-
-def _sweep_row(record: Record) -> Record:
-    return {
-        "name": record["name"],
-        "title": record["title"],
-        "scene": record["scene"],
-        "varied": ", ".join(record["fields"]),
-        "cells": record["cells"],
-    }
-
-
-def _observable_row(record: Record) -> Record:
-    what = record["what"] + (" (on a ring only)" if record["needs_ring"] else "")
-    return {"name": record["name"], "what": what, "arrays": ", ".join(record["arrays"])}
-
-
 class _Kind(NamedTuple):
-    """Of one kind of things: their records, the row of a table for one, and what stands below."""
+    """Of one kind of things: their records, the columns of their table, and what stands below.
+
+    A column has a format of a record, or a function of it.
+    """
 
     records: Callable[[], list[Record]]
-    row: Callable[[Record], Record]
+    columns: Mapping[str, str | Callable[[Record], str]]
     note: str = ""
 
 
+def _own(*names: str) -> dict[str, str]:
+    """Columns of records' entries as they are."""
+    return {name: f"{{{name}}}" for name in names}
+
+
+def _domains(record: Record) -> str:
+    return ", ".join(parameter["domain"] for parameter in record["parameters"])
+
+
+def _computed(record: Record) -> str:
+    if record["tolerance"] is not None:
+        return f"to {record['tolerance']:g}"
+    return f"{record['scheme']}, step {record['step']:g}"
+
+
+def _what(record: Record) -> str:
+    return record["what"] + (" (on a ring only)" if record["needs_ring"] else "")
+
+
 _KINDS: Mapping[str, _Kind] = {
-    "lattices": _Kind(lattices, _lattice_row),
+    "lattices": _Kind(lattices, _own("name", "title", "fields", "constants", "forces")),
     "waves": _Kind(
         waves,
-        _wave_row,
+        {
+            "name": "{name}",
+            "wave": "{title}",
+            "equation": "{equation}",
+            "parameters": _domains,
+            "background": "{background}",
+            "period in xi": "{period}",
+        },
         "rational_<j> is there for every order j: to be run up to 12, to be proved up to 99",
     ),
-    "schemes": _Kind(schemes, _scheme_row),
+    "schemes": _Kind(
+        schemes,
+        _own("name", "order")
+        | {"forces a step": "{forces_a_step}", "stable step x frequency": "{stability_limit:.2f}"}
+        | {"from": "{reference}"},
+    ),
     "scenes": _Kind(
-        scenes, _scene_row, "a scene of your own is a TOML file: longwave run FILE.toml"
+        scenes,
+        _own("name", "title", "wave")
+        | {"eps": "{eps:g}", "times": "{start:g} to {end:g}", "computed": _computed},
+        "a scene of your own is a TOML file: longwave run FILE.toml",
     ),
     "lattice-scenes": _Kind(
         lattice_scenes,
-        _lattice_scene_row,
+        _own("name", "title", "lattice", "equation", "wave")
+        | {"eps": "{eps:g}", "order": "{order}", "to": "{tolerance:g}"},
         "each is derived anew when it is run; longwave converge NAME fits its rate",
     ),
     "sweeps": _Kind(
-        sweeps, _sweep_row, "a sweep of your own is a TOML file: longwave sweep FILE.toml"
+        sweeps,
+        _own("name", "title", "scene") | {"varied": "{fields}", "cells": "{cells}"},
+        "a sweep of your own is a TOML file: longwave sweep FILE.toml",
     ),
-    "observables": _Kind(observables, _observable_row),
+    "observables": _Kind(observables, {"name": "{name}", "what": _what, "arrays": "{arrays}"}),
 }
 
 
 def print_tables(found: Mapping[str, Iterable[Record]]) -> None:
     """Print a table of each kind; text is printed as it is."""
-    width = None if Console().is_terminal else PIPE_WIDTH
-    console = Console(highlight=False, markup=False, emoji=False, width=width)
+    console = table_console(PIPE_WIDTH, highlight=False, markup=False, emoji=False)
     for kind, records in found.items():
-        console.print(_table(kind, map(_KINDS[kind].row, records)))
-        if _KINDS[kind].note:
-            console.print(_KINDS[kind].note, soft_wrap=True)
+        columns, note = _KINDS[kind].columns, _KINDS[kind].note
+        headings = [Column(name, no_wrap=name == "name") for name in columns]
+        table = Table(*headings, title=kind, title_justify="left")
+        for record in records:
+            cells = {name: _text(value) for name, value in record.items()}
+            table.add_row(
+                *(c.format(**cells) if isinstance(c, str) else c(record) for c in columns.values())
+            )
+        console.print(table)
+        if note:
+            console.print(note, soft_wrap=True)
 
 
-def _table(title: str, rows: Iterable[Record]) -> Table:
-    lines = list(rows)
-    table = Table(title=title, title_justify="left")
-    for heading in lines[0]:
-        table.add_column(heading, no_wrap=heading == "name")
-    for line in lines:
-        table.add_row(*(str(cell) for cell in line.values()))
-    return table
+def _text(value: Any) -> Any:
+    """What a cell shows of an entry: a list with commas, nothing for None."""
+    if isinstance(value, list):
+        return ", ".join(map(str, value))
+    return "" if value is None else value

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import shutil
 import subprocess
@@ -16,8 +15,8 @@ from rich.markup import escape
 from rich.table import Table
 
 from longwave.cli.statements import decided
-from longwave.support.command_line import check_and_announce, interrupted
-from longwave.support.console import finished, print_lines, table_console, tracked
+from longwave.support.command_line import check_and_announce
+from longwave.support.console import finished, print_found, print_lines, table_console, tracked
 from longwave.support.processes import Job, LocalWorkers, in_order
 from longwave.verify.proof import CertificateError
 from longwave.verify.proof.catalogue_proofs import NAMES, prove_named
@@ -53,6 +52,10 @@ class Rechecked:
     premises: Sequence[str]
     seconds: float
 
+    def json(self) -> dict[str, Any]:
+        """The answers as plain data."""
+        return asdict(self)
+
 
 def print_rechecks(
     names: Sequence[str], limit: float | None, json_wanted: bool, program: str
@@ -72,15 +75,9 @@ def print_rechecks(
     proofs = proofs_of(names)
     install_systems()
     found, complete = finished(tracked(rechecks(proofs, seconds), len(proofs), "rechecking"))
-    if json_wanted:
-        print(json.dumps([asdict(entry) for entry in found], indent=2))
-    else:
-        console = table_console()
-        console.print(rechecked_table(found))
-        print_lines(console, [_summary(found)])
-    if not complete:
-        return interrupted(program, f"after {len(found)} of {len(proofs)} statements")
-    return 1 if any(REJECTED in entry.answers.values() for entry in found) else 0
+    asked = f"{len(proofs)} statements"
+    status = print_found(found, complete, _print, json_wanted, program, asked)
+    return status or int(any(REJECTED in entry.answers.values() for entry in found))
 
 
 def install_systems() -> None:
@@ -155,7 +152,7 @@ def worst_of(words: Sequence[str]) -> str:
     return [*others, ACCEPTED][0] if words else NO_ANSWER
 
 
-def rechecked_table(found: Sequence[Rechecked]) -> Table:
+def _print(found: Sequence[Rechecked]) -> None:
     """One row a statement: its name, each system's word, if what holds, seconds."""
     table = Table(title="The proofs, repeated by other systems")
     table.add_column("statement", no_wrap=True)
@@ -166,7 +163,9 @@ def rechecked_table(found: Sequence[Rechecked]) -> Table:
     for entry in found:
         premises = escape(premises_in_short(entry.premises))
         table.add_row(entry.name, *entry.answers.values(), premises, f"{entry.seconds:.1f}")
-    return table
+    console = table_console()
+    console.print(table)
+    print_lines(console, [_summary(found)])
 
 
 def _summary(found: Sequence[Rechecked]) -> str:

@@ -1,25 +1,35 @@
-"""``longwave run SCENE``: run a scene, print its errors, cost and trust."""
+"""``longwave run``: run a scene and print its errors, or the one in a run's file, and compare."""
+
+from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from longwave.runs.output_checkpoint import OutputCheckpoint
-from longwave.runs.run_file import names_a_run
-from longwave.runs.save_elsewhere import check_run_output, fail_or_save_elsewhere, save_anywhere
-from longwave.runs.store_messages import fetch_with_messages
+from longwave.runs.run_file import load_run, names_a_run, scene_of_run
+from longwave.runs.run_output import (
+    OutputCheckpoint,
+    check_run_output,
+    fail_or_save_elsewhere,
+    save_anywhere,
+    store_messages,
+)
+from longwave.runs.run_store import RunStore
 from longwave.scenes.chain.trust import USUAL_TOLERANCE
 from longwave.scenes.named_scenes import load_scene
 from longwave.scenes.recorders import Variables
 from longwave.scenes.run_record import RunRecord, UnfinishedRun, error_unit
 from longwave.scenes.scene import Scene
 from longwave.support.command_line import fail, fail_for_memory, interrupted
-from longwave.support.console import plain_console, progress_bar
+from longwave.support.console import plain_console, print_lines, progress_bar
 from longwave.support.interruption import keeping
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 
 def run_and_print(
@@ -41,39 +51,73 @@ def run_and_print(
     for bad input, told in one line, and 130 after Ctrl-C, which ``program`` tells: what was
     recorded until then is printed and written, too. More than 5 s are announced.
     """
+    kept = None
     try:
         check_run_output(output, force)
         if names_a_run(source):
-            from longwave.cli.repeat_command import repeat_and_print
-
-            changed = {"tolerance": tolerance, "engine": engine, "store": store}
-            return repeat_and_print(source, program, output, force, changed)
-        found = load_scene(source)
+            kept = _finished_run(source, {"tolerance": tolerance, "engine": engine, "store": store})
+        found = load_scene(source) if kept is None else scene_of_run(kept)
     except (ValueError, OSError) as error:
         return fail(error)
     checkpoint = OutputCheckpoint(output, store)
     try:
         scene = _changed(found, tolerance, engine)
+        wanted = "" if scene.tolerance is None else f" to {scene.tolerance:g}"
+        work = f"{scene.name}{wanted}" if kept is None else f"{source} again"
         with checkpoint.kept(scene):
-            run = _run_with_bar(scene, store)
-    except UnfinishedRun as stop:
-        with keeping():
-            status = 0
-            if output is not None:
-                status = save_anywhere(stop.record.dataset, output, force)
-            print_summary(stop.record, scene, plain_console())
-        where = f" in {output}" if output and not status else ""
+            run = _run_with_bar(scene, store, work)
+    except KeyboardInterrupt as stop:
+        if kept is not None:
+            return interrupted(program, checkpoint.left(f"{source} is as it was"))
+        if not isinstance(stop, UnfinishedRun):
+            return interrupted(program, checkpoint.left("nothing was recorded yet"))
+        where = _keep_unfinished(stop.record, scene, output, force)
         count = f"{len(stop.record.reached)} snapshots are kept{where}"
         return interrupted(program, checkpoint.left(count, written=bool(where)))
-    except KeyboardInterrupt:
-        return interrupted(program, checkpoint.left("nothing was recorded yet"))
     except (ValueError, OSError) as error:
         return fail_or_save_elsewhere(error)
     except MemoryError as error:
         return fail_for_memory(error)
     status = checkpoint.settle(lambda: run.dataset, force)
+    if kept is not None:
+        differs = _compare_and_print(source, kept, run.dataset)
+        return status or differs
     print_summary(run, scene, plain_console())
     return status or int(bool(run.attrs["blow_up"]))
+
+
+def _keep_unfinished(record: RunRecord, scene: Scene, output: str | None, force: bool) -> str:
+    """Write what was recorded, if that is asked for, and print it; in words where it is kept."""
+    with keeping():
+        is_written = output is not None and not save_anywhere(record.dataset, output, force)
+        print_summary(record, scene, plain_console())
+    return f" in {output}" if is_written else ""
+
+
+def _finished_run(source: str, changed: Mapping[str, object]) -> xr.Dataset:
+    """The run in the file; ValueError for options that a repetition cannot have."""
+    for name, given in changed.items():
+        if given is not None:
+            raise ValueError(
+                f"--{name} must not be given with a run, got {given} (it is run as it was)"
+            )
+    run = load_run(source)
+    if "unfinished" in run.attrs:
+        raise ValueError(
+            f"run must have come to its end to be repeated, got {source}, unfinished: "
+            f"{run.attrs['unfinished']} (run its scene)"
+        )
+    return run
+
+
+def _compare_and_print(source: str, kept: xr.Dataset, made: xr.Dataset) -> int:
+    """Tell what differs in a run that was made again; 1 if its bits do."""
+    from longwave.runs.repeated_run import compare_runs
+
+    found = compare_runs(kept, made)
+    first, *further = found.lines()
+    print_lines(plain_console(), [f"{source}: {first}", *further])
+    return 0 if found.is_same else 1
 
 
 def _changed(scene: Scene, tolerance: float | None, engine: str | None) -> Scene:
@@ -83,14 +127,13 @@ def _changed(scene: Scene, tolerance: float | None, engine: str | None) -> Scene
     return scene if engine is None else scene.changed(engine=engine)
 
 
-def _run_with_bar(scene: Scene, store: str | None) -> RunRecord:
+def _run_with_bar(scene: Scene, store: str | None, work: str) -> RunRecord:
     """Run a scene, or find its run in the store, with a bar where there is a terminal."""
-    wanted = "" if scene.tolerance is None else f" to {scene.tolerance:g}"
-    console = plain_console(stderr=True, soft_wrap=True)
-    with progress_bar(scene.name, f"{scene.name}{wanted}", console) as bar:
+    with progress_bar(scene.name, work) as bar:
         if store is None:
             return scene.record(*bar)
-        run = fetch_with_messages(store, scene, *bar)
+        with store_messages():
+            run = RunStore(store).run(scene, *bar)
     variables: Variables = {
         str(name): (tuple(map(str, value.dims)), value.values, dict(value.attrs))
         for name, value in run.variables.items()
@@ -118,14 +161,13 @@ def print_summary(run: RunRecord, scene: Scene, console: Console) -> None:
     there was one."""
     unit = error_unit(run.attrs.get("power", 1))
     columns = {name: t.format(unit=unit) for name, t in COLUMNS.items() if name in run.variables}
-    console.print(scene.title or scene.name, markup=False, soft_wrap=True)
+    print_lines(console, [scene.title or scene.name])
     if columns:
         table = Table("t", *columns.values())
         for t, *row in zip(run.reached, *map(run.values, columns), strict=True):
             table.add_row(f"{t:g}", *(f"{value:.3g}" for value in row))
         console.print(table)
-    for line in summary_lines(run, scene):
-        console.print(line, markup=False, soft_wrap=True)
+    print_lines(console, summary_lines(run, scene))
 
 
 def summary_lines(run: RunRecord, scene: Scene) -> Iterator[str]:

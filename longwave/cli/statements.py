@@ -5,22 +5,22 @@ Each statement is decided in a process of its own, which ends at a limit of time
 
 from __future__ import annotations
 
-import json
 import math
 import os
 import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from longwave.cli.exporting import ProofFile
+from longwave.cli.certificates import ProofFile
 from longwave.cli.verdicts import STYLES, summary
 from longwave.derive.algebra.formula_text import FormulaError
-from longwave.support.command_line import duration, fail, interrupted
+from longwave.support.command_line import duration, fail
 from longwave.support.compiled.source_digest import source_digest
-from longwave.support.console import finished, print_lines, table_console, tracked
+from longwave.support.console import finished, print_found, print_lines, table_console, tracked
 from longwave.support.dask_cluster import DaskWorkers
 from longwave.support.processes import (
     Call,
@@ -145,11 +145,27 @@ def decide_and_print(
         status = fail(error)
         print(error.picture, file=sys.stderr)
         return status
-    decisions = [(problems[place], verdict) for place, verdict in found]
-    _print(decisions, json_wanted, latex)
-    if not complete:
-        return interrupted(program, f"after {len(found)} of {len(problems)} statements")
-    return 0 if all(_is_met(problem, verdict) for problem, verdict in decisions) else 1
+    decisions = [Decision(problems[place], verdict) for place, verdict in found]
+    show, asked = partial(_print, latex=latex), f"{len(problems)} statements"
+    status = print_found(decisions, complete, show, json_wanted, program, asked)
+    return status or int(not all(decision.is_met for decision in decisions))
+
+
+class Decision(NamedTuple):
+    """A problem with the verdict on it."""
+
+    problem: StatedProblem
+    verdict: StatementVerdict
+
+    @property
+    def is_met(self) -> bool:
+        """Whether the verdict is the expected one, or a proof where none is."""
+        return self.verdict.outcome == (self.problem.expect or Outcome.PROVED)
+
+    def json(self) -> dict[str, Any]:
+        """The verdict as plain data, with what its file says."""
+        told = {"source": self.problem.source, "expect": self.problem.expect}
+        return self.verdict.json() | {name: text for name, text in told.items() if text}
 
 
 def stated(texts: Sequence[ProblemText]) -> list[StatedProblem]:
@@ -167,10 +183,6 @@ def _decided(
         return decided(problems, limit, hinting=hinting, late=_announce_rest)
     workers = DaskWorkers(scheduler, f"{__name__}:{proof_digest.__name__}", check_cluster)
     return decided(problems, limit, hinting=hinting, workers=workers)
-
-
-def _is_met(problem: StatedProblem, verdict: StatementVerdict) -> bool:
-    return verdict.outcome == (problem.expect or Outcome.PROVED)
 
 
 def _limit(given: float | None) -> float:
@@ -305,21 +317,15 @@ def _doing(trace: TracebackType | None) -> str:
 # what is printed
 
 
-def _print(
-    found: Sequence[tuple[StatedProblem, StatementVerdict]], json_wanted: bool, latex: bool
-) -> None:
-    if json_wanted:
-        records = [_record(problem, verdict) for problem, verdict in found]
-        print(json.dumps(records, indent=2))
-        return
+def _print(found: Sequence[Decision], latex: bool) -> None:
     if latex:
         print("\n\n".join(_sentence(problem.statement, verdict) for problem, verdict in found))
         return
     console = table_console()
-    for problem, verdict in found:
-        style = STYLES[verdict.outcome]
-        console.print(f"[{style}]{verdict.outcome.value}[/] ", end="", highlight=False)
-        print_lines(console, _lines(problem, verdict))
+    for decision in found:
+        outcome = decision.verdict.outcome
+        console.print(f"[{STYLES[outcome]}]{outcome.value}[/] ", end="", highlight=False)
+        print_lines(console, _lines(decision))
     if len(found) != 1:
         print_lines(console, [summary([verdict for _, verdict in found], "statement")])
 
@@ -330,23 +336,15 @@ def _sentence(statement: Statement, verdict: StatementVerdict) -> str:
     return verified_sentence(statement, verdict)
 
 
-def _record(problem: StatedProblem, verdict: StatementVerdict) -> dict[str, Any]:
-    record = verdict.json()
-    if problem.source:
-        record["source"] = problem.source
-    if problem.expect:
-        record["expect"] = problem.expect
-    return record
-
-
-def _lines(problem: StatedProblem, verdict: StatementVerdict) -> list[str]:
+def _lines(decision: Decision) -> list[str]:
     """The verdict in words: where it holds or fails, and what else there is to say."""
+    problem, verdict = decision
     first, *more = [verdict.detail]
     if isinstance(verdict, ConditionalVerdict):
         first, *more = verdict.lines()
     elif verdict.outcome is Outcome.PROVED:
         first = verdict.assumptions[0]
-    expected = "" if _is_met(problem, verdict) or not problem.expect else problem.expect
+    expected = "" if decision.is_met else problem.expect
     lines = [f"{verdict.name}: {first}", *more]
     if verdict.witness:
         lines.append(f"at {', '.join(f'{name} = {v}' for name, v in verdict.witness.items())}")

@@ -11,16 +11,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from longwave.runs.run_file import SWEPT, open_run
+from longwave.runs.run_output import BROKEN, check_run_output, store_messages
 from longwave.runs.run_pack import DONE
 from longwave.runs.run_store import RunStore
-from longwave.runs.save_elsewhere import BROKEN, check_run_output
-from longwave.runs.store_messages import store_messages
 from longwave.runs.sweep import SweepState, run_sweep, settled_keys
 from longwave.runs.sweep_cost import SweepCost, expected_sweep_cost
 from longwave.runs.sweep_file import Sweep, load_sweep
 from longwave.runs.sweep_workers import sweep_workers
 from longwave.support.command_line import duration, fail, interrupted
-from longwave.support.console import plain_console, progress_bar
+from longwave.support.console import plain_console, print_lines, progress_bar
 from longwave.support.processes import LocalWorkers, Workers
 from longwave.support.request_limits import check_request, current_limits
 
@@ -54,8 +53,7 @@ def sweep_and_print(
     told = SweepState(0)
     try:
         with store_messages():
-            errors = plain_console(stderr=True, soft_wrap=True)
-            with progress_bar("reading", "reading the sweep", errors):
+            with progress_bar("reading", "reading the sweep"):
                 sweep = load_sweep(source)
                 told.cells = len(sweep)
                 output = output or f"{sweep.name}.nc"
@@ -78,10 +76,8 @@ def sweep_and_print(
         return BROKEN
     except ValueError as error:
         return fail(error)
-    console = plain_console(soft_wrap=True)
-    for line in summary_lines(sweep, found, told):
-        console.print(line)
-    console.print(f"written: {output}; runs: {kept.folder}")
+    lines = [*summary_lines(sweep, found, told), f"written: {output}; runs: {kept.folder}"]
+    print_lines(plain_console(), lines)
     return 0 if bool((found["status"] == DONE).all()) else 1
 
 
@@ -129,8 +125,8 @@ def _run_with_bar(
     too_large = here and cost.memory_bytes > current_limits().memory_bytes
     fewer = "fewer --processes, " if too_large else ""
     check_request(work, cost, f"take {fewer}fewer or cheaper cells")
-    errors = plain_console(stderr=True, soft_wrap=True)
-    with progress_bar(sweep.name, work.removesuffix(","), errors, perf_counter) as (advance, tell):
+    shown = work.removesuffix(",")
+    with progress_bar(sweep.name, shown, clock=perf_counter) as (advance, tell):
         tell(cost.seconds)
 
         def show(state: SweepState) -> None:

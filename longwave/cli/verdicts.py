@@ -5,19 +5,19 @@ A misprint changes one single place: a coefficient, a sign, a term left out, k f
 
 from __future__ import annotations
 
-import json
 import math
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from rich.table import Table
 
-from longwave.cli.exporting import ProofFile
+from longwave.cli.certificates import ProofFile
 from longwave.solutions.catalogue import CATALOGUE
-from longwave.support.command_line import check_and_announce, interrupted
-from longwave.support.console import finished, print_lines, table_console, tracked
+from longwave.support.command_line import check_and_announce, listed
+from longwave.support.console import finished, print_found, print_lines, table_console, tracked
 from longwave.verify.evidence.mutations import MutationCount, count_mutants
 from longwave.verify.evidence.residual import Sampling, check_residual, scientific
 from longwave.verify.proof import ProofVerdict, prove_stable
@@ -88,13 +88,10 @@ def print_verdicts(
     work = _verdicts(names, stable, sampling)
     found, complete = finished(tracked(work, len(names), "checking"))
     proofs.write(_certificates(found))
-    if json_wanted:
-        print(json.dumps([verdict.json() for verdict in found], indent=2))
-    else:
-        _print(found, "stable form" if stable else "closed form")
-    if not complete:
-        return interrupted(program, f"after {len(found)} of {_noun(len(names))}")
-    return 0 if all(verdict.passed for verdict in found) else 1
+    noun = "stable form" if stable else "closed form"
+    show = partial(_print, noun=noun)
+    status = print_found(found, complete, show, json_wanted, program, _noun(len(names)))
+    return status or int(not all(verdict.passed for verdict in found))
 
 
 def _noun(count: int) -> str:
@@ -122,22 +119,9 @@ def sampling_of(method: str | None, exact: Sequence[str], **given: Any) -> Sampl
             f"{wrong[0]} must not be given with the method {method}, got it (leave it)"
         )
     if "digits" in sampled:
-        sampled["digits"] = digits_in(sampled["digits"])
+        usual = "30,50,100 is usual"
+        sampled["digits"] = listed("digits", sampled["digits"], int, "integers", usual)
     return None if method == "proof" else Sampling(**sampled)
-
-
-def digits_in(text: str) -> tuple[int, ...]:
-    """The precisions in a text; raises ValueError if it is no list of integers.
-
-    >>> digits_in("30,50")
-    (30, 50)
-    """
-    try:
-        return tuple(int(part) for part in text.split(","))
-    except ValueError:
-        raise ValueError(
-            f"digits must be integers with commas between, got {text!r} (30,50,100 is usual)"
-        ) from None
 
 
 def _verdicts(names: Sequence[str], stable: bool, sampling: Sampling | None) -> Iterator[Verdict]:
@@ -151,12 +135,6 @@ def _verdicts(names: Sequence[str], stable: bool, sampling: Sampling | None) -> 
 def _certificates(verdicts: Sequence[Verdict]) -> list[Mapping[str, Any]]:
     found = [verdict.certificate for verdict in verdicts if isinstance(verdict, ProofVerdict)]
     return [certificate for certificate in found if certificate is not None]
-
-
-def _print(verdicts: Sequence[Verdict], noun: str) -> None:
-    console = table_console()
-    console.print(verdict_table(verdicts))
-    print_lines(console, [*failure_lines(verdicts), summary(verdicts, noun)])
 
 
 STYLES = {
@@ -174,8 +152,8 @@ MEANINGS = {
 }
 
 
-def verdict_table(verdicts: Sequence[Verdict]) -> Table:
-    """One row a closed form: solution, equation, method, verdict, evidence, seconds.
+def _print(verdicts: Sequence[Verdict], noun: str) -> None:
+    """Print one row a form, a line for each that does not stand, and a summary.
 
     The evidence is the certificate's size if there is one, else the largest relative residual at
     the highest precision; an exact 0 is a proof.
@@ -188,11 +166,14 @@ def verdict_table(verdicts: Sequence[Verdict]) -> Table:
     for verdict in verdicts:
         outcome = f"[{STYLES[verdict.outcome]}]{verdict.outcome.value}[/]"
         cells = (verdict.name, verdict.equation, verdict.method, outcome)
-        table.add_row(*cells, evidence_text(verdict), f"{verdict.seconds:.2f}")
-    return table
+        table.add_row(*cells, _evidence(verdict), f"{verdict.seconds:.2f}")
+    console = table_console()
+    console.print(table)
+    failures = [_failure(verdict) for verdict in verdicts if not verdict.passed]
+    print_lines(console, [*failures, summary(verdicts, noun)])
 
 
-def evidence_text(verdict: Verdict) -> str:
+def _evidence(verdict: Verdict) -> str:
     """The size of the certificate, else the residual with two digits; a dash without either."""
     if isinstance(verdict, ProofVerdict) and verdict.certificate_bytes is not None:
         return f"{verdict.certificate_bytes} bytes"
@@ -201,12 +182,8 @@ def evidence_text(verdict: Verdict) -> str:
     return scientific(math.log10(verdict.residual) if verdict.residual else -math.inf)
 
 
-def failure_lines(verdicts: Sequence[Verdict]) -> list[str]:
-    """One line for each form that does not stand, with its witness or reason."""
-    return [_failure(verdict) for verdict in verdicts if not verdict.passed]
-
-
 def _failure(verdict: Verdict) -> str:
+    """The line of a form that does not stand, with its witness or reason."""
     place = ", ".join(f"{name} = {value}" for name, value in (verdict.witness or {}).items())
     at = f" (witness: {place})" if place else ""
     return f"{verdict.name}: {verdict.outcome.value}: {verdict.detail}{at}"
@@ -238,23 +215,13 @@ def print_mutations(only: Sequence[str], json_wanted: bool, program: str) -> int
     check_and_announce(named, MUTANTS.total(names), cheaper="take fewer forms, of lower order")
     work = (count_mutants(named_form(name)) for name in names)
     counts, complete = finished(tracked(work, len(names), "refuting"))
-    if json_wanted:
-        print(json.dumps([count.json() for count in counts], indent=2))
-    else:
-        _print_counts(counts)
-    if not complete:
-        return interrupted(program, f"after {len(counts)} of {len(names)} forms")
-    return 1 if any(count.undecided for count in counts) else 0
+    asked = f"{len(names)} forms"
+    status = print_found(counts, complete, _print_counts, json_wanted, program, asked)
+    return status or int(any(count.undecided for count in counts))
 
 
 def _print_counts(counts: Sequence[MutationCount]) -> None:
-    console = table_console()
-    console.print(counts_table(counts))
-    print_lines(console, survivor_lines(counts))
-
-
-def counts_table(counts: Sequence[MutationCount]) -> Table:
-    """One row a form, and the totals."""
+    """Print one row a form, the totals, and a line for each mutant that is not refuted."""
     table = Table(title="Misprints of the closed forms", show_footer=True)
     table.add_column("solution", "total", no_wrap=True)
     for column in MUTATION_COLUMNS:
@@ -264,13 +231,11 @@ def counts_table(counts: Sequence[MutationCount]) -> Table:
     for count in counts:
         cells = (str(getattr(count, column)) for column in MUTATION_COLUMNS)
         table.add_row(count.name, *cells, f"{count.seconds:.1f}")
-    return table
-
-
-def survivor_lines(counts: Sequence[MutationCount]) -> list[str]:
-    """One line for each mutant that is not refuted."""
-    return [
+    console = table_console()
+    console.print(table)
+    survivors = [
         f"{count.name}: {survivor.outcome.value} ({survivor.reason}): {survivor.description}"
         for count in counts
         for survivor in count.survivors
     ]
+    print_lines(console, survivors)

@@ -169,25 +169,18 @@ def _chain(form: ClosedForm) -> Scene:
     """The paper's chain with an mKdV wave, to be seen about T = 0."""
     values = {"K2": 1, "eps": 0.1, "begin": -0.5, "end": 0.5, "half_width": 20}
     values |= CHAIN_STARTS.get(form.name, {})
-    eps = values["eps"]
     return Scene.of(
         name=form.name,
         wave=form.name,
         parameters=_usual_parameters(form),
-        eps=eps,
-        t0=_lattice_time(values["begin"], eps),
-        snapshots=[_lattice_time(values["end"], eps)],
+        eps=values["eps"],
+        slow_times=[values["begin"], values["end"]],
+        half_width=values["half_width"],
         K2=values["K2"],
         K4=form.equation.s,
-        compared=round(values["half_width"] / eps),
         tolerance=1e-3,
         observables=["strain"],
     )
-
-
-def _lattice_time(T: float, eps: float) -> float:
-    """The chain's time of a slow time of mKdV."""
-    return float(f"{T / eps**3:.12g}")
 
 
 def bounds(
@@ -265,17 +258,16 @@ def plain_value(text: str) -> float | None:
 
 def first_choices(wave: str, setting: str | None = None) -> Chosen:
     """What is chosen at first for a wave on the lattice of a setting (its first one)."""
-    scene = _setting(wave, setting).scene
-    times = scene.slow_times or tuple(t * scene.eps**3 for t in (scene.t0, scene.end))
-    half_width = scene.half_width or scene.compared * scene.eps
+    found = _setting(wave, setting)
+    scene = found.scene
     return Chosen(
         wave=wave,
-        setting=_setting(wave, setting).name,
+        setting=found.name,
         eps=_typed(scene.eps),
         tolerance=_typed(scene.tolerance),
-        begin=_typed(times[0]),
-        end=_typed(times[-1]),
-        half_width=_typed(half_width),
+        begin=_typed(scene.slow_times[0]),
+        end=_typed(scene.slow_times[-1]),
+        half_width=_typed(scene.half_width),
         parameters=_all_parameters(scene),
         constants={name: _typed(value) for name, value in scene.constants},
     )
@@ -321,15 +313,12 @@ def scene_of_choices(choices: Chosen) -> Scene:
     half_width = finite("half_width", number(choices.half_width))
     positive("half_width", half_width)
     times = [float(f"{begin + (end - begin) * i / (FRAMES - 1):.12g}") for i in range(FRAMES)]
-    given = {
-        "eps": eps,
-        "tolerance": number(choices.tolerance),
-        "parameters": {name: number(text) for name, text in choices.parameters.items() if text},
-    }
     typed = {name: number(text) for name, text in choices.constants.items()}
-    constants = {**dict(base.constants), **typed}
-    if base.slow_times:
-        return base.changed(**given, constants=constants, slow_times=times, half_width=half_width)
-    moments = [_lattice_time(T, eps) for T in times]
-    compared = max(1, round(half_width / eps))
-    return base.changed(**given, constants=constants, times=moments, compared=compared)
+    return base.changed(
+        eps=eps,
+        tolerance=number(choices.tolerance),
+        parameters={name: number(text) for name, text in choices.parameters.items() if text},
+        constants={**dict(base.constants), **typed},
+        slow_times=times,
+        half_width=half_width,
+    )

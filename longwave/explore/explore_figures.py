@@ -38,65 +38,80 @@ def extent(*values: Array) -> tuple[float, float]:
     return low - margin, high + margin
 
 
-class Profile:
+class Picture:
+    """One picture, with a line at the slow time that the profile shows, if it has an axis of it."""
+
+    def __init__(self, height: int, x_label: str, **options: Any) -> None:
+        self.source = ColumnDataSource()
+        self.picture: Any = figure(
+            height=height, sizing_mode="stretch_width", tools=TOOLS,
+            x_range=Range1d(0, 1), y_range=Range1d(0, 1), **options,
+        )  # fmt: skip
+        self.picture.xaxis.axis_label = x_label
+        self.picture.toolbar.logo = None
+        self.picture.toolbar.autohide = True
+        self.picture.outline_line_color = None
+        self.picture.background_fill_color = self.picture.border_fill_color = "#ffffff"
+        self.picture.grid.grid_line_color = "#e8ecf0"
+        for axis in self.picture.axis:
+            axis.axis_line_color = "#98a4b0"
+            axis.major_tick_line_color = axis.minor_tick_line_color = "#98a4b0"
+            axis.axis_label_text_font_style = "normal"
+            axis.axis_label_text_color = axis.major_label_text_color = "#33404d"
+
+    def reach(self, x: tuple[float, float], y: tuple[float, float]) -> None:
+        """Let the axes go between these ends, also when the picture is reset."""
+        for axis, (low, high) in ((self.picture.x_range, x), (self.picture.y_range, y)):
+            axis.update(start=low, end=high, reset_start=low, reset_end=high)
+
+    def mark_time(self, dimension: str, colour: str) -> None:
+        """Add the line of the time, along the width or the height."""
+        self.now = Span(dimension=dimension, line_color=colour, line_width=1.5, line_dash=[4, 3])
+        self.picture.add_layout(self.now)
+
+    def at(self, T: float) -> None:
+        """Mark a slow time."""
+        self.now.location = T
+
+
+class Profile(Picture):
     """Lattice and wave at one time, on axes that stay the same at all times."""
 
     def __init__(self) -> None:
-        self.source = ColumnDataSource({"X": [], "lattice": [], "wave": []})
-        self.picture = figure(
-            height=330, sizing_mode="stretch_width", tools=TOOLS, css_classes=["profile"],
-            x_range=Range1d(-1, 1), y_range=Range1d(-1, 1),
-        )  # fmt: skip
-        self.picture.line(
-            "X", "lattice", source=self.source, color=LATTICE, width=2, legend_label="lattice"
-        )
-        self.picture.line(
-            "X", "wave", source=self.source, color=WAVE, width=2, line_dash=[6, 4],
-            legend_label="wave",
-        )  # fmt: skip
-        self.picture.xaxis.axis_label = "X = \u03b5 (n \u2212 c t), in the frame that moves along"
+        label = "X = \u03b5 (n \u2212 c t), in the frame that moves along"
+        super().__init__(330, label, css_classes=["profile"])
+        self.source.data = {"X": [], "lattice": [], "wave": []}
+        for name, look in (
+            ("lattice", {"color": LATTICE}),
+            ("wave", {"color": WAVE, "line_dash": [6, 4]}),
+        ):
+            self.picture.line("X", name, source=self.source, width=2, legend_label=name, **look)
         self.picture.legend.background_fill_alpha = 0.7
         self.picture.legend.click_policy = "hide"
-        _plain(self.picture)
 
     def show(self, found: Comparison) -> None:
         """Fit the axes to all times of a comparison."""
-        for axis, (low, high) in (
-            (self.picture.x_range, (float(found.X.min()), float(found.X.max()))),
-            (self.picture.y_range, extent(found.lattice, found.wave)),
-        ):
-            axis.update(start=low, end=high, reset_start=low, reset_end=high)
+        self.reach((float(found.X.min()), float(found.X.max())), extent(found.lattice, found.wave))
         self.picture.yaxis.axis_label = f"strain, in {unit(found)}"
 
-    def at(self, found: Comparison, frame: int) -> None:
+    def show_frame(self, found: Comparison, frame: int) -> None:
         """Draw one time."""
-        self.source.data = {
-            "X": found.X[frame],
-            "lattice": found.lattice[frame],
-            "wave": found.wave[frame],
-        }
+        self.source.data = {name: getattr(found, name)[frame] for name in ("X", "lattice", "wave")}
 
 
-class SpaceTimeMap:
+class SpaceTimeMap(Picture):
     """A map over X and slow time, with a line at the time that the profile shows."""
 
     def __init__(self, title: str, colours: str, symmetric: bool) -> None:
+        super().__init__(300, "X", title=title)
         self.symmetric = symmetric
-        self.source = ColumnDataSource({"image": [], "x": [], "y": [], "dw": [], "dh": []})
+        self.source.data = {"image": [], "x": [], "y": [], "dw": [], "dh": []}
         self.mapper = LinearColorMapper(palette=palette(colours), low=0, high=1)
-        self.picture = figure(
-            height=300, sizing_mode="stretch_width", tools=TOOLS, title=title,
-            x_range=Range1d(-1, 1), y_range=Range1d(0, 1),
-        )  # fmt: skip
         self.picture.image("image", "x", "y", "dw", "dh", source=self.source,
                            color_mapper=self.mapper)  # fmt: skip
         self.picture.add_layout(ColorBar(color_mapper=self.mapper, width=12), "right")
-        self.now = Span(dimension="width", line_width=1.5, line_dash=[4, 3])
-        self.now.line_color = TIME if symmetric else "#ffffff"
-        self.picture.add_layout(self.now)
-        self.picture.xaxis.axis_label = "X"
+        self.mark_time("width", TIME if symmetric else "#ffffff")
         self.picture.yaxis.axis_label = "slow time T"
-        _plain(self.picture)
 
     def show(self, found: Comparison, values: Array) -> None:
         """Draw values (time, cell)."""
@@ -107,37 +122,25 @@ class SpaceTimeMap:
             low = -high
         self.mapper.update(low=low, high=high if high > low else low + 1.0)
         T, X = found.slow_times, found.X
-        box = {"x": float(X.min()), "y": float(T[0])}
-        box |= {"dw": float(X.max()) - box["x"], "dh": float(T[-1]) - box["y"] or 1.0}
-        self.source.data = {"image": [image], **{key: [value] for key, value in box.items()}}
-        for axis, start, width in (
-            (self.picture.x_range, box["x"], box["dw"]),
-            (self.picture.y_range, box["y"], box["dh"]),
-        ):
-            axis.update(start=start, end=start + width, reset_start=start, reset_end=start + width)
-
-    def at(self, T: float) -> None:
-        """Mark a slow time."""
-        self.now.location = T
+        x, y = float(X.min()), float(T[0])
+        dw, dh = float(X.max()) - x, float(T[-1]) - y or 1.0
+        self.source.data = {"image": [image], "x": [x], "y": [y], "dw": [dw], "dh": [dh]}
+        self.reach((x, x + dw), (y, y + dh))
 
 
-class ErrorPicture:
+class ErrorPicture(Picture):
     """The largest difference against slow time, with the band of the run's own error."""
 
     def __init__(self) -> None:
-        self.source = ColumnDataSource({"T": [], "error": [], "low": [], "high": []})
-        self.picture = figure(height=240, sizing_mode="stretch_width", tools=TOOLS,
-                              x_range=Range1d(0, 1), y_range=Range1d(0, 1))  # fmt: skip
+        super().__init__(240, "slow time T")
+        self.source.data = {"T": [], "error": [], "low": [], "high": []}
         self.picture.varea("T", "low", "high", source=self.source, color=LATTICE, alpha=0.25,
                            legend_label="the run's own error")  # fmt: skip
         self.picture.line("T", "error", source=self.source, color=LATTICE, width=2,
                           legend_label="largest difference")  # fmt: skip
-        self.now = Span(dimension="height", line_color=TIME, line_width=1.5, line_dash=[4, 3])
-        self.picture.add_layout(self.now)
-        self.picture.xaxis.axis_label = "slow time T"
+        self.mark_time("height", TIME)
         self.picture.legend.location = "top_left"
         self.picture.legend.background_fill_alpha = 0.7
-        _plain(self.picture)
 
     def show(self, found: Comparison) -> None:
         """Draw a comparison's errors."""
@@ -145,26 +148,6 @@ class ErrorPicture:
         low, high = np.maximum(error - found.estimate, 0.0), error + found.estimate
         self.source.data = {"T": T, "error": error, "low": low, "high": high}
         top = 1.15 * float(np.nanmax(high)) or 1.0
-        self.picture.y_range.update(start=0.0, end=top, reset_start=0.0, reset_end=top)
         begin, end = float(T[0]), float(T[-1]) if T[-1] > T[0] else float(T[0]) + 1.0
-        self.picture.x_range.update(start=begin, end=end, reset_start=begin, reset_end=end)
+        self.reach((begin, end), (0.0, top))
         self.picture.yaxis.axis_label = f"in {unit(found)}"
-
-    def at(self, T: float) -> None:
-        """Mark a slow time."""
-        self.now.location = T
-
-
-def _plain(picture: Any) -> None:
-    """One look for all pictures."""
-    picture.toolbar.logo = None
-    picture.toolbar.autohide = True
-    picture.outline_line_color = None
-    picture.background_fill_color = "#ffffff"
-    picture.border_fill_color = "#ffffff"
-    picture.grid.grid_line_color = "#e8ecf0"
-    for axis in picture.axis:
-        axis.axis_line_color = "#98a4b0"
-        axis.major_tick_line_color = axis.minor_tick_line_color = "#98a4b0"
-        axis.axis_label_text_font_style = "normal"
-        axis.axis_label_text_color = axis.major_label_text_color = "#33404d"

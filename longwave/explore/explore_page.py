@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from io import BytesIO
 from typing import Any, ClassVar
 
 import panel as pn
@@ -49,10 +50,29 @@ TEXTS = {
 }
 
 
+WIDE: dict[str, Any] = {"sizing_mode": "stretch_width"}
+
+
 class PlainTemplate(pn.template.VanillaTemplate):
     """The template without the font that it would fetch from another host."""
 
     _resources: ClassVar[dict[str, dict[str, str]]] = {}
+
+
+class Quiet:
+    """Whether changes are the page's own, and are answered by nothing."""
+
+    def __init__(self) -> None:
+        self.holds = False
+
+    @contextmanager
+    def kept(self) -> Iterator[None]:
+        """Have what is changed in the body answered by nothing."""
+        before, self.holds = self.holds, True
+        try:
+            yield
+        finally:
+            self.holds = before
 
 
 class NumberEntry:
@@ -62,59 +82,49 @@ class NumberEntry:
         self.name = name
         self.changed = changed
         self.box = pn.widgets.TextInput(
-            name=label, value=value, sizing_mode="stretch_width", css_classes=[f"entry-{name}"]
+            name=label, value=value, **WIDE, css_classes=[f"entry-{name}"]
         )
         self.slider: Any = None
-        self._follows = False
+        self._quiet = Quiet()
         self.box.param.watch(self._typed, "value")
 
-    def with_slider(self, low: float, high: float) -> NumberEntry:
-        """Add a slider from ``low`` to ``high``."""
+    def reach(self, low: float, high: float) -> NumberEntry:
+        """Let the slider, which is added at first, go from ``low`` to ``high``."""
+        ends = {"start": low, "end": high, "step": (high - low) / 200.0}
+        ends["value"] = self._within(low, high)
+        if self.slider is not None:
+            with self._quiet.kept():
+                self.slider.param.update(**ends)
+            return self
         self.slider = pn.widgets.FloatSlider(
-            start=low, end=high, step=(high - low) / 200.0, value=self._within(low, high),
-            show_value=False, sizing_mode="stretch_width", css_classes=[f"slider-{self.name}"],
-        )  # fmt: skip
+            **ends, show_value=False, **WIDE, css_classes=[f"slider-{self.name}"]
+        )
         self.slider.param.watch(self._drawn, "value_throttled")
         return self
-
-    def reach(self, low: float, high: float) -> None:
-        """Let the slider go from ``low`` to ``high``."""
-        with self._following():
-            self.slider.param.update(
-                start=low, end=high, step=(high - low) / 200.0, value=self._within(low, high)
-            )
 
     def _within(self, low: float, high: float) -> float:
         value = plain_value(self.box.value)
         return low if value is None else min(max(value, low), high)
 
     def _typed(self, _: Any) -> None:
-        if self._follows:
+        if self._quiet.holds:
             return
         if self.slider is not None:
-            with self._following():
+            with self._quiet.kept():
                 self.slider.value = self._within(self.slider.start, self.slider.end)
         self.changed()
 
     def _drawn(self, event: Any) -> None:
-        if self._follows:
+        if self._quiet.holds:
             return
-        with self._following():
+        with self._quiet.kept():
             self.box.value = f"{event.new:.4g}"
         self.changed()
-
-    @contextmanager
-    def _following(self) -> Iterator[None]:
-        self._follows = True
-        try:
-            yield
-        finally:
-            self._follows = False
 
     def view(self) -> Any:
         """The text, and the slider below it if there is one."""
         parts = [self.box] if self.slider is None else [self.box, self.slider]
-        return pn.Column(*parts, sizing_mode="stretch_width", margin=0)
+        return pn.Column(*parts, **WIDE, margin=0)
 
 
 class ExplorePage:
@@ -124,7 +134,7 @@ class ExplorePage:
         self.explorer = explorer
         self.scene: Scene | None = None
         self.found: Comparison | None = None
-        self._quiet = False
+        self._quiet = Quiet()
         self.entries: dict[str, NumberEntry] = {}
         self._make_choosers()
         self._make_results()
@@ -133,83 +143,59 @@ class ExplorePage:
     def _make_choosers(self) -> None:
         self.example = pn.widgets.Select(
             name="ready example", options={"\u2013": NO_EXAMPLE, **examples()},
-            sizing_mode="stretch_width", css_classes=["choose-example"],
+            **WIDE, css_classes=["choose-example"],
         )  # fmt: skip
         groups = {f"{name} equation": waves for name, waves in waves_by_equation().items()}
         self.wave = pn.widgets.Select(
-            name="wave", groups=groups, value=FIRST_WAVE, sizing_mode="stretch_width",
-            css_classes=["choose-wave"],
-        )  # fmt: skip
-        self.setting = pn.widgets.Select(
-            name="on the lattice", sizing_mode="stretch_width", css_classes=["choose-lattice"]
+            name="wave", groups=groups, value=FIRST_WAVE, **WIDE, css_classes=["choose-wave"]
         )
-        self.controls = pn.Column(sizing_mode="stretch_width", margin=0)
+        self.setting = pn.widgets.Select(
+            name="on the lattice", **WIDE, css_classes=["choose-lattice"]
+        )
+        self.controls = pn.Column(**WIDE, margin=0)
         self.example.param.watch(self._example_chosen, "value")
         self.wave.param.watch(lambda event: self._chosen(event.new, None), "value")
         self.setting.param.watch(lambda event: self._chosen(self.wave.value, event.new), "value")
 
     def _make_results(self) -> None:
         def words(name: str) -> Any:
-            return pn.pane.HTML(
-                "", sizing_mode="stretch_width", stylesheets=[TEXTS_STYLE], css_classes=[name],
-                margin=(0, 10),
-            )  # fmt: skip
+            return _html("", css_classes=[name], margin=(0, 10), **WIDE)
 
-        self.status, self.outcome, self.moment = (
-            words("status"), words("outcome"), words("moment")
-        )  # fmt: skip
-        self.refusal, self.equation, self.lines = (
-            words("refused"), words("equation"), words("lines")
-        )  # fmt: skip
-        self.formula = words("formula")
+        self.status, self.refusal, self.outcome = map(words, ("status", "refused", "outcome"))
+        self.moment, self.lines = map(words, ("moment", "lines"))
+        self.equation, self.formula = map(words, ("equation", "formula"))
         self.profile, self.errors = Profile(), ErrorPicture()
         self.lattice_map = SpaceTimeMap("the lattice", "viridis", symmetric=False)
         self.difference_map = SpaceTimeMap("lattice less wave", "RdBu_r", symmetric=True)
         self.player = pn.widgets.Player(
             start=0, end=FRAMES - 1, value=FRAMES // 2, interval=120, loop_policy="loop",
-            show_loop_controls=False, sizing_mode="stretch_width", css_classes=["player"],
-            height=60,
+            show_loop_controls=False, **WIDE, css_classes=["player"], height=60,
         )  # fmt: skip
         self.player.param.watch(lambda _: self._show_frame(), "value")
-        self.toml = pn.widgets.TextAreaInput(
-            disabled=True, sizing_mode="stretch_width", rows=14, css_classes=["toml"]
-        )
+        self.toml = pn.widgets.TextAreaInput(disabled=True, **WIDE, rows=14, css_classes=["toml"])
         self.copy = pn.widgets.Button(name="Copy the scene", css_classes=["copy"])
         self.copy.js_on_click(
             args={"toml": self.toml}, code="navigator.clipboard.writeText(toml.value)"
         )
         self.download = pn.widgets.FileDownload(
-            callback=self._file, filename="scene.toml", button_type="primary",
-            label="Download scene.toml", css_classes=["download"],
+            callback=lambda: BytesIO(self.toml.value.encode("utf-8")), filename="scene.toml",
+            button_type="primary", label="Download scene.toml", css_classes=["download"],
         )  # fmt: skip
 
-    def _file(self) -> Any:
-        from io import BytesIO
-
-        return BytesIO(self.toml.value.encode("utf-8"))
-
     def _example_chosen(self, event: Any) -> None:
-        if event.new != NO_EXAMPLE and not self._quiet:
+        if event.new != NO_EXAMPLE and not self._quiet.holds:
             self._choose(*event.new)
 
     def _chosen(self, wave: str, setting: str | None) -> None:
-        if not self._quiet:
-            with self._quietly():
+        if not self._quiet.holds:
+            with self._quiet.kept():
                 self.example.value = NO_EXAMPLE
             self._choose(wave, setting)
-
-    @contextmanager
-    def _quietly(self) -> Iterator[None]:
-        before, self._quiet = self._quiet, True
-        try:
-            yield
-        finally:
-            self._quiet = before
 
     def _choose(self, wave: str, setting: str | None) -> None:
         """Begin with a wave on a lattice: fill the controls with its first choices."""
         choices = first_choices(wave, setting)
-        with self._quietly():
+        with self._quiet.kept():
             self.wave.value = wave
             self.setting.options = {one.title: one.name for one in settings(wave)}
             self.setting.value = choices.setting
@@ -229,13 +215,13 @@ class ExplorePage:
             self._entry("constants", name, value, name) for name, value in choices.constants.items()
         ]
         scales = [
-            self._entry("", name, getattr(choices, name), label).with_slider(low, high)
+            self._entry("", name, getattr(choices, name), label).reach(low, high)
             for name, (label, low, high) in SCALES.items()
         ]
         others = [
             self._entry("", name, getattr(choices, name), label) for name, label in TEXTS.items()
         ]
-        none = [pn.pane.HTML("this wave has none", stylesheets=[TEXTS_STYLE])]
+        none = [_html("this wave has none")]
         self.controls.objects = [
             _group("the wave's parameters", [one.view() for one in waves] or none),
             _group("the lattice's constants", _pairs(one.view() for one in constants)),
@@ -254,13 +240,8 @@ class ExplorePage:
 
         values = {name: plain_value(value) for name, value in choices.parameters.items()}
         for one in closed_form(choices.wave).parameters:
-            if None in bounds(one, values) and _depends(one):
-                continue
-            entry, ends = self.entries[f"parameters.{one.name}"], slider_ends(one, values)
-            if entry.slider is None:
-                entry.with_slider(*ends)
-            else:
-                entry.reach(*ends)
+            if None not in bounds(one, values) or not _depends(one):
+                self.entries[f"parameters.{one.name}"].reach(*slider_ends(one, values))
 
     def choices(self) -> Chosen:
         """What is chosen now."""
@@ -274,8 +255,8 @@ class ExplorePage:
         )  # fmt: skip
 
     def _changed(self) -> None:
-        if not self._quiet:
-            with self._quietly():
+        if not self._quiet.holds:
+            with self._quiet.kept():
                 self.example.value = NO_EXAMPLE
                 self._reach_parameters(self.choices())
             self._ask()
@@ -291,8 +272,7 @@ class ExplorePage:
             return
         self.toml.value = self.scene.toml()
         self.explorer.ask(self.scene)
-        self.status.object = "running ..."
-        self.status.css_classes = ["status", "running"]
+        self._tell("running", "running ...")
 
     def look(self) -> None:
         """Show what is new about the run."""
@@ -306,14 +286,16 @@ class ExplorePage:
 
     def _refuse(self, refusal: Refusal) -> None:
         self.refusal.object = text.refusal_html(refusal)
-        self.status.object = "not run; the pictures below are of what was chosen before"
-        self.status.css_classes = ["status", "refused"]
+        self._tell("refused", "not run; the pictures below are of what was chosen before")
+
+    def _tell(self, state: str, words: str) -> None:
+        self.status.object = words
+        self.status.css_classes = ["status", state]
 
     def _show(self, found: Comparison) -> None:
         self.found = found
         self.refusal.object = ""
-        self.status.object = "done"
-        self.status.css_classes = ["status", "done"]
+        self._tell("done", "done")
         self.outcome.object = text.outcome_html(found)
         self.equation.object = text.equation_html(found)
         self.formula.object = text.wave_html(found)
@@ -331,44 +313,33 @@ class ExplorePage:
         if self.found is None:
             return
         frame = min(self.player.value, len(self.found.times) - 1)
-        self.profile.at(self.found, frame)
+        self.profile.show_frame(self.found, frame)
         self.moment.object = text.moment(self.found, frame)
         for picture in (self.lattice_map, self.difference_map, self.errors):
             picture.at(float(self.found.slow_times[frame]))
 
     def view(self) -> Any:
         """The page itself."""
-        introduction = pn.pane.HTML(
-            text.INTRODUCTION, sizing_mode="stretch_width", stylesheets=[TEXTS_STYLE]
-        )
+        introduction = _html(text.INTRODUCTION, **WIDE)
         page = PlainTemplate(
             title="longwave: lattice against wave", sidebar_width=360,
             header_background="#12324a", raw_css=[STYLE],
         )  # fmt: skip
         page.sidebar[:] = [introduction, self.example, self.wave, self.setting, self.controls]
-        maps = pn.Row(
-            pn.pane.Bokeh(self.lattice_map.picture, sizing_mode="stretch_width"),
-            pn.pane.Bokeh(self.difference_map.picture, sizing_mode="stretch_width"),
-            sizing_mode="stretch_width",
+        profile, errors, *maps = (
+            pn.pane.Bokeh(one.picture, **WIDE)
+            for one in (self.profile, self.errors, self.lattice_map, self.difference_map)
         )
-        buttons = pn.Row(self.download, self.copy)
-        page.main[:] = [
-            pn.Column(
-                self.status, self.refusal, self.outcome,
-                _panel("at one time", [
-                    pn.pane.Bokeh(self.profile.picture, sizing_mode="stretch_width"),
-                    self.moment, self.player,
-                ]),
-                _panel("at all times, in the frame that moves with the wave", [maps]),
-                _panel("how far lattice and wave part", [
-                    pn.pane.Bokeh(self.errors.picture, sizing_mode="stretch_width"), self.lines,
-                ]),
-                _panel("the equation", [self.equation, self.formula]),
-                _panel("this scene as a file: longwave run scene.toml repeats it",
-                       [buttons, self.toml]),
-                sizing_mode="stretch_width",
-            )
-        ]  # fmt: skip
+        both, buttons = pn.Row(*maps, **WIDE), pn.Row(self.download, self.copy)
+        file = "this scene as a file: longwave run scene.toml repeats it"
+        panels = (
+            _panel("at one time", profile, self.moment, self.player),
+            _panel("at all times, in the frame that moves with the wave", both),
+            _panel("how far lattice and wave part", errors, self.lines),
+            _panel("the equation", self.equation, self.formula),
+            _panel(file, buttons, self.toml),
+        )
+        page.main[:] = [pn.Column(self.status, self.refusal, self.outcome, *panels, **WIDE)]
         return page
 
 
@@ -377,22 +348,21 @@ def _depends(parameter: Any) -> bool:
     return any(bound and bound.value.free_symbols for bound in (parameter.lower, parameter.upper))
 
 
+def _html(words: str, **look: Any) -> Any:
+    return pn.pane.HTML(words, stylesheets=[TEXTS_STYLE], **look)
+
+
 def _group(title: str, parts: Iterable[Any]) -> Any:
-    head = pn.pane.HTML(f"<h3>{title}</h3>", stylesheets=[TEXTS_STYLE], margin=(8, 10, 0, 10))
-    return pn.Column(head, *parts, sizing_mode="stretch_width", margin=0)
+    head = _html(f"<h3>{title}</h3>", margin=(8, 10, 0, 10))
+    return pn.Column(head, *parts, **WIDE, margin=0)
 
 
 def _pairs(parts: Iterable[Any]) -> list[Any]:
     """The parts two by two."""
     found = list(parts)
-    return [
-        pn.Row(*found[i : i + 2], sizing_mode="stretch_width", margin=0)
-        for i in range(0, len(found), 2)
-    ]
+    return [pn.Row(*found[i : i + 2], **WIDE, margin=0) for i in range(0, len(found), 2)]
 
 
-def _panel(title: str, parts: list[Any]) -> Any:
-    head = pn.pane.HTML(f"<h2>{title}</h2>", stylesheets=[TEXTS_STYLE], margin=(4, 10))
-    return pn.Column(
-        head, *parts, sizing_mode="stretch_width", css_classes=["panel"], stylesheets=[STYLE]
-    )
+def _panel(title: str, *parts: Any) -> Any:
+    head = _html(f"<h2>{title}</h2>", margin=(4, 10))
+    return pn.Column(head, *parts, **WIDE, css_classes=["panel"], stylesheets=[STYLE])

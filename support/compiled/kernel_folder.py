@@ -27,7 +27,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from longwave.support.compiled.source_digest import Files
 
-__all__ = ["CacheFolder", "cache_folder", "read_whole", "write_whole"]
+__all__ = ["CacheFolder", "cache_folder"]
 
 KEPT = 8
 """Versions of a module's folder that a cache keeps; the least lately used ones go first."""
@@ -54,17 +54,20 @@ class CacheFolder:
     def read(self, name: str) -> bytes | None:
         """The file's content; None if it is not there, or damaged."""
         from longwave.support.compiled.source_digest import are_older
+        from longwave.support.sealed_file import read_sealed
 
         if self.path is None or not are_older(self.sources):
             return None
-        return read_whole(self.path / name)
+        return read_sealed(self.path / name)
 
     def write(self, name: str, data: bytes) -> None:
-        """Keep a file, if it can be."""
+        """Keep a file, if it can be: a full disk or a folder that is gone is no error."""
         from longwave.support.compiled.source_digest import runs_as_written
+        from longwave.support.sealed_file import write_sealed
 
         if self.path is not None and runs_as_written(self.sources):
-            write_whole(self.path / name, data)
+            with suppress(OSError):
+                write_sealed(self.path / name, data, durable=False)
 
 
 @lru_cache
@@ -88,35 +91,11 @@ def cache_folder(module: str, *others: str) -> CacheFolder:
     return CacheFolder(None)
 
 
-def write_whole(path: Path, data: bytes) -> None:
-    """Write a file of a cache; readers see the whole file or none.
-
-    A cache can only save time: a full disk or a folder that is gone is no error.
-    """
-    from longwave.support.atomic_file import write_atomically
-
-    with suppress(OSError):
-        held = hashlib.sha256(data).digest() + data
-        write_atomically(path, lambda draft: draft.write_bytes(held), durable=False)
-
-
-def read_whole(path: Path) -> bytes | None:
-    """What `write_whole` wrote; None if it is not there, or damaged."""
-    try:
-        held = path.read_bytes()
-    except OSError:
-        return None
-    digest, data = held[:32], held[32:]
-    return data if hashlib.sha256(data).digest() == digest else None
-
-
 def _digest(sources: str) -> str:
     """What machine code depends on: the sources and numba's settings."""
-    settings = [
-        f"{name}={value}"
-        for name, value in sorted(os.environ.items())
-        if name.startswith("NUMBA_") and name != "NUMBA_CACHE_DIR"
-    ]
+    from longwave.support.compiled.source_digest import compiler_settings
+
+    settings = compiler_settings()
     with suppress(OSError):
         settings.append(Path(".numba_config.yaml").read_text(encoding="utf-8"))
     return hashlib.sha256("\n".join([sources, *settings]).encode()).hexdigest()

@@ -9,6 +9,7 @@ is kept only if it `runs_as_written`.
 from __future__ import annotations
 
 import hashlib
+import os
 import re
 import sys
 from collections.abc import Iterator
@@ -17,7 +18,16 @@ from importlib.machinery import SourceFileLoader
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
-__all__ = ["Files", "all_sources", "are_older", "runs_as_written", "source_digest", "text_digest"]
+__all__ = [
+    "Files",
+    "all_sources",
+    "are_older",
+    "compiler_settings",
+    "installed_version",
+    "runs_as_written",
+    "source_digest",
+    "text_digest",
+]
 
 PACKAGE = "longwave"
 """The project's own package; of all others the version counts."""
@@ -69,7 +79,7 @@ def text_digest(sources: Files) -> str:
     total = hashlib.sha256("\n".join(name for name, _ in sources).encode())
     for _, path in sources:
         total.update(_text_digest(path))
-    versions = [sys.version, *(f"{name} {_version(name)}" for name in MAKERS)]
+    versions = [sys.version, *(f"{name} {installed_version(name)}" for name in MAKERS)]
     total.update("\n".join(versions).encode())
     return total.hexdigest()
 
@@ -165,8 +175,18 @@ def _file_in_memory(module: str) -> Path | None:
     return None if name is None else Path(name).absolute()
 
 
-def _version(package: str) -> str:
+def installed_version(package: str) -> str | None:
+    """The version of a package that is installed."""
     try:
         return version(package)
     except PackageNotFoundError:
-        return ""
+        return None
+
+
+def compiler_settings() -> list[str]:
+    """The variables of the environment that say how kernels are compiled, with their values."""
+    return [
+        f"{name}={value}"
+        for name, value in sorted(os.environ.items())
+        if name.startswith("NUMBA_") and name != "NUMBA_CACHE_DIR"
+    ]

@@ -18,7 +18,7 @@ import xarray as xr
 
 import longwave.runs.run_file
 from longwave.cli.scene_command import run_and_print
-from longwave.runs import output_checkpoint
+from longwave.runs import run_output
 from longwave.runs.run_store import RunStore
 from tests.runs.unfinished_scenes import SCENES
 
@@ -34,7 +34,7 @@ def fetch(name: str, folder: str, least: str) -> int:
 
 def write(name: str, folder: str, least: str) -> int:
     """``longwave run SCENE.toml --output FOLDER/out.nc``."""
-    output_checkpoint.PACE = float(least), 1e9
+    run_output.PACE = float(least), 1e9
     scene = Path(folder) / "scene.toml"
     scene.write_text(SCENES[name].toml(), encoding="utf-8")
     output = str(Path(folder) / "out.nc")

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from longwave.__main__ import main
-from longwave.runs import load_run, save_elsewhere, save_run
+from longwave.runs import load_run, run_output, save_run
 from longwave.runs.repeated_run import compare_runs
 
 SCENE = """
@@ -97,7 +97,7 @@ def test_a_disk_that_is_full_at_the_end_loses_nothing(
             raise OSError(errno.ENOSPC, "No space left on device", str(path))
         save_run(run, path, force)
 
-    monkeypatch.setattr(save_elsewhere, "save_run", full)
+    monkeypatch.setattr(run_output, "save_run", full)
     assert main(["run", source, "--output", "run.nc", "--force"]) == 1
     found = capsys.readouterr()
     assert found.out

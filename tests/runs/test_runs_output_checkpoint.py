@@ -8,10 +8,10 @@ from typing import Any
 import pytest
 
 from longwave.cli.scene_command import run_and_print
-from longwave.runs import output_checkpoint
+from longwave.runs import run_output
 from longwave.runs.run_file import load_run
 from longwave.scenes import scene_run
-from longwave.support.checkpoint_folder import CheckpointFolder
+from longwave.support.checkpoint import CheckpointFolder
 from tests.runs.unfinished_scenes import SCENES, Killed, bits
 
 NAME = "stated window, refined"
@@ -30,7 +30,7 @@ def kept(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
         write(folder, *memory)
 
     monkeypatch.setattr(CheckpointFolder, "write", counted)
-    monkeypatch.setattr(output_checkpoint, "PACE", (0.0, 1e9))
+    monkeypatch.setattr(run_output, "PACE", (0.0, 1e9))
     monkeypatch.setattr("os.fsync", lambda _: None)
     return told
 

@@ -61,7 +61,7 @@ def test_the_bars_label_is_no_markup(monkeypatch: pytest.MonkeyPatch) -> None:
 
     monkeypatch.setattr(console, "TextColumn", Noted)
     terminal = Console(force_terminal=True, stderr=True)
-    monkeypatch.setattr(cli, "plain_console", lambda **_: terminal)
+    monkeypatch.setattr(console, "plain_console", lambda **_: terminal)
     monkeypatch.setattr(Scene, "record", lambda *_: None)
-    cli._run_with_bar(load_scene("rogue_cn_k_0.5"), None)
+    cli._run_with_bar(load_scene("rogue_cn_k_0.5"), None, "the work")
     assert [column.markup for column in columns] == [False]

@@ -9,7 +9,7 @@ import xarray as xr
 
 from longwave.scenes.named_scenes import load_scene
 from longwave.scenes.scene import Scene
-from longwave.support.checkpoint_folder import CheckpointFolder
+from longwave.support.checkpoint import CheckpointFolder
 
 ALL_LOOKS = ("strain", "error_curve", "crest_track", "space_time")
 

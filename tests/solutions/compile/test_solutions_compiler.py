@@ -12,7 +12,8 @@ from longwave.solutions.compile import compiler
 from longwave.solutions.compile.compiler import compile_program, kept_program
 from longwave.solutions.run.program import Program
 from longwave.solutions.symbols import tau, xi
-from longwave.support.compiled.kernel_folder import CacheFolder, read_whole
+from longwave.support.compiled.kernel_folder import CacheFolder
+from longwave.support.sealed_file import read_sealed
 
 NAMES = ["rogue_cn", "breather_sn", "two_soliton", "kink"]
 
@@ -72,7 +73,7 @@ def test_a_damaged_program_is_written_anew(folder: Path, normal_forms: Any) -> N
     for text in ("", "{}", "[1]", '{"calls": 1}'):
         path.write_text(text)
         assert values("kink", normal_forms) == first
-    kept = read_whole(path)
+    kept = read_sealed(path)
     assert kept is not None
     assert Program.read(kept.decode()).text() == kept.decode()
 

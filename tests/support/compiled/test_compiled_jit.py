@@ -17,7 +17,7 @@ SOLUTIONS = Path("longwave") / "solutions"
 
 RUN_FILES = (
     *(f"support/compiled/{n}.py" for n in ("jit", "native_code", "kernel_folder", "source_digest")),
-    *("support/atomic_file.py", "support/lazy_face.py"),
+    *(f"support/{name}.py" for name in ("atomic_file", "sealed_file", "lazy_face")),
 )
 
 UNCOMPILED = shutil.ignore_patterns("__pycache__")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import os
 import pickle
 from pathlib import Path
@@ -10,8 +9,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from longwave.support.checkpoint import Memory, begin_loop, branches, kept_by
-from longwave.support.checkpoint_folder import CheckpointFolder
+from longwave.support.checkpoint import (
+    CheckpointFolder,
+    Memory,
+    begin_loop,
+    branches,
+    kept_by,
+)
+from longwave.support.sealed_file import write_sealed
 
 MEMORY: Memory = {"seconds": 1.5, "f": np.arange(3.0), "rows": [np.float64(2.0), (1, None, "a")]}
 
@@ -35,7 +40,7 @@ def test_a_damaged_checkpoint_is_told_and_not_read(
     keeper.write("1", "this task", MEMORY)
     (path,) = tmp_path.iterdir()
     held = path.read_bytes()
-    for broken in (b"", held[:40], held[:-1], held[:50] + b"\0" + held[51:]):
+    for broken in (b"", held[:40], held[:-1], held[:50] + bytes([held[50] ^ 1]) + held[51:]):
         path.write_bytes(broken)
         caplog.clear()
         assert keeper.read("1", "this task") is None
@@ -45,7 +50,7 @@ def test_a_damaged_checkpoint_is_told_and_not_read(
 def test_a_checkpoint_calls_nothing(tmp_path: Path) -> None:
     """Whoever may write into the folder may not run a program by it."""
     data = pickle.dumps(("this run", "this task", os.getcwd), protocol=5)
-    (tmp_path / "1.loop").write_bytes(hashlib.sha256(data).digest() + data)
+    write_sealed(tmp_path / "1.loop", data)
     assert CheckpointFolder(tmp_path, "this run").read("1", "this task") is None
 
 
