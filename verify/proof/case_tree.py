@@ -17,8 +17,8 @@ from longwave.derive.algebra.formula_printing import formula_as_text
 
 from .balls import ball_value
 from .constant_terms import Relations, Terms, terms_of
-from .domain_signs import DomainSigns
-from .domains import Domain, Domains
+from .domain_signs import DomainSigns, domain_of
+from .domains import Domains
 from .problem import POINTS
 from .samples import sample
 
@@ -223,14 +223,13 @@ class CaseTree:
         if values is None or function.is_Symbol:
             return False
         name = sp.Dummy("value")
-        domain = Domain(lower=sp.sympify(values.lower), lower_open=values.lower_open)
         polynomial = sp.Add(
             *(
                 sp.Rational(int(c.p), int(c.q)) * name ** int(powers[used[0]])
                 for powers, c in factor.terms()
             )
         )
-        return DomainSigns({name: domain}).is_nonzero(polynomial)
+        return DomainSigns({name: domain_of(values)}).is_nonzero(polynomial)
 
     def _next(self, node: _Node) -> list[_Node] | SystemCase:
         """The cases of the next step."""

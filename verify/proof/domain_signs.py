@@ -11,10 +11,13 @@ different from 0, an inverse function at an end of its cuts.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
-from fractions import Fraction
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import reduce
+from itertools import product
+from operator import add, mul
 
 import sympy as sp
+from flint import fmpq
 from sympy.functions.special.bessel import BesselBase
 
 from longwave.solutions.functions import (
@@ -22,15 +25,16 @@ from longwave.solutions.functions import (
     jacobi_dn,
     jacobi_epsilon,
     jacobi_sn,
-    jacobi_theta,
     jacobi_zeta,
 )
-from longwave.solutions.functions.jacobi import JacobiFunction
 from longwave.solutions.functions.jet_functions import JetFunction
 from longwave.solutions.functions.weierstrass import WeierstrassFunction
+from longwave.verify.kernel.axioms import FUNCTIONS, HALF_PI
+from longwave.verify.kernel.bounds import POSITIVE, UNIT, Interval
 from longwave.verify.subexpressions import abbreviated, distinct_nodes
 
-from .domains import INFINITY, Domain, Domains, Number, ValueRange
+from .certificate_writer import FUNCTIONS as KINDS
+from .domains import Domain, Domains
 
 FACTORABLE_NODES = 20
 FACTORABLE_POWER = 8
@@ -39,13 +43,15 @@ FACTORABLE_POWER = 8
 FACTORABLE_SYMBOLS = 2
 """Polynomials in more symbols are not factored to find their sign."""
 
-BELOW_PI = Fraction(31415926, 10**7)
+LARGEST_POWER = 64
+"""Of higher powers only the sign is kept."""
 
-REAL = ValueRange()
-ZERO, ONE = Fraction(0), Fraction(1)
-POSITIVE = ValueRange(ZERO, INFINITY, True)
-NONNEGATIVE = ValueRange(ZERO, INFINITY)
-UNIT = ValueRange(-ONE, ONE)
+NAMES = {kind: name for name, kind in KINDS.items()}
+"""What the checker calls a function."""
+
+REAL, NONNEGATIVE = Interval(), Interval(fmpq(0))
+ZERO, ONE = Interval(fmpq(0), fmpq(0)), Interval(fmpq(1), fmpq(1))
+BELOW_PI = 2 * HALF_PI
 
 
 def is_small_polynomial(expression: sp.Expr) -> bool:
@@ -68,9 +74,9 @@ class DomainSigns:
     def __init__(self, domains: Domains) -> None:
         self._domains = domains
         self._gaps = dict(_gaps(domains))
-        self._found: dict[sp.Expr, ValueRange | None] = {}
+        self._found: dict[sp.Expr, Interval | None] = {}
 
-    def range(self, expression: sp.Expr) -> ValueRange | None:
+    def range(self, expression: sp.Expr) -> Interval | None:
         """A range that holds all values; None if they are not known to be real."""
         if expression not in self._found:
             self._found[expression] = None  # no rule asks for its own node
@@ -89,12 +95,12 @@ class DomainSigns:
     def is_nonnegative(self, expression: sp.Expr) -> bool:
         """Whether ``expression`` is shown to be at least 0."""
         found = self.range(expression)
-        return found is not None and found.is_nonnegative
+        return found is not None and found.is_not_negative
 
     def is_nonpositive(self, expression: sp.Expr) -> bool:
         """Whether ``expression`` is shown to be at most 0."""
         found = self.range(expression)
-        return found is not None and found.is_nonpositive
+        return found is not None and (-found).is_not_negative
 
     def is_nonzero(self, expression: sp.Expr) -> bool:
         """Whether ``expression``, real or not, is shown to be nowhere 0."""
@@ -109,64 +115,53 @@ class DomainSigns:
         if isinstance(expression, sp.Abs | sp.conjugate):
             return self.is_nonzero(expression.args[0])
         found = self.range(expression)
-        return found is not None and found.excludes_zero
+        return found is not None and found.is_not_zero
 
-    def _range(self, node: sp.Expr) -> ValueRange | None:
+    def _range(self, node: sp.Expr) -> Interval | None:
         if node.is_Rational:
-            value = Fraction(int(node.p), int(node.q))
-            return ValueRange(value, value)
+            value = fmpq(int(node.p), int(node.q))
+            return Interval(value, value)
         if node.is_Symbol:
             return self._symbol(self._domains.get(node, Domain()))
+        if isinstance(node, sp.re | sp.im):
+            return REAL
+        found = [self.range(inner) for inner in node.args]
+        known = [inner for inner in found if inner is not None]
+        if isinstance(node, sp.Abs):
+            return known[0].absolute() if known else NONNEGATIVE
+        if len(known) < len(found):
+            return None
         if node in CONSTANTS:
             return CONSTANTS[node]
         if node.is_Add:
-            return self._sum(node)
+            return self._sum(node, reduce(add, known))
         if node.is_Mul:
-            return self._product(node)
+            return reduce(_times, known)
         if node.is_Pow:
-            return self._power(node)
-        if isinstance(node, sp.Abs):
-            inner = self.range(node.args[0])
-            return NONNEGATIVE if inner is None else inner.absolute()
-        if isinstance(node, sp.re | sp.im):
-            return REAL
-        if isinstance(node, sp.conjugate):
-            return self.range(node.args[0])
-        if isinstance(node, JacobiFunction):
-            return self._jacobi(node)
-        if isinstance(node, JetFunction | WeierstrassFunction | BesselBase):
-            return self._special(node)
-        rule = RULES.get(node.func)
-        inner = self.range(node.args[0]) if rule else None
-        return None if rule is None or inner is None else rule(inner)
+            return _power(known[0], node.exp)
+        return known[0] if isinstance(node, sp.conjugate) else _function(node, known)
 
-    def _symbol(self, domain: Domain) -> ValueRange:
-        lower, upper = self._end(domain.lower), self._end(domain.upper)
-        return ValueRange(
-            -INFINITY if lower is None else lower.lower,
-            INFINITY if upper is None else upper.upper,
-            domain.lower_open or (lower is not None and lower.lower_open),
-            domain.upper_open or (upper is not None and upper.upper_open),
+    def _symbol(self, domain: Domain) -> Interval:
+        lower, upper = (
+            REAL if end in (sp.oo, -sp.oo) else self.range(end) or REAL
+            for end in (domain.lower, domain.upper)
+        )
+        return Interval(
+            lower.low,
+            upper.high,
+            domain.lower_open or lower.low_open,
+            domain.upper_open or upper.high_open,
         )
 
-    def _end(self, end: sp.Expr) -> ValueRange | None:
-        return None if end in (sp.oo, -sp.oo) else self.range(end)
-
-    def _sum(self, node: sp.Expr) -> ValueRange | None:
-        total = ValueRange(ZERO, ZERO)
-        for part in node.args:
-            inner = self.range(part)
-            if inner is None:
-                return None
-            total = total + inner
-        if node in self._gaps and not total.excludes_zero:
+    def _sum(self, node: sp.Expr, total: Interval) -> Interval:
+        if node in self._gaps and not total.is_not_zero:
             return self._gaps[node]
         small = len(node.free_symbols) <= FACTORABLE_SYMBOLS and is_small_polynomial(node)
-        if total.excludes_zero or not small:
+        if total.is_not_zero or not small:
             return total
         return self._factored(node) or total
 
-    def _factored(self, node: sp.Expr) -> ValueRange | None:
+    def _factored(self, node: sp.Expr) -> Interval | None:
         """The range of a polynomial's factors; that of a sum without real root in the domain."""
         factored = sp.factor(node)
         if not factored.is_Add and factored != node:
@@ -174,63 +169,21 @@ class DomainSigns:
         symbols = node.free_symbols
         return self._without_root(node, symbols.pop()) if len(symbols) == 1 else None
 
-    def _without_root(self, node: sp.Expr, symbol: sp.Symbol) -> ValueRange | None:
+    def _without_root(self, node: sp.Expr, symbol: sp.Symbol) -> Interval | None:
         polynomial = sp.Poly(node, symbol, domain="QQ")
         found = self.range(symbol)
         if found is None:
             return None
-        low, high = (_sympy(end) for end in (found.lower, found.upper))
+        low, high = domain_of(found).ends({})
         inner = polynomial.count_roots(
             None if low == -sp.oo else low, None if high == sp.oo else high
         )
-        for end, is_open in ((low, found.lower_open), (high, found.upper_open)):
+        for end, is_open in ((low, found.low_open), (high, found.high_open)):
             if is_open and end.is_finite and polynomial(end) == 0:
                 inner -= 1
         if inner:
             return None
         return POSITIVE if polynomial(_between(low, high)) > 0 else -POSITIVE
-
-    def _product(self, node: sp.Expr) -> ValueRange | None:
-        total = ValueRange(ONE, ONE)
-        for part in node.args:
-            inner = self.range(part)
-            if inner is None:
-                return None
-            total = total * inner
-        return total
-
-    def _power(self, node: sp.Expr) -> ValueRange | None:
-        base = self.range(node.base)
-        if base is None:
-            return None
-        if node.exp.is_Integer:
-            return base ** int(node.exp)
-        if not base.is_nonnegative or not self.is_real(node.exp):
-            return None
-        if not node.exp.is_Rational:
-            return NONNEGATIVE
-        return _fractional(base, node.exp)
-
-    def _special(self, node: sp.Expr) -> ValueRange | None:
-        """Arbitrary functions, theta functions, those of Weierstrass and Bessel."""
-        found = [self.range(inner) for inner in node.args]
-        last = found[-1]
-        if last is None or None in found:
-            return None
-        nome = isinstance(node, JetFunction) and len(found) > 1
-        if (nome or isinstance(node, BesselBase)) and not (last.is_positive or is_entire(node)):
-            return None
-        return POSITIVE if isinstance(node, sp.besselk) else REAL
-
-    def _jacobi(self, node: sp.Expr) -> ValueRange | None:
-        argument, parameter = (self.range(inner) for inner in node.args)
-        if argument is None or parameter is None:
-            return None
-        if isinstance(node, jacobi_epsilon | jacobi_zeta):
-            return REAL if _is_below_one(parameter) else None
-        if isinstance(node, jacobi_dn | jacobi_theta):
-            return POSITIVE if _is_below_one(parameter) else REAL
-        return UNIT if parameter.is_nonnegative and _is_below_one(parameter) else REAL
 
 
 def is_entire(node: sp.Expr) -> bool:
@@ -238,7 +191,7 @@ def is_entire(node: sp.Expr) -> bool:
     return isinstance(node, sp.besselj | sp.besseli) and bool(node.order.is_Integer)
 
 
-def _gaps(domains: Domains) -> Iterator[tuple[sp.Expr, ValueRange]]:
+def _gaps(domains: Domains) -> Iterator[tuple[sp.Expr, Interval]]:
     """The differences of symbols and their ends in other symbols, with their signs."""
     for symbol, domain in domains.items():
         for end, is_open, side in (
@@ -251,87 +204,105 @@ def _gaps(domains: Domains) -> Iterator[tuple[sp.Expr, ValueRange]]:
                 yield side * (end - symbol), -found
 
 
-def _is_below_one(inner: ValueRange) -> bool:
-    return inner.upper < 1 or (inner.upper == 1 and inner.upper_open)
+def lies_between(found: Interval | None, low: fmpq | None, high: fmpq | None) -> bool:
+    """Whether values are real and not outside two numbers (None: any)."""
+    return found is not None and found & Interval(low, high) == found & REAL
 
 
-def _fractional(base: ValueRange, exponent: sp.Rational) -> ValueRange:
-    """A power of non-negative numbers: the sign, and the place with respect to 1."""
-    rising = exponent > 0
-    low = ONE if (base.lower >= 1 if rising else base.upper <= 1) else ZERO
-    high = ONE if (base.upper <= 1 if rising else base.lower >= 1) else INFINITY
-    is_open = low == 0 and (base.is_positive or not rising)
-    return ValueRange(low, high, is_open)
+def _is_below_one(inner: Interval) -> bool:
+    return (ONE + -inner).is_positive
 
 
-def _signed(inner: ValueRange, size: Number = INFINITY) -> ValueRange:
-    """The range of an odd rising function between -size and size."""
-    low: Number = ZERO if inner.is_nonnegative else -size
-    high: Number = ZERO if inner.is_nonpositive else size
-    return ValueRange(low, high, low != 0 or inner.is_positive, high != 0 or inner.is_negative)
+def _halves(inner: Interval) -> list[Interval]:
+    """The parts on either side of 0: the products of these are as narrow as can be."""
+    if inner.is_not_negative or inner.is_below:
+        return [inner]
+    return [inner & NONNEGATIVE, inner & -NONNEGATIVE]
 
 
-def _exponential(inner: ValueRange) -> ValueRange:
-    low = ONE if inner.is_nonnegative else ZERO
-    high: Number = ONE if inner.is_nonpositive else INFINITY
-    return ValueRange(low, high, low == 0 or inner.is_positive, high != 1 or inner.is_negative)
+def _hull(parts: Sequence[Interval]) -> Interval:
+    """The least interval that holds some others."""
+    return _from_least(parts) & -_from_least([-part for part in parts])
 
 
-def _logarithm(inner: ValueRange) -> ValueRange | None:
-    if not inner.is_nonnegative:
+def _from_least(parts: Sequence[Interval]) -> Interval:
+    """Everything from the least of the lower ends on."""
+    low, is_open = min((part.ends[0] for part in parts), key=lambda end: (end[0] is not None, *end))
+    return Interval(low, None, is_open)
+
+
+def _times(left: Interval, right: Interval) -> Interval:
+    return _hull([a * b for a, b in product(_halves(left), _halves(right))])
+
+
+def _power(base: Interval, exponent: sp.Expr) -> Interval | None:
+    """A power where it is smooth: one with a negative exponent of what is not 0."""
+    if not (exponent.is_Integer or base.is_not_negative):
         return None
-    return _signed(inner + ValueRange(-ONE, -ONE))
+    if not exponent.is_Rational:
+        return NONNEGATIVE
+    if exponent < 0 and base == ZERO:
+        return None
+    halves, times = _halves(base if exponent.is_Integer else base.root()), abs(int(exponent.p))
+    if exponent < 0:
+        halves = [half & (-POSITIVE if half.is_below else POSITIVE) for half in halves]
+    long = times > LARGEST_POWER
+    found = _hull([h.power(times) if long else reduce(mul, [h] * times) for h in halves])
+    return found if exponent > 0 else found.inverse()
 
 
-def _sign(inner: ValueRange) -> ValueRange:
-    low = ONE if inner.is_positive else ZERO if inner.is_nonnegative else -ONE
-    high = -ONE if inner.is_negative else ZERO if inner.is_nonpositive else ONE
-    return ValueRange(low, high)
+def _function(node: sp.Expr, arguments: Sequence[Interval]) -> Interval | None:
+    """The values of a function at real arguments, by the checker's table."""
+    name = NAMES.get(node.func)
+    if isinstance(node, JetFunction):
+        name = "theta" if len(arguments) > 1 else "jet"
+    own = FUNCTIONS.get(name or "")
+    if own is None or own.values is None or len(arguments) != len(own.letters):
+        return None
+    z = arguments[own.letters.find("z")]
+    parameters = [arguments[place] for place in own.parameters(*range(len(arguments)))]
+    if not (is_entire(node) or lies_between(z, *own.between)):
+        return None
+    if own.below_one and not all(map(_is_below_one, parameters)):
+        return None
+    if own.above_zero and not all(m.is_positive for m in parameters):
+        return None
+    found = own.values & z.side() if own.symmetry == "same" else own.values
+    if isinstance(node, jacobi_dn) and _is_below_one(parameters[0]):
+        return POSITIVE
+    return found & SHARPER[node.func](z) if node.func in SHARPER else found
 
 
-def _half_wave(inner: ValueRange) -> ValueRange:
-    """The cosine, positive between -pi/2 and pi/2."""
-    narrow = inner.lower >= -BELOW_PI / 2 and inner.upper <= BELOW_PI / 2
-    return ValueRange(ZERO, ONE, True) if narrow else UNIT
+def _sign(z: Interval) -> Interval:
+    return ONE if z.is_positive else -ONE if (-z).is_positive else UNIT
 
 
-CONSTANTS = {
-    sp.pi: ValueRange(Fraction(3), Fraction(4)),
-    sp.E: ValueRange(Fraction(2), Fraction(3)),
-}
+CONSTANTS = {sp.pi: Interval(fmpq(3), fmpq(4)), sp.E: Interval(fmpq(2), fmpq(3))}
 
-RULES: dict[type, Callable[[ValueRange], ValueRange | None]] = {
-    sp.exp: _exponential,
-    sp.log: _logarithm,
+SHARPER: dict[type, Callable[[Interval], Interval]] = {
+    sp.exp: lambda z: z.side() + ONE,
+    sp.log: lambda z: (z + -ONE).side(),
     sp.sign: _sign,
-    sp.sinh: _signed,
-    sp.cosh: lambda _: ValueRange(ONE),
-    sp.tanh: lambda inner: _signed(inner, ONE),
-    sp.sech: lambda _: ValueRange(ZERO, ONE, True),
-    sp.coth: _signed,
-    sp.csch: _signed,
-    sp.sin: lambda inner: _half_wave(inner + ValueRange(-BELOW_PI / 2, -BELOW_PI / 2)),
-    sp.cos: _half_wave,
-    **dict.fromkeys((sp.tan, sp.cot, sp.sec, sp.csc), lambda _: REAL),
-    sp.atan: lambda inner: _signed(inner, Fraction(2)),
-    sp.erf: lambda inner: _signed(inner, ONE),
-    **dict.fromkeys((sp.airyai, sp.airyaiprime, sp.airybi, sp.airybiprime), lambda _: REAL),
-    sp.LambertW: lambda inner: _signed(inner) if inner.is_nonnegative else None,
-    sp.asinh: _signed,
-    sp.acosh: lambda inner: NONNEGATIVE if inner.lower >= 1 else None,
-    sp.asin: lambda inner: _signed(inner, Fraction(2)) if inner.absolute().upper <= 1 else None,
-    sp.acos: lambda inner: ValueRange(ZERO, Fraction(4)) if inner.absolute().upper <= 1 else None,
-    sp.atanh: lambda inner: _signed(inner) if _is_below_one(inner.absolute()) else None,
-    **dict.fromkeys(
-        (sp.elliptic_k, sp.elliptic_e), lambda inner: POSITIVE if _is_below_one(inner) else None
-    ),
+    sp.sin: lambda z: z.side() if lies_between(z, fmpq(0), BELOW_PI) else UNIT,
+    sp.cos: lambda z: POSITIVE if lies_between(z, -HALF_PI, HALF_PI) else UNIT,
+    **dict.fromkeys((sp.atan, sp.asin), lambda z: Interval(fmpq(-2), fmpq(2), True, True)),
+    sp.acos: lambda z: Interval(fmpq(0), fmpq(4)),
+    sp.LambertW: lambda z: z.side(),
 }
+"""What is known of some functions beyond the table, by the values of z."""
 
 
-def _sympy(end: Number) -> sp.Expr:
-    if isinstance(end, Fraction):
-        return sp.Rational(end.numerator, end.denominator)
-    return sp.oo if end > 0 else -sp.oo
+def domain_of(found: Interval) -> Domain:
+    """An interval as the domain of a symbol."""
+    low, high = (
+        None if end is None else sp.Rational(int(end.p), int(end.q)) for end, _ in found.ends
+    )
+    return Domain(
+        -sp.oo if low is None else low,
+        sp.oo if high is None else high,
+        found.low_open,
+        found.high_open,
+    )
 
 
 def _between(low: sp.Expr, high: sp.Expr) -> sp.Rational:
@@ -398,7 +369,7 @@ def _is_off_cuts(node: sp.Expr, signs: DomainSigns) -> bool:
     if inner is None:
         return False
     if isinstance(node, sp.acosh):
-        return (inner + ValueRange(-ONE, -ONE)).is_positive
+        return (inner + -ONE).is_positive
     return _is_below_one(inner.absolute())
 
 

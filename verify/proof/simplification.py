@@ -14,30 +14,19 @@ line; it stops at a root or logarithm of what may be negative.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from fractions import Fraction
 from typing import Any
 
 import sympy as sp
 
 from longwave.solutions.functions import jacobi_cn, jacobi_dn, jacobi_sn
+from longwave.verify.kernel.further.inverse import PRINCIPAL
 
 from .arguments import HYPERBOLIC, TRIGONOMETRIC
-from .domain_signs import BELOW_PI, DomainSigns
-from .domains import INFINITY, Number
+from .domain_signs import BELOW_PI, DomainSigns, lies_between
 from .factors import Quotients, TooLong, factored
 
 DIGITS, LARGEST = 40, 10**6
 """Decimals of a number whose cube root is sought, and its largest denominator."""
-
-PRINCIPAL: Mapping[Any, tuple[Any, Number, Number]] = {
-    sp.asin: (sp.sin, -BELOW_PI / 2, BELOW_PI / 2),
-    sp.acos: (sp.cos, Fraction(0), BELOW_PI),
-    sp.atan: (sp.tan, -BELOW_PI / 2, BELOW_PI / 2),
-    sp.asinh: (sp.sinh, -INFINITY, INFINITY),
-    sp.acosh: (sp.cosh, Fraction(0), INFINITY),
-    sp.atanh: (sp.tanh, -INFINITY, INFINITY),
-}
-"""What each is the inverse of, and between which numbers its values are."""
 
 REAL_ON_THE_LINE = (sp.exp, *HYPERBOLIC, *TRIGONOMETRIC)
 """Meromorphic functions that take conjugates to conjugates."""
@@ -87,8 +76,11 @@ class Rewriting:
             value = None if needs_integers(node) else self._signed(node)
         elif isinstance(node, sp.conjugate | sp.re | sp.im):
             value = self._real_part(node)
-        elif node.func in PRINCIPAL and isinstance(node.args[0], PRINCIPAL[node.func][0]):
-            value = self._inverse(node, node.args[0].args[0])
+        elif (name := node.func.__name__) in PRINCIPAL and isinstance(
+            node.args[0], getattr(sp, name.removeprefix("a"))
+        ):
+            inner = node.args[0].args[0]
+            value = inner if lies_between(self.signs.range(inner), *PRINCIPAL[name]) else None
         else:
             return None
         return None if value == node else value
@@ -132,8 +124,7 @@ class Rewriting:
 
     def _is_narrow(self, angle: sp.Expr) -> bool:
         """Whether ``angle`` is real and between -pi and pi."""
-        found = self.signs.range(sp.expand(angle))
-        return found is not None and found.lower > -BELOW_PI and found.upper < BELOW_PI
+        return lies_between(self.signs.range(sp.expand(angle)), -BELOW_PI, BELOW_PI)
 
     def _known_factors(self, factors: Sequence[sp.Expr]) -> tuple[list[sp.Expr], sp.Expr]:
         """The factors that are not negative, negative ones turned over; the rest with its sign."""
@@ -196,11 +187,6 @@ class Rewriting:
         if self.signs.is_nonnegative(inner):
             return inner
         return -inner if self.signs.is_nonpositive(inner) else sp.Abs(inner)
-
-    def _inverse(self, node: sp.Expr, value: sp.Expr) -> sp.Expr | None:
-        """``value`` of an inverse function where it is a principal one."""
-        found, (_, low, high) = self.signs.range(value), PRINCIPAL[node.func]
-        return value if found is not None and low <= found.lower and found.upper <= high else None
 
     def _signed(self, node: sp.Expr) -> sp.Expr | None:
         inner = node.args[0]
