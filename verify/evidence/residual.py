@@ -21,7 +21,9 @@ import mpmath
 import sympy as sp
 
 from longwave.solutions.compile.tape import Tape, UnknownDerivativeError
-from longwave.solutions.record import Bound, ClosedForm, Equation, Parameter
+from longwave.solutions.record import ClosedForm, Equation
+from longwave.verify.proof import form_domains
+from longwave.verify.proof.domains import Domain, in_order
 from longwave.verify.verdict import Outcome, Verdict
 
 SLACK_DIGITS = 4
@@ -123,9 +125,10 @@ def sample_points(form: ClosedForm, count: int, seed: int) -> list[Point]:
 
 def _point(form: ClosedForm, draw: random.Random) -> Point:
     point: Point = {}
-    for parameter in in_order_of_dependence(form.parameters):
-        low, high = _interval(parameter, point)
-        point[parameter.symbol] = low + (high - low) * _fraction(draw)
+    domains = form_domains(form)
+    for symbol in in_order(domains):
+        low, high = _interval(domains[symbol], point)
+        point[symbol] = low + (high - low) * _fraction(draw)
     for variable in form.equation.variables:
         point[variable] = HALF_WIDTH * (2 * _fraction(draw) - 1)
     for sign in form.equation.free_sign:
@@ -138,33 +141,9 @@ def _fraction(draw: random.Random) -> sp.Rational:
     return sp.Rational(draw.randint(1, DENOMINATOR - 1), DENOMINATOR)
 
 
-def in_order_of_dependence(parameters: Sequence[Parameter]) -> list[Parameter]:
-    """The parameters with each one after those that its bounds contain."""
-    ordered: list[Parameter] = []
-    waiting = list(parameters)
-    while waiting:
-        known = {parameter.symbol for parameter in ordered}
-        ready = [p for p in waiting if _bound_symbols(p) <= known]
-        if not ready:
-            names = ", ".join(p.name for p in waiting)
-            raise ValueError(
-                f"bounds must not depend on each other, got those of {names} (fix the record)"
-            )
-        ordered += ready
-        waiting = [p for p in waiting if p not in ready]
-    return ordered
-
-
-def _bound_symbols(parameter: Parameter) -> set[sp.Symbol]:
-    bounds = (bound for bound in (parameter.lower, parameter.upper) if bound is not None)
-    return {symbol for bound in bounds for symbol in bound.value.free_symbols}
-
-
-def _interval(
-    parameter: Parameter, known: Mapping[sp.Symbol, sp.Rational]
-) -> tuple[sp.Rational, ...]:
+def _interval(domain: Domain, known: Mapping[sp.Symbol, sp.Rational]) -> tuple[sp.Rational, ...]:
     """The ends between which the parameter is drawn; a margin short of each bound."""
-    lower, upper = (_end(bound, known) for bound in (parameter.lower, parameter.upper))
+    lower, upper = (_end(end, known) for end in (domain.lower, domain.upper))
     if lower is None:
         lower = min(sp.S.Zero if upper is None else upper, sp.S.Zero) - HALF_WIDTH
     if upper is None:
@@ -173,11 +152,11 @@ def _interval(
     return lower + margin, upper - margin
 
 
-def _end(bound: Bound | None, known: Mapping[sp.Symbol, sp.Rational]) -> sp.Rational | None:
-    """A rational close to the bound; the margin covers the difference."""
-    if bound is None or bound.value in (sp.oo, -sp.oo):
+def _end(end: sp.Expr, known: Mapping[sp.Symbol, sp.Rational]) -> sp.Rational | None:
+    """A rational close to a finite end; the margin covers the difference."""
+    if end in (sp.oo, -sp.oo):
         return None
-    value = bound.value.subs(known)
+    value = end.subs(known)
     return value if value.is_Rational else sp.Rational(str(sp.N(value, 10)))
 
 

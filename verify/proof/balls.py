@@ -108,14 +108,14 @@ PERIODIC = (sp.sin, sp.cos, sp.sinh, sp.cosh)
 QUOTIENTS = {
     sp.tan: (sp.sin, sp.cos),
     sp.cot: (sp.cos, sp.sin),
-    sp.sec: (lambda _: sp.S.One, sp.cos),
-    sp.csc: (lambda _: sp.S.One, sp.sin),
+    sp.sec: (None, sp.cos),
+    sp.csc: (None, sp.sin),
     sp.tanh: (sp.sinh, sp.cosh),
     sp.coth: (sp.cosh, sp.sinh),
-    sp.sech: (lambda _: sp.S.One, sp.cosh),
-    sp.csch: (lambda _: sp.S.One, sp.sinh),
+    sp.sech: (None, sp.cosh),
+    sp.csch: (None, sp.sinh),
 }
-"""Numerator and denominator."""
+"""Numerator, None for 1, and denominator."""
 
 SPECIAL = {
     sp.erf: "erf",
@@ -226,27 +226,18 @@ class BallEvaluator:
                 self._check_smooth(node, node.base)
             return powered(self.jet(node.base), Fraction(int(node.exp.p), int(node.exp.q)))
         if isinstance(node, sp.conjugate | sp.re | sp.im | sp.Abs | sp.sign):
-            return self._real_part(node)
+            return size_jet(node.func.__name__.lower(), self.jet(node.args[0]))
         if isinstance(node, JacobiFunction):
             elliptic = self._parameter(node.args[1])
             taylor = getattr(elliptic, node.func.__name__.removeprefix("jacobi_"))
             return self.jet(node.args[0]).composed(taylor)
-        if is_special(node.func):
-            return special_jet(node.func, [self.jet(argument) for argument in node.args])
-        if isinstance(node, sp.elliptic_k | sp.elliptic_e):
+        if isinstance(node, sp.elliptic_k | sp.elliptic_e) and len(node.args) == 1:
             m = self._constant(node.args[0])
             is_first = isinstance(node, sp.elliptic_k)
             return constant(self._shape, m.elliptic_k() if is_first else m.elliptic_e())
-        if node.func in QUOTIENTS:
-            above, below = (f(node.args[0]) for f in QUOTIENTS[node.func])
-            return self.jet(above) * powered(self.jet(below), Fraction(-1))
-        if node.func in ELEMENTARY:
-            if node.func not in PERIODIC:
-                self._check_smooth(node, node.args[0])
-            return self.jet(node.args[0]).composed(ELEMENTARY[node.func])
-        raise ValueError(
-            f"functions must have ball arithmetic, got {node.func.__name__} (write it by others)"
-        )
+        if node.func in ELEMENTARY and node.func not in PERIODIC:
+            self._check_smooth(node, node.args[0])
+        return function_jet(node.func, list(map(self.jet, node.args)))
 
     def _check_smooth(self, node: sp.Expr, inner: sp.Expr) -> None:
         """Raise ValueError where ``node`` may jump: on a cut that its argument may cross."""
@@ -256,22 +247,6 @@ class BallEvaluator:
         if along and self._signs.is_real(inner) and not self.jet(inner).value.contains(0):
             return
         raise ValueError(f"points must lie off the cuts, got one on that of {node} (take another)")
-
-    def _real_part(self, node: sp.Expr) -> Jet:
-        inner = self.jet(node.args[0])
-        if isinstance(node, sp.Abs | sp.sign) and inner.value.contains(0):
-            raise ValueError(f"points must be smooth, got one where {node} is not (take another)")
-        other, half = inner.conjugate(), constant(self._shape, acb(0.5))
-        if isinstance(node, sp.conjugate):
-            return other
-        if isinstance(node, sp.Abs):
-            return powered(inner * other, Fraction(1, 2))
-        if isinstance(node, sp.sign):
-            return inner * powered(inner * other, Fraction(-1, 2))
-        if isinstance(node, sp.re):
-            return half * (inner + other)
-        minus = constant(self._shape, acb(-1))
-        return constant(self._shape, acb(0, -0.5)) * (inner + minus * other)
 
     def _parameter(self, m: sp.Expr) -> functions.Elliptic:
         if m not in self._elliptic:
@@ -291,9 +266,34 @@ def constant_value(jet: Jet, shown: str = "one with slopes") -> acb:
     return value
 
 
-def is_special(function: type) -> bool:
-    """Whether a function is one of Bessel, Weierstrass, theta, or arbitrary."""
-    return function in ORDERS or issubclass(function, JetFunction | WeierstrassFunction)
+def size_jet(name: str, inner: Jet) -> Jet:
+    """conjugate, re, im, abs or sign; raises ValueError where one of the last two is not smooth."""
+    other = inner.conjugate()
+    if name == "conjugate":
+        return other
+    if name in ("re", "im"):
+        share, sign = (acb(0.5), acb(1)) if name == "re" else (acb(0, -0.5), acb(-1))
+        return constant(inner.shape, share) * (inner + constant(inner.shape, sign) * other)
+    if inner.value.contains(0):
+        raise ValueError("points must be smooth, got one where a modulus is 0 (take another)")
+    if name == "abs":
+        return powered(inner * other, Fraction(1, 2))
+    return inner * powered(inner * other, Fraction(-1, 2))
+
+
+def function_jet(function: type, jets: Sequence[Jet]) -> Jet:
+    """A function of jets; raises ValueError for one that is not known, or not smooth there."""
+    if function in ORDERS or issubclass(function, JetFunction | WeierstrassFunction):
+        return special_jet(function, jets)
+    if function in QUOTIENTS:
+        above, below = QUOTIENTS[function]
+        inverse = powered(jets[0].composed(ELEMENTARY[below]), Fraction(-1))
+        return inverse if above is None else jets[0].composed(ELEMENTARY[above]) * inverse
+    if function not in ELEMENTARY or len(jets) > 1:
+        raise ValueError(
+            f"functions must have ball arithmetic, got {function.__name__} (write it by others)"
+        )
+    return jets[0].composed(ELEMENTARY[function])
 
 
 def special_jet(function: type, jets: Sequence[Jet]) -> Jet:
@@ -330,9 +330,9 @@ def _jet_of(function: type[JetFunction], z: Jet, *nome: Jet) -> Jet:
     return found
 
 
-def exact(value: sp.Rational) -> acb:
+def exact(value: sp.Rational | Fraction) -> acb:
     """A rational number as a ball."""
-    return acb(arb(fmpq(int(value.p), int(value.q))))
+    return acb(arb(fmpq(int(value.numerator), int(value.denominator))))
 
 
 def ball_value(

@@ -19,6 +19,7 @@ from .balls import ball_value
 from .constant_terms import Relations, Terms, terms_of
 from .domain_signs import DomainSigns, domain_of
 from .domains import Domains
+from .factors import written
 from .problem import POINTS
 from .samples import sample
 
@@ -56,11 +57,7 @@ class Constants:
 
     def written(self, polynomial: fmpq_mpoly) -> sp.Expr:
         """A polynomial as an expression."""
-        terms = []
-        for exponents, c in polynomial.terms():
-            powers = (g ** int(n) for g, n in zip(self.all, exponents, strict=False) if n)
-            terms.append(sp.Mul(sp.Rational(int(c.p), int(c.q)), *powers))
-        return sp.Add(*terms)
+        return written(polynomial, self.all)
 
     def used(self, polynomial: fmpq_mpoly) -> list[int]:
         """The places of the constants that occur."""
@@ -223,12 +220,7 @@ class CaseTree:
         if values is None or function.is_Symbol:
             return False
         name = sp.Dummy("value")
-        polynomial = sp.Add(
-            *(
-                sp.Rational(int(c.p), int(c.q)) * name ** int(powers[used[0]])
-                for powers, c in factor.terms()
-            )
-        )
+        polynomial = self._constants.written(factor).xreplace({function: name})
         return DomainSigns({name: domain_of(values)}).is_nonzero(polynomial)
 
     def _next(self, node: _Node) -> list[_Node] | SystemCase:

@@ -13,7 +13,7 @@ known element.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import product
 
 import sympy as sp
@@ -31,7 +31,7 @@ from .arguments import Dependence, with_definitions
 from .balls import BallEvaluator, JetShape
 from .certificate_writer import Certificate, Data, NodeTable, as_data
 from .domain_signs import DomainSigns
-from .domains import Domain, Point
+from .domains import Point
 from .generator_search import GeneratorSearch
 from .linear_forms import BITS
 from .problem import Problem
@@ -106,7 +106,7 @@ def statement_texts(problem: Problem) -> StatementTexts:
         if bool(symbol.is_integer) != (symbol.name == "n" and symbol.name in variables)
     }
     limits = {
-        symbol.name: domain_text(symbol.name, domain, lambda end: written.text(places[end]))
+        symbol.name: domain.chain(symbol.name, lambda end: written.text(places[end]))
         for symbol, domain in problem.domains.items()
         if domain.lower != -sp.oo or domain.upper != sp.oo
     }
@@ -132,16 +132,6 @@ def arbitrary_functions(problem: Problem) -> list[str]:
     parts = (problem.left, *problem.solutions.values())
     labels = {node.label for part in parts for node in part.atoms(JetFunction)}
     return sorted(labels - THETA.keys())
-
-
-def domain_text(name: str, domain: Domain, text: Callable[[sp.Expr], str]) -> str:
-    """The chain of inequalities that a domain with ends is."""
-    chain = name
-    if domain.lower != -sp.oo:
-        chain = f"{text(domain.lower)} {'<' if domain.lower_open else '<='} {chain}"
-    if domain.upper != sp.oo:
-        chain = f"{chain} {'<' if domain.upper_open else '<='} {text(domain.upper)}"
-    return chain
 
 
 def _left_side(problem: Problem, table: NodeTable) -> int:

@@ -11,7 +11,6 @@ import sympy as sp
 from longwave.derive.algebra.formula_printing import formula_as_text
 from longwave.verify.verdict import Outcome
 
-from .certificate import domain_text
 from .domain_signs import DomainSigns
 from .domains import REAL, Domain, settled_domains
 from .explicit_values import Explicit, Values, put_in, tidy
@@ -350,7 +349,7 @@ def restricted(statement: Statement, restrictions: Sequence[Restriction]) -> Sta
             return None
         symbol, domain = bound
         domains[symbol] = domains.get(symbol, REAL) & domain
-        stated = domain_text(symbol.name, domain, formula_as_text)
+        stated = domain.chain(symbol.name, formula_as_text)
         if texts is not None and stated != symbol.name:
             texts = replace(texts, parameters=(*texts.parameters, f"{symbol.name}: {stated}"))
     return replace(statement, domains=domains, texts=texts) if restrictions else None

@@ -8,6 +8,8 @@ from collections.abc import Mapping, Sequence
 import sympy as sp
 from flint import fmpq
 
+from .factors import exact
+
 Monomial = tuple[tuple[sp.Expr, int], ...]
 """Constants with their powers, in a fixed order."""
 
@@ -39,7 +41,7 @@ def real_parts(terms: Terms) -> list[Terms]:
             powers = plain + Counter({g: int(n) for g, n in factors})
             key = tuple(sorted(powers.items(), key=str))
             part = found[1 if sp.I in sp.Mul.make_args(rest) else 0]
-            part[key] = part.get(key, fmpq(0)) + c * fmpq(int(number.p), int(number.q))
+            part[key] = part.get(key, fmpq(0)) + c * exact(number)
     kept = ({key: c for key, c in part.items() if c} for part in found)
     return [part for part in kept if part]
 
@@ -91,11 +93,6 @@ def terms_of(polynomial: sp.Poly) -> Terms:
     """A polynomial by its terms."""
     gens = polynomial.gens
     return {
-        tuple((g, int(n)) for g, n in zip(gens, powers, strict=True) if n): _number(c)
+        tuple((g, int(n)) for g, n in zip(gens, powers, strict=True) if n): exact(sp.Rational(c))
         for powers, c in polynomial.terms()
     }
-
-
-def _number(value: sp.Expr) -> fmpq:
-    rational = sp.Rational(value)
-    return fmpq(int(rational.p), int(rational.q))

@@ -35,6 +35,7 @@ from longwave.verify.subexpressions import abbreviated, distinct_nodes
 
 from .certificate_writer import FUNCTIONS as KINDS
 from .domains import Domain, Domains
+from .factors import exact, rational
 
 FACTORABLE_NODES = 20
 FACTORABLE_POWER = 8
@@ -119,7 +120,7 @@ class DomainSigns:
 
     def _range(self, node: sp.Expr) -> Interval | None:
         if node.is_Rational:
-            value = fmpq(int(node.p), int(node.q))
+            value = exact(node)
             return Interval(value, value)
         if node.is_Symbol:
             return self._symbol(self._domains.get(node, Domain()))
@@ -294,9 +295,7 @@ SHARPER: dict[type, Callable[[Interval], Interval]] = {
 
 def domain_of(found: Interval) -> Domain:
     """An interval as the domain of a symbol."""
-    low, high = (
-        None if end is None else sp.Rational(int(end.p), int(end.q)) for end, _ in found.ends
-    )
+    low, high = (None if end is None else rational(end) for end, _ in found.ends)
     return Domain(
         -sp.oo if low is None else low,
         sp.oo if high is None else high,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 
 import sympy as sp
@@ -42,12 +42,24 @@ class Domain:
 
     def text(self, symbol: sp.Symbol) -> str:
         """The domain in words, of ``symbol``."""
-        left = "" if self.lower == -sp.oo else f"{self.lower} {'<' if self.lower_open else '<='} "
-        right = "" if self.upper == sp.oo else f" {'<' if self.upper_open else '<='} {self.upper}"
-        kind = "integer" if self.integer else "real"
-        words = f"{left}{symbol}{right}" if left or right else f"{symbol} {kind}"
-        words += ", integer" if self.integer and (left or right) else ""
+        words, kind = self.chain(str(symbol)), "integer" if self.integer else "real"
+        if words == str(symbol):
+            words += f" {kind}"
+        elif self.integer:
+            words += ", integer"
         return f"{words}, {symbol} != 0" if self.nonzero else words
+
+    def chain(
+        self,
+        name: str,
+        text: Callable[[sp.Expr], str] = str,
+        signs: tuple[str, str] = ("<", "<="),
+    ) -> str:
+        """The inequalities of ``name``, the ends written by ``text``; the name without ends."""
+        below, above = (signs[not is_open] for is_open in (self.lower_open, self.upper_open))
+        left = "" if self.lower == -sp.oo else f"{text(self.lower)} {below} "
+        right = "" if self.upper == sp.oo else f" {above} {text(self.upper)}"
+        return f"{left}{name}{right}"
 
     def ends(self, values: Mapping[sp.Symbol, sp.Expr]) -> tuple[sp.Expr, sp.Expr]:
         """Both ends, with ``values`` for the symbols that they contain."""

@@ -5,6 +5,7 @@ What is found is a hint: nothing here decides.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import lcm
 
 import sympy as sp
@@ -62,7 +63,7 @@ class Quotients:
         unit /= under
         found = [(self.written(part), int(n)) for part, n in powers]
         found += [(self.written(part), -int(n)) for part, n in below]
-        return _number(unit), found
+        return rational(unit), found
 
     def squares(self) -> sp.Expr | None:
         """The numerator as a sum of squares and terms that are evidently positive; None if not.
@@ -82,10 +83,10 @@ class Quotients:
                 continue
             number = second.leading_coefficient()
             root = (second / number).sqrt()
-            shift = _exact(first, 2 * number * root)
+            shift = _quotient_of(first, 2 * number * root)
             if shift is not None:
                 square = root * gen + shift
-                found.append(_number(number) * self.written(square) ** 2)
+                found.append(rational(number) * self.written(square) ** 2)
                 rest -= number * square**2
         return sp.Add(*found, self.written(rest)) if self._is_even(rest) else None
 
@@ -110,11 +111,7 @@ class Quotients:
     def written(self, polynomial: fmpq_mpoly) -> sp.Expr:
         """A polynomial in the atoms as an expression."""
         roots = [sp.Pow(b, sp.Rational(1, self._degrees[b])) for b in self._bases]
-        terms = []
-        for exponents, coefficient in polynomial.terms():
-            powers = (r ** int(n) for r, n in zip(roots, exponents, strict=False) if n)
-            terms.append(sp.Mul(_number(coefficient), *powers))
-        return sp.Add(*terms)
+        return written(polynomial, roots)
 
     def _quotient(self, node: sp.Expr) -> tuple[fmpq_mpoly, fmpq_mpoly]:
         if node not in self._found:
@@ -131,7 +128,7 @@ class Quotients:
     def _made(self, node: sp.Expr) -> tuple[fmpq_mpoly, fmpq_mpoly]:
         one = self._one
         if node.is_Rational:
-            return self._context.constant(fmpq(int(node.p), int(node.q))), one
+            return self._context.constant(exact(node)), one
         if node.is_Add:
             above, below = self._context.constant(0), one
             for a, b in map(self._quotient, node.args):
@@ -159,11 +156,26 @@ class Quotients:
         return (above**power, below**power) if power >= 0 else (below**-power, above**-power)
 
 
-def _number(value: fmpq) -> sp.Rational:
+def rational(value: fmpq) -> sp.Rational:
+    """A number of FLINT as one of SymPy."""
     return sp.Rational(int(value.p), int(value.q))
 
 
-def _exact(left: fmpq_mpoly, right: fmpq_mpoly) -> fmpq_mpoly | None:
+def exact(value: sp.Rational) -> fmpq:
+    """A number of SymPy as one of FLINT."""
+    return fmpq(int(value.p), int(value.q))
+
+
+def written(polynomial: fmpq_mpoly, atoms: Sequence[sp.Expr]) -> sp.Expr:
+    """A polynomial as an expression, with ``atoms`` for its generators."""
+    terms = []
+    for exponents, c in polynomial.terms():
+        powers = (atom ** int(n) for atom, n in zip(atoms, exponents, strict=False) if n)
+        terms.append(sp.Mul(rational(c), *powers))
+    return sp.Add(*terms)
+
+
+def _quotient_of(left: fmpq_mpoly, right: fmpq_mpoly) -> fmpq_mpoly | None:
     """The quotient of two polynomials where nothing is left."""
     quotient, rest = divmod(left, right)
     return quotient if rest.is_zero() else None

@@ -32,6 +32,7 @@ from .certificate import make_certificate
 from .certificate_writer import FUNCTIONS
 from .constant_terms import Monomial, Relations, Terms, is_turn, real_parts
 from .domain_signs import DomainSigns
+from .factors import rational
 from .problem import Problem
 
 Vector = dict[tuple[sp.Expr, bool], sp.Expr]
@@ -341,7 +342,7 @@ class GeneratorFormulas:
         for exponents, c in polynomial.terms():
             powers = enumerate(reversed(exponents))
             factors = (self._meaning(self._field.generators[i]) ** int(n) for i, n in powers if n)
-            terms.append(sp.Mul(sp.Rational(int(c.p), int(c.q)), *factors))
+            terms.append(sp.Mul(rational(c), *factors))
         return sp.Add(*terms)
 
     def _node(self, node: int) -> sp.Expr:
@@ -354,19 +355,18 @@ class GeneratorFormulas:
             case "symbol", (str(label), _):
                 return self._symbols[label]
             case "number", (fmpq() as value,):
-                return sp.Rational(int(value.p), int(value.q))
+                return rational(value)
             case "I", _:
                 return sp.I
             case "pi", _:
                 return sp.pi
             case "Pow", (int(base), fmpq() as power):
-                return sp.Pow(self._node(base), sp.Rational(int(power.p), int(power.q)))
+                return sp.Pow(self._node(base), rational(power))
             case "poly", (terms, *places):
                 values = [self._node(place) for place in places]  # type: ignore[arg-type]
                 return sp.Add(
                     *(
-                        sp.Rational(int(c.p), int(c.q))
-                        * sp.Mul(*(v**n for v, n in zip(values, powers, strict=True)))
+                        rational(c) * sp.Mul(*(v**n for v, n in zip(values, powers, strict=True)))
                         for c, powers in terms  # type: ignore[attr-defined]
                     )
                 )

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
+from .domains import Domain
 from .typed_statement import Statement
 
 
@@ -60,13 +60,9 @@ def _jet_latex(unknown: sp.Expr, variables: Sequence[sp.Symbol]) -> str:
     return f"{name}_{{{below}}}" if below else name
 
 
-def _domain_latex(symbol: sp.Symbol, domain: Any) -> str:
-    left = "" if domain.lower == -sp.oo else f"{sp.latex(domain.lower)} {_less(domain.lower_open)} "
-    right = "" if domain.upper == sp.oo else f" {_less(domain.upper_open)} {sp.latex(domain.upper)}"
-    found = f"{left}{sp.latex(symbol)}{right}"
-    found += r" \in \mathbb{Z}" if domain.integer and not (left or right) else ""
-    return rf"{sp.latex(symbol)} \ne 0" if domain.nonzero and not (left or right) else found
-
-
-def _less(is_open: bool) -> str:
-    return "<" if is_open else r"\le"
+def _domain_latex(symbol: sp.Symbol, domain: Domain) -> str:
+    name = sp.latex(symbol)
+    chain = domain.chain(name, sp.latex, ("<", r"\le"))
+    if chain != name:
+        return chain
+    return rf"{name} \ne 0" if domain.nonzero else name + r" \in \mathbb{Z}" * domain.integer

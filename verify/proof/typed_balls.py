@@ -14,7 +14,7 @@ from math import factorial, prod
 from operator import add, mul
 
 import sympy as sp
-from flint import acb, arb, ctx, fmpq
+from flint import acb, ctx
 
 from longwave.derive.algebra.formula_text import CONSTANTS
 from longwave.derive.algebra.formula_tree import (
@@ -30,23 +30,24 @@ from longwave.derive.algebra.formula_tree import (
     mapped,
     rational,
 )
+from longwave.solutions.functions.jacobi import JacobiFunction
 
 from .balls import (
     ELEMENTARY,
     PERIODIC,
-    QUOTIENTS,
     Index,
     Jet,
     JetShape,
     constant,
-    is_special,
+    exact,
+    function_jet,
     powered,
-    special_jet,
+    size_jet,
     touches_cut,
     variable,
 )
 from .taylor import Elliptic
-from .text_names import FUNCTIONS, SITE, function_named
+from .text_names import SITE, function_named
 from .typed_statement import StatementTrees
 
 TextPoint = Mapping[str, Fraction]
@@ -141,7 +142,7 @@ class TypedPlace:
     def _value(self, formula: FormulaTree) -> TypedBall:
         match formula:
             case Number(value=number):
-                return self._constant(_exact(number), True)
+                return self._constant(exact(number), True)
             case Name(name=name):
                 return self._named(name)
             case Sum(parts=parts) | Product(parts=parts):
@@ -175,9 +176,9 @@ class TypedPlace:
         if name in definitions:
             return self.value(definitions[name])
         if name not in letters:
-            return self._constant(_exact(self._point[name]), True)
+            return self._constant(exact(self._point[name]), True)
         place = letters.index(name)
-        return TypedBall(variable(self._shape, place, _exact(self._point[name])), True)
+        return TypedBall(variable(self._shape, place, exact(self._point[name])), True)
 
     def _derived(self, ball: TypedBall, steps: Collection[str]) -> TypedBall:
         """The derivatives that this shape has, from a jet of more."""
@@ -241,74 +242,36 @@ class TypedPlace:
         function = function_named(name)
         if name == "sqrt":
             return self._power(parts[0], Number(Fraction(1, 2)))
-        if is_special(function):
-            jets = [ball.jet, *(other.jet for other in further)]
-            is_real = ball.is_real and all(other.is_real for other in further)
-            return TypedBall.of(special_jet(function, jets), is_real)
         if name == "abs" and self._is_zero(parts[0], ball):
             return ball
         if name in SIZES:
             return self._size(name, ball)
         if name in MEAN:
             return self._constant(getattr(_parameter(ball), name)(), True)
-        if name.startswith("jacobi_"):
+        if issubclass(function, JacobiFunction):
             elliptic = Elliptic(_parameter(*further))
             taylor = getattr(elliptic, name.removeprefix("jacobi_"))
             return TypedBall.of(ball.jet.composed(taylor), ball.is_real)
-        if function in QUOTIENTS:
-            return self._quotient(name, ball)
-        if function not in ELEMENTARY:
-            raise ValueError(
-                f"functions must have ball arithmetic, got {name} (write it by others)"
-            )
-        if function not in PERIODIC:
+        is_real = all(inner.is_real for inner in (ball, *further))
+        if function in ELEMENTARY and function not in PERIODIC:
             self._check_smooth(function, ball)
-        is_real = ball.is_real and (
-            function in PERIODIC or not touches_cut(function, ball.jet.value)
-        )
-        return TypedBall.of(ball.jet.composed(ELEMENTARY[function]), is_real)
-
-    def _quotient(self, name: str, ball: TypedBall) -> TypedBall:
-        """tan and the like, by the two functions that they are a quotient of."""
-        above, below = QUOTIENTS[FUNCTIONS[name][0]]
-        divisor = powered(ball.jet.composed(ELEMENTARY[below]), Fraction(-1))
-        if above in ELEMENTARY:
-            divisor = ball.jet.composed(ELEMENTARY[above]) * divisor
-        return TypedBall.of(divisor, ball.is_real)
+            is_real = is_real and not touches_cut(function, ball.jet.value)
+        jets = [inner.jet for inner in (ball, *further)]
+        return TypedBall.of(function_jet(function, jets), is_real)
 
     def _size(self, name: str, ball: TypedBall) -> TypedBall:
-        jet, other = ball.jet, ball.jet.conjugate()
-        if name in ("abs", "sign") and jet.value.contains(0):
-            raise ValueError("points must be smooth, got one where a modulus is 0 (take another)")
-        if name == "conjugate":
-            return TypedBall(other, ball.is_real)
-        if name == "re":
-            return TypedBall.of(self._times(acb(0.5), jet + other), True)
-        if name == "im":
-            return TypedBall.of(self._times(acb(0, -0.5), jet + self._times(acb(-1), other)), True)
-        if ball.is_real:
-            sign = acb(1 if jet.value.real > 0 else -1)
-            return self._constant(sign, True) if name == "sign" else self._scaled(sign, jet)
-        square = TypedBall.of(jet * other, True).jet
-        if name == "abs":
-            return TypedBall.of(powered(square, Fraction(1, 2)), True)
-        return TypedBall(jet * powered(square, Fraction(-1, 2)), False)
-
-    def _scaled(self, factor: acb, jet: Jet) -> TypedBall:
-        return TypedBall.of(self._times(factor, jet), True)
-
-    def _times(self, factor: acb, jet: Jet) -> Jet:
-        return constant(self._shape, factor) * jet
+        value = ball.jet.value
+        if ball.is_real and name in ("abs", "sign") and not value.contains(0):
+            sign = constant(self._shape, acb(1 if value.real > 0 else -1))
+            return TypedBall.of(sign if name == "sign" else sign * ball.jet, True)
+        is_real = ball.is_real or name not in ("sign", "conjugate")
+        return TypedBall.of(size_jet(name, ball.jet), is_real)
 
 
 def _varies(formula: FormulaTree) -> bool:
     """Whether anything but numbers occurs."""
     names = (node.name for node in formula.nodes() if isinstance(node, Name | Unknown))
     return not {*names} <= CONSTANTS.keys()
-
-
-def _exact(value: Fraction) -> acb:
-    return acb(arb(fmpq(value.numerator, value.denominator)))
 
 
 def _parameter(ball: TypedBall) -> acb:

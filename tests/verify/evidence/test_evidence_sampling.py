@@ -4,8 +4,9 @@ import pytest
 import sympy as sp
 
 from longwave.solutions.catalogue import CATALOGUE, closed_form
-from longwave.solutions.record import Bound, ClosedForm, Parameter
-from longwave.verify.evidence.residual import HALF_WIDTH, in_order_of_dependence, sample_points
+from longwave.solutions.record import ClosedForm
+from longwave.verify.evidence.residual import HALF_WIDTH, sample_points
+from longwave.verify.proof.domains import Domain, in_order
 
 
 @pytest.mark.parametrize("form", CATALOGUE, ids=lambda form: form.name)
@@ -31,13 +32,10 @@ def test_points_differ_from_each_other_in_every_coordinate() -> None:
 
 def test_a_parameter_comes_after_those_in_its_bounds() -> None:
     p, q = sp.symbols("p q", positive=True)
-    inner = Parameter(q, Bound(sp.S.Zero, "nothing"), Bound(2 * p, "the edge"))
-    outer = Parameter(p, Bound(sp.S.Zero, "nothing"))
-    assert in_order_of_dependence([inner, outer]) == [outer, inner]
+    assert in_order({q: Domain(sp.S.Zero, 2 * p), p: Domain(sp.S.Zero)}) == [p, q]
 
 
 def test_bounds_that_depend_on_each_other_are_refused() -> None:
     p, q = sp.symbols("p q", positive=True)
-    loop = [Parameter(p, Bound(q, "one")), Parameter(q, Bound(p, "other"))]
     with pytest.raises(ValueError, match="must not depend on each other"):
-        in_order_of_dependence(loop)
+        in_order({p: Domain(q), q: Domain(p)})

@@ -63,3 +63,9 @@ def test_a_jet_is_made_of_the_derivatives(formula: sp.Expr) -> None:
 def test_an_unknown_function_is_an_error() -> None:
     with pytest.raises(ValueError, match="must have ball arithmetic, got gamma"):
         ball_value(sp.gamma(x), {x: sp.Rational(1, 2)}, 100)
+
+
+def test_the_incomplete_elliptic_integral_is_not_the_complete_one() -> None:
+    """Catches: E(z | m) evaluated as E(z), which refuted E(z + pi | m) = E(z | m) + 2 E(m)."""
+    with pytest.raises(ValueError, match="must have ball arithmetic, got elliptic_e"):
+        ball_value(sp.elliptic_e(x, m), {x: sp.Rational(1, 2), m: sp.Rational(1, 3)}, 100)
