@@ -24,9 +24,13 @@ LONG = 40
 
 
 def node_text(
-    node: Node, meaning: Meaning, unknowns: Sequence[str], variables: Sequence[str]
+    node: Node,
+    meaning: Meaning,
+    unknowns: Sequence[str] = (),
+    variables: Sequence[str] = (),
+    power: str = "**",
 ) -> Part:
-    """A node as text, such that it is read back as this node."""
+    """A node as text, such that it is read back as this node where powers are ``**``."""
 
     def held(place: int, closely: int) -> str:
         text, level = meaning(place)
@@ -42,15 +46,15 @@ def node_text(
         case ["Mul", *parts]:
             return _product([meaning(part) for part in parts]), PRODUCT
         case ["Pow", base, exponent]:
-            power = exponent if exponent.isdigit() else f"({exponent})"
-            return f"{held(base, ATOM)}**{power}", POWER
+            shown = exponent if exponent.isdigit() else f"({exponent})"
+            return f"{held(base, ATOM)}{power}{shown}", POWER
         case ["power", base, exponent]:
-            return f"{held(base, ATOM)}**{held(exponent, ATOM)}", POWER
+            return f"{held(base, ATOM)}{power}{held(exponent, ATOM)}", POWER
         case ["parity", exponent]:
-            return f"(-1)**{held(exponent, ATOM)}", POWER
+            return f"(-1){power}{held(exponent, ATOM)}", POWER
         case ["poly", terms, *parts]:
             texts = [held(part, ATOM) for part in parts]
-            return _joined([_monomial(c, e, texts) for c, e in terms]), SUM
+            return _joined([_monomial(c, e, texts, power) for c, e in terms]), SUM
         case ["unknown", place, shifts]:
             moved = [f"{v}{n:+d}" if n else v for v, n in zip(variables, shifts, strict=True)]
             return unknowns[place] + (f"[{', '.join(moved)}]" if any(shifts) else ""), ATOM
@@ -75,8 +79,8 @@ def _product(parts: Sequence[Part]) -> str:
     return "*".join(texts)
 
 
-def _monomial(coefficient: str, exponents: Sequence[int], texts: Sequence[str]) -> str:
-    powers = [f"{t}**{n}" if n > 1 else t for t, n in zip(texts, exponents, strict=True) if n]
+def _monomial(coefficient: str, exponents: Sequence[int], texts: Sequence[str], power: str) -> str:
+    powers = [f"{t}{power}{n}" if n > 1 else t for t, n in zip(texts, exponents, strict=True) if n]
     if coefficient in ("1", "-1") and powers:
         return ("-" if coefficient == "-1" else "") + "*".join(powers)
     return "*".join([coefficient, *powers])
@@ -87,9 +91,9 @@ def numbered(nodes: Sequence[Node]) -> list[str]:
 
     def meaning(place: int) -> Part:
         leaf = nodes[place][0] in LEAVES
-        return node_text(nodes[place], meaning, (), ()) if leaf else (f"#{place}", ATOM)
+        return node_text(nodes[place], meaning) if leaf else (f"#{place}", ATOM)
 
-    return [node_text(node, meaning, (), ())[0] for node in nodes]
+    return [node_text(node, meaning)[0] for node in nodes]
 
 
 class Written:

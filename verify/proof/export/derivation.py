@@ -97,10 +97,12 @@ class _Premises:
             asked[Question("connected")] = None
         field.signs.keep(asked, "for the denominators")
         for place in divisors:
-            term = terms.polynomial_term(field.ring.factors[place])
-            words = RELATIONS["not_zero"].format(polynomial_words(term, field.generator_words))
+            factor = field.ring.factors[place]
+            words = RELATIONS["not_zero"].format(polynomial_words(factor, field.generator_words))
             comment = "a denominator, no zero polynomial" if free else f"a denominator, {shown}"
-            self._denominators.append(Premise("not_zero", (term,), words, comment))
+            self._denominators.append(
+                Premise("not_zero", (terms.polynomial_term(factor),), words, comment)
+            )
 
     @property
     def found(self) -> list[Premise]:

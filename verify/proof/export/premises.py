@@ -7,19 +7,19 @@ within the rules of signs is not noted: it is the checker's to show, or the read
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import partial
 
-from flint import fmpq
+from flint import fmpq, fmpq_mpoly
 
 from longwave.verify.kernel.field import Field
 from longwave.verify.kernel.nodes import Node, Nodes, children
 from longwave.verify.kernel.signs import Signs
 
-from .terms import Term
+from ..text_writer import ATOM, SUM, Part, node_text
+from ..text_writer import Node as WrittenNode
 
 
 @dataclass(frozen=True)
@@ -162,7 +162,7 @@ class FormulaWords:
 
     def __init__(self, nodes: Nodes) -> None:
         self._nodes = nodes
-        self._known: dict[int, tuple[str, frozenset[int]]] = {}
+        self._known: dict[int, tuple[Part, frozenset[int]]] = {}
 
     def told(self, form: str, *nodes: int) -> str:
         """A sentence about formulas, with what its names mean."""
@@ -171,53 +171,51 @@ class FormulaWords:
         where: dict[int, str] = {}
         while todo:
             name = todo.pop()
-            text, names = self._of(name)
-            where[name] = f"n{name} = {_bare(text)}"
+            (text, _), names = self._of(name)
+            where[name] = f"n{name} = {text}"
             todo += sorted(names - where.keys())
         rest = f" where {'; '.join(where.values())}" if where else ""
-        return form.format(*(_bare(text) for text, _ in found)) + rest
+        return form.format(*(text for (text, _), _ in found)) + rest
 
-    def _of(self, node: int) -> tuple[str, frozenset[int]]:
+    def part(self, node: int) -> Part:
+        """A formula as a part of another, with what its names mean."""
+        (_, level), names = self._of(node)
+        return self.told("{}", node), SUM if names else level
+
+    def _of(self, node: int) -> tuple[Part, frozenset[int]]:
         """The text of a node and the nodes that it names."""
         if node not in self._known:
             names: set[int] = set()
-            text = self._text(node, partial(self._part, names))
+            text = node_text(self._written(node), partial(self._part, names), power="^")
             self._known[node] = text, frozenset(names)
         return self._known[node]
 
-    def _part(self, names: set[int], node: int) -> str:
-        text, inner = self._of(node)
-        if len(text) > LONG:
+    def _part(self, names: set[int], node: int) -> Part:
+        part, inner = self._of(node)
+        if len(part[0]) > LONG:
             names.add(node)
-            return f"n{node}"
+            return f"n{node}", ATOM
         names |= inner
-        return text
+        return part
 
-    def _text(self, node: int, part: Callable[[int], str]) -> str:
+    def _written(self, node: int) -> WrittenNode:
+        """A node as those of a certificate are."""
         match found := self._nodes.all[node]:
             case ("number", value):
-                return _number(value)
-            case ("symbol", name, _) | (name,):
-                return str(name)
-            case ("Add", *terms):
-                return f"({written_sum([part(term) for term in self._parted(terms)[::-1]])})"
-            case ("Mul", *factors):
-                texts = [part(factor) for factor in self._parted(factors)]
-                negative = len(texts) > 1 and texts[0] == "(-1)"
-                return ("-" if negative else "") + "*".join(texts[negative:])
-            case ("Pow", base, exponent) if exponent == fmpq(1, 2):
-                return f"sqrt({_bare(part(base))})"
+                return ["number", str(value)]
+            case (("I" | "pi") as name,):
+                return ["constant", name]
+            case ("symbol", *_):
+                return list(found)
+            case ("Add", *parts):
+                return ["Add", *self._parted(parts)[::-1]]
+            case ("Mul", *parts):
+                return ["Mul", *self._parted(parts)]
             case ("Pow", base, exponent):
-                power = str(exponent) if exponent.q == 1 and exponent > 0 else f"({exponent})"
-                return f"{_atom(part(base))}^{power}"
+                return ["sqrt", base] if exponent == fmpq(1, 2) else ["Pow", base, str(exponent)]
             case ("poly", monomials, *places):
-                texts = [_atom(part(place)) for place in places]
-                return f"({written_sum([_monomial(c, n, texts) for c, n in monomials])})"
-            case ("power", base, exponent):
-                return f"{_atom(part(base))}^({_bare(part(exponent))})"
-            case ("parity", inner):
-                return f"(-1)^({_bare(part(inner))})"
-        return f"{called(found)}({', '.join(_bare(part(place)) for place in children(found))})"
+                return ["poly", [(str(c), powers) for c, powers in monomials], *places]
+        return [called(found), *children(found)]
 
     def _parted(self, parts: list[int]) -> list[int]:
         """Numbers before all others."""
@@ -233,61 +231,8 @@ def called(node: Node) -> str:
     return f"{label}^({order})" if order else str(label)
 
 
-def written_sum(texts: Sequence[str]) -> str:
-    """A sum of terms, in which minus signs stand as such."""
-    whole = texts[0]
-    for text in texts[1:]:
-        negative = NEGATIVE.match(text)
-        whole += (
-            f" - {negative[1] or negative[2]}{text[negative.end() :]}" if negative else f" + {text}"
-        )
-    return whole
-
-
-NEGATIVE = re.compile(r"\(-([0-9/]+)\)|-([^ ])")
-"""A negative number, or a minus sign and what stands behind it."""
-
-
-def polynomial_words(term: Term, name: Callable[[int], str]) -> str:
-    """A polynomial in generators in words."""
-    match term:
-        case ("number", value):
-            return _number(value)
-        case ("generator", place):
-            return name(place)
-        case ("sum", *parts):
-            return written_sum([polynomial_words(part, name) for part in parts])
-        case ("product", *parts):
-            texts = [polynomial_words(part, name) for part in parts]
-            negative = texts[0] == "(-1)"
-            return ("-" if negative else "") + "*".join(texts[negative:])
-        case ("power", base, exponent):
-            return f"{_atom(polynomial_words(base, name))}^{exponent}"
-    raise AssertionError(term[0])
-
-
-def _monomial(coefficient: fmpq, powers: tuple[int, ...], texts: list[str]) -> str:
-    known = zip(texts, powers, strict=True)
-    factors = [text if n == 1 else f"{text}^{n}" for text, n in known if n]
-    if abs(coefficient) == 1 and factors:
-        return ("-" if coefficient < 0 else "") + "*".join(factors)
-    return "*".join([_number(coefficient), *factors])
-
-
-def _number(value: fmpq) -> str:
-    return str(value) if value.q == 1 and value >= 0 else f"({value})"
-
-
-def _bare(text: str) -> str:
-    """A text without the parentheses around all of it."""
-    depth = 0
-    for place, letter in enumerate(text):
-        depth += {"(": 1, ")": -1}.get(letter, 0)
-        if depth == 0 and place + 1 < len(text):
-            return text
-    return text[1:-1] if text.startswith("(") else text
-
-
-def _atom(text: str) -> str:
-    """A text in parentheses, unless it is a name, a number, or a function of something."""
-    return text if _bare(text) != text or text.replace("_", "").isalnum() else f"({text})"
+def polynomial_words(polynomial: fmpq_mpoly, meaning: Callable[[int], Part]) -> str:
+    """A polynomial in generators, the last first, in words."""
+    used = [place for place, n in enumerate(reversed(polynomial.degrees())) if n]
+    terms = [(str(c), [int(n[-1 - i]) for i in used]) for n, c in polynomial.terms()]
+    return node_text(["poly", terms, *used], meaning, power="^")[0]

@@ -12,6 +12,7 @@ from longwave.verify.kernel.field import Field, Hints
 from longwave.verify.kernel.nodes import Nodes, children
 from longwave.verify.kernel.ring import Element
 
+from ..text_writer import ATOM, Part
 from . import terms
 from .premises import PURPOSES, RELATIONS, FormulaWords, Question, TracedSigns, called
 from .terms import Definition, Premise, Rate, Relation, SlopeAxiom, Step, Term
@@ -203,11 +204,11 @@ class TracedField(Field):
         self.free[node] = self.words.told("{}", node)
         return terms.free(node)
 
-    def generator_words(self, place: int) -> str:
+    def generator_words(self, place: int) -> Part:
         """A generator as the function that it stands for, if it is one; its name otherwise."""
         found = self.generators[place]
         is_plain = found.scale.is_one() and found.formula == found.form[0][1]
-        return self.words.told("{}", found.formula) if is_plain else f"g{place}"
+        return self.words.part(found.formula) if is_plain else (f"g{place}", ATOM)
 
     def written(self, node: int) -> str:
         """A function of named arguments in words; nothing for sums, products and powers."""
