@@ -16,29 +16,23 @@ import sympy as sp
 from flint import fmpq_mpoly
 from sympy.core.function import AppliedUndef
 
-from longwave.solutions import functions
 from longwave.solutions.functions.jet_functions import JetFunction
-from longwave.solutions.functions.weierstrass import weierstrass_p, weierstrass_p_prime
 from longwave.verify.kernel.limits import FORMAT, digest
 
-from .arguments import HYPERBOLIC, INVERSE, TRIGONOMETRIC
 from .domains import Point
-from .text_names import BESSEL, OTHERS
+from .text_names import FUNCTIONS as GRAMMAR
 from .text_writer import Node, numbered
 from .typed_statement import StatementTexts
 
-RENAMED = {kind.__name__: name for name, kind in (*OTHERS.items(), *BESSEL.items())}
-FUNCTIONS: dict[str, type] = {
-    RENAMED.get(function.__name__, function.__name__): function
-    for function in (
-        *(sp.Add, sp.Mul, sp.exp, sp.log, sp.atan, *INVERSE),
-        *(sp.erf, sp.conjugate, sp.re, sp.im, sp.Abs, sp.sign, sp.elliptic_k, sp.elliptic_e),
-        *HYPERBOLIC,
-        *TRIGONOMETRIC,
-        *(getattr(functions, name) for name in functions.__all__),
-        *(weierstrass_p, weierstrass_p_prime, *OTHERS.values(), *BESSEL.values()),
-    )
+FUNCTIONS: dict[str, Any] = {
+    **{name: function for name, (function, _) in GRAMMAR.items() if function is not sp.sqrt},
+    "Abs": sp.Abs,
+    "Add": sp.Add,
+    "Mul": sp.Mul,
 }
+NAMES = {function: name for name, function in FUNCTIONS.items()}
+"""What the checker calls a function."""
+
 CONSTANTS = {sp.I: "I", sp.pi: "pi"}
 
 
@@ -93,10 +87,11 @@ class NodeTable:
             return ["diff", *map(self.place, (expression.expr, *expression.variables))]
         if isinstance(expression, AppliedUndef):
             return self._unknown(expression)
-        name = RENAMED.get(expression.func.__name__, expression.func.__name__)
-        if FUNCTIONS.get(name) is not expression.func and not isinstance(expression, JetFunction):
+        label = expression.func.__name__
+        name = label if isinstance(expression, JetFunction) else NAMES.get(expression.func)
+        if name is None:
             raise ValueError(
-                f"functions must have a node in certificates, got {name} (write it by others)"
+                f"functions must have a node in certificates, got {label} (write it by others)"
             )
         return [name, *map(self.place, expression.args)]
 

@@ -33,7 +33,7 @@ from longwave.verify.kernel.axioms import FUNCTIONS, HALF_PI
 from longwave.verify.kernel.bounds import POSITIVE, UNIT, Interval
 from longwave.verify.subexpressions import abbreviated, distinct_nodes
 
-from .certificate_writer import FUNCTIONS as KINDS
+from .certificate_writer import NAMES
 from .domains import Domain, Domains
 from .factors import exact, rational
 
@@ -46,9 +46,6 @@ FACTORABLE_SYMBOLS = 2
 
 LARGEST_POWER = 64
 """Of higher powers only the sign is kept."""
-
-NAMES = {kind: name for name, kind in KINDS.items()}
-"""What the checker calls a function."""
 
 REAL, NONNEGATIVE = Interval(), Interval(fmpq(0))
 ZERO, ONE = Interval(fmpq(0), fmpq(0)), Interval(fmpq(1), fmpq(1))

@@ -94,8 +94,6 @@ END_DIGITS = 60
 """Of an end with roots, at a point."""
 
 REAL = Domain()
-POSITIVE = Domain(lower=sp.S.Zero)
-NEGATIVE = Domain(upper=sp.S.Zero)
 
 HARMLESS = {"commutative", "extended_real", "hermitian", "imaginary", "finite", "infinite"}
 """What may be assumed of a symbol that is then taken to be real."""

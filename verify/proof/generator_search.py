@@ -29,7 +29,7 @@ from .arguments import (
     cancelled,
     definition,
 )
-from .certificate_writer import RENAMED, Data, NodeTable, ProofWriter
+from .certificate_writer import NAMES, Data, NodeTable, ProofWriter
 from .domain_signs import is_small_polynomial
 from .domains import Point
 from .elliptic_search import EllipticSearch
@@ -298,7 +298,7 @@ class GeneratorSearch:
             key = (node.func, plain - sp.floor(plain.as_coeff_Add(rational=True)[0]), z)
             if key not in self._orders:  # all other orders follow from two
                 self._orders.add(key)
-                name, argument = RENAMED[node.func.__name__], self._place(z)
+                name, argument = NAMES[node.func], self._place(z)
                 for order in (v, v + 1):
                     self._writer.atom(self._made(name, self._place(order), argument))
             return

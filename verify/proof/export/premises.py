@@ -18,7 +18,7 @@ from longwave.verify.kernel.field import Field
 from longwave.verify.kernel.nodes import Node, Nodes, children
 from longwave.verify.kernel.signs import Signs
 
-from ..text_writer import ATOM, SUM, Part, node_text
+from ..text_writer import ATOM, SUM, Meaning, Part, node_text
 from ..text_writer import Node as WrittenNode
 
 
@@ -186,8 +186,7 @@ class FormulaWords:
         """The text of a node and the nodes that it names."""
         if node not in self._known:
             names: set[int] = set()
-            text = node_text(self._written(node), partial(self._part, names), power="^")
-            self._known[node] = text, frozenset(names)
+            self._known[node] = self.written(node, partial(self._part, names)), frozenset(names)
         return self._known[node]
 
     def _part(self, names: set[int], node: int) -> Part:
@@ -198,8 +197,11 @@ class FormulaWords:
         names |= inner
         return part
 
-    def _written(self, node: int) -> WrittenNode:
-        """A node as those of a certificate are."""
+    def written(self, node: int, meaning: Meaning) -> Part:
+        """The text of a node, with ``meaning`` for those in it."""
+        return node_text(self._in_certificate(node), meaning, power="^")
+
+    def _in_certificate(self, node: int) -> WrittenNode:
         match found := self._nodes.all[node]:
             case ("number", value):
                 return ["number", str(value)]

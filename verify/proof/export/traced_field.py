@@ -9,12 +9,12 @@ from flint import fmpq, fmpq_mpoly
 
 from longwave.verify.kernel.derivations import Slopes
 from longwave.verify.kernel.field import Field, Hints
-from longwave.verify.kernel.nodes import Nodes, children
+from longwave.verify.kernel.nodes import Nodes
 from longwave.verify.kernel.ring import Element
 
-from ..text_writer import ATOM, Part
+from ..text_writer import ATOM, Part, node_text
 from . import terms
-from .premises import PURPOSES, RELATIONS, FormulaWords, Question, TracedSigns, called
+from .premises import PURPOSES, RELATIONS, FormulaWords, Question, TracedSigns
 from .terms import Definition, Premise, Rate, Relation, SlopeAxiom, Step, Term
 from .traced_ring import Trace, TracedElement, TracedRing, plain, term_of, traced
 
@@ -212,16 +212,12 @@ class TracedField(Field):
 
     def written(self, node: int) -> str:
         """A function of named arguments in words; nothing for sums, products and powers."""
-        name, *arguments = self.nodes.all[node]
-        if name in ("symbol", "I", "pi"):
-            return str(arguments[0]) if arguments else str(name)
-        if name == "Pow":
-            base, exponent = arguments
-            return f"({self._short(base)})^({exponent})" if exponent.q > 1 else ""
-        if name in ("number", "Add", "Mul", "poly"):
-            return ""
-        found = self.nodes.all[node]
-        return f"{called(found)}({', '.join(map(self._short, children(found)))})"
+        match self.nodes.all[node]:
+            case (("number" | "Add" | "Mul" | "poly"), *_):
+                return ""
+            case ("Pow", _, exponent) if exponent.q == 1:
+                return ""
+        return self.words.written(node, self._short)[0]
 
     def meaning(self, place: int) -> str:
         """What a generator stands for, in words."""
@@ -230,27 +226,19 @@ class TracedField(Field):
         found = self.generators[place]
         known = [self.nodes.product(*pair) for pair in found.form]
         terms_of = [t for t in self.nodes.terms(found.formula) if t not in known]
-        texts = [f"{self._short(f)} * {self.written(node)}" for f, node in found.form]
+        pairs = [(self._short(f), (self.written(node), ATOM)) for f, node in found.form]
+        texts = [node_text(["Mul", 0, 1], pair.__getitem__)[0] for pair in pairs]
         if not texts or found.formula == found.form[0][1]:
             texts, terms_of = [], [found.formula]
-        text = " + ".join([*texts, *(self.written(t) or self._short(t) for t in terms_of)])
+        text = " + ".join([*texts, *(self.written(t) or self._short(t)[0] for t in terms_of)])
         return text + ("" if found.scale.is_one() else f", times ({found.scale})")
 
-    def _short(self, node: int) -> str:
+    def _short(self, node: int) -> Part:
         """The name of a node, or its text where it has none."""
         if node in self._defined and self._defined[node].term[0] != "number":
             kind, place = self._defined[node].term
-            return f"{kind[0]}{place}"
-        match self.nodes.all[node]:
-            case ("number", value):
-                return str(value)
-            case ("symbol", name, _) | (name,):
-                return str(name)
-            case (("Add" | "Mul") as name, *parts):
-                return f"({(' + ' if name == 'Add' else ' * ').join(map(self._short, parts))})"
-            case ("Pow", base, exponent):
-                return f"{self._short(base)}^({exponent})"
-        return self.written(node)
+            return f"{kind[0]}{place}", ATOM
+        return self.words.written(node, self._short)
 
     def relate(self, place: int, degree: int, value: Element, factor: Element) -> fmpq_mpoly:
         """Enter a relation, and note it."""
