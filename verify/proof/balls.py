@@ -134,12 +134,11 @@ BRANCH_OF_LAMBERT = fmpq(-36, 100)
 ORDERS = {kind: name for name, kind in BESSEL.items()}
 """Bessel functions with their names."""
 
-INVERSE = (sp.asin, sp.acos, sp.asinh, sp.acosh, sp.atanh)
+INVERSE = (sp.asin, sp.acos, sp.atan, sp.asinh, sp.acosh, sp.atanh)
 ELEMENTARY = {
     sp.exp: functions.exponential,
     sp.log: functions.logarithm,
     **{function: functions.periodic(function.__name__) for function in PERIODIC},
-    sp.atan: functions.arctangent,
     **{function: functions.special(name) for function, name in SPECIAL.items()},
     **{function: functions.inverse(function.__name__) for function in INVERSE},
 }

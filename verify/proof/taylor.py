@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from fractions import Fraction
 from math import factorial
 
-from flint import acb, acb_series, fmpq
+from flint import acb, acb_series, ctx, fmpq
 
 from longwave.verify.kernel.further.special import CYLINDER
 from longwave.verify.kernel.jacobi_values import Jacobi
@@ -69,11 +70,22 @@ def logarithm(z: acb, order: int) -> Series:
     return found
 
 
+@contextmanager
+def _terms(count: int) -> Iterator[None]:
+    """So many terms of FLINT's series: it keeps 10 unless told, and takes the others for 0."""
+    before, ctx.cap = ctx.cap, count
+    try:
+        yield
+    finally:
+        ctx.cap = before
+
+
 def special(name: str) -> Callable[[acb, int], Series]:
     """A function by FLINT's series of the name."""
 
     def taylor(z: acb, order: int) -> Series:
-        found = getattr(acb_series([z, 1], order + 1), name)()
+        with _terms(order + 1):
+            found = getattr(acb_series([z, 1], order + 1), name)()
         return [found[n] for n in range(order + 1)]
 
     return taylor
@@ -117,53 +129,25 @@ def free(name: str, start: int, *nome: acb) -> Callable[[acb, int], Series]:
     ]
 
 
-def arctangent(z: acb, order: int) -> Series:
-    """atan, whose derivative is 1/(1 + z**2)."""
-    square = [1 + z * z, 2 * z, acb(1)]
-    inverse = [1 / square[0]]
-    for n in range(1, order):
-        known = sum((square[i] * inverse[n - i] for i in range(1, min(n, 2) + 1)), acb(0))
-        inverse.append(-known / square[0])
-    return [z.atan(), *(inverse[n - 1] / n for n in range(1, order + 1))]
-
-
 def inverse(name: str) -> Callable[[acb, int], Series]:
-    """asin, acos, asinh, acosh or atanh, off its cuts, by the powers in its derivative."""
-    sign, factors = INVERSE_SLOPES[name]
+    """asin, acos, atan, asinh, acosh or atanh, off its cuts, by its derivative."""
 
     def taylor(z: acb, order: int) -> Series:
-        slope = [acb(sign), *[acb(0)] * order]
-        for square, exponent in factors:
-            inner = [square[0] + square[1] * z + square[2] * z * z]
-            inner += [acb(square[1]) + 2 * square[2] * z, acb(square[2])]
-            power_series = _power_of_quadratic(inner, exponent, order)
-            slope = [_product(slope, power_series, n) for n in range(order + 1)]
+        with _terms(order + 1):
+            slope = INVERSE_SLOPES[name](acb_series([z, 1], order + 1))
         return [getattr(z, name)(), *(slope[n] / (n + 1) for n in range(order))]
 
     return taylor
 
 
-MINUS_HALF = Fraction(-1, 2)
-INVERSE_SLOPES: dict[str, tuple[int, list[tuple[tuple[int, int, int], Fraction]]]] = {
-    "asin": (1, [((1, 0, -1), MINUS_HALF)]),
-    "acos": (-1, [((1, 0, -1), MINUS_HALF)]),
-    "asinh": (1, [((1, 0, 1), MINUS_HALF)]),
-    "acosh": (1, [((-1, 1, 0), MINUS_HALF), ((1, 1, 0), MINUS_HALF)]),
-    "atanh": (1, [((1, 0, -1), Fraction(-1))]),
+INVERSE_SLOPES: dict[str, Callable[[acb_series], acb_series]] = {
+    "asin": lambda z: (1 - z * z).rsqrt(),
+    "acos": lambda z: -(1 - z * z).rsqrt(),
+    "atan": lambda z: 1 / (1 + z * z),
+    "asinh": lambda z: (1 + z * z).rsqrt(),
+    "acosh": lambda z: (z - 1).rsqrt() * (z + 1).rsqrt(),
+    "atanh": lambda z: 1 / (1 - z * z),
 }
-"""The sign, and the polynomials (1, z, z**2) with their exponents, of each derivative."""
-
-
-def _power_of_quadratic(inner: Sequence[acb], exponent: Fraction, order: int) -> Series:
-    """(a + b h + c h**2) to a power: n a p_n is a sum over the two terms before."""
-    q = fmpq(exponent.numerator, exponent.denominator)
-    found = power(exponent)(inner[0], 0)
-    for n in range(1, order + 1):
-        total = acb(q - n + 1) * inner[1] * found[n - 1]
-        if n > 1:
-            total += acb(2 * q - n + 2) * inner[2] * found[n - 2]
-        found.append(total / (n * inner[0]))
-    return found
 
 
 class Elliptic:
