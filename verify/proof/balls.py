@@ -136,7 +136,7 @@ ORDERS = {kind: name for name, kind in BESSEL.items()}
 
 INVERSE = (sp.asin, sp.acos, sp.atan, sp.asinh, sp.acosh, sp.atanh)
 ELEMENTARY = {
-    sp.exp: functions.exponential,
+    sp.exp: functions.special("exp"),
     sp.log: functions.logarithm,
     **{function: functions.periodic(function.__name__) for function in PERIODIC},
     **{function: functions.special(name) for function, name in SPECIAL.items()},

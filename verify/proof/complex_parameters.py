@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from fractions import Fraction
 from itertools import islice, product
 
 from .statement_problem import all_domains
@@ -25,12 +24,8 @@ def failing_values(statement: Statement) -> dict[str, str] | None:
         trees = statement.trees.with_values(chosen)
         failing = TypedValues(trees, all_domains(statement, *statement.equations)).failure()
         if failing is not None:
-            return {**_shown({k: v for k, v in failing.items() if k not in chosen}), **chosen}
+            return {k: str(v) for k, v in failing.items() if k not in chosen} | chosen
     return None
-
-
-def _shown(point: dict[str, Fraction]) -> dict[str, str]:
-    return {name: str(value) for name, value in point.items()}
 
 
 def _choices(names: Sequence[str]) -> Iterator[dict[str, str]]:

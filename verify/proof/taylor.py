@@ -21,14 +21,6 @@ def _product(left: Sequence[acb], right: Sequence[acb], place: int) -> acb:
     return sum((left[i] * right[place - i] for i in range(place + 1)), acb(0))
 
 
-def exponential(z: acb, order: int) -> Series:
-    """exp."""
-    found = [z.exp()]
-    for n in range(1, order + 1):
-        found.append(found[-1] / n)
-    return found
-
-
 def periodic(name: str) -> Callable[[acb, int], Series]:
     """sin, cos, sinh or cosh, each two derivatives away from itself or minus itself."""
     other = {"sin": "cos", "cos": "sin", "sinh": "cosh", "cosh": "sinh"}[name]
@@ -60,16 +52,6 @@ def _integer_or_root(z: acb, exponent: Fraction) -> acb:
     return z.root(exponent.denominator) ** exponent.numerator
 
 
-def logarithm(z: acb, order: int) -> Series:
-    """log (principal branch)."""
-    found, inverse = [z.log()], 1 / z
-    term = acb(-1)
-    for n in range(1, order + 1):
-        term = -term * inverse
-        found.append(term / n)
-    return found
-
-
 @contextmanager
 def _terms(count: int) -> Iterator[None]:
     """So many terms of FLINT's series: it keeps 10 unless told, and takes the others for 0."""
@@ -89,6 +71,9 @@ def special(name: str) -> Callable[[acb, int], Series]:
         return [found[n] for n in range(order + 1)]
 
     return taylor
+
+
+logarithm = special("log")
 
 
 def bessel(name: str, v: acb) -> Callable[[acb, int], Series]:

@@ -39,6 +39,7 @@ from .balls import (
     Jet,
     JetShape,
     constant,
+    constant_value,
     exact,
     function_jet,
     powered,
@@ -276,7 +277,7 @@ def _varies(formula: FormulaTree) -> bool:
 
 def _parameter(ball: TypedBall) -> acb:
     """The value of an elliptic parameter; raises ValueError for one without real functions."""
-    value, *slopes = ball.jet.coefficients
-    if not (ball.is_real and value.real < 1 and all(slope == 0 for slope in slopes)):
+    value = constant_value(ball.jet)
+    if not (ball.is_real and value.real < 1):
         raise ValueError("elliptic parameters must be constants below 1, got another")
     return value

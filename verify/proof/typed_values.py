@@ -7,19 +7,17 @@ texts excludes 0, and a proof is compared with such balls.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from itertools import islice
 
 import sympy as sp
 from flint import arb
 
-from .domains import Domain, Domains
+from .domains import Domain, Domains, Point
 from .samples import sample
 from .typed_balls import TextPoint, TypedBalls
 from .typed_statement import StatementTrees
-
-Point = Mapping[sp.Symbol, sp.Rational]
 
 POINTS = 4
 """Points of the domain that are drawn."""
