@@ -16,7 +16,7 @@ from longwave.support.command_line import fail_for_memory, interrupted
 from longwave.support.console import check_output, picture_path, plain_console, progress_bar
 
 if TYPE_CHECKING:
-    from longwave.scenes.scene_convergence import SceneConvergence
+    from longwave.scenes.convergence import SceneConvergence
 
 
 def eps_values(text: str | None) -> tuple[float, ...]:
@@ -37,7 +37,7 @@ def eps_values(text: str | None) -> tuple[float, ...]:
 
 def measured_convergence(source: str, eps: str | None, tolerance: float | None) -> SceneConvergence:
     """The convergence of the scene that is named."""
-    from longwave.scenes.scene_convergence import scene_convergence
+    from longwave.scenes.convergence import scene_convergence
 
     values = eps_values(eps)
     scene = load_scene(source)
