@@ -211,15 +211,6 @@ class LatticeWave(ABC):
         """What else is measured on a ring on its way."""
         return None
 
-    def signal_speed(self, ring: CellRing) -> float:
-        """The largest group velocity of any wave about the stiffest and softest bonds of a state.
-
-        But for tails that fall faster than exponentially no change spreads faster.
-        """
-        slopes = ring.slopes
-        ends = [[float(choose(slope)) for slope in slopes] for choose in (np.max, np.min)]
-        return max(largest_group_velocity(ring.lattice, found) for found in ends)
-
 
 def largest_group_velocity(lattice: NumericLattice, slopes: list[float], axis: int = 0) -> float:
     """max |dw/dk| along an axis over all branches of a lattice, forces linearised."""

@@ -61,7 +61,7 @@ METHODS = {
     "ring": "longwave.scenes.lattice_run",
     "sidebands": "longwave.scenes.sideband_growth",
 }
-"""Where a scene is run: `record_scene`, `scene_cost`, `wave_size`, `PROCESS_SECONDS` of each."""
+"""Where a scene is run: `record_scene`, `scene_cost`, `wave_size` of each."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -483,12 +483,6 @@ class Scene:
         """
         size: float = self._way.wave_size(self, t, far_field)
         return size
-
-    @property
-    def process_seconds(self) -> float:
-        """The part of the expected seconds that a process takes once."""
-        seconds: float = self._way.PROCESS_SECONDS
-        return seconds
 
     @property
     def _way(self) -> Any:

@@ -12,8 +12,8 @@ import numpy as np
 from longwave.lattice.model import State
 from longwave.lattice.refine import Announce
 from longwave.lattice.trial import Progress
-from longwave.scenes.chain.expected_cost import check_cost, expected_cost, least_cost
-from longwave.scenes.chain.sites import PROCESS_SECONDS as PROCESS_SECONDS  # for `Scene`
+from longwave.scenes.chain.expected_cost import check_cost
+from longwave.scenes.chain.expected_cost import scene_cost as scene_cost  # for `Scene`
 from longwave.scenes.chain.sites import ChainSites
 from longwave.scenes.chain.spectral_run import run_spectral, spectral_seconds
 from longwave.scenes.chain.stencil_search import run_stencil, stencil_seconds
@@ -23,7 +23,7 @@ from longwave.scenes.run_record import RunRecord, UnfinishedRun, judged
 from longwave.scenes.scene import Scene
 from longwave.scenes.stated_run import run_from
 from longwave.scenes.view import SiteView
-from longwave.support.request_limits import Announcer, ExpectedCost, is_too_much
+from longwave.support.request_limits import Announcer
 
 
 def choose_engine(scene: Scene) -> str:
@@ -106,13 +106,3 @@ def wave_size(scene: Scene, t: float, far_field: bool) -> float:
     view = SiteView(scene.moving_wave, State(t, 0, none, none))
     found = view.far_field if far_field else view.background
     return math.nan if found is None else float(np.max(np.abs(view.analytic - found)))
-
-
-def scene_cost(scene: Scene) -> ExpectedCost:
-    """What a run is expected to cost, in a process that has just begun.
-
-    What is known to be beyond the limits from the scene alone is not looked at any further. Raises
-    ValueError for what no scene can be run with.
-    """
-    least = least_cost(scene)
-    return least if is_too_much(least) else expected_cost(scene)
