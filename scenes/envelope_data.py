@@ -22,7 +22,8 @@ from longwave.lattice.numeric_lattice import (
     stretch_text,
 )
 from longwave.scenes.envelope_flow import EnvelopeFlow
-from longwave.scenes.lattice_wave import ORDERS, CellRing, LatticeWave
+from longwave.scenes.lattice_wave import CellRing, LatticeWave
+from longwave.scenes.scene_checks import ORDERS
 
 if TYPE_CHECKING:
     from longwave.solutions import Wave

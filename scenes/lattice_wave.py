@@ -18,9 +18,6 @@ from longwave.lattice.trial import nudged
 
 Array = NDArray[np.float64]
 
-ORDERS = ("leading", "slaved", "corrected")
-"""What the data hold: the wave alone; the fields that follow it too; the next order as well."""
-
 
 @dataclass(frozen=True)
 class CellRing:
@@ -192,15 +189,6 @@ class LatticeWave(ABC):
         """
         corner = (0,) * ring.lattice.dimension
         return [float(found[corner]) for found in ring.slopes]
-
-    def error(self, ring: CellRing, f: ArrayLike, t: float, within: NDArray[np.bool_]) -> float:
-        """sup |lattice - theory| / eps**power at a later time over the cells ``within``.
-
-        ``f`` are the fields' periodic parts on the ring then; ``within`` says of each of its cells
-        whether it is compared.
-        """
-        apart = self.measured(f, ring.mean_strain) - self.strain(ring.cells, t)
-        return float(np.max(np.abs(apart[:, within]))) / self.scale
 
     @property
     def effective_speed(self) -> float:

@@ -15,8 +15,8 @@ from longwave.lattice.trial import Progress
 from longwave.scenes.chain.expected_cost import check_cost
 from longwave.scenes.chain.expected_cost import scene_cost as scene_cost  # for `Scene`
 from longwave.scenes.chain.sites import ChainSites
-from longwave.scenes.chain.spectral_run import run_spectral, spectral_seconds
-from longwave.scenes.chain.stencil_search import run_stencil, stencil_seconds
+from longwave.scenes.chain.spectral_run import run_spectral, spectral_cost
+from longwave.scenes.chain.stencil_search import run_stencil, stencil_cost
 from longwave.scenes.chain.trust import check_trust, trust_attributes
 from longwave.scenes.observables import observable_named
 from longwave.scenes.run_record import RunRecord, UnfinishedRun, judged
@@ -41,7 +41,7 @@ def choose_engine(scene: Scene) -> str:
         return named.engine
     if needing or named.scheme:
         return "stencil"
-    cheap = stencil_seconds(scene) <= spectral_seconds(scene)
+    cheap = stencil_cost(scene).seconds <= spectral_cost(scene).seconds
     return "stencil" if cheap else "spectral"
 
 
@@ -54,9 +54,9 @@ def run_to_tolerance(
     """
     by_ring = choose_engine(scene) == "spectral"
     told, progress = Announcer(announce or (lambda _: None)), progress or (lambda _: None)
-    seconds, found, begun = stencil_seconds(scene), None, time.perf_counter()
+    seconds, found, begun = stencil_cost(scene).seconds, None, time.perf_counter()
     if by_ring:
-        told(spectral_seconds(scene))
+        told(spectral_cost(scene).seconds)
         try:
             found = run_spectral(scene, seconds, progress, told)
         except ValueError:

@@ -9,8 +9,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from operator import attrgetter
 
 from longwave.scenes.chain.sites import PROCESS_SECONDS, SECONDS_PER_UPDATE, START_SECONDS
+from longwave.scenes.chain.spectral_run import spectral_cost
+from longwave.scenes.chain.stencil_search import SITE_BYTES, stencil_cost
 from longwave.scenes.observables import MAP_CELLS, Observable, observable_named
 from longwave.scenes.recorders import MOMENT_BYTES
 from longwave.scenes.scene import Scene
@@ -19,12 +22,6 @@ from longwave.support.request_limits import ExpectedCost, check_request, is_too_
 
 PROCESS_BYTES = 2.8e8
 """Of a process that has run something small and made its data set."""
-
-SITE_BYTES = 280.0
-"""Of a run, for each site: 130 with a soliton, 280 with a rational wave."""
-
-POINT_BYTES = 530.0
-"""Of a ring's run, for each point."""
 
 VALUE_BYTES = 20.0
 """For each number that is kept: in rows, in an array, and as a file's content."""
@@ -68,20 +65,14 @@ def scene_cost(scene: Scene) -> ExpectedCost:
     least = _least_cost(scene)
     if scene.tolerance is None or is_too_much(least):
         return least
-    from longwave.scenes.chain.spectral_run import spectral_points, spectral_seconds
-    from longwave.scenes.chain.stencil_search import most_stencil_sites, stencil_seconds
-
-    engine = scene.target.engine
-    found = []
-    if engine != "spectral":
-        found.append((stencil_seconds(scene), SITE_BYTES * 2.0 * most_stencil_sites(scene)))
-    if engine != "stencil":
-        found.append((spectral_seconds(scene), POINT_BYTES * spectral_points(scene)))
-    seconds, held = min(found)
+    engines = {"stencil": stencil_cost, "spectral": spectral_cost}
+    named = scene.target.engine
+    costs = [cost(scene) for name, cost in engines.items() if named in ("", name)]
+    cheapest = min(costs, key=attrgetter("seconds"))
     return replace(
         least,
-        seconds=least.seconds + RUNS * seconds,
-        memory_bytes=least.memory_bytes + held,
+        seconds=least.seconds + RUNS * cheapest.seconds,
+        memory_bytes=least.memory_bytes + cheapest.memory_bytes,
     )
 
 

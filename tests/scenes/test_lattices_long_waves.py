@@ -234,6 +234,10 @@ def test_computed_soliton_solves_its_equation() -> None:
     )
     with pytest.raises(ValueError, match="take another sign"):
         ComputedSoliton(kdv, -1.0)
+    with pytest.raises(ValueError, match="parameters of computed_soliton must be speed, got none"):
+        wave_of(scene_of("5d").changed(parameters={}))
+    with pytest.raises(ValueError, match="order must be leading or slaved with the wave computed"):
+        wave_of(scene_of("5d", order="corrected"))
 
 
 def test_polynomials_of_jets() -> None:
