@@ -10,11 +10,13 @@ from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from longwave.scenes.convergence import SceneConvergence, scene_convergence
 from longwave.scenes.scene import Scene
 from longwave.scenes.scene_file import parse_document
+
+if TYPE_CHECKING:
+    from longwave.scenes.convergence import SceneConvergence
 
 FILE = "rates.toml"
 
@@ -33,6 +35,8 @@ class RateCase:
 
     def study(self, order: str) -> SceneConvergence:
         """The errors with data of that order, and their rate."""
+        from longwave.scenes.convergence import scene_convergence  # with SymPy; a list needs none
+
         return scene_convergence(self.scene.changed(order=order), self.eps)
 
 

@@ -100,17 +100,20 @@ class View(ABC):
     @property
     def numeric(self) -> Array:
         """The first quantity of the run, such as its strains."""
-        return np.asarray(self.numerics[0])
+        first: Array = self.numerics[0]
+        return first
 
     @property
     def analytic(self) -> Array:
         """The same of the wave."""
-        return np.asarray(self.analytics[0])
+        first: Array = self.analytics[0]
+        return first
 
     @property
     def background(self) -> Array:
         """The same of the bare wave of the same phase."""
-        return np.asarray(self.backgrounds[0])
+        first: Array = self.backgrounds[0]
+        return first
 
     @property
     def far_field(self) -> Array | None:
