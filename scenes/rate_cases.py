@@ -12,6 +12,8 @@ from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from longwave.scenes.scene import Scene
 from longwave.scenes.scene_file import parse_document
 
@@ -19,6 +21,9 @@ if TYPE_CHECKING:
     from longwave.scenes.convergence import SceneConvergence
 
 FILE = "rates.toml"
+
+LATE = 61
+"""Times at which an envelope is compared, whose errors beat with its carrier."""
 
 
 @dataclass(frozen=True)
@@ -51,5 +56,8 @@ def rate_cases() -> Mapping[str, RateCase]:
 
 def _case(name: str, given: dict[str, Any]) -> RateCase:
     orders, eps, is_long = given.pop("orders"), given.pop("at"), given.pop("long", False)
+    if "late" in given:
+        late = np.linspace(*given.pop("late"), LATE).tolist()
+        given["slow_times"] = [*given["slow_times"], *late]
     scene = Scene.of_document(given | {"name": name, "eps": eps[0]}, Path(FILE))
     return RateCase(scene, tuple(orders), tuple(eps), is_long)
