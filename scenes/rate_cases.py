@@ -57,7 +57,8 @@ def rate_cases() -> Mapping[str, RateCase]:
 def _case(name: str, given: dict[str, Any]) -> RateCase:
     orders, eps, is_long = given.pop("orders"), given.pop("at"), given.pop("long", False)
     if "late" in given:
-        late = np.linspace(*given.pop("late"), LATE).tolist()
+        first, last = given.pop("late")
+        late = np.linspace(first, last, LATE).tolist()
         given["slow_times"] = [*given["slow_times"], *late]
     scene = Scene.of_document(given | {"name": name, "eps": eps[0]}, Path(FILE))
     return RateCase(scene, tuple(orders), tuple(eps), is_long)
