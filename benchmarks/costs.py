@@ -14,7 +14,6 @@ import statistics
 import time
 
 from longwave.scenes import run
-from longwave.scenes.chain.expected_cost import expected_cost
 from longwave.support.processes import Job, LocalWorkers, in_order
 from searches.estimate_scenes import random_scene
 
@@ -23,7 +22,7 @@ def ratios(seed: int, index: int, budget: float) -> tuple[str, float, float] | N
     """The scene, and estimated over true seconds and bytes; None if it is refused."""
     scene = random_scene(seed, index, budget).scene
     try:
-        expected = expected_cost(scene)
+        expected = scene.expected_cost()
         begun = time.process_time()
         run(scene)
     except ValueError:

@@ -13,7 +13,7 @@ from longwave.derive.lattice import Lattice
 from longwave.derive.multiscale import ReductionError, reduce
 from longwave.derive.reduction import Reduction
 from longwave.derive.scaling import Scaling, SlowVariable
-from longwave.derive.symbols import c, constant_value
+from longwave.derive.symbols import c, constant_value, eps
 
 AMPLITUDES, TIMES = (0, 1, 2, 3, 4), (3, 5)
 """Exponents that are tried."""
@@ -79,7 +79,7 @@ def about_mean(
 
 
 def uniform_mean(lattice: Lattice, background: Number, constants: Mapping[str, Number]) -> Expr:
-    """A background as an expression: a formula in the lattice's constants, with those put in.
+    """A background as an expression: a formula in eps and the lattice's constants, put in.
 
     >>> from longwave.derive import LATTICES
     >>> uniform_mean(LATTICES["fput_strain"], "-K3/(3*K4)", {"K3": "eps/2"})
@@ -87,7 +87,7 @@ def uniform_mean(lattice: Lattice, background: Number, constants: Mapping[str, N
     """
     own = {str(symbol): symbol for symbol in lattice.constants}
     given = {name: constant_value(name, value) for name, value in constants.items()}
-    return exact_value("background", background, {**own, **given})
+    return exact_value("background", background, {str(eps): eps, **own, **given})
 
 
 def _rank(reduction: Reduction) -> tuple[int, int]:

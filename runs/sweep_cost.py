@@ -56,7 +56,7 @@ LEAST_SECONDS = 0.02
 def expected_cell_cost(scene: Scene) -> ExpectedCost:
     """The cost of a run as one of many in a process: what that does once is left out."""
     found = scene.expected_cost()
-    return replace(found, seconds=max(LEAST_SECONDS, found.seconds - scene.process_seconds))
+    return replace(found, seconds=max(LEAST_SECONDS, found.seconds - found.once))
 
 
 def expected_sweep_cost(sweep: Sweep, store: RunStore, settled: Collection[str]) -> SweepCost:

@@ -39,6 +39,8 @@ class ComputedSoliton:
     other terms, and for a speed at which waves of some length run.
     """
 
+    constant_background = 0.0
+
     def __init__(self, reduction: Reduction, speed: float) -> None:
         self.speed = speed
         flux = reduction.pde.flow.antiderivative()

@@ -1,47 +1,37 @@
-"""How fast the lattice comes near its long-wave limit: errors at fixed slow time over eps, a rate.
-
-Every error stands beside its own: a second run on a ring half as long again, with a longer step,
-compared on the same cells.
-"""
+"""A scene at several eps: how fast its lattice comes near its wave, at fixed slow times."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import ceil, floor
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from longwave.scenes.lattice_wave import CellRing, LatticeWave
-from longwave.scenes.ring_run import advanced
+from longwave.lattice.refine import Announce
+from longwave.scenes.lattice_derivation import derivation
+from longwave.scenes.lattice_run import record_scene
+from longwave.scenes.run_record import RunRecord
+from longwave.scenes.scene import Scene
+from longwave.scenes.scene_checks import finite, positive
+from longwave.scenes.theory_rate import scene_rate
+from longwave.support.user_files import shown
 
-Array = NDArray[np.float64]
-
-STEP, LONGER_STEP = 0.4, 0.7
-"""Of the run and of the one that judges it, in units of the longest stable one."""
-
-LONGER = 1.5
-"""How much longer the ring of that is."""
-
-SNAPSHOTS = 4
-"""Times at which lattice and theory are compared."""
+Array = NDArray[Any]
 
 FEWEST = 3
 """Errors that a rate with its uncertainty needs."""
 
+MOST = 20
+"""Values of eps."""
 
-@dataclass(frozen=True)
-class ErrorAt:
-    """The sup error of what is compared at one eps, and what the run itself adds to it at most.
+SHARE = 0.05
+"""Of an error, what its run may add to it."""
 
-    Both are in the units of the lattice; ``cells`` is the length of the ring.
-    """
-
-    eps: float
-    cells: int
-    error: float
-    discretisation: float
+USUAL = (2.0, 1.4, 1.0, 0.7)
+"""Values of eps in units of the scene's, unless they are given."""
 
 
 @dataclass(frozen=True)
@@ -67,11 +57,82 @@ class FittedRate:
 
 
 @dataclass(frozen=True)
-class ConvergenceStudy:
-    """Errors at a fixed slow time and the power of eps that fits them."""
+class ConvergencePoint:
+    """One eps: the sup error over the cells and the times after the first, of what is compared.
 
-    errors: tuple[ErrorAt, ...]
+    ``relative`` is the same in units of the wave's largest deviation from its background at these
+    times; ``discretisation`` is what the run itself is estimated to add to the error.
+    """
+
+    eps: float
+    error: float
+    relative: float
+    discretisation: float
+    sites: int
+    seconds: float
+
+
+@dataclass(frozen=True)
+class SceneConvergence:
+    """The errors of a scene at several eps, and the power of eps that fits them.
+
+    Errors are of what is compared, as it stands; ``power`` is that of eps with which it is small.
+    ``theory`` is the power that the expansion has for the errors, None where it names none.
+    """
+
+    scene: Scene
+    equation: str
+    power: int
+    points: tuple[ConvergencePoint, ...]
     rate: FittedRate
+    theory: int | None
+
+    @property
+    def reached(self) -> bool:
+        """Whether the interval of the measured rate holds the power of theory."""
+        return self.theory is not None and self.rate.holds(self.theory)
+
+    def data(self) -> dict[str, Any]:
+        """All of it as numbers, text and lists."""
+        return {
+            "scene": self.scene.name,
+            "lattice": self.scene.lattice,
+            "equation": self.equation,
+            "order": self.scene.order,
+            "power": self.power,
+            "rate": self.rate.value,
+            "interval": [self.rate.low, self.rate.high],
+            "theory": self.theory,
+            "points": [vars(point) for point in self.points],
+        }
+
+
+def scene_convergence(
+    scene: Scene,
+    eps: Sequence[float] = (),
+    progress: Callable[[float], None] = lambda _: None,
+    announce: Announce = lambda _: None,
+) -> SceneConvergence:
+    """Run the scene at each eps, from the largest on, and fit the rate.
+
+    A run whose own error is not small beside what it measures is done again, to a smaller
+    tolerance. Raises ValueError for values that are too few or wrong, and as `record_scene`.
+    """
+    values = _checked(scene, eps)
+    scene = scene.with_tolerance(scene.target.tolerance).changed(observables=("strain",))
+    points: list[ConvergencePoint] = []
+    power = 0
+    for place, value in enumerate(values):
+
+        def share(done: float, place: int = place) -> None:
+            progress((place + done) / len(values))
+
+        run = _run(at_eps(scene, value), share, announce)
+        power = run.attrs["power"]
+        points.append(_point(run))
+    errors, own = [p.error for p in points], [p.discretisation for p in points]
+    rate, equation = fitted_rate(values, errors, own), derivation(scene).equation
+    return SceneConvergence(scene, equation, power, tuple(points), rate, scene_rate(scene))
 
 
 def fitted_rate(
@@ -114,90 +175,59 @@ def fitted_rate(
     return FittedRate(value, min(held) - beyond, max(held) + beyond)
 
 
-def convergence_study(
-    make: Callable[[float], LatticeWave],
-    eps_values: Sequence[float],
-    slow_times: tuple[float, float],
-    within: float | None = None,
-    causal: bool = False,
-) -> ConvergenceStudy:
-    """Errors of the waves that ``make`` gives for each eps, from T = ``slow_times[0]`` to [1].
-
-    Compared are the cells where the wave is, or those within ``within`` in X of the frame, which a
-    wave that does not end needs: its ring is then so long that nothing comes round it, as any
-    ring is that is ``causal``.
-    """
-    errors = tuple(error_at(make(eps), slow_times, within, causal) for eps in eps_values)
-    own = [found.discretisation for found in errors]
-    return ConvergenceStudy(errors, fitted_rate(eps_values, [found.error for found in errors], own))
+def _checked(scene: Scene, given: Sequence[float]) -> list[float]:
+    values = [finite("eps", value) for value in given or [f * scene.eps for f in USUAL]]
+    for value in values:
+        positive("eps", value)
+    if not FEWEST <= len(set(values)) == len(values) <= MOST:
+        raise ValueError(
+            f"eps must be {FEWEST} to {MOST} different values, got {shown(values)} (such as "
+            "0.1,0.07,0.05,0.035)"
+        )
+    return sorted(values, reverse=True)
 
 
-def error_at(
-    wave: LatticeWave,
-    slow_times: tuple[float, float],
-    within: float | None = None,
-    causal: bool = False,
-) -> ErrorAt:
-    """The sup error of one wave over several times after the first, with the run's own error."""
-    begin, end = (T / wave.eps**wave.slow for T in slow_times)
-    times = np.linspace(begin, end, SNAPSHOTS + 1)
-    wave.start(begin)
-    window = _Window(wave, times, within, causal)
-    first, second = (
-        window.differences(window.ring(longer), share)
-        for longer, share in ((1.0, STEP), (LONGER, LONGER_STEP))
+def at_eps(scene: Scene, eps: float) -> Scene:
+    """The scene at another eps, its times and its region the same in the wave's own units."""
+    slow = derivation(scene).slow
+    times = tuple(t * scene.eps**slow for t in scene.lattice_times(slow))
+    return scene.changed(
+        eps=eps,
+        slow_times=scene.slow_times or times,
+        half_width=scene.half_width or scene.compared * scene.eps,
     )
-    changed = max(float(np.max(np.abs(a - b))) for a, b in zip(first, second, strict=True))
-    error = max(float(np.max(np.abs(a))) for a in first)
-    return ErrorAt(wave.eps, window.ring(1.0).cells.size, error, changed)
 
 
-class _Window:
-    """The cells that are compared at each of the times, and rings that hold them."""
-
-    def __init__(self, wave: LatticeWave, times: Array, within: float | None, causal: bool) -> None:
-        self._wave, self._times = wave, times
-        self._ends = [self._around(float(t), within) for t in times]
-        self._is_causal = causal or within is not None
-        duration = float(times[-1] - times[0])
-        low, high = self._ends[0]
-        if self._is_causal:
-            around = wave.ring(np.arange(int(low), int(high) + 1), float(times[0]))
-            swept = wave.speed * duration
-            reach = SAFETY * wave.signal_speed(around) * duration
-            low, high = min(low, low + swept - reach), max(high, high + swept + reach)
-        self._low, self._high = low, high
-
-    def _around(self, t: float, within: float | None) -> tuple[float, float]:
-        if within is not None:
-            half = within / self._wave.eps
-            return self._wave.speed * t - half, self._wave.speed * t + half
-        low, high = self._wave.support(t)
-        if not np.isfinite(high - low):
-            raise ValueError(
-                "within must be given for a wave that does not end, got None (the half-width in X "
-                "of what is compared)"
-            )
-        return low, high
-
-    def ring(self, longer: float) -> CellRing:
-        """The state at first on a ring with all that is needed, or longer."""
-        half = longer * (self._high - self._low) / 2.0 * (1.0 if self._is_causal else 2.0)
-        middle = (self._low + self._high) / 2.0
-        cells = np.arange(int(np.floor(middle - half)), int(np.ceil(middle + half)) + 1)
-        return self._wave.ring(cells, float(self._times[0]))
-
-    def differences(self, ring: CellRing, share: float) -> list[Array]:
-        """Lattice less theory on the compared cells at each time after the first."""
-        states = advanced(ring, self._times, share)
-        found = []
-        for t, f, (low, high) in zip(self._times[1:], states, self._ends[1:], strict=True):
-            cells = np.arange(int(np.ceil(low)), int(high) + 1)
-            places = (cells - int(ring.cells[0])) % ring.cells.size
-            lattice = self._wave.measured(f, ring.mean_strain)[:, places]
-            found.append(lattice - self._wave.strain(cells, float(t)))
-        return found
+def _run(scene: Scene, progress: Callable[[float], None], announce: Announce) -> RunRecord:
+    run = record_scene(scene, progress, announce)
+    wanted = SHARE * float(np.max(_later(run, "sup_error")))
+    if run.attrs["error_estimate"] <= wanted or wanted == 0.0:
+        return run
+    return record_scene(scene.changed(tolerance=wanted), progress, announce)
 
 
-SAFETY = 1.05
-"""On the distance that signals come."""
+def _later(run: RunRecord, name: str) -> Array:
+    """The values of a variable at the times after the start."""
+    return run.values(name)[np.array(run.reached) > run.scene.t0]
+
+
+def _point(run: RunRecord) -> ConvergencePoint:
+    scene, told = run.scene, run.attrs
+    apart = float(np.max(_later(run, "sup_error")))
+    with np.errstate(invalid="ignore"):
+        sizes = _later(run, "sup_error") / _later(run, "error")
+    size = float(np.max(sizes, where=np.isfinite(sizes), initial=0.0))
+    if size == 0.0:
+        raise ValueError(
+            f"half_width must leave some of the wave in the region at the later times, got 0 there "
+            f"with eps = {scene.eps:g} (take a wider region or earlier times)"
+        )
+    scale = scene.eps ** told["power"]
+    return ConvergencePoint(
+        scene.eps,
+        apart * scale,
+        apart / size,
+        told["error_estimate"] * scale,
+        int(told["sites"]),
+        float(told["seconds"] + told["planning_seconds"]),
+    )

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Protocol, cast
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from longwave.derive import CarrierTerms, Envelope, Lattice, carrier_fields
+from longwave.derive import CarrierTerms, Envelope, carrier_fields
 from longwave.derive.algebra.exact_numbers import Number
 from longwave.lattice.numeric_lattice import (
     NumericLattice,
@@ -22,7 +22,8 @@ from longwave.lattice.numeric_lattice import (
     stretch_text,
 )
 from longwave.scenes.envelope_flow import EnvelopeFlow
-from longwave.scenes.lattice_wave import ORDERS, CellRing, LatticeWave
+from longwave.scenes.lattice_wave import CellRing, LatticeWave
+from longwave.scenes.scene_checks import ORDERS
 
 if TYPE_CHECKING:
     from longwave.solutions import Wave
@@ -99,7 +100,6 @@ class EnvelopeData(LatticeWave):
         branch: str | int | None = None,
         mean_square: float = 0.0,
         interval: tuple[float, float] | None = None,
-        lattice: Lattice | None = None,
     ) -> None:
         if order not in ORDERS:
             raise ValueError(f"order must be one of {', '.join(ORDERS)}, got {order!r}")
@@ -110,7 +110,7 @@ class EnvelopeData(LatticeWave):
         self._flow: EnvelopeWave | None = wave if order != "corrected" else None
         self.carrier = carrier_fields(envelope, k, branch, **numbers)
         self.speed = self.carrier.v
-        self._declared = lattice or envelope.lattice
+        self._declared = envelope.lattice
         names = {str(symbol) for symbol in self._declared.constants}
         self._numbers = {name: value for name, value in numbers.items() if name in names}
         self._strained: dict[tuple[float, ...], NumericLattice] = {}

@@ -22,11 +22,13 @@ from longwave.derive.algebra.formula_expression import exact_value
 from longwave.derive.lattice_file import lattice_of
 from longwave.derive.normal_form import equation_name
 from longwave.derive.symbols import constant_value
+from longwave.scenes.computed_soliton import ComputedSoliton
 from longwave.scenes.lattice_wave import LatticeWave
 from longwave.scenes.long_wave_data import LongWaveData
 from longwave.scenes.scene import Scene
 from longwave.scenes.scene_checks import Value
 from longwave.scenes.scene_disorder import Disorder
+from longwave.scenes.scene_rules import COMPUTED
 from longwave.solutions import CATALOGUE, ClosedForm, Wave, closed_form
 from longwave.support.known_names import one_of
 from longwave.support.user_files import shown
@@ -43,17 +45,20 @@ class LatticeDerivation:
     """What a scene's lattice is found to be: its reduction or envelope, and the map of that.
 
     Before a reduction the numbers are put into ``lattice``, with eps where they are small; an
-    envelope has symbols, whose values are ``numbers``.
+    envelope has symbols, whose values are ``numbers``. A computed soliton asks for no normal form.
     """
 
     lattice: Lattice
     source: Reduction | Envelope
-    normal_form: NormalForm
+    normal_form: NormalForm | None
     numbers: Mapping[str, Expr]
 
     @property
     def equation(self) -> str:
         """The equation's name, with its sign where waves depend on it."""
+        if self.normal_form is None:
+            assert isinstance(self.source, Reduction)
+            return self.source.pde.kind
         return self.normal_form.name
 
     @property
@@ -93,12 +98,15 @@ def derivation(scene: Scene) -> LatticeDerivation:
     a wave of another one: the line says which is derived and which waves it has.
     """
     form = _form(scene)
-    same = {"eps": 0.1, "name": "", "title": "", "wave": "", "parameters": ()}
+    same = {"eps": 0.1, "name": "", "title": "", "parameters": ()}
+    same["wave"] = "" if form else COMPUTED
     ran = {"order": "leading", "disorder": (), "half_width": None, "compared": 1}
     ran |= {"observables": None, "curve_points": 201, "look_points": None}
     found = _derivations(
         scene.with_tolerance(1.0).changed(**same, **ran, times=(0.0, 1.0), slow_times=())
     )
+    if form is None:
+        return found[0]
     for one in found:
         if _fits(form, one.normal_form):
             return one
@@ -130,8 +138,11 @@ def _derivations(scene: Scene) -> tuple[LatticeDerivation, ...]:
     return (LatticeDerivation(source.lattice, source, source.normal_form(**numbers), numbers),)
 
 
-def _form(scene: Scene) -> ClosedForm:
+def _form(scene: Scene) -> ClosedForm | None:
+    """The closed form of a scene's wave; None if that is computed."""
     scene.check_compared()
+    if scene.wave_name == COMPUTED:
+        return None
     try:
         return closed_form(scene.wave_name, dict(scene.parameters))
     except ValueError as error:
@@ -143,9 +154,11 @@ def equation_of_form(form: ClosedForm) -> str:
     return equation_name(form.equation.normal, form.equation.s, form.equation.r)
 
 
-def _fits(form: ClosedForm, normal: NormalForm) -> bool:
+def _fits(form: ClosedForm, normal: NormalForm | None) -> bool:
     """Whether the closed form solves that normal form's equation."""
     equation = form.equation
+    if normal is None:
+        return False
     signs = ((equation.s, normal.s), (equation.r, normal.r))
     return equation.normal == normal.equation and all(
         own == there or not isinstance(own, int) for own, there in signs
@@ -161,6 +174,10 @@ def _reductions(scene: Scene, lattice: Lattice, mean: Expr) -> Iterator[LatticeD
         )
     refused, found = "", False
     for reduction in find_scaling(lattice, mean, scene.amplitude, scene.time, further=FURTHER):
+        if scene.wave_name == COMPUTED:
+            yield LatticeDerivation(lattice, reduction, None, {})
+            found = True
+            continue
         try:
             one = LatticeDerivation(lattice, reduction, reduction.normal_form(), {})
         except ValueError as error:
@@ -230,13 +247,32 @@ def _values(
     return {name: exact_value(name, value, names) for name, value in pairs}
 
 
-def wave_of(scene: Scene) -> Wave:
+def wave_of(scene: Scene) -> Wave | ComputedSoliton:
     """The scene's wave with numbers in; ValueError for parameters that it does not admit."""
+    found = derivation(scene)
+    if found.normal_form is None:
+        return _computed_soliton(scene, found)
     values = _values(pair for pair in scene.parameters if pair[0] == "k")
     period = {"K": elliptic_k(values["k"] ** 2)} if "k" in values else {}
     values = _values(scene.parameters, period)
     form = closed_form(scene.wave_name, values)
-    return Wave(form, derivation(scene).normal_form, **values)
+    return Wave(form, found.normal_form, **values)
+
+
+def _computed_soliton(scene: Scene, found: LatticeDerivation) -> ComputedSoliton:
+    values = _values(scene.parameters)
+    if {*values} != {"speed"}:
+        raise ValueError(
+            f"parameters of {COMPUTED} must be speed, got {shown(', '.join(values) or 'none')} "
+            "(its speed in X/T, such as 1)"
+        )
+    if scene.order == "corrected":
+        raise ValueError(
+            f"order must be leading or slaved with the wave {COMPUTED}, got corrected (its "
+            "derivatives are too noisy for the next order)"
+        )
+    assert isinstance(found.source, Reduction)
+    return ComputedSoliton(found.source, float(values["speed"]))
 
 
 def lattice_wave(scene: Scene) -> LatticeWave:
@@ -264,8 +300,8 @@ def _ordered_wave(scene: Scene) -> LatticeWave:
         return LongWaveData(found.source, {}, wave, scene.eps, scene.order, found.lattice, interval)
     from longwave.scenes.envelope_data import EnvelopeData, EnvelopeWave
 
-    far = mean_square_far(wave) if scene.order == "leading" else 0.0
     A = cast(EnvelopeWave, wave)
+    far = mean_square_far(cast(Wave, wave)) if scene.order == "leading" else 0.0
     return EnvelopeData(
         found.source,
         found.numbers,
@@ -283,10 +319,11 @@ and of long waves. With 6 the Peregrine wave's errors change by less than a hund
 a longer one would not resolve the crest of a rogue wave (measured on rational_2, half-width 8)."""
 
 
-def correction_interval(scene: Scene, wave: Wave) -> tuple[float, float] | None:
+def correction_interval(scene: Scene, wave: Wave | ComputedSoliton) -> tuple[float, float] | None:
     """Whole periods of the wave, or many times what is compared; None for a wave that ends."""
-    if scene.order != "corrected" or wave.numbers.constant_background == 0.0:
+    if scene.order != "corrected" or wave.constant_background == 0.0:
         return None
+    assert isinstance(wave, Wave)
     compared = scene.half_width or scene.compared * scene.eps
     period = wave.numbers.wavelength
     half = INTERVAL[scene.is_envelope] * compared

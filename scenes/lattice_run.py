@@ -17,7 +17,7 @@ from longwave.scenes.numerics import Tolerance
 from longwave.scenes.observables import MEASURED, observable_named
 from longwave.scenes.pulse_meter import crest, pulse_track
 from longwave.scenes.recorders import MOMENT_BYTES, exact_times
-from longwave.scenes.ring_cost import BEGIN_SECONDS, USUAL_RUNS, search_cost
+from longwave.scenes.ring_cost import USUAL_RUNS, search_cost
 from longwave.scenes.ring_runs import (
     ComparedCells,
     RingCells,
@@ -45,10 +45,6 @@ def compared_cells(scene: Scene, wave: LatticeWave) -> ComparedCells:
     """The cells of a scene's region; a half-width in X is one in Z, too."""
     powers = (1, *(ACROSS,) * (wave.lattice.dimension - 1))
     return ComparedCells(wave.speed, tuple(map(scene.cells_within, powers)))
-
-
-PROCESS_SECONDS = BEGIN_SECONDS
-"""The part of the expected seconds that a process takes once."""
 
 
 def scene_cost(scene: Scene) -> ExpectedCost:

@@ -18,9 +18,6 @@ from longwave.lattice.trial import nudged
 
 Array = NDArray[np.float64]
 
-ORDERS = ("leading", "slaved", "corrected")
-"""What the data hold: the wave alone; the fields that follow it too; the next order as well."""
-
 
 @dataclass(frozen=True)
 class CellRing:
@@ -193,15 +190,6 @@ class LatticeWave(ABC):
         corner = (0,) * ring.lattice.dimension
         return [float(found[corner]) for found in ring.slopes]
 
-    def error(self, ring: CellRing, f: ArrayLike, t: float, within: NDArray[np.bool_]) -> float:
-        """sup |lattice - theory| / eps**power at a later time over the cells ``within``.
-
-        ``f`` are the fields' periodic parts on the ring then; ``within`` says of each of its cells
-        whether it is compared.
-        """
-        apart = self.measured(f, ring.mean_strain) - self.strain(ring.cells, t)
-        return float(np.max(np.abs(apart[:, within]))) / self.scale
-
     @property
     def effective_speed(self) -> float:
         """The speed of very long waves on its rings, in units of that of the ordered lattice."""
@@ -210,15 +198,6 @@ class LatticeWave(ABC):
     def meter(self, ring: CellRing) -> Meter | None:
         """What else is measured on a ring on its way."""
         return None
-
-    def signal_speed(self, ring: CellRing) -> float:
-        """The largest group velocity of any wave about the stiffest and softest bonds of a state.
-
-        But for tails that fall faster than exponentially no change spreads faster.
-        """
-        slopes = ring.slopes
-        ends = [[float(choose(slope)) for slope in slopes] for choose in (np.max, np.min)]
-        return max(largest_group_velocity(ring.lattice, found) for found in ends)
 
 
 def largest_group_velocity(lattice: NumericLattice, slopes: list[float], axis: int = 0) -> float:

@@ -26,8 +26,9 @@ from longwave.derive.symbols import eps as EPS
 from longwave.lattice.numeric_lattice import NumericLattice, numeric_lattice
 from longwave.scenes.first_correction import FirstCorrection
 from longwave.scenes.jet_polynomial import with_numbers
-from longwave.scenes.lattice_wave import ORDERS, LatticeWave
+from longwave.scenes.lattice_wave import LatticeWave
 from longwave.scenes.planar_fields import PlanarFields, PlanarWave
+from longwave.scenes.scene_checks import ORDERS
 from longwave.solutions import WaveValues
 
 if TYPE_CHECKING:

@@ -84,4 +84,5 @@ def search_cost(
         BEGIN_SECONDS + CELL_SECONDS * cells + USUAL_RUNS * first,
         PROCESS_BYTES + (BYTES_PER_CELL * cells + BYTES_PER_VALUE * kept) * fields,
         steps,
+        BEGIN_SECONDS,
     )

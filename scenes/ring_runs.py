@@ -355,21 +355,6 @@ class CellView(View):
         return np.asarray(self._wave.background(self._cells, self.t), dtype=np.float64)
 
     @property
-    def numeric(self) -> Array:
-        """The first quantity, of the run."""
-        return np.asarray(self.numerics[0])
-
-    @property
-    def analytic(self) -> Array:
-        """The same of the wave."""
-        return np.asarray(self.analytics[0])
-
-    @property
-    def background(self) -> Array:
-        """The same of what it deviates from."""
-        return np.asarray(self.backgrounds[0])
-
-    @property
     def also(self) -> dict[str, Any]:
         """The sup error in its unit, T, and all quantities if there are more than one."""
         apart = float(np.max(np.abs(self.numerics - self.analytics))) / self.held.scale

@@ -49,10 +49,6 @@ ALTERNATIVES = (
 """Keywords that say one thing in several ways; None is as if it were not given."""
 
 SAID_IN_ONE_WAY = [key for ways in ALTERNATIVES for way in ways for key in way]
-
-ORDERS = ("leading", "slaved", "corrected")
-"""What the data hold: the wave alone; the fields that follow it too; the next order as well."""
-
 ROUNDING = 1e-12
 """Share by which a half-width may be above whole cells for rounding."""
 
@@ -61,7 +57,7 @@ METHODS = {
     "ring": "longwave.scenes.lattice_run",
     "sidebands": "longwave.scenes.sideband_growth",
 }
-"""Where a scene is run: `record_scene`, `scene_cost`, `wave_size`, `PROCESS_SECONDS` of each."""
+"""Where a scene is run: `record_scene`, `scene_cost`, `wave_size` of each."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -80,7 +76,8 @@ class Scene:
     the power with which what is compared is small.
 
     A long wave takes ``amplitude``, ``time`` (powers of eps) and ``background``, the uniform mean
-    of the fields, which may be a formula in the constants; what is not given is found. A
+    of the fields, which may be a formula in the constants; what is not given is found. The wave
+    "computed_soliton", of a ``speed`` in X/T, is for equations with none in closed form. A
     ``carrier``, its wavenumber, makes the wave an envelope, on a ``branch``.  ``disorder``, as
     (name, value) pairs or a mapping with the names of `Disorder`, lets masses or springs deviate.
 
@@ -195,7 +192,7 @@ class Scene:
             check.closed_form(self.wave)
         self._set("eps", check.finite("eps", self.eps))
         check.positive("eps", self.eps)
-        check.one_of("order", self.order, ORDERS)
+        check.one_of("order", self.order, check.ORDERS)
         for key in ("constants", "parameters"):
             self._set(key, check.pairs(key, getattr(self, key)))
         self._check_constants()
@@ -483,12 +480,6 @@ class Scene:
         """
         size: float = self._way.wave_size(self, t, far_field)
         return size
-
-    @property
-    def process_seconds(self) -> float:
-        """The part of the expected seconds that a process takes once."""
-        seconds: float = self._way.PROCESS_SECONDS
-        return seconds
 
     @property
     def _way(self) -> Any:

@@ -22,6 +22,9 @@ CHAIN = "fput_strain"
 
 CHAIN_CONSTANTS = ("K2", "K3", "K4")
 
+ORDERS = ("leading", "slaved", "corrected")
+"""What the data hold: the wave alone; the fields that follow it too; the next order as well."""
+
 MOST_STEPS = 1e10
 
 LONGEST_FORMULA = 200

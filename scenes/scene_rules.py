@@ -27,6 +27,9 @@ PERTURBATION = ("amplitude", "kappa", "share")
 """Its parameters: |A| of the plane wave, and the wavenumber of the perturbation in X, or that in
 units of the one that grows fastest, which it is if neither is given."""
 
+COMPUTED = "computed_soliton"
+"""The soliton of a long-wave equation that has none in closed form, of a ``speed`` in X/T."""
+
 LARGEST_EPS = 1.0
 """A parameter that is not small is a mistake in its unit."""
 

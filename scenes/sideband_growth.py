@@ -37,7 +37,7 @@ from longwave.scenes.perturbed_plane import (
     wave_ring,
 )
 from longwave.scenes.recorders import Variables
-from longwave.scenes.ring_cost import BEGIN_SECONDS, search_cost
+from longwave.scenes.ring_cost import search_cost
 from longwave.scenes.ring_runs import (
     LIMIT_SHARE,
     SCHEME,
@@ -208,10 +208,6 @@ class SidebandGrowth:
 
 
 RATE = "1/slow time"
-
-
-PROCESS_SECONDS = BEGIN_SECONDS
-"""The part of the expected seconds that a process takes once."""
 
 
 def record_scene(

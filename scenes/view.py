@@ -84,33 +84,36 @@ class View(ABC):
 
     @property
     @abstractmethod
-    def numeric(self) -> Array:
-        """Strains of the run, or the first of the quantities that are compared."""
-
-    @property
-    @abstractmethod
-    def analytic(self) -> Array:
-        """The same of the wave."""
-
-    @property
-    @abstractmethod
-    def background(self) -> Array:
-        """The same of the bare wave of the same phase."""
-
-    @property
     def numerics(self) -> Array:
-        """All quantities that are compared, (quantities, *sites): one unless overridden."""
-        return self.numeric[np.newaxis]
+        """All quantities of the run that are compared, (quantities, *sites)."""
 
     @property
+    @abstractmethod
     def analytics(self) -> Array:
         """The same of the wave."""
-        return self.analytic[np.newaxis]
 
     @property
+    @abstractmethod
     def backgrounds(self) -> Array:
         """The same of the bare wave of the same phase."""
-        return self.background[np.newaxis]
+
+    @property
+    def numeric(self) -> Array:
+        """The first quantity of the run, such as its strains."""
+        first: Array = self.numerics[0]
+        return first
+
+    @property
+    def analytic(self) -> Array:
+        """The same of the wave."""
+        first: Array = self.analytics[0]
+        return first
+
+    @property
+    def background(self) -> Array:
+        """The same of the bare wave of the same phase."""
+        first: Array = self.backgrounds[0]
+        return first
 
     @property
     def far_field(self) -> Array | None:
@@ -201,19 +204,19 @@ class SiteView(View):
         return self.moving.compared_sites(self.state.t)
 
     @cached_property
-    def numeric(self) -> Array:
+    def numerics(self) -> Array:
         """Strains of the run."""
-        return self.state.strain(self.sites)
+        return self.state.strain(self.sites)[np.newaxis]
 
     @cached_property
-    def analytic(self) -> Array:
+    def analytics(self) -> Array:
         """Strains eps Y of the wave."""
-        return self._strain(self.moving.wave.at(*self._place))
+        return self._strain(self.moving.wave.at(*self._place))[np.newaxis]
 
     @cached_property
-    def background(self) -> Array:
+    def backgrounds(self) -> Array:
         """Strains of the bare wave of the same phase."""
-        return self._strain(self.moving.wave.background_at(*self._place))
+        return self._strain(self.moving.wave.background_at(*self._place))[np.newaxis]
 
     @cached_property
     def far_field(self) -> Array | None:

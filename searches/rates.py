@@ -28,7 +28,7 @@ def main() -> int:
         found = job.function(*job.arguments)
         held.append(found.reached)
         note = "" if found.reached else "  NOT HELD"
-        print(f"{name:28} {order:10} {found.study.rate!s:18} {found.expected}{note}", flush=True)
+        print(f"{name:28} {order:10} {found.rate!s:18} {found.theory}{note}", flush=True)
     print(f"theory's rate is held in {sum(held)} of {len(held)}")
     return int(sum(held) < HELD * len(held))
 

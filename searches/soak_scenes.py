@@ -15,7 +15,8 @@ from fractions import Fraction
 from longwave.derive import LATTICES
 from longwave.lattice.random_sites import DISTRIBUTIONS
 from longwave.scenes.lattice_derivation import derivation
-from longwave.scenes.scene import ORDERS, Scene
+from longwave.scenes.scene import Scene
+from longwave.scenes.scene_checks import ORDERS
 from longwave.scenes.scene_rules import PERTURBED_PLANE
 from longwave.solutions import CATALOGUE, closed_form
 

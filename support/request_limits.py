@@ -52,11 +52,15 @@ class Cancelled(BaseException):
 
 @dataclass(frozen=True)
 class ExpectedCost:
-    """What a request is estimated to cost; ``memory_bytes`` is the most it holds at once."""
+    """What a request is estimated to cost; ``memory_bytes`` is the most it holds at once.
+
+    Of the ``seconds`` a process takes those ``once``, however many such requests it serves.
+    """
 
     seconds: float = 0.0
     memory_bytes: float = 0.0
     steps: float = 0.0
+    once: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -22,12 +22,12 @@ from longwave.support.console import (
 )
 
 if TYPE_CHECKING:
-    from longwave.scenes.scene_convergence import SceneConvergence
+    from longwave.scenes.convergence import SceneConvergence
 
 
 def measured_convergence(source: str, eps: str | None, tolerance: float | None) -> SceneConvergence:
     """The convergence of the scene that is named."""
-    from longwave.scenes.scene_convergence import scene_convergence
+    from longwave.scenes.convergence import scene_convergence
 
     values: tuple[float, ...] = ()
     if eps is not None:

@@ -23,7 +23,7 @@ from longwave.reports.pictures.drawing import (
 if TYPE_CHECKING:
     import xarray as xr
 
-    from longwave.scenes.convergence import ErrorAt
+    from longwave.scenes.convergence import ConvergencePoint
     from longwave.scenes.modulation import ModulationGrid
 
 Array = NDArray[np.float64]
@@ -72,7 +72,7 @@ RATE_HEIGHT, RATES_ACROSS = 2.3, 2
 """Height of a row of panels of errors over eps, in inches, and panels in it."""
 
 
-def rate_figure(panels: Mapping[float, Mapping[str, Sequence[ErrorAt]]]) -> Figure:
+def rate_figure(panels: Mapping[float, Mapping[str, Sequence[ConvergencePoint]]]) -> Figure:
     """Errors over eps, both in logarithms, with the runs' own errors as bars.
 
     A panel is that of a power of eps, which a dotted line has, and of the curves by their labels.
@@ -94,14 +94,16 @@ def rate_figure(panels: Mapping[float, Mapping[str, Sequence[ErrorAt]]]) -> Figu
     return figure
 
 
-def _draw_errors(ax: Axes, label: str, errors: Sequence[ErrorAt], look: Mapping[str, Any]) -> None:
+def _draw_errors(
+    ax: Axes, label: str, errors: Sequence[ConvergencePoint], look: Mapping[str, Any]
+) -> None:
     eps = [point.eps for point in errors]
     own = [min(point.discretisation, 0.99 * point.error) for point in errors]
     heights = [point.error for point in errors]
     ax.errorbar(eps, heights, own, label=label, capsize=2.0, **{**look, "linewidth": 1.0})
 
 
-def _draw_power(ax: Axes, points: Sequence[ErrorAt], power: float) -> None:
+def _draw_power(ax: Axes, points: Sequence[ConvergencePoint], power: float) -> None:
     """The line of slope ``power`` below all points, and ticks at round values of eps."""
     ax.set_xscale("log")
     ax.set_yscale("log")

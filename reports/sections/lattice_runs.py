@@ -8,14 +8,16 @@ from typing import TYPE_CHECKING
 from sympy import Symbol
 
 from longwave.derive.output.notation import latex_of
+from longwave.derive.symbols import constant_value, ybar
 from longwave.reports.latex import duration, escape, measured, table, title_latex
+from longwave.scenes.scene_rules import COMPUTED
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from longwave.reports.studies.measured_rates import MeasuredRate
     from longwave.reports.studies.scene_runs import SceneRun
-    from longwave.scenes.convergence import ErrorAt
+    from longwave.scenes.convergence import ConvergencePoint, SceneConvergence
+    from longwave.scenes.scene import Scene
 
 
 def scene_table(runs: Mapping[str, SceneRun]) -> str:
@@ -78,25 +80,25 @@ def scene_maps(runs: Mapping[str, SceneRun]) -> str:
     return "\n".join(lines)
 
 
-def rate_table(rates: Iterable[MeasuredRate]) -> str:
+def rate_table(rates: Iterable[SceneConvergence]) -> str:
     """Each lattice with its numbers; below it each rate, and the error at every eps."""
     lines, last = [], ""
     for found in rates:
-        words = rate_title(found)
+        words = rate_title(found.scene)
         if words != last:
             lines.append([rf"\multicolumn{{5}}{{L{{160mm}}}}{{\rule{{0pt}}{{3.5ex}}{words}}}"])
             last = words
-        rate = str(found.study.rate).replace("..", "to")
+        rate = str(found.rate).replace("..", "to")
         errors = ", ".join(
             f"{measured(point.error, point.discretisation)} at ${point.eps:g}$"
-            for point in found.study.errors
+            for point in found.points
         )
         lines += [
             [
-                rf"\nopagebreak {escape(found.kind)}",
-                escape(found.wave),
-                found.order,
-                f"${found.expected}$",
+                rf"\nopagebreak {escape(found.equation)}",
+                _wave_title(found.scene),
+                found.scene.order,
+                f"${found.theory}$",
                 rate + ("" if found.reached else " (NOT REACHED)"),
             ],
             [rf"\nopagebreak\multicolumn{{5}}{{L{{160mm}}}}{{errors {errors}}}"],
@@ -105,18 +107,32 @@ def rate_table(rates: Iterable[MeasuredRate]) -> str:
     return table("L{36mm}L{44mm}lll", head, lines)
 
 
-def rate_title(found: MeasuredRate) -> str:
+def _wave_title(scene: Scene) -> str:
+    return escape("computed soliton" if scene.wave == COMPUTED else scene.form.title)
+
+
+def rate_title(scene: Scene) -> str:
     """Number, lattice and its numbers, in LaTeX."""
+    from longwave.scenes.lattice_derivation import declared_lattice
+
+    lattice = declared_lattice(scene)
+    numbers = [*scene.constants]
+    numbers += [(str(ybar), scene.background)] if scene.background else []
+    numbers += [("k", scene.carrier)] if scene.is_envelope else []
     values = ", ".join(
-        f"${latex_of(Symbol(name))} = {latex_of(value)}$" for name, value in found.constants
+        f"${latex_of(Symbol(name))} = {latex_of(constant_value(name, value))}$"
+        for name, value in numbers
     )
-    return f"{escape(found.case)}: {title_latex(found.lattice)}; {values}"
+    branch = f", {scene.branch} branch" if scene.branch != "acoustic" else ""
+    return f"{escape(scene.name)}: {title_latex(lattice.title + branch)}; {values}"
 
 
-def rate_panels(rates: Iterable[MeasuredRate]) -> dict[float, dict[str, tuple[ErrorAt, ...]]]:
+def rate_panels(
+    rates: Iterable[SceneConvergence],
+) -> dict[float, dict[str, tuple[ConvergencePoint, ...]]]:
     """For each expected rate its curves, by the number and the equation of the case."""
-    panels: dict[float, dict[str, tuple[ErrorAt, ...]]] = {}
-    for found in sorted(rates, key=lambda one: one.expected):
-        curves = panels.setdefault(found.expected, {})
-        curves[f"{found.case}: {found.kind}"] = found.study.errors
+    panels: dict[float, dict[str, tuple[ConvergencePoint, ...]]] = {}
+    for found in sorted(rates, key=lambda one: one.theory or 0):
+        curves = panels.setdefault(found.theory or 0, {})
+        curves[f"{found.scene.name}: {found.equation}"] = found.points
     return panels

@@ -8,7 +8,6 @@ import numpy as np
 import xarray as xr
 
 from longwave.scenes import run
-from longwave.scenes.chain.sites import stated_seconds
 from longwave.scenes.named_scenes import load_scene, shipped_scenes
 from longwave.scenes.observables import measured_error
 from longwave.scenes.scene import Scene
@@ -114,4 +113,4 @@ def rk4_name(order: int) -> str:
 
 def scene_job(scene: Scene) -> Job:
     """The run of a scene that states its step."""
-    return Job(run, (scene,), stated_seconds(scene), tells=True)
+    return Job(run, (scene,), scene.expected_cost().seconds, tells=True)

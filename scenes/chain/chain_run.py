@@ -12,18 +12,18 @@ import numpy as np
 from longwave.lattice.model import State
 from longwave.lattice.refine import Announce
 from longwave.lattice.trial import Progress
-from longwave.scenes.chain.expected_cost import check_cost, expected_cost, least_cost
-from longwave.scenes.chain.sites import PROCESS_SECONDS as PROCESS_SECONDS  # for `Scene`
+from longwave.scenes.chain.expected_cost import check_cost
+from longwave.scenes.chain.expected_cost import scene_cost as scene_cost  # for `Scene`
 from longwave.scenes.chain.sites import ChainSites
-from longwave.scenes.chain.spectral_run import run_spectral, spectral_seconds
-from longwave.scenes.chain.stencil_search import run_stencil, stencil_seconds
+from longwave.scenes.chain.spectral_run import run_spectral, spectral_cost
+from longwave.scenes.chain.stencil_search import run_stencil, stencil_cost
 from longwave.scenes.chain.trust import check_trust, trust_attributes
 from longwave.scenes.observables import observable_named
 from longwave.scenes.run_record import RunRecord, UnfinishedRun, judged
 from longwave.scenes.scene import Scene
 from longwave.scenes.stated_run import run_from
 from longwave.scenes.view import SiteView
-from longwave.support.request_limits import Announcer, ExpectedCost, is_too_much
+from longwave.support.request_limits import Announcer
 
 
 def choose_engine(scene: Scene) -> str:
@@ -41,7 +41,7 @@ def choose_engine(scene: Scene) -> str:
         return named.engine
     if needing or named.scheme:
         return "stencil"
-    cheap = stencil_seconds(scene) <= spectral_seconds(scene)
+    cheap = stencil_cost(scene).seconds <= spectral_cost(scene).seconds
     return "stencil" if cheap else "spectral"
 
 
@@ -54,9 +54,9 @@ def run_to_tolerance(
     """
     by_ring = choose_engine(scene) == "spectral"
     told, progress = Announcer(announce or (lambda _: None)), progress or (lambda _: None)
-    seconds, found, begun = stencil_seconds(scene), None, time.perf_counter()
+    seconds, found, begun = stencil_cost(scene).seconds, None, time.perf_counter()
     if by_ring:
-        told(spectral_seconds(scene))
+        told(spectral_cost(scene).seconds)
         try:
             found = run_spectral(scene, seconds, progress, told)
         except ValueError:
@@ -106,13 +106,3 @@ def wave_size(scene: Scene, t: float, far_field: bool) -> float:
     view = SiteView(scene.moving_wave, State(t, 0, none, none))
     found = view.far_field if far_field else view.background
     return math.nan if found is None else float(np.max(np.abs(view.analytic - found)))
-
-
-def scene_cost(scene: Scene) -> ExpectedCost:
-    """What a run is expected to cost, in a process that has just begun.
-
-    What is known to be beyond the limits from the scene alone is not looked at any further. Raises
-    ValueError for what no scene can be run with.
-    """
-    least = least_cost(scene)
-    return least if is_too_much(least) else expected_cost(scene)

@@ -9,22 +9,19 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from operator import attrgetter
 
-from longwave.scenes.chain.sites import PROCESS_SECONDS, SECONDS_PER_UPDATE, stated_seconds
+from longwave.scenes.chain.sites import PROCESS_SECONDS, SECONDS_PER_UPDATE, START_SECONDS
+from longwave.scenes.chain.spectral_run import spectral_cost
+from longwave.scenes.chain.stencil_search import SITE_BYTES, stencil_cost
 from longwave.scenes.observables import MAP_CELLS, Observable, observable_named
 from longwave.scenes.recorders import MOMENT_BYTES
 from longwave.scenes.scene import Scene
-from longwave.scenes.stated_run import refinements
-from longwave.support.request_limits import ExpectedCost, check_request
+from longwave.scenes.stated_run import refinements, stated_runs
+from longwave.support.request_limits import ExpectedCost, check_request, is_too_much
 
 PROCESS_BYTES = 2.8e8
 """Of a process that has run something small and made its data set."""
-
-SITE_BYTES = 280.0
-"""Of a run, for each site: 130 with a soliton, 280 with a rational wave."""
-
-POINT_BYTES = 530.0
-"""Of a ring's run, for each point."""
 
 VALUE_BYTES = 20.0
 """For each number that is kept: in rows, in an array, and as a file's content."""
@@ -52,40 +49,34 @@ CHEAPER_STATED = "take a larger step or fewer sites, or see fewer times"
 
 
 def check_cost(scene: Scene) -> ExpectedCost:
-    """What the scene is expected to cost; OverBudgetError if that is more than the limits allow.
-
-    Raises ValueError as making its wave does.
-    """
-    cheaper = CHEAPER if scene.tolerance is not None else CHEAPER_STATED
-    check_request(scene.name, least_cost(scene), cheaper)
-    found = expected_cost(scene)
-    check_request(scene.name, found, cheaper)
+    """`scene_cost`; OverBudgetError if that is more than the limits allow."""
+    found = scene_cost(scene)
+    stated = scene.tolerance is None
+    check_request(scene.name, found, CHEAPER_STATED if stated else CHEAPER)
     return found
 
 
-def expected_cost(scene: Scene) -> ExpectedCost:
-    """What the scene is expected to cost; ValueError as making its wave raises it."""
-    least = least_cost(scene)
-    if scene.tolerance is None:
-        return least
-    from longwave.scenes.chain.spectral_run import spectral_points, spectral_seconds
-    from longwave.scenes.chain.stencil_search import most_stencil_sites, stencil_seconds
+def scene_cost(scene: Scene) -> ExpectedCost:
+    """What a run is expected to cost, in a process that has just begun.
 
-    engine = scene.target.engine
-    found = []
-    if engine != "spectral":
-        found.append((stencil_seconds(scene), SITE_BYTES * 2.0 * most_stencil_sites(scene)))
-    if engine != "stencil":
-        found.append((spectral_seconds(scene), POINT_BYTES * spectral_points(scene)))
-    seconds, held = min(found)
+    What is known to be beyond the limits from the scene alone is not looked at any further. Raises
+    ValueError as making its wave does.
+    """
+    least = _least_cost(scene)
+    if scene.tolerance is None or is_too_much(least):
+        return least
+    engines = {"stencil": stencil_cost, "spectral": spectral_cost}
+    named = scene.target.engine
+    costs = [cost(scene) for name, cost in engines.items() if named in ("", name)]
+    cheapest = min(costs, key=attrgetter("seconds"))
     return replace(
         least,
-        seconds=least.seconds + RUNS * seconds,
-        memory_bytes=least.memory_bytes + held,
+        seconds=least.seconds + RUNS * cheapest.seconds,
+        memory_bytes=least.memory_bytes + cheapest.memory_bytes,
     )
 
 
-def least_cost(scene: Scene) -> ExpectedCost:
+def _least_cost(scene: Scene) -> ExpectedCost:
     """What is known from the scene alone: all of it, if its step and its sites are stated."""
     seen = _Seen.of(scene)
     if scene.tolerance is not None:
@@ -93,18 +84,20 @@ def least_cost(scene: Scene) -> ExpectedCost:
         return ExpectedCost(
             seen.seconds,
             PROCESS_BYTES + VALUE_BYTES * kept + MOMENT_BYTES * seen.times,
+            once=PROCESS_SECONDS,
         )
     stated, measures = scene.discretisation, refinements(scene)
     sites = stated.sites * (2 if "domain_error" in measures else 1)
-    steps = (scene.end - scene.t0) / stated.step + seen.exact
-    extra = SECONDS_PER_UPDATE * seen.exact * stated.table.stages * stated.sites
+    duration = (scene.end - scene.t0) / stated.step
+    steps = duration + seen.exact
+    updates = (duration * stated_runs(scene) + seen.exact) * stated.table.stages * stated.sites
     moves = 0.0
     if stated.domain == "window":
         moves = (scene.end - scene.t0) * scene.model.sound_speed() / 64.0
     kept = seen.values + (2 * scene.compared + 1) * len(scene.snapshots) * len(measures)
     return ExpectedCost(
-        stated_seconds(scene)
-        + extra
+        START_SECONDS
+        + SECONDS_PER_UPDATE * updates
         + seen.seconds
         + SITE_SECONDS * sites
         + STOP_SECONDS * (steps / 64.0 + moves) * (1 + 2 * len(measures)),
@@ -114,6 +107,7 @@ def least_cost(scene: Scene) -> ExpectedCost:
         + MOMENT_BYTES * seen.times
         + MOVE_BYTES * moves,
         steps * (1 + 2 * len(measures)),
+        PROCESS_SECONDS,
     )
 
 

@@ -13,7 +13,6 @@ from longwave.lattice.stepper import Stepper, advance
 from longwave.scenes.chain.domain import SiteRing, Window
 from longwave.scenes.chain.moving_wave import MovingWave
 from longwave.scenes.observables import observable_named
-from longwave.scenes.stated_run import stated_runs
 from longwave.scenes.view import SiteView
 
 if TYPE_CHECKING:
@@ -89,11 +88,3 @@ PROCESS_SECONDS = 1.0
 
 SECONDS_PER_UPDATE = 6e-10
 """Seconds per site and force evaluation, measured with the planning."""
-
-
-def stated_seconds(scene: Scene) -> float:
-    """What a scene takes that states its step and its sites, with the runs that measure errors."""
-    stated = scene.discretisation
-    steps = (scene.end - scene.t0) / stated.step
-    updates = steps * stated.table.stages * stated.sites
-    return START_SECONDS + SECONDS_PER_UPDATE * updates * stated_runs(scene)

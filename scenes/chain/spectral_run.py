@@ -33,7 +33,7 @@ from longwave.scenes.recorders import Recorder, build_recorders
 from longwave.scenes.run_record import RunRecord, unfinished
 from longwave.scenes.scene import Scene
 from longwave.scenes.view import SiteView
-from longwave.support.request_limits import OverBudgetError
+from longwave.support.request_limits import ExpectedCost, OverBudgetError
 
 START_SECONDS = 0.08
 """Before the first step, measured with the planning."""
@@ -75,9 +75,13 @@ SHARE = 0.6
 """Share of the tolerance that doubling the last ring may change."""
 
 
+POINT_BYTES = 530.0
+"""Of a ring's run, for each point."""
+
+
 @lru_cache(maxsize=4)
-def spectral_seconds(scene: Scene) -> float:
-    """What rings would take; the wave's peak sets their points and steps, as in the mKdV limit."""
+def spectral_cost(scene: Scene) -> ExpectedCost:
+    """What rings take; the wave's peak sets their points and steps, as in the mKdV limit."""
     moving, tolerance = scene.moving_wave, scene.target.tolerance
     data, numbers = ring_data(moving, tolerance), moving.wave.numbers
     peak = float(np.max(np.abs(data.bounds.strain))) / moving.eps
@@ -91,18 +95,8 @@ def spectral_seconds(scene: Scene) -> float:
     density = POINTS * peak * first_density(moving)
     points = density * np.array([*[first] * round(STEPPING), 2.0 * first, *wider]) + 2.0
     work = evaluations * float(np.sum(points * np.log2(points)))
-    return START_SECONDS + SECONDS_PER_WORK * work
-
-
-@lru_cache(maxsize=4)
-def spectral_points(scene: Scene) -> float:
-    """About the points of the largest ring."""
-    moving, tolerance = scene.moving_wave, scene.target.tolerance
-    data, b = ring_data(moving, tolerance), moving.wave.numbers.b
-    peak = float(np.max(np.abs(data.bounds.strain))) / moving.eps
-    turns = b * moving.eps**3 * moving.duration * peak**3
-    largest = max(_circumferences(data, tolerance, peak, turns))
-    return min(float(MOST_POINTS), POINTS * peak * first_density(moving) * largest)
+    most = min(float(MOST_POINTS), density * max(first, *wider, 0.0))
+    return ExpectedCost(START_SECONDS + SECONDS_PER_WORK * work, POINT_BYTES * most)
 
 
 def _circumferences(data: RingData, tolerance: float, peak: float, turns: float) -> list[float]:

@@ -42,6 +42,7 @@ from longwave.scenes.recorders import Samples, exact_times
 from longwave.scenes.run_record import RunRecord, UnfinishedRun, unfinished
 from longwave.scenes.scene import Scene
 from longwave.scenes.stated_run import run_from
+from longwave.support.request_limits import ExpectedCost
 
 PREFERRED = "reduced_phase_6"
 """Fewest force evaluations for sup errors from 1e-2 to 1e-9 of those in the table."""
@@ -286,20 +287,18 @@ def _checked(sites: int) -> int:
     )
 
 
+SITE_BYTES = 280.0
+"""Of a run, for each site: 130 with a soliton, 280 with a rational wave."""
+
+
 @lru_cache(maxsize=4)
-def stencil_seconds(scene: Scene) -> float:
-    """What a window would take, or on a periodic background a ring."""
+def stencil_cost(scene: Scene) -> ExpectedCost:
+    """What a window takes, or on a periodic background a ring: the first run, the widest one."""
     moving = scene.moving_wave
     scheme, bounds = scheme_named(PREFERRED), find_bounds(moving, scene.target.tolerance)
     steps = moving.duration / longest_step(scene.model, scheme, bounds)
-    sites = least_sites(moving, domain_kind(scene, moving), bounds)
-    return START_SECONDS + SECONDS_PER_UPDATE * steps * scheme.stages * sites
-
-
-def most_stencil_sites(scene: Scene) -> int:
-    """About the sites of the widest run, as far as the wave tells."""
-    moving = scene.moving_wave
-    bounds = find_bounds(moving, scene.target.tolerance)
     kind = domain_kind(scene, moving)
     sites = least_sites(moving, kind, bounds)
-    return min(MOST_SITES, sites + WIDER if kind == "ring" else round(4.0 * SIZE_RATIO * sites))
+    most = min(MOST_SITES, sites + WIDER if kind == "ring" else round(4.0 * SIZE_RATIO * sites))
+    seconds = START_SECONDS + SECONDS_PER_UPDATE * steps * scheme.stages * sites
+    return ExpectedCost(seconds, SITE_BYTES * 2.0 * most)

@@ -7,10 +7,9 @@ import numpy as np
 import pytest
 import xarray as xr
 from matplotlib.colors import to_hex
-from sympy import Rational, symbols
+from sympy import symbols
 
 from longwave.derive import LATTICES, find_scaling
-from longwave.derive.symbols import eps
 from longwave.reports.build import TABLES, Findings, all_jobs
 from longwave.reports.lattice_chapter import PEREGRINES, ROGUES
 from longwave.reports.pictures.drawing import STABLE, styled
@@ -32,25 +31,24 @@ from longwave.reports.sections.other_lattices import (
 )
 from longwave.reports.studies.evaluation_accuracy import Accuracy
 from longwave.reports.studies.lattice_models import LatticeModel, lattice_models, modulation_plane
-from longwave.reports.studies.measured_rates import ENVELOPES, LONG, SHORT_ENVELOPES, MeasuredRate
 from longwave.reports.studies.proofs import ProofRecord
 from longwave.reports.studies.scene_runs import SceneRun
-from longwave.scenes.convergence import ConvergenceStudy, ErrorAt, FittedRate
-from longwave.scenes.envelope_study import ENVELOPE_CASES
+from longwave.scenes.convergence import ConvergencePoint, FittedRate, SceneConvergence
 from longwave.scenes.named_scenes import lattice_scenes, load_scene
-from longwave.scenes.rate_cases import RATE_CASES
+from longwave.scenes.rate_cases import rate_cases
 from longwave.solutions import CATALOGUE
 from longwave.support.processes import Key
 from longwave.verify.verdict import Outcome, Verdict
 
-POINTS = tuple(ErrorAt(at, 100, 2.0 * at**3, 1e-3 * at**3) for at in (0.2, 0.1, 0.05))
+POINTS = tuple(
+    ConvergencePoint(at, 2.0 * at**3, at**2, 1e-3 * at**3, 100, 1.0) for at in (0.2, 0.1, 0.05)
+)
 
 
-def measured_rate(rate: float = 2.98, case: str = "6a", order: str = "slaved") -> MeasuredRate:
-    study = ConvergenceStudy(POINTS, FittedRate(rate, rate - 0.05, rate + 0.05))
-    numbers = (("K2", Rational(4, 3)), ("K3", eps / 2))
-    title = "strain y_n = u_{n+1} - u_n"
-    return MeasuredRate(case, title, numbers, "mKdV", "sech soliton", order, 3, study)
+def measured_rate(rate: float = 2.98, case: str = "6a") -> SceneConvergence:
+    given = {"K2": "4/3", "K3": "eps/2", "K4": 1}
+    scene = rate_cases()["3"].scene.changed(name=case, constants=given)
+    return SceneConvergence(scene, "mKdV", 1, POINTS, FittedRate(rate, rate - 0.05, rate + 0.05), 3)
 
 
 def run(estimate: float = 1e-6, axes: int = 1) -> xr.Dataset:
@@ -181,11 +179,11 @@ def test_a_scene_that_fails_says_why() -> None:
 def test_a_rate_that_is_not_reached_is_seen() -> None:
     text = rate_table([measured_rate(), measured_rate(2.2)])
     assert (
-        r"6a: strain $y_n = u_{n+1} - u_n$; $K_{2} = \frac{4}{3}$, $K_{3} = \frac{\epsilon}{2}$"
+        r"$y_n = u_{n+1} - u_n$; $K_{2} = \frac{4}{3}$, $K_{3} = \frac{\epsilon}{2}$, $K_{4} = 1$"
         in text
     )
     assert text.count("6a:") == 1
-    assert r"slaved & $3$ & 3.0 (2.9 to 3.1) \\" in text
+    assert r"leading & $3$ & 3.0 (2.9 to 3.1) \\" in text
     assert r"errors $0.0160000 \pm 0.0000080$ at $0.2$, " in text
     assert "2.2 (2.1 to 2.3) (NOT REACHED)" in text
 
@@ -215,15 +213,12 @@ def test_every_case_and_scene_is_a_job() -> None:
     short, full = all_jobs({}, full=False), all_jobs({}, full=True)
     assert short.keys() < full.keys()
     assert {name for part, name in short if part == "scene"} == set(lattice_scenes())
-    names = {name for name, _ in ENVELOPES}
-    assert names <= set(ENVELOPE_CASES)
-    assert {name for part, (name, _) in _rates(full)} == set(RATE_CASES) | names
-    assert set(LONG) < set(RATE_CASES)
+    assert {name for part, (name, _) in _rates(full)} == {*rate_cases()}
     corrected = {name for part, (name, order) in _rates(full) if order == "corrected"}
     assert corrected.isdisjoint(("6c", "6d"))
-    assert {"6c", "6d"} < set(RATE_CASES)
-    short_names = {name for part, (name, _) in _rates(short)}
-    assert short_names == set(RATE_CASES) - set(LONG) | {name for name, _ in SHORT_ENVELOPES}
+    assert {name for part, (name, _) in _rates(short)} == {
+        name for name, case in rate_cases().items() if not case.is_long
+    }
     assert {*ROGUES, *PEREGRINES} <= set(lattice_scenes())
 
 
@@ -232,10 +227,10 @@ def _rates(jobs: Any) -> list[Any]:
 
 
 def test_errors_have_bars_and_each_power_its_panel() -> None:
-    found = [measured_rate(), measured_rate(case="1"), replace(measured_rate(), expected=4.0)]
+    found = [measured_rate(), measured_rate(case="1"), replace(measured_rate(), theory=4)]
     panels = rate_panels(found)
-    assert list(panels) == [3.0, 4.0]
-    assert list(panels[3.0]) == ["6a: mKdV", "1: mKdV"]
+    assert list(panels) == [3, 4]
+    assert list(panels[3]) == ["6a: mKdV", "1: mKdV"]
     with styled():
         left, right = rate_figure(panels).axes[:2]
     assert len(left.containers) == 2

@@ -10,72 +10,78 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from sympy import Integer, Rational
 
-from longwave.derive import LATTICES, Scaling, SlowVariable, reduce
+from longwave.derive import LATTICES, Reduction, Scaling, SlowVariable, reduce
 from longwave.derive.symbols import c
 from longwave.lattice.numeric_lattice import numeric_lattice
 from longwave.scenes import first_correction
 from longwave.scenes.computed_soliton import ComputedSoliton
-from longwave.scenes.convergence import error_at, fitted_rate
+from longwave.scenes.convergence import fitted_rate, scene_convergence
 from longwave.scenes.fourier_interval import FourierInterval
 from longwave.scenes.jet_polynomial import JetPolynomial
-from longwave.scenes.lattice_derivation import derivation, lattice_wave
-from longwave.scenes.line_chain import LineChain
+from longwave.scenes.lattice_derivation import derivation, lattice_wave, wave_of
 from longwave.scenes.long_wave_data import LongWaveData, wave_ends
 from longwave.scenes.named_scenes import load_scene
-from longwave.scenes.rate_cases import RATE_CASES
+from longwave.scenes.rate_cases import rate_cases
+from longwave.scenes.scene import Scene
 from longwave.solutions import Wave, closed_form
 from searches.soak_scenes import soak_scene
 
 FAST = {"1": "leading", "2": "leading", "4b": "leading", "5e": "leading", "6c": "slaved"}
-"""Cases that are measured whenever the tests are run, at two eps."""
+"""Cases that are measured whenever the tests are run, at three eps."""
 
-CORRECTED = ("1", "4a", "6b", "7e")
-"""Those whose rate at the next order is measured when slow tests are run."""
+
+def scene_of(name: str, at: float = 0.1, order: str = "slaved") -> Scene:
+    return rate_cases()[name].scene.changed(eps=at, order=order)
+
+
+def data_of(name: str, at: float = 0.1, order: str = "slaved") -> LongWaveData:
+    found = lattice_wave(scene_of(name, at, order))
+    assert isinstance(found, LongWaveData)
+    return found
+
+
+def reduction_of(name: str) -> Reduction:
+    found = derivation(scene_of(name)).source
+    assert isinstance(found, Reduction)
+    return found
 
 
 @pytest.mark.parametrize(("name", "order"), FAST.items())
 def test_lattice_comes_near_the_wave_at_the_rate_of_its_row(name: str, order: str) -> None:
-    case = RATE_CASES[name]
-    pair = case.eps[2:]
-    errors = [error_at(case.data(at, order), case.slow_times) for at in pair]
-    for found in errors:
+    study = scene_convergence(scene_of(name, order=order), rate_cases()[name].eps[1:])
+    for found in study.points:
         assert found.discretisation < 0.01 * found.error
-    rate = math.log(errors[0].error / errors[1].error) / math.log(pair[0] / pair[1])
-    assert rate == pytest.approx(case.rate(order), abs=0.2)
+    assert study.rate.value == pytest.approx(study.theory, abs=0.2)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", RATE_CASES)
+@pytest.mark.parametrize("name", rate_cases())
 def test_measured_rates(name: str) -> None:
-    case = RATE_CASES[name]
-    first = "slaved" if "leading" not in case.orders else "leading"
-    for order in (first, "corrected")[: 2 if name in CORRECTED else 1]:
+    case = rate_cases()[name]
+    for order in case.orders:
         study = case.study(order)
-        assert study.rate.value == pytest.approx(case.rate(order), abs=0.2), order
-        assert len(study.errors) >= 4
-        for found in study.errors:
+        assert study.reached, (order, study.rate)
+        for found in study.points:
             assert found.discretisation < 0.05 * found.error
 
 
 def test_the_next_order_is_two_powers_better() -> None:
-    case = RATE_CASES["2"]
-    times = (0.0, 0.5)
-    errors = [error_at(case.data(at, "corrected"), times).error for at in (0.2, 0.1)]
-    assert math.log2(errors[0] / errors[1]) == pytest.approx(6.0, abs=0.25)
+    asked = scene_of("2", order="corrected").changed(slow_times=(0.0, 0.5))
+    found = scene_convergence(asked, (0.2, 0.14, 0.1))
+    assert found.rate.value == pytest.approx(6.0, abs=0.25)
 
 
 def test_a_narrow_wave_is_sampled_finely_and_one_too_narrow_refused() -> None:
     """With the points of a broad one its correction would be wrong, and nothing would say so."""
-    case, cells, found = RATE_CASES["2"], np.arange(60.0, 141.0), []
+    cells, found = np.arange(60.0, 141.0), []
+    reduction, wave = reduction_of("2"), wave_of(scene_of("2"))
     for half in (24.0, 72.0):
-        data = LongWaveData(
-            case.reduction, {}, case.solution, 0.1, "corrected", interval=(-half, half)
-        )
+        data = LongWaveData(reduction, {}, wave, 0.1, "corrected", interval=(-half, half))
         data.start(0.0)
         found.append(data.strain(cells, 100.0))
-    change = np.abs(found[0] - case.data(0.1, "slaved").strain(cells, 100.0)).max()
+    change = np.abs(found[0] - data_of("2").strain(cells, 100.0)).max()
     assert found[0] == pytest.approx(found[1], abs=1e-5 * change)
-    data = LongWaveData(case.reduction, {}, case.solution, 0.1, "corrected", interval=(-9e3, 9e3))
+    data = LongWaveData(reduction, {}, wave, 0.1, "corrected", interval=(-9e3, 9e3))
     data.start(0.0)
     with pytest.raises(ValueError, match="interval must be shorter"):
         data.strain(np.arange(3.0), 1.0)
@@ -124,10 +130,9 @@ def residual(data: LongWaveData, t: float) -> float:
 def test_slaved_fields_meet_the_equations_of_motion(name: str) -> None:
     """Every row of them falls with eps to the order of the reduction; without slaved fields the
     rows are of the order of the bonds' forces."""
-    case = RATE_CASES[name]
     for order, power in (("slaved", 6), ("leading", 1)):
-        found = [residual(case.data(at, order), 1.0 / at**3) for at in (0.2, 0.1)]
-        least = power + case.scaling.amplitude
+        found = [residual(data_of(name, at, order), 1.0 / at**3) for at in (0.2, 0.1)]
+        least = power + reduction_of(name).scaling.amplitude
         assert math.log2(found[0] / found[1]) > least - 0.4, order
         assert order == "slaved" or math.log2(found[0] / found[1]) < least + 0.4
 
@@ -136,7 +141,7 @@ def test_slaved_fields_meet_the_equations_of_motion(name: str) -> None:
 def test_velocity_is_the_fields_time_derivative(name: str) -> None:
     """Up to what the reduced equation leaves out; of displacements the antiderivative's constant
     is free at each time, so strains are compared."""
-    data, h = RATE_CASES[name].data(0.1, "slaved"), 0.05
+    data, h = data_of(name), 0.05
     cells = np.arange(-300, 301)
     slope = (data.strain(cells, 7.0 + h) - data.strain(cells, 7.0 - h)) / (2 * h)
     velocity = data.state(cells, 7.0)[1]
@@ -146,7 +151,7 @@ def test_velocity_is_the_fields_time_derivative(name: str) -> None:
 
 
 def test_mean_strain_makes_the_displacement_of_a_soliton_periodic() -> None:
-    data = RATE_CASES["6a"].data(0.1, "slaved")
+    data = data_of("6a")
     low, high = data.support(0.0)
     cells = np.arange(math.floor(2 * low), math.ceil(2 * high))
     ring = data.ring(cells, 0.0)
@@ -171,7 +176,7 @@ def test_mean_strain_is_that_of_the_cells_of_the_ring() -> None:
 
 
 def test_forces_with_eps_and_no_polynomials_are_those_that_run() -> None:
-    gardner = RATE_CASES["3"].data(0.2, "leading")
+    gardner = data_of("3", 0.2, "leading")
     assert gardner.lattice.bonds[0].force.coefficients == pytest.approx((1.0, 0.1, 1.0))
     toda = LATTICES["toda"].with_values({"a": Rational(1), "b": Rational(1)})
     reduction = reduce(toda, Scaling(1))
@@ -182,58 +187,57 @@ def test_forces_with_eps_and_no_polynomials_are_those_that_run() -> None:
 
 
 def test_numbers_apart_from_the_lattice_give_the_same_data() -> None:
-    case = RATE_CASES["1"]
     symbolic = reduce(LATTICES["fput_strain"])
     numbers = {"K2": 1, "K3": 0, "K4": 1}
-    apart = LongWaveData(symbolic, numbers, case.solution, 0.1, "slaved")
+    apart = LongWaveData(symbolic, numbers, wave_of(scene_of("1")), 0.1, "slaved")
     cells = np.linspace(-50.0, 50.0, 41)
-    for one, other in zip(
-        apart.state(cells, 3.0), case.data(0.1, "slaved").state(cells, 3.0), strict=True
-    ):
+    for one, other in zip(apart.state(cells, 3.0), data_of("1").state(cells, 3.0), strict=True):
         assert one == pytest.approx(other, rel=1e-12)
     assert apart.lattice == numeric_lattice(LATTICES["fput_strain"], numbers)
 
 
 def test_what_data_refuse() -> None:
-    case = RATE_CASES["1"]
+    reduction, wave = reduction_of("1"), wave_of(scene_of("1"))
+    lattice = derivation(scene_of("1")).lattice
     with pytest.raises(ValueError, match="order must be one of leading, slaved, corrected"):
-        case.data(0.1, "next")
+        LongWaveData(reduction, {}, wave, 0.1, "next")
     with pytest.raises(ValueError, match="eps must satisfy 0 < eps"):
-        case.data(0.0, "slaved")
-    leading = reduce(case.numeric, case.scaling, 5)
+        LongWaveData(reduction, {}, wave, 0.0)
+    leading = reduce(lattice, reduction.scaling, 5)
     with pytest.raises(ValueError, match=r"none was derived through eps\^5"):
-        LongWaveData(leading, {}, case.solution, 0.1, "corrected")
-    ended = replace(reduce(case.numeric), corrections={}, obstruction=(2, leading.pde.flow))
+        LongWaveData(leading, {}, wave, 0.1, "corrected")
+    ended = replace(reduce(lattice), corrections={}, obstruction=(2, leading.pde.flow))
     with pytest.raises(ValueError, match=r"reduction to a one-way equation ends at eps\^2"):
-        LongWaveData(ended, {}, case.solution, 0.1, "corrected")
+        LongWaveData(ended, {}, wave, 0.1, "corrected")
     with pytest.raises(ValueError, match="start must come before"):
-        case.data(0.1, "corrected").strain(np.arange(3), 0.0)
-    rational = Wave(closed_form("rational_1"), case.reduction.normal_form())
+        data_of("1", 0.1, "corrected").strain(np.arange(3), 0.0)
+    rational = Wave(closed_form("rational_1"), reduction.normal_form())
     with pytest.raises(ValueError, match="interval must be given"):
-        LongWaveData(case.reduction, {}, rational, 0.1, "corrected")
-    with pytest.raises(ValueError, match="within must be given"):
-        error_at(LongWaveData(case.reduction, {}, rational, 0.1), (0.0, 0.1))
+        LongWaveData(reduction, {}, rational, 0.1, "corrected")
 
 
 def test_computed_soliton_solves_its_equation() -> None:
     """And is the closed form where there is one."""
-    case = RATE_CASES["5d"]
-    soliton = case.solution
+    soliton = wave_of(scene_of("5d"))
     assert isinstance(soliton, ComputedSoliton)
     X = np.linspace(-8.0, 8.0, 300)
     jets = soliton.jets(X, 0.7, 5)
     rest = 0.5 * 3 * jets[0] ** 2 * jets[1] - jets[5] / 180 - soliton.speed * jets[1]
     assert np.abs(rest).max() < 1e-8 * np.abs(jets[5]).max() / 180
     assert np.abs(jets[0]).max() > 0.1
-    kdv = RATE_CASES["2"]
-    computed = ComputedSoliton(kdv.reduction, 4.0 / 24)
-    assert computed.jets(X, 0.3, 2) == pytest.approx(kdv.solution.jets(X, 0.3, 2), abs=1e-10)
+    kdv, closed = reduction_of("2"), wave_of(scene_of("2"))
+    computed = ComputedSoliton(kdv, 4.0 / 24)
+    assert computed.jets(X, 0.3, 2) == pytest.approx(closed.jets(X, 0.3, 2), abs=1e-10)
     W = computed.antiderivative(X, 0.3)
     assert W - W[0] == pytest.approx(
-        kdv.solution.antiderivative(X, 0.3) - kdv.solution.antiderivative(X[:1], 0.3), abs=1e-10
+        closed.antiderivative(X, 0.3) - closed.antiderivative(X[:1], 0.3), abs=1e-10
     )
     with pytest.raises(ValueError, match="take another sign"):
-        ComputedSoliton(kdv.reduction, -1.0)
+        ComputedSoliton(kdv, -1.0)
+    with pytest.raises(ValueError, match="parameters of computed_soliton must be speed, got none"):
+        wave_of(scene_of("5d").changed(parameters={}))
+    with pytest.raises(ValueError, match="order must be leading or slaved with the wave computed"):
+        wave_of(scene_of("5d", order="corrected"))
 
 
 def test_polynomials_of_jets() -> None:
@@ -287,21 +291,6 @@ def test_waves_of_kp_meet_the_square_lattice(
     assert math.log2(found[0] / found[1]) > 6.6
     with pytest.raises(ValueError, match="none was derived"):
         LongWaveData(reduction, {}, wave, 0.1, "corrected")
-
-
-def test_line_soliton_on_the_square_lattice_at_its_rate() -> None:
-    """Lines of constant n + 2 eps m, as a chain: the term across of KP counts at first order."""
-    values = {"K2": 1, "K3": 1, "K4": 0, "H2": 1, "H3": 0, "H4": 0}
-    square = LATTICES["square"].with_values({k: Rational(v) for k, v in values.items()})
-    reduction = reduce(square, Scaling(1, ALONG))
-    normal = reduction.normal_form()
-    wave = Wave(closed_form("kp_line_soliton"), normal, kappa=1, q=2 * normal.a / normal.e)
-    found = [
-        error_at(LineChain(LongWaveData(reduction, {}, wave, 1 / (2 * s)), (s, 1)), (0.0, 0.3))
-        for s in (3, 6)
-    ]
-    assert all(error.discretisation < 0.05 * error.error for error in found)
-    assert math.log2(found[0].error / found[1].error) == pytest.approx(4.0, abs=0.2)
 
 
 def test_ends_of_a_wave() -> None:

@@ -9,11 +9,11 @@ import xarray as xr
 from scipy.integrate import solve_ivp
 
 from longwave.scenes import run
+from longwave.scenes.convergence import at_eps, scene_convergence
 from longwave.scenes.lattice_derivation import derivation, lattice_wave, wave_of
 from longwave.scenes.lattice_run import record_scene
 from longwave.scenes.named_scenes import lattice_scenes, load_scene, scene_of_toml
 from longwave.scenes.scene import Scene
-from longwave.scenes.scene_convergence import at_eps, scene_convergence
 from longwave.support.request_limits import request_limits
 
 TODA: dict[str, Any] = {

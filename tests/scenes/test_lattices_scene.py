@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from longwave.scenes.convergence import at_eps
 from longwave.scenes.named_scenes import lattice_scenes, load_scene, scene_of_toml
 from longwave.scenes.ring_runs import ComparedCells
 from longwave.scenes.scene import Scene
-from longwave.scenes.scene_convergence import at_eps
 
 GIVEN: dict[str, Any] = {
     "name": "short",
