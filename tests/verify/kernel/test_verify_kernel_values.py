@@ -220,5 +220,6 @@ def test_what_stands_for_any_function_is_one_over_gamma_at_a_shift() -> None:
             slope = -moved.digamma() * moved.rgamma()
             assert abs(jet_ball(z, (name, 1)) - slope).upper() < 1e-60
             step = acb("1e-30")
-            second = (jet_ball(z + step, (name, 1)) - jet_ball(z, (name, 1))) / step
-            assert abs(jet_ball(z, (name, 2)) - second).upper() < 1e-25
+            for order in (2, 10, 12):  # FLINT's series have 10 terms unless told
+                lower = jet_ball(z + step, (name, order - 1)) - jet_ball(z, (name, order - 1))
+                assert abs(jet_ball(z, (name, order)) - lower / step).upper() < 1e-20

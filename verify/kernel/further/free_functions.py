@@ -5,7 +5,7 @@ Of a theta function in z, f_zz = -4 q f_q (the heat equation).
 
 from __future__ import annotations
 
-from flint import acb, acb_series, arb, fmpq
+from flint import acb, acb_series, arb, ctx, fmpq
 
 from ..axioms import FUNCTIONS, Function
 from ..derivations import RATES, Slopes
@@ -62,7 +62,10 @@ def jet_ball(z: acb, jet: Jet) -> acb:
     """
     label, order = jet
     place = z + acb(arb(generic_shift(label)))
-    return acb_series([place, 1], order + 1).rgamma()[order] * acb(order + 1).gamma()
+    terms, ctx.cap = ctx.cap, order + 1  # FLINT's series take the terms beyond for 0
+    series = acb_series([place, 1], order + 1).rgamma()
+    ctx.cap = terms
+    return series[order] * acb(order + 1).gamma()
 
 
 def generic_shift(label: str) -> fmpq:
