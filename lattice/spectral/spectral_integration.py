@@ -22,7 +22,7 @@ from longwave.lattice.integration import RING_SAFETY, Cost
 from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.lattice.refine import refine
 from longwave.lattice.run_times import check_positive, checked_times
-from longwave.lattice.spectral.crest_energy import crest_energy_spread
+from longwave.lattice.spectral.crest_energy import ALIKE, crest_energy_spread, telling_step
 from longwave.lattice.spectral.evolution import WATCH, SamplingError
 from longwave.lattice.spectral.exponential import ORDER
 from longwave.lattice.spectral.field_ring import FieldRing
@@ -33,7 +33,6 @@ from longwave.lattice.spectral.lattice_ring import (
     ring_stretches,
     whole,
 )
-from longwave.lattice.spectral.ring import ALIKE, telling_step
 from longwave.lattice.trial import (
     LEAST_FACTOR,
     STEP_RATIO,

@@ -13,8 +13,8 @@ import numpy as np
 
 from longwave.lattice.model import empty_state, find_blow_up
 from longwave.lattice.refine import Announce, Refined, StoppedSearch
+from longwave.lattice.spectral.crest_energy import ALIKE, telling_step
 from longwave.lattice.spectral.exponential import ORDER
-from longwave.lattice.spectral.ring import ALIKE, telling_step
 from longwave.lattice.trial import Progress, Trial
 from longwave.scenes.chain.moving_wave import MovingWave
 from longwave.scenes.chain.spectral_data import (

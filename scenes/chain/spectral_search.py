@@ -16,8 +16,15 @@ import ducc0  # type: ignore[import-not-found]
 import numpy as np
 from numpy.typing import NDArray
 
+from longwave.lattice.dynamics import StrainDynamics
 from longwave.lattice.refine import Announce, Refined, refine
 from longwave.lattice.spectral.absorber import ABSORBER_STRENGTH
+from longwave.lattice.spectral.crest_energy import (
+    ALIKE,
+    DENSITY,
+    crest_energy_spread,
+    telling_step,
+)
 from longwave.lattice.spectral.evolution import (
     WATCH,
     NotHyperbolicError,
@@ -25,7 +32,7 @@ from longwave.lattice.spectral.evolution import (
     SpectralRing,
 )
 from longwave.lattice.spectral.exponential import ORDER
-from longwave.lattice.spectral.ring import ALIKE, DENSITY, RingState, energy_spread, telling_step
+from longwave.lattice.spectral.field_ring import FieldRing
 from longwave.lattice.trial import (
     NUDGE,
     Choices,
@@ -162,7 +169,7 @@ class SpectralEngine:
         self._density = first_density(moving)
         self._started = moving.t0
         self._rings: dict[tuple[float, float, bool], RingPlace] = {}
-        self._states: dict[tuple[RingPlace, int], RingState] = {}
+        self._states: dict[tuple[RingPlace, int], FieldRing] = {}
         self._alike = 0.0
         self._softened: list[float] = []
         self._soft: NotHyperbolicError | None = None
@@ -197,13 +204,14 @@ class SpectralEngine:
         return self._moving.wave.numbers.a * float(np.max(np.abs(strain)))
 
     def _apart(self, turns: float) -> float:
-        """Bound of y/eps by which the ring's lattices part in time (`sublattices.py`)."""
+        """Bound of y/eps by which the ring's lattices part in time (`crest_energy.py`)."""
         data, bounds = self._data, self._data.bounds
         if self._steepness(bounds.strain) <= SLENDER:
             return 0.0
         ring = data.ring(data.smallest)
         state = data.state(ring, _points(DENSITY * ring.circumference))
-        spread = energy_spread(data.moving.constants, state, data.seam(ring.circumference))
+        chain = StrainDynamics(data.moving.constants).lattice
+        spread = crest_energy_spread(chain, state, 0)
         return (1.0 + turns) * spread * float(np.max(np.abs(bounds.strain))) / data.moving.eps
 
     def scout(self) -> Engine:
@@ -314,7 +322,7 @@ class SpectralEngine:
         loop = begin_loop(f"spectral {choices}")
         state = self._state(choices)
         if choices.nudged:
-            state = replace(state, y=(1.0 + NUDGE) * state.y)
+            state = replace(state, f=(1.0 + NUDGE) * state.f)
         march = RingMarch(moving, state, self._phases(choices), self._maker(choices, state))
         stopped = False
         try:
@@ -325,8 +333,8 @@ class SpectralEngine:
             stopped = True
         values = np.array(march.rows)
         strain, steps, evaluations = march.tally
-        points = state.y.size
-        cost = SpectralCost(steps, points, evaluations, state.circumference, strain)
+        points = state.f.size
+        cost = SpectralCost(steps, points, evaluations, state.circumferences[0], strain)
         rounding = rounding_error(max(map(abs, strain)) / moving.eps, evaluations)
         rounding += clock_error(values, moving.speed, (moving.t0, moving.end))
         work = evaluations * points * math.log2(points)
@@ -338,11 +346,11 @@ class SpectralEngine:
             raise StoppedTrial(trial)
         return trial
 
-    def _maker(self, choices: Choices, state: RingState) -> MakeRing:
+    def _maker(self, choices: Choices, state: FieldRing) -> MakeRing:
         """What makes the rings of a run that begins with that state."""
         cutoff = short = 0.0
         if choices.absorber:
-            cutoff, short = self._data.absorbed, self._data.short(state.circumference)
+            cutoff, short = self._data.absorbed, self._data.short(*state.circumferences)
         return partial(
             SpectralRing,
             self._moving.constants,
@@ -373,7 +381,7 @@ class SpectralEngine:
             self._rings[key] = self._data.ring(size, choices.shift)
         return self._rings[key]
 
-    def _state(self, choices: Choices) -> RingState:
+    def _state(self, choices: Choices) -> FieldRing:
         ring = self._ring(choices)
         points = _points(ring.circumference * choices.density)
         if (ring, points) not in self._states:
