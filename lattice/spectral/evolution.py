@@ -45,12 +45,20 @@ class SamplingError(ArithmeticError):
     """The spectrum's tail rose above its bound: the ring needs more points."""
 
 
-class NotHyperbolicError(FloatingPointError):
+class RunawayError(FloatingPointError):
+    """The fields grew without bound, or came to where a force does not exist, before ``t``."""
+
+    def __init__(self, t: float, told: str = "") -> None:
+        super().__init__(told or f"blow-up: the fields grew without bound before t = {t:g}")
+        self.t = t
+
+
+class NotHyperbolicError(RunawayError):
     """Waves do not exist about some strain: K2 + 2 K3 y + 3 K4 y^2 <= 0, at time ``t``."""
 
     def __init__(self, t: float, site: float) -> None:
-        super().__init__(f"blow-up: K2 + 2 K3 y + 3 K4 y^2 <= 0 at t = {t:g}, site {round(site)}")
-        self.t = t
+        told = f"blow-up: K2 + 2 K3 y + 3 K4 y^2 <= 0 at t = {t:g}, site {round(site)}"
+        super().__init__(t, told)
 
 
 @njit(cache=True, fastmath={"contract"})
@@ -79,7 +87,7 @@ class SpectralRing:
 
     At first and every ``WATCH`` steps the strain is looked at: NotHyperbolicError is raised when
     waves do not exist about some strain, SamplingError when the spectrum's tail exceeds ``tail``,
-    and FloatingPointError when it exceeds the largest strain there was at first. ``dealias`` drops
+    and RunawayError when it exceeds the largest strain there was at first. ``dealias`` drops
     the modes of the force above half of the highest one (exact for a cubic force); without it the
     tail bounds the aliasing. Left-going waves of numbers below ``absorbed`` are absorbed at the
     seam, and right-going ones of numbers above ``short`` (`ShortAbsorber`), by ``strength``;
@@ -188,7 +196,7 @@ class SpectralRing:
         tail = spectrum_tails(modes[None], self._start.counts)
         self._sound(values_of(modes, self._values.size, self._values), t)
         if not tail <= self._amplitude:
-            raise FloatingPointError(f"blow-up: the strain grew without bound before t = {t:g}")
+            raise RunawayError(t)
         if tail > self._bound:
             raise SamplingError(f"the spectrum's tail is {tail:.2g} at t = {t:g}")
 

@@ -26,17 +26,15 @@ from longwave.lattice.spectral.crest_energy import (
     telling_step,
 )
 from longwave.lattice.spectral.evolution import (
-    WATCH,
     NotHyperbolicError,
-    SamplingError,
+    RunawayError,
     SpectralRing,
 )
-from longwave.lattice.spectral.exponential import ORDER
 from longwave.lattice.spectral.field_ring import FieldRing
+from longwave.lattice.spectral.ring_search import TAIL_SHARE, RingSearch
 from longwave.lattice.trial import (
     NUDGE,
     Choices,
-    Engine,
     Kind,
     Progress,
     StoppedTrial,
@@ -59,10 +57,9 @@ from longwave.support.checkpoint import begin_loop
 
 Array = NDArray[np.float64]
 
-STEP_RATIO, DENSITY_RATIO, SIZE_RATIO = 0.6, 1.25, 1.5
-"""Step, density and circumference of a control run, in units of those of the run before it. Where
-the control's ring would be causal, so is the first; a kink's always is. With 1.15 for the density,
-two samplings about two points a site agreed on an error above their estimate."""
+SIZE_RATIO = 1.5
+"""Circumference of a control run, in units of that of the run before it. Where the control's ring
+would be causal, so is the first; a kink's always is."""
 
 SHIFT = 0.07
 """By how much its middle moves, in circumferences."""
@@ -70,15 +67,11 @@ SHIFT = 0.07
 WEAKER = 0.5
 """Strength of its absorber, in units of that of the run before it."""
 
-REACHES = (0.3, 3.0)
-"""Least factor on a step, and largest factor on a size, from one choice to the next."""
+LARGEST_FACTOR = 3.0
+"""Largest factor on a size, from one choice to the next."""
 
-TAIL_SHARE = 0.1
-"""Bound of the spectrum's tail, in units of the tolerance."""
-
-SOFTENED = 0.01
-"""If the times at which waves cease to exist in three runs differ less, in units of the time since
-the beginning, and beside what the watch resolves, it is not the step that does it."""
+DENSER = 1.5
+"""Points with which a run is begun again whose spectrum's tail rose."""
 
 STARTED = 15.0
 """A start ends when sound has gone so many times 1/k, k the data's typical wave number."""
@@ -145,22 +138,21 @@ def solve_on_rings(
     return found
 
 
-class SpectralEngine:
+class SpectralEngine(RingSearch):
     """Runs of a wave on rings, its initial data kept."""
 
     kinds: tuple[Kind, ...] = ("step", "sampling", "domain")
-    threads = 1
     safety = 4.0
     """What still comes round the ring was measured to fall as slowly as L^-1/2; what long steps
     average away, as step^1/2."""
-    order = ORDER
-    unstable = 10
+    step_ratio = 0.6
+    least_factor = 0.3
     fragile = False
     """Waves so steep that rounding grows soon are refused."""
 
     def __init__(self, moving: MovingWave, tolerance: float, most_work: float) -> None:
+        super().__init__(moving.t0, moving.duration)
         self._moving, self._tolerance, self.most_work = moving, tolerance, most_work
-        self._duration = moving.duration
         self._data = ring_data(moving, tolerance)
         self.decay = 2.0 if self._data.periodic else 3.0
         steepness = self._steepness(self._data.bounds.strain)
@@ -170,8 +162,6 @@ class SpectralEngine:
         self._started = moving.t0
         self._rings: dict[tuple[float, float, bool], RingPlace] = {}
         self._states: dict[tuple[RingPlace, int], FieldRing] = {}
-        self._alike = 0.0
-        self._softened: list[float] = []
         self._soft: NotHyperbolicError | None = None
 
     def first(self) -> Choices:
@@ -214,49 +204,23 @@ class SpectralEngine:
         spread = crest_energy_spread(chain, state, 0)
         return (1.0 + turns) * spread * float(np.max(np.abs(bounds.strain))) / data.moving.eps
 
-    def scout(self) -> Engine:
-        """None: a ring must hold what it holds."""
-        return self
+    def _made_denser(self, choices: Choices) -> bool:
+        self._density = DENSER * self._dense(choices) / choices.finer
+        return True
 
-    def run(self, choices: Choices, shown: bool, progress: Progress) -> Trial:
-        """A run, with more points if the spectrum's tail calls for them.
-
-        A step that is too long lets short waves grow, however densely they are sampled. A lattice
-        on which waves cease to exist is told from it by losing them at the same time with another
-        step, or by its initial data.
-        """
-        kept = self._density
-        while True:
-            dense = replace(choices, density=self._dense(choices), finer=1.0)
-            try:
-                trial = self._run(dense, progress)
-            except SamplingError:
-                self._density = 1.5 * dense.density / choices.finer
-                continue
-            except FloatingPointError as error:
-                if isinstance(error, NotHyperbolicError) and self._by_itself(error, dense.step):
-                    raise
-                if not isinstance(error, NotHyperbolicError):
-                    self._soft = None
-                self._density = kept
-                return Trial(choices, None, self.work(choices), 0.0, 0.0, None)
-            self._soft = None
-            wider = self._outrun(dense, trial.payload.strain)
-            if wider is None:
-                return trial
-            choices = wider
+    def _tell_loss(self, error: RunawayError, step: float) -> None:
+        """Raise it if waves cease to exist by themselves."""
+        self._soft = error if isinstance(error, NotHyperbolicError) else None
+        if self._soft and self._lost_again(error, step):
+            raise error
 
     def varied(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
         """A shorter step, more points, a wider ring with its seam elsewhere.
 
         More than the points that the run really has, where the fewest of a ring make them more.
         """
-        choices = replace(choices, density=self._dense(choices) / choices.finer)
-        if "step" in kinds:
-            step, start = STEP_RATIO * choices.step, STEP_RATIO * choices.start
-            choices = replace(choices, step=step, start=start)
-        if "sampling" in kinds:
-            choices = replace(choices, finer=DENSITY_RATIO * choices.finer)
+        dense = replace(choices, density=self._dense(choices) / choices.finer)
+        choices = super().varied(dense, kinds)
         if "domain" in kinds and not choices.causal:
             weaker = replace(choices, absorber=WEAKER * choices.absorber)
             wider = self._sized(weaker, SIZE_RATIO * choices.size)
@@ -266,9 +230,7 @@ class SpectralEngine:
     def better(self, choices: Choices, kind: Kind, excess: float) -> Choices:
         """By the laws of the method's order and of the ring's size."""
         if kind == "step":
-            factor = max(REACHES[0], 0.9 * excess ** (-1.0 / ORDER))
-            start = factor * choices.start if math.isfinite(excess) else choices.start
-            shorter = replace(choices, step=factor * choices.step, start=start)
+            shorter = self._shorter(choices, excess)
             if shorter.step * self._moving.speed < SHORTEST < self._duration:
                 raise self._soft or StepTooShortError(f"steps below {choices.step:.2g}")
             return shorter
@@ -276,17 +238,11 @@ class SpectralEngine:
             return replace(choices, density=1.4 * self._dense(choices))
         if choices.causal:
             return choices
-        factor = min(REACHES[1], max(1.3, excess ** (1.0 / self.decay)))
+        factor = min(LARGEST_FACTOR, max(1.3, excess ** (1.0 / self.decay)))
         return self._sized(choices, factor * choices.size)
 
-    def taken(self, choices: Choices) -> float:
-        """The step that was chosen."""
-        return choices.step
-
-    def work(self, choices: Choices) -> float:
-        """Evaluations times points times their logarithm."""
-        points = choices.size * self._dense(choices)
-        return self._duration / choices.step * points * math.log2(points + 2.0)
+    def _points(self, choices: Choices) -> float:
+        return choices.size * self._dense(choices)
 
     def _dense(self, choices: Choices) -> float:
         """Points per site that the choices mean, by what is known of the spectrum now."""
@@ -299,25 +255,20 @@ class SpectralEngine:
             return replace(choices, size=limit.circumference, causal=True, absorber=0.0)
         return replace(choices, size=size)
 
-    def _by_itself(self, error: NotHyperbolicError, step: float) -> bool:
-        """Whether waves cease to exist whatever the step: at first, or when they did before."""
-        passed, self._soft = error.t - self._moving.t0, error
-        apart = SOFTENED * passed + WATCH * step
-        alike = [abs(t - passed) <= apart for t in self._softened]
-        self._softened = [*self._softened[-1:], passed]
-        return passed == 0.0 or (passed > 2 * WATCH * step and alike == [True, True])
-
-    def _outrun(self, choices: Choices, met: tuple[float, float]) -> Choices | None:
-        """The choices on a wider causal ring, if the strains met were too fast for this one."""
-        data, constants = self._data, self._moving.constants
-        strain = np.array([*met, *data.bounds.strain])
-        if not choices.causal or constants.highest_frequency(strain) <= 2.0 * data.fastest:
-            return None
+    def _run(self, choices: Choices, progress: Progress) -> Trial:
+        """A run, once more if the strains met were too fast for a causal ring."""
+        trial = self._march(replace(choices, density=self._dense(choices), finer=1.0), progress)
+        self._soft = None
+        data = self._data
+        strain = np.array([*trial.payload.strain, *data.bounds.strain])
+        fastest = self._moving.constants.highest_frequency(strain)
+        if not choices.causal or fastest <= 2.0 * data.fastest:
+            return trial
         self._data = replace(data, bounds=replace(data.bounds, strain=strain))
         self._rings.clear()
-        return self._sized(choices, math.inf)
+        return self._run(self._sized(choices, math.inf), progress)
 
-    def _run(self, choices: Choices, progress: Progress) -> Trial:
+    def _march(self, choices: Choices, progress: Progress) -> Trial:
         moving = self._moving
         loop = begin_loop(f"spectral {choices}")
         state = self._state(choices)
