@@ -41,6 +41,11 @@ def values_of(modes: Complex, last: int, out: Array | None = None) -> Array:
     return values
 
 
+def fast_count(least: float) -> int:
+    """The next larger even number of points that transforms fast."""
+    return 2 * int(ducc0.fft.good_size(math.ceil(least / 2.0), True))
+
+
 @dataclass(frozen=True)
 class FieldRing:
     """Samples of fields ``f`` and velocities ``v`` at time ``t``, shape (fields, *counts).

@@ -5,11 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Collection
 from dataclasses import replace
-from typing import Self
+from typing import Any, Self
 
+from longwave.lattice.spectral.crest_energy import ALIKE, telling_step
 from longwave.lattice.spectral.evolution import WATCH, RunawayError, SamplingError
 from longwave.lattice.spectral.exponential import ORDER
 from longwave.lattice.trial import LEAST_FACTOR, STEP_RATIO, Choices, Kind, Progress, Trial
+
+SCHEME = "exponential_adams"
+"""The one scheme of a ring."""
 
 TAIL_SHARE = 0.1
 """Bound of the spectrum's tail, in units of the tolerance."""
@@ -24,7 +28,7 @@ beginning, and beside what the watch resolves, it is not the step that does it."
 
 
 class RingSearch:
-    """An engine that runs a ring from ``begin`` on, to be judged by `refine`.
+    """An engine that runs a ring from ``begin`` on, in a frame of ``speed``, for `refine` to judge.
 
     A run whose spectrum's tail rises is begun again with more points. A step that is too long lets
     short waves grow, however densely they are sampled: fields that run away by themselves are told
@@ -39,8 +43,9 @@ class RingSearch:
     least_factor = LEAST_FACTOR
     """Least factor on a step from one choice to the next."""
 
-    def __init__(self, begin: float, duration: float) -> None:
-        self._begin, self._duration = begin, duration
+    def __init__(self, begin: float, duration: float, speed: float, tolerance: float) -> None:
+        self._begin, self._duration, self._tolerance = begin, duration, tolerance
+        self._telling = telling_step(speed) if speed else math.inf
         self._density, self._alike = 1.0, 0.0
         self._ran_away: list[float] = []
 
@@ -80,6 +85,15 @@ class RingSearch:
         points = self._points(choices)
         return self._duration / choices.step * points * math.log2(points + 2.0)
 
+    @property
+    def _must_tell(self) -> bool:
+        """Whether the ring's lattices part too far for a step that does not show it."""
+        return self._alike > ALIKE * self._tolerance
+
+    def _unshown(self, choices: Choices) -> float:
+        """By how much the lattices part and steps so long do not show it."""
+        return 0.0 if choices.step <= self._telling else self._alike
+
     def _shorter(self, choices: Choices, excess: float) -> Choices:
         """The step by the law of the order; a start's step keeps its share if that law is known."""
         factor = max(self.least_factor, 0.9 * excess ** (-1.0 / ORDER))
@@ -109,3 +123,20 @@ class RingSearch:
     def _tell_loss(self, error: RunawayError, step: float) -> None:
         """Raise what is to be said of fields that run away whatever the step."""
         raise NotImplementedError
+
+
+def run_facts(
+    trial: Trial, steps: int, evaluations: int, sites: int, blow_up: str
+) -> dict[str, Any]:
+    """What a run's record tells of it."""
+    return {
+        "engine": "spectral",
+        "scheme": SCHEME,
+        "order": ORDER,
+        "steps": steps,
+        "force_evaluations": evaluations,
+        "sites": sites,
+        "step": trial.choices.step,
+        "seconds": trial.seconds,
+        "blow_up": blow_up,
+    }

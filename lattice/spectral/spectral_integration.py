@@ -14,7 +14,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from time import perf_counter
 
-import ducc0  # type: ignore[import-not-found]
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -22,10 +21,10 @@ from longwave.lattice.integration import RING_SAFETY, Cost
 from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.lattice.refine import refine
 from longwave.lattice.run_times import check_positive, checked_times
-from longwave.lattice.spectral.crest_energy import ALIKE, crest_energy_spread, telling_step
+from longwave.lattice.spectral.crest_energy import crest_energy_spread
 from longwave.lattice.spectral.evolution import RunawayError
 from longwave.lattice.spectral.exponential import ORDER
-from longwave.lattice.spectral.field_ring import FieldRing
+from longwave.lattice.spectral.field_ring import FieldRing, fast_count
 from longwave.lattice.spectral.lattice_ring import (
     LatticeRing,
     ring_slopes,
@@ -187,11 +186,10 @@ class FieldSearch(RingSearch):
         unit: float = 1.0,
         at_sites: bool = False,
     ) -> None:
-        super().__init__(state.t, float(times[-1] - state.t))
+        super().__init__(state.t, float(times[-1] - state.t), max(map(abs, speed)), tolerance)
         self.fragile = not lattice.is_linear
         self._lattice, self._state, self._speed = lattice, state, speed
-        self._times, self._tolerance = times, tolerance
-        self._unit, self._at_sites = unit, at_sites
+        self._times, self._unit, self._at_sites = times, unit, at_sites
         largest = float(np.max(np.abs(state.f)))
         least = rounding_error(largest / unit, 100)
         if tolerance < least:
@@ -241,14 +239,9 @@ class FieldSearch(RingSearch):
         if fast and T > 0.0:
             spread = max(crest_energy_spread(self._lattice, ring.start, axis) for axis in fast)
             self._alike = turns * spread * size
-            if self._alike > ALIKE * self._tolerance:
+            if self._must_tell:
                 step = min(step, self._telling)
         return Choices(step, 1.0)
-
-    @property
-    def _telling(self) -> float:
-        fastest = max(map(abs, self._speed))
-        return telling_step(fastest) if fastest else math.inf
 
     def first(self) -> Choices:
         """The state's own sampling, a step of the waves' own scale."""
@@ -331,7 +324,6 @@ class FieldSearch(RingSearch):
             progress((float(t) - self._state.t) / (self._duration or 1.0))
         loop.end(memory)
         values, kept = zip(*rows, strict=True)
-        told = choices.step <= self._telling
         return Trial(
             choices,
             np.array(values),
@@ -339,7 +331,7 @@ class FieldSearch(RingSearch):
             perf_counter() - loop.begun,
             rounding_error(ring.largest / self._unit, ring.integrator.evaluations),
             (ring, kept),
-            alike=0.0 if told else self._alike,
+            alike=self._unshown(choices),
         )
 
     def _kept(self, state: FieldRing) -> Memory:
@@ -349,5 +341,4 @@ class FieldSearch(RingSearch):
 
 def _fast_counts(state: FieldRing, density: float, finer: float = 1.0) -> tuple[int, ...]:
     """The next larger even numbers of points that transform fast, ``finer`` than the fewest too."""
-    halves = [math.ceil(finer * max(density * count, LEAST_POINTS) / 2.0) for count in state.counts]
-    return tuple(2 * int(ducc0.fft.good_size(half, True)) for half in halves)
+    return tuple(fast_count(finer * max(density * n, LEAST_POINTS)) for n in state.counts)

@@ -12,7 +12,6 @@ from collections.abc import Collection
 from dataclasses import replace
 from functools import partial
 
-import ducc0  # type: ignore[import-not-found]
 import numpy as np
 from numpy.typing import NDArray
 
@@ -20,17 +19,15 @@ from longwave.lattice.dynamics import StrainDynamics
 from longwave.lattice.refine import Announce, Refined, refine
 from longwave.lattice.spectral.absorber import ABSORBER_STRENGTH
 from longwave.lattice.spectral.crest_energy import (
-    ALIKE,
     DENSITY,
     crest_energy_spread,
-    telling_step,
 )
 from longwave.lattice.spectral.evolution import (
     NotHyperbolicError,
     RunawayError,
     SpectralRing,
 )
-from longwave.lattice.spectral.field_ring import FieldRing
+from longwave.lattice.spectral.field_ring import FieldRing, fast_count
 from longwave.lattice.spectral.ring_search import TAIL_SHARE, RingSearch
 from longwave.lattice.trial import (
     NUDGE,
@@ -151,8 +148,8 @@ class SpectralEngine(RingSearch):
     """Waves so steep that rounding grows soon are refused."""
 
     def __init__(self, moving: MovingWave, tolerance: float, most_work: float) -> None:
-        super().__init__(moving.t0, moving.duration)
-        self._moving, self._tolerance, self.most_work = moving, tolerance, most_work
+        super().__init__(moving.t0, moving.duration, moving.speed, tolerance)
+        self._moving, self.most_work = moving, most_work
         self._data = ring_data(moving, tolerance)
         self.decay = 2.0 if self._data.periodic else 3.0
         steepness = self._steepness(self._data.bounds.strain)
@@ -172,8 +169,8 @@ class SpectralEngine(RingSearch):
         turning = turning_time(self._moving.constants, state, k)
         step = first_step(c, self._duration, k, turning)
         self._alike = self._apart(self._duration / turning)
-        if self._alike > ALIKE * self._tolerance:
-            step = min(step, telling_step(c))
+        if self._must_tell:
+            step = min(step, self._telling)
             self._refuse_toil(step)
         length = 1.0 / (c * k)
         start = START * length if STARTED * length < self._duration else 0.0
@@ -289,10 +286,8 @@ class SpectralEngine(RingSearch):
         rounding = rounding_error(max(map(abs, strain)) / moving.eps, evaluations)
         rounding += clock_error(values, moving.speed, (moving.t0, moving.end))
         work = evaluations * points * math.log2(points)
-        told = choices.step <= telling_step(moving.speed)
-        alike = 0.0 if told else self._alike
         seconds = time.perf_counter() - loop.begun
-        trial = Trial(choices, values, work, seconds, rounding, cost, alike=alike)
+        trial = Trial(choices, values, work, seconds, rounding, cost, alike=self._unshown(choices))
         if stopped:
             raise StoppedTrial(trial)
         return trial
@@ -344,4 +339,4 @@ def _points(wanted: float) -> int:
     """The next larger number of points that transforms fast."""
     if wanted > MOST_POINTS:
         raise RingTooLargeError(f"a ring of more than {MOST_POINTS} points")
-    return 2 * int(ducc0.fft.good_size(math.ceil(wanted / 2.0), True))
+    return fast_count(wanted)
