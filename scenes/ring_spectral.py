@@ -181,13 +181,8 @@ class SpectralRuns(FieldSearch):
                 if item.dimension in row["seen"]:
                     item.add(t, row["seen"][item.dimension])
             variables |= item.variables()
-        told = run_facts(
-            trial,
-            ring.integrator.steps,
-            ring.integrator.evaluations,
-            math.prod(ring.start.counts),
-            "",
-        )
+        steps, evaluations = ring.integrator.steps, ring.integrator.evaluations
+        told = run_facts(trial, steps, evaluations, math.prod(ring.start.counts), "")
         reach = self.rings.compared.reach
         record = RunRecord(self.scene, reach, self.scene.snapshots, variables, told)
         if self.rings.wave.lattice.conserves_energy:
