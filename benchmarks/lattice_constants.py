@@ -24,7 +24,7 @@ from longwave.lattice.model import Model
 from longwave.lattice.schemes import REDUCED_PHASE_6
 from longwave.lattice.spectral import absorber
 from longwave.lattice.spectral.evolution import SpectralRing
-from longwave.lattice.spectral.ring import RingState
+from longwave.lattice.spectral.field_ring import FieldRing
 
 Array = NDArray[np.float64]
 ROUNDS = 15
@@ -104,10 +104,10 @@ def left_of(wave_number: float, direction: float, **absorbing: float) -> float:
     k = 2.0 * np.pi * np.fft.fftfreq(count, length / count)
     w = 2.0 * np.sin(0.5 * np.abs(k)) * np.sign(k)
     s = np.fft.ifft(-1j * direction * w * modes).real
-    state = RingState(0.0, -0.5 * length, length, np.fft.ifft(modes).real, s)
+    state = FieldRing(0.0, (-0.5 * length,), (length,), np.fft.ifft(modes).real[None], s[None])
     speed = direction * math.cos(0.5 * wave_number) - 1.0
     end = SpectralRing(LINEAR, state, 0.5, **absorbing).at(length / abs(speed))
-    return float(np.max(np.abs(end.y - np.mean(end.y))))
+    return float(np.max(np.abs(end.f - np.mean(end.f))))
 
 
 def print_absorbers() -> None:

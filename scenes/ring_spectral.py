@@ -12,15 +12,14 @@ import math
 from collections.abc import Collection
 from dataclasses import replace
 
-import ducc0  # type: ignore[import-not-found]
 import numpy as np
 from numpy.typing import NDArray
 
 from longwave.lattice.field_state import FieldState
 from longwave.lattice.model import GROWTH
 from longwave.lattice.numeric_lattice import NumericLattice
-from longwave.lattice.spectral.exponential import ORDER
-from longwave.lattice.spectral.field_ring import FieldRing
+from longwave.lattice.spectral.field_ring import FieldRing, fast_count
+from longwave.lattice.spectral.ring_search import run_facts
 from longwave.lattice.spectral.spectral_integration import FieldSearch
 from longwave.lattice.trial import Choices, Kind, Progress, Trial
 from longwave.scenes.recorders import Variables, build_recorders
@@ -41,9 +40,6 @@ from longwave.support.checkpoint import Memory
 from longwave.support.request_limits import ExpectedCost, check_request
 
 Array = NDArray[np.float64]
-
-SCHEME = "exponential_adams"
-"""The one scheme of the engine."""
 
 SECONDS_PER_WORK = 1e-8
 """For a field, per step, point and log2(points)."""
@@ -134,10 +130,10 @@ class SpectralRuns(FieldSearch):
         low, high = self.rings.wave.support(self.times[0])
         if math.isfinite(high - low):
             ends[0] = min(ends[0][0], math.floor(low)), max(ends[0][1], math.ceil(high))
-        counts = [_fast(high + 1 - low) for low, high in ends]
+        counts = [fast_count(high + 1 - low) for low, high in ends]
         firsts = [low for low, _ in ends]
         if wider:
-            counts = [_fast(count + WIDER) for count in counts]
+            counts = [fast_count(count + WIDER) for count in counts]
             firsts = [low - WIDER // 2 for low in firsts]
         return [(low, low + count - 1) for low, count in zip(firsts, counts, strict=True)]
 
@@ -185,17 +181,8 @@ class SpectralRuns(FieldSearch):
                 if item.dimension in row["seen"]:
                     item.add(t, row["seen"][item.dimension])
             variables |= item.variables()
-        told = {
-            "engine": "spectral",
-            "scheme": SCHEME,
-            "order": ORDER,
-            "steps": ring.integrator.steps,
-            "force_evaluations": ring.integrator.evaluations,
-            "sites": math.prod(ring.start.counts),
-            "step": choices.step,
-            "seconds": trial.seconds,
-            "blow_up": "",
-        }
+        steps, evaluations = ring.integrator.steps, ring.integrator.evaluations
+        told = run_facts(trial, steps, evaluations, math.prod(ring.start.counts), "")
         reach = self.rings.compared.reach
         record = RunRecord(self.scene, reach, self.scene.snapshots, variables, told)
         if self.rings.wave.lattice.conserves_energy:
@@ -203,8 +190,3 @@ class SpectralRuns(FieldSearch):
         if not np.all(np.abs(trial.values) <= self._limit):
             return replace(trial, values=None, payload=record)
         return replace(trial, payload=record, around=kept[-1]["around"])
-
-
-def _fast(count: int) -> int:
-    """The next larger even number that transforms fast."""
-    return 2 * int(ducc0.fft.good_size((count + 1) // 2, True))

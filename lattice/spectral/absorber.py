@@ -21,7 +21,7 @@ import ducc0  # type: ignore[import-not-found]
 import numpy as np
 from numpy.typing import NDArray
 
-from longwave.lattice.spectral.ring import RingState, backward, forward
+from longwave.lattice.spectral.field_ring import FieldRing, modes_of, values_of
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -58,7 +58,7 @@ class LeftAbsorber:
 
     def __init__(
         self,
-        state: RingState,
+        state: FieldRing,
         p: Complex,
         w: Array,
         speed: float,
@@ -66,7 +66,7 @@ class LeftAbsorber:
         cutoff: float,
         strength: float = ABSORBER_STRENGTH,
     ) -> None:
-        length, travel = state.circumference, 2.0 * speed * step
+        (length,), travel = state.circumferences, 2.0 * speed * step
         self.every = 0 if travel > FARTHEST * length else max(1, int(OFTEN * length / travel))
         numbers = 2.0 * math.pi / length * np.arange(w.size)
         self._kept = int(np.count_nonzero(numbers < EDGE * cutoff))
@@ -84,7 +84,7 @@ class LeftAbsorber:
 
         The mean, which has no place in p, changes by what is returned.
         """
-        change = forward(self._strain(p) * self._loss)[: self._kept] * self._share
+        change = modes_of(self._strain(p) * self._loss)[: self._kept] * self._share
         p[1, : self._kept] += self._lift * change
         mean = float(change[0].real)
         self.level += mean
@@ -95,7 +95,7 @@ class LeftAbsorber:
         modes = np.zeros(self._count // 2 + 1, dtype=np.complex128)
         modes[1 : self._kept] = (p[1, 1 : self._kept] / self._lift[1:]) * self._share[1:]
         modes[0] = self.level
-        return backward(modes, self._count)
+        return values_of(modes, self._count)
 
 
 class ShortAbsorber:
@@ -107,14 +107,14 @@ class ShortAbsorber:
 
     def __init__(
         self,
-        state: RingState,
+        state: FieldRing,
         w: Array,
         speed: float,
         step: float,
         cutoff: float,
         strength: float = ABSORBER_STRENGTH,
     ) -> None:
-        length, count = state.circumference, state.y.size
+        (length,), (count,) = state.circumferences, state.counts
         numbers = 2.0 * math.pi / length * np.arange(w.size)
         shortest = min(math.pi, float(numbers[-1]))
         travel = speed * step * (1.0 - math.cos(0.5 * shortest)) / length
@@ -132,14 +132,14 @@ class ShortAbsorber:
 
     def absorb(self, p: Complex) -> None:
         """Take off, in place, what is at the seam."""
-        strain = backward(1j * self._inverse * p[0], self._count)
-        p[0] += self._lift * forward(strain * self._loss)
+        strain = values_of(1j * self._inverse * p[0], self._count)
+        p[0] += self._lift * modes_of(strain * self._loss)
 
 
 def _along(profile: Array, travel: float) -> Array:
     """The share of the absorber on the way of length ``travel`` that ends at each point."""
-    modes = forward(profile)
+    modes = modes_of(profile)
     phase = 2j * math.pi * np.arange(modes.size)
     share = np.ones_like(modes)
     share[1:] = np.expm1(phase[1:] * travel) / (phase[1:] * travel) if travel > 0 else 1.0
-    return travel / float(modes[0].real) * backward(modes * share, profile.size)
+    return travel / float(modes[0].real) * values_of(modes * share, profile.size)

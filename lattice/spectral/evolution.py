@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 from longwave.lattice.model import Model
 from longwave.lattice.spectral.absorber import ABSORBER_STRENGTH, LeftAbsorber, ShortAbsorber
 from longwave.lattice.spectral.exponential import ExponentialAdams
-from longwave.lattice.spectral.ring import RingState, backward, forward, spectrum_tail
+from longwave.lattice.spectral.field_ring import FieldRing, modes_of, spectrum_tails, values_of
 from longwave.support.checkpoint import Memory
 from longwave.support.compiled.jit import njit
 
@@ -45,12 +45,20 @@ class SamplingError(ArithmeticError):
     """The spectrum's tail rose above its bound: the ring needs more points."""
 
 
-class NotHyperbolicError(FloatingPointError):
+class RunawayError(FloatingPointError):
+    """The fields grew without bound, or came to where a force does not exist, before ``t``."""
+
+    def __init__(self, t: float, told: str = "") -> None:
+        super().__init__(told or f"blow-up: the fields grew without bound before t = {t:g}")
+        self.t = t
+
+
+class NotHyperbolicError(RunawayError):
     """Waves do not exist about some strain: K2 + 2 K3 y + 3 K4 y^2 <= 0, at time ``t``."""
 
     def __init__(self, t: float, site: float) -> None:
-        super().__init__(f"blow-up: K2 + 2 K3 y + 3 K4 y^2 <= 0 at t = {t:g}, site {round(site)}")
-        self.t = t
+        told = f"blow-up: K2 + 2 K3 y + 3 K4 y^2 <= 0 at t = {t:g}, site {round(site)}"
+        super().__init__(t, told)
 
 
 @njit(cache=True, fastmath={"contract"})
@@ -79,7 +87,7 @@ class SpectralRing:
 
     At first and every ``WATCH`` steps the strain is looked at: NotHyperbolicError is raised when
     waves do not exist about some strain, SamplingError when the spectrum's tail exceeds ``tail``,
-    and FloatingPointError when it exceeds the largest strain there was at first. ``dealias`` drops
+    and RunawayError when it exceeds the largest strain there was at first. ``dealias`` drops
     the modes of the force above half of the highest one (exact for a cubic force); without it the
     tail bounds the aliasing. Left-going waves of numbers below ``absorbed`` are absorbed at the
     seam, and right-going ones of numbers above ``short`` (`ShortAbsorber`), by ``strength``;
@@ -90,7 +98,7 @@ class SpectralRing:
     def __init__(
         self,
         model: Model,
-        state: RingState,
+        state: FieldRing,
         step: float,
         tail: float = math.inf,
         dealias: bool = False,
@@ -99,11 +107,11 @@ class SpectralRing:
         short: float = 0.0,
     ) -> None:
         self._model, self._start, self._bound = model, state, tail
-        count = state.y.size
-        k = 2.0 * math.pi / state.circumference * np.arange(count // 2 + 1)
-        self._amplitude = float(np.max(np.abs(state.y)))
+        (count,), (length,) = state.counts, state.circumferences
+        k = 2.0 * math.pi / length * np.arange(count // 2 + 1)
+        self._amplitude = float(np.max(np.abs(state.f)))
         self.strain = (math.inf, -math.inf)
-        stiffness = float(np.mean(self._sound(state.y, state.t)))
+        stiffness = float(np.mean(self._sound(state.f[0], state.t)))
         self._b = stiffness - model.K2
         self._w = 2.0 * math.sqrt(stiffness) * np.abs(np.sin(k / 2.0))
         self._symbol = -4.0 * np.sin(k / 2.0) ** 2
@@ -116,7 +124,7 @@ class SpectralRing:
         np.divide(0.5, self._w, out=self._inverse, where=~still)
         self._modes = np.empty(k.size, dtype=np.complex128)
         self._values = np.empty(count)
-        y, s = forward(state.y), forward(state.s)
+        y, s = modes_of(state.f[0]), modes_of(state.v[0])
         self._mean, self._drift = float(y[0].real), float(s[0].real)
         p = np.stack([s - 1j * self._w * y, s + 1j * self._w * y])
         p[:, still] = y[still], s[still]
@@ -134,7 +142,7 @@ class SpectralRing:
             turning = np.where(still, 0.0, self._w)
             self._short = ShortAbsorber(state, turning, speed, step, short, strength)
 
-    def at(self, t: float, pause: Callable[[], None] = lambda: None) -> RingState:
+    def at(self, t: float, pause: Callable[[], None] = lambda: None) -> FieldRing:
         """The ring at time ``t``, which must not lie before the last one; its points move at c.
 
         ``pause`` is called on the way wherever the tail was looked at.
@@ -164,15 +172,17 @@ class SpectralRing:
             self._absorber.level = memory["level"]
         self.integrator.recall(memory["integrator"])
 
-    def _state(self, p: Complex, t: float) -> RingState:
+    def _state(self, p: Complex, t: float) -> FieldRing:
         start = self._start
-        y = backward(self._strain(p), start.y.size)
+        y = values_of(self._strain(p), self._values.size)
         velocity = 0.5 * (p[0] + p[1])
         velocity[self._still] = p[1, self._still]
         velocity[0] = self._drift
-        s = backward(velocity, start.y.size)
-        left = start.left + self._model.sound_speed() * (t - start.t)
-        return RingState(t, left, start.circumference, y, s)
+        s = values_of(velocity, self._values.size)
+        return FieldRing(t, (self._left(t),), start.circumferences, y[None], s[None])
+
+    def _left(self, t: float) -> float:
+        return self._start.left[0] + self._model.sound_speed() * (t - self._start.t)
 
     def _absorb(self) -> None:
         absorber = self._absorber
@@ -183,10 +193,10 @@ class SpectralRing:
 
     def _watch(self, p: Complex, t: float) -> None:
         modes = self._strain(p)
-        tail = spectrum_tail(modes)
-        self._sound(backward(modes, self._values.size, self._values), t)
+        tail = spectrum_tails(modes[None], self._start.counts)
+        self._sound(values_of(modes, self._values.size, self._values), t)
         if not tail <= self._amplitude:
-            raise FloatingPointError(f"blow-up: the strain grew without bound before t = {t:g}")
+            raise RunawayError(t)
         if tail > self._bound:
             raise SamplingError(f"the spectrum's tail is {tail:.2g} at t = {t:g}")
 
@@ -198,9 +208,8 @@ class SpectralRing:
         self.strain = min(least, float(np.min(y))), max(most, float(np.max(y)))
         worst = int(np.argmin(stiffness))
         if stiffness[worst] <= 0:
-            start = self._start
-            left = start.left + self._model.sound_speed() * (t - start.t)
-            raise NotHyperbolicError(t, left + worst * start.circumference / y.size)
+            length = self._start.circumferences[0]
+            raise NotHyperbolicError(t, self._left(t) + worst * length / y.size)
         return stiffness
 
     def _strain(self, p: Complex) -> Complex:
@@ -211,9 +220,9 @@ class SpectralRing:
         return self._modes
 
     def _nonlinearity(self, p: Complex) -> Complex:
-        y = backward(self._strain(p), self._values.size, self._values)
+        y = values_of(self._strain(p), self._values.size, self._values)
         _residual_force(y, self._b, self._model.K3, self._model.K4)
-        force = forward(y)
+        force = modes_of(y)
         _bend(force, self._symbol)
         force[0] = 1.0
         return force

@@ -14,27 +14,36 @@ import ducc0  # type: ignore[import-not-found]
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from longwave.lattice.spectral.ring import TAIL
-
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
+
+TAIL = 8
+"""The spectrum's tail is its last 1/TAIL."""
 
 INTERPOLATION = 1e-13
 """Relative accuracy of the interpolation, in units of the coefficients' root mean square sum."""
 
 
 def modes_of(values: Array) -> Complex:
-    """Fourier coefficients over all axes but the first; of the last axis those of k >= 0."""
-    axes = tuple(range(1, values.ndim))
+    """Fourier coefficients over all axes but that of fields; of the last axis those of k >= 0.
+
+    The first axis is that of fields, if there is another.
+    """
+    axes = tuple(range(min(1, values.ndim - 1), values.ndim))
     modes: Complex = ducc0.fft.r2c(values, axes=axes, inorm=2, nthreads=1)
     return modes
 
 
 def values_of(modes: Complex, last: int, out: Array | None = None) -> Array:
     """The real functions with these coefficients, ``last`` points along the last axis."""
-    axes = tuple(range(1, modes.ndim))
+    axes = tuple(range(min(1, modes.ndim - 1), modes.ndim))
     values: Array = ducc0.fft.c2r(modes, axes=axes, lastsize=last, forward=False, out=out)
     return values
+
+
+def fast_count(least: float) -> int:
+    """The next larger even number of points that transforms fast."""
+    return 2 * int(ducc0.fft.good_size(math.ceil(least / 2.0), True))
 
 
 @dataclass(frozen=True)

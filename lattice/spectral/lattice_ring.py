@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from longwave.lattice.force_program import ForceProgram
 from longwave.lattice.numeric_lattice import NumericBond, NumericLattice
-from longwave.lattice.spectral.evolution import WATCH, SamplingError
+from longwave.lattice.spectral.evolution import WATCH, RunawayError, SamplingError
 from longwave.lattice.spectral.exponential import ExponentialAdams
 from longwave.lattice.spectral.field_ring import FieldRing, modes_of, spectrum_tails, values_of
 from longwave.lattice.spectral.normal_modes import multipliers, normal_modes
@@ -87,14 +87,6 @@ def _residual(x: Array, offset: float, force: ForceProgram, slope: float) -> Non
             x[...] = force(x + offset) - slope * x
         return
     _polynomial_residual(x.reshape(-1), offset, np.array(force.coefficients), slope)
-
-
-class RunawayError(FloatingPointError):
-    """The fields grew without bound, or came to where a force does not exist, before ``t``."""
-
-    def __init__(self, t: float) -> None:
-        super().__init__(f"blow-up: the fields grew without bound before t = {t:g}")
-        self.t = t
 
 
 class LatticeRing:

@@ -10,11 +10,10 @@ has a point for each site of its one lattice is that lattice, and needs no more 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from time import perf_counter
 
-import ducc0  # type: ignore[import-not-found]
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -23,22 +22,18 @@ from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.lattice.refine import refine
 from longwave.lattice.run_times import check_positive, checked_times
 from longwave.lattice.spectral.crest_energy import crest_energy_spread
-from longwave.lattice.spectral.evolution import WATCH, SamplingError
+from longwave.lattice.spectral.evolution import RunawayError
 from longwave.lattice.spectral.exponential import ORDER
-from longwave.lattice.spectral.field_ring import FieldRing
+from longwave.lattice.spectral.field_ring import FieldRing, fast_count
 from longwave.lattice.spectral.lattice_ring import (
     LatticeRing,
-    RunawayError,
     ring_slopes,
     ring_stretches,
     whole,
 )
-from longwave.lattice.spectral.ring import ALIKE, telling_step
+from longwave.lattice.spectral.ring_search import TAIL_SHARE, RingSearch
 from longwave.lattice.trial import (
-    LEAST_FACTOR,
-    STEP_RATIO,
     Choices,
-    Engine,
     Kind,
     Progress,
     Trial,
@@ -50,14 +45,8 @@ from longwave.support.checkpoint import Memory, begin_loop
 Array = NDArray[np.float64]
 Judged = Callable[[FieldRing], Array]
 
-TAIL_SHARE = 0.1
-"""Bound of the spectrum's tail, in units of the tolerance."""
-
 ROUNDED_TAIL = 2.0**-46
 """A tail below so much of the fields is rounding, which more points do not lower."""
-
-DENSITY_RATIO = 1.25
-"""Points of a control run, in units of those of the run before it."""
 
 DENSER = 1.4
 """Points with which a run is begun again whose spectrum's tail rose, or whose control tells so."""
@@ -67,11 +56,6 @@ LEAST_POINTS = 8
 
 MOST_POINTS = 2**22
 """Points on the largest ring; a run takes some 500 bytes a point and field."""
-
-
-RUN_AWAY = 0.01
-"""If the times at which three runs lose the fields differ less, in units of the time since the
-beginning, and beside what the watch resolves, it is not the step that does it."""
 
 
 @dataclass(frozen=True)
@@ -179,19 +163,16 @@ def _frame(lattice: NumericLattice, speed: float | tuple[float, ...]) -> tuple[f
     return found
 
 
-class FieldSearch:
-    """Runs of a ring of fields from a state, for `refine` to judge.
+class FieldSearch(RingSearch):
+    """Runs of a ring of fields from a state, for `refine` to judge; their payload the states.
 
     What is judged is in so many ``unit`` of the fields. It is ``at_sites`` if it stands at the
     sites of one lattice alone, each of which is a point of the state.
     """
 
     kinds: tuple[Kind, ...] = ("step", "sampling")
-    threads = 1
-    order = ORDER
     decay = math.inf
     safety = RING_SAFETY
-    unstable = 10
     most_work = math.inf
 
     def __init__(
@@ -205,11 +186,10 @@ class FieldSearch:
         unit: float = 1.0,
         at_sites: bool = False,
     ) -> None:
+        super().__init__(state.t, float(times[-1] - state.t), max(map(abs, speed)), tolerance)
         self.fragile = not lattice.is_linear
         self._lattice, self._state, self._speed = lattice, state, speed
-        self._times, self._tolerance = times, tolerance
-        self._duration = float(times[-1] - state.t)
-        self._unit, self._at_sites = unit, at_sites
+        self._times, self._unit, self._at_sites = times, unit, at_sites
         largest = float(np.max(np.abs(state.f)))
         least = rounding_error(largest / unit, 100)
         if tolerance < least:
@@ -225,7 +205,6 @@ class FieldSearch:
         )
         self._density, self._crowded = self._first_density(), False
         self._dense_state: dict[tuple[float, tuple[int, ...]], FieldRing] = {}
-        self._alike, self._ran_away = 0.0, list[float]()
         self._first = self._first_choices()
 
     def _first_density(self) -> float:
@@ -260,73 +239,33 @@ class FieldSearch:
         if fast and T > 0.0:
             spread = max(crest_energy_spread(self._lattice, ring.start, axis) for axis in fast)
             self._alike = turns * spread * size
-            if self._alike > ALIKE * self._tolerance:
+            if self._must_tell:
                 step = min(step, self._telling)
         return Choices(step, 1.0)
-
-    @property
-    def _telling(self) -> float:
-        fastest = max(map(abs, self._speed))
-        return telling_step(fastest) if fastest else math.inf
 
     def first(self) -> Choices:
         """The state's own sampling, a step of the waves' own scale."""
         return self._first
 
-    def scout(self) -> Engine:
-        """Itself: a ring must hold what it holds."""
-        return self
+    def _made_denser(self, choices: Choices) -> bool:
+        self._density *= DENSER
+        self._crowded = not self._at_sites and self._points(choices) > MOST_POINTS
+        return not self._crowded
 
-    def run(self, choices: Choices, shown: bool, progress: Progress = lambda _: None) -> Trial:
-        """A run, with more points if the spectrum's tail calls for them; its payload the states."""
-        kept = self._density
-        while True:
-            try:
-                return self._run(choices, progress)
-            except SamplingError:
-                self._density *= DENSER
-                if not self._at_sites and math.prod(self._counts(choices)) > MOST_POINTS:
-                    self._crowded = True
-                    break
-            except RunawayError as error:
-                self._crowded = False
-                self._look_at(error.t - self._state.t, choices.step)
-                break
-        self._density = kept
-        return Trial(choices, None, self.work(choices), 0.0, 0.0, None)
-
-    def _look_at(self, passed: float, step: float) -> None:
-        """Raise ValueError if the fields run away at the same time whatever the step."""
-        apart = RUN_AWAY * passed + WATCH * step
-        alike = [abs(t - passed) <= apart for t in self._ran_away]
-        self._ran_away = [*self._ran_away[-1:], passed]
-        if passed > 2 * WATCH * step and alike == [True, True]:
+    def _tell_loss(self, error: RunawayError, step: float) -> None:
+        self._crowded = False
+        if self._lost_again(error, step):
             raise ValueError(self.refusal(float(self._times[-1])))
 
-    def varied(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
-        """A shorter step, more points."""
-        if "step" in kinds:
-            choices = replace(choices, step=STEP_RATIO * choices.step)
-        if "sampling" in kinds:
-            choices = replace(choices, finer=DENSITY_RATIO * choices.finer)
-        return choices
+    def _points(self, choices: Choices) -> float:
+        return math.prod(self._counts(choices))
 
     def better(self, choices: Choices, kind: Kind, excess: float) -> Choices:
         """By the law of the order, or more points."""
         if kind == "sampling":
             density = choices.density if self._is_whole(choices) else DENSER * choices.density
             return replace(choices, density=density)
-        factor = max(LEAST_FACTOR, 0.9 * excess ** (-1.0 / ORDER))
-        return replace(choices, step=factor * choices.step)
-
-    def taken(self, choices: Choices) -> float:
-        """The step that was chosen."""
-        return choices.step
-
-    def work(self, choices: Choices) -> float:
-        """Steps times points times their logarithm."""
-        points = math.prod(self._counts(choices))
-        return self._duration / choices.step * points * math.log2(points + 2.0)
+        return self._shorter(choices, excess)
 
     def refusal(self, end: float) -> str:
         """Why no run came to its end."""
@@ -385,7 +324,6 @@ class FieldSearch:
             progress((float(t) - self._state.t) / (self._duration or 1.0))
         loop.end(memory)
         values, kept = zip(*rows, strict=True)
-        told = choices.step <= self._telling
         return Trial(
             choices,
             np.array(values),
@@ -393,7 +331,7 @@ class FieldSearch:
             perf_counter() - loop.begun,
             rounding_error(ring.largest / self._unit, ring.integrator.evaluations),
             (ring, kept),
-            alike=0.0 if told else self._alike,
+            alike=self._unshown(choices),
         )
 
     def _kept(self, state: FieldRing) -> Memory:
@@ -403,5 +341,4 @@ class FieldSearch:
 
 def _fast_counts(state: FieldRing, density: float, finer: float = 1.0) -> tuple[int, ...]:
     """The next larger even numbers of points that transform fast, ``finer`` than the fewest too."""
-    halves = [math.ceil(finer * max(density * count, LEAST_POINTS) / 2.0) for count in state.counts]
-    return tuple(2 * int(ducc0.fft.good_size(half, True)) for half in halves)
+    return tuple(fast_count(finer * max(density * n, LEAST_POINTS)) for n in state.counts)

@@ -20,10 +20,10 @@ from longwave.support.checkpoint import Loop, Memory
 
 if TYPE_CHECKING:
     from longwave.lattice.spectral.evolution import SpectralRing
-    from longwave.lattice.spectral.ring import RingState
+    from longwave.lattice.spectral.field_ring import FieldRing
 
 Array = NDArray[np.float64]
-MakeRing: TypeAlias = "Callable[[RingState, float], SpectralRing]"
+MakeRing: TypeAlias = "Callable[[FieldRing, float], SpectralRing]"
 """A ring from its state, with a step."""
 
 
@@ -56,7 +56,7 @@ class RingMarch:
     """Takes a wave from ``state`` through its ``phases``; ``rows`` are its y/eps at their times."""
 
     def __init__(
-        self, moving: MovingWave, state: RingState, phases: Sequence[MarchPhase], make: MakeRing
+        self, moving: MovingWave, state: FieldRing, phases: Sequence[MarchPhase], make: MakeRing
     ) -> None:
         self.rows: list[Array] = []
         self._moving, self._state, self._phases, self._make = moving, state, phases, make
@@ -89,7 +89,7 @@ class RingMarch:
                 self._ring = self._make(self._state, phase.step)
             for t in phase.times[len(self.rows) - self._before[self._place] :]:
                 sites = moving.compared_sites(t)
-                self.rows.append(self._ring.at(t, pause).strain(sites) / moving.eps)
+                self.rows.append(self._ring.at(t, pause).at(sites)[0] / moving.eps)
                 progress((t - begin) / duration if duration > 0 else 1.0)
             for following in self._phases[self._place + 1 : self._place + 2]:
                 self._state = self._ring.at(following.start, pause)

@@ -16,7 +16,7 @@ from longwave.lattice.seam import (
     negate_at_seam,
     rest_at_seam,
 )
-from longwave.lattice.spectral.ring import RingState, backward, forward
+from longwave.lattice.spectral.field_ring import FieldRing, modes_of, values_of
 from longwave.scenes.chain.domain import front, seam_room
 from longwave.scenes.chain.moving_wave import MovingWave, WaveBounds, find_bounds
 
@@ -148,7 +148,7 @@ class RingData:
         strain = np.concatenate([self._strain(x), self.bounds.strain])
         return self.moving.constants.highest_frequency(strain) / 2.0
 
-    def state(self, ring: RingPlace, points: int) -> RingState:
+    def state(self, ring: RingPlace, points: int) -> FieldRing:
         """The ring at t0, blended at its seam, without mean velocity."""
         length = ring.circumference
         x = length * (np.arange(points) / points - 0.5)
@@ -160,10 +160,11 @@ class RingData:
                 - ring.ahead
             )
             y, s = negate_at_seam(lambda x: self._data(x + ring.ahead), length, crest, x)
-            return RingState(self.moving.t0, left, length, y, s)
-        width = self.seam(length) / BLEND_REACH
-        y, s = blend_seam(lambda x: self._data(x + ring.ahead), length, width, x)
-        return RingState(self.moving.t0, left, length, y, rest_at_seam(s, length, width, x))
+        else:
+            width = self.seam(length) / BLEND_REACH
+            y, s = blend_seam(lambda x: self._data(x + ring.ahead), length, width, x)
+            s = rest_at_seam(s, length, width, x)
+        return FieldRing(self.moving.t0, (left,), (length,), y[None], s[None])
 
     def seam(self, circumference: float) -> float:
         """The data within this distance of the seam are not the wave's."""
@@ -232,32 +233,32 @@ def first_step(speed: float, duration: float, k: float, turning: float) -> float
     return min(longest, turning, 24.0 / (speed * k**3))
 
 
-def turning_time(constants: Model, state: RingState, k: float) -> float:
+def turning_time(constants: Model, state: FieldRing, k: float) -> float:
     """The time in which the nonlinear part turns the phase of a wave of number ``k`` by one.
 
     About a strain y it runs ahead of the mean by (V''(y) - mean)/(2 c) k.
     """
-    stiffness = constants.stiffness(state.y)
+    stiffness = constants.stiffness(state.f)
     spread = float(np.max(np.abs(stiffness - np.mean(stiffness))))
     if spread == 0.0:
         return math.inf
     return 2.0 * constants.sound_speed() / (spread * k)
 
 
-def typical_number(state: RingState) -> float:
+def typical_number(state: FieldRing) -> float:
     """The root mean square wave number of the strain's spectrum, its mean apart, or of its flank.
 
     The spectrum of a kink is that of its far fields, so the steepest slope counts as well, in units
     of the largest strain.
     """
-    modes = forward(state.y)
-    k = 2.0 * math.pi / state.circumference * np.arange(modes.size)
+    modes = modes_of(state.f[0])
+    k = 2.0 * math.pi / state.circumferences[0] * np.arange(modes.size)
     power = np.abs(modes[1:]) ** 2
     total = float(np.sum(power))
     if total == 0.0:
         return float(k[1])
     modes[0] = 0.0
-    strain, slope = (backward(part, state.y.size) for part in (modes, 1j * k * modes))
+    strain, slope = (values_of(part, state.counts[-1]) for part in (modes, 1j * k * modes))
     flank = float(np.max(np.abs(slope)) / np.max(np.abs(strain)))
     return max(flank, math.sqrt(float(np.sum(power * k[1:] ** 2)) / total))
 

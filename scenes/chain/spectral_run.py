@@ -13,8 +13,9 @@ import numpy as np
 
 from longwave.lattice.model import empty_state, find_blow_up
 from longwave.lattice.refine import Announce, Refined, StoppedSearch
+from longwave.lattice.spectral.crest_energy import ALIKE, telling_step
 from longwave.lattice.spectral.exponential import ORDER
-from longwave.lattice.spectral.ring import ALIKE, telling_step
+from longwave.lattice.spectral.ring_search import run_facts
 from longwave.lattice.trial import Progress, Trial
 from longwave.scenes.chain.moving_wave import MovingWave
 from longwave.scenes.chain.spectral_data import (
@@ -117,10 +118,6 @@ def _circumferences(data: RingData, tolerance: float, peak: float, turns: float)
     return [min(length, data.causal.circumference) for length in tried]
 
 
-SCHEME = "exponential_adams"
-"""The one scheme of the spectral engine."""
-
-
 def run_spectral(
     scene: Scene, site_by_site: float, progress: Progress, announce: Announce
 ) -> tuple[RunRecord, Refined]:
@@ -199,17 +196,9 @@ def _recorded(
         for item in recorders:
             if item.moments.due(t):
                 item.see(view)
-    told = {
-        "engine": "spectral",
-        "scheme": SCHEME,
-        "order": ORDER,
-        "steps": cost.steps,
-        "force_evaluations": cost.evaluations,
-        "sites": cost.points,
-        "circumference": cost.circumference,
-        "step": trial.choices.step,
-        "seconds": trial.seconds,
-        "blow_up": "" if fault is None else str(fault),
-    }
+    told = run_facts(
+        trial, cost.steps, cost.evaluations, cost.points, "" if fault is None else str(fault)
+    )
+    told["circumference"] = cost.circumference
     variables = {name: value for item in recorders for name, value in item.variables().items()}
     return RunRecord(scene, (scene.compared,), reached, variables, told)

@@ -12,24 +12,26 @@ from collections.abc import Collection
 from dataclasses import replace
 from functools import partial
 
-import ducc0  # type: ignore[import-not-found]
 import numpy as np
 from numpy.typing import NDArray
 
+from longwave.lattice.dynamics import StrainDynamics
 from longwave.lattice.refine import Announce, Refined, refine
 from longwave.lattice.spectral.absorber import ABSORBER_STRENGTH
+from longwave.lattice.spectral.crest_energy import (
+    DENSITY,
+    crest_energy_spread,
+)
 from longwave.lattice.spectral.evolution import (
-    WATCH,
     NotHyperbolicError,
-    SamplingError,
+    RunawayError,
     SpectralRing,
 )
-from longwave.lattice.spectral.exponential import ORDER
-from longwave.lattice.spectral.ring import ALIKE, DENSITY, RingState, energy_spread, telling_step
+from longwave.lattice.spectral.field_ring import FieldRing, fast_count
+from longwave.lattice.spectral.ring_search import TAIL_SHARE, RingSearch
 from longwave.lattice.trial import (
     NUDGE,
     Choices,
-    Engine,
     Kind,
     Progress,
     StoppedTrial,
@@ -52,10 +54,9 @@ from longwave.support.checkpoint import begin_loop
 
 Array = NDArray[np.float64]
 
-STEP_RATIO, DENSITY_RATIO, SIZE_RATIO = 0.6, 1.25, 1.5
-"""Step, density and circumference of a control run, in units of those of the run before it. Where
-the control's ring would be causal, so is the first; a kink's always is. With 1.15 for the density,
-two samplings about two points a site agreed on an error above their estimate."""
+SIZE_RATIO = 1.5
+"""Circumference of a control run, in units of that of the run before it. Where the control's ring
+would be causal, so is the first; a kink's always is."""
 
 SHIFT = 0.07
 """By how much its middle moves, in circumferences."""
@@ -63,15 +64,11 @@ SHIFT = 0.07
 WEAKER = 0.5
 """Strength of its absorber, in units of that of the run before it."""
 
-REACHES = (0.3, 3.0)
-"""Least factor on a step, and largest factor on a size, from one choice to the next."""
+LARGEST_FACTOR = 3.0
+"""Largest factor on a size, from one choice to the next."""
 
-TAIL_SHARE = 0.1
-"""Bound of the spectrum's tail, in units of the tolerance."""
-
-SOFTENED = 0.01
-"""If the times at which waves cease to exist in three runs differ less, in units of the time since
-the beginning, and beside what the watch resolves, it is not the step that does it."""
+DENSER = 1.5
+"""Points with which a run is begun again whose spectrum's tail rose."""
 
 STARTED = 15.0
 """A start ends when sound has gone so many times 1/k, k the data's typical wave number."""
@@ -138,22 +135,21 @@ def solve_on_rings(
     return found
 
 
-class SpectralEngine:
+class SpectralEngine(RingSearch):
     """Runs of a wave on rings, its initial data kept."""
 
     kinds: tuple[Kind, ...] = ("step", "sampling", "domain")
-    threads = 1
     safety = 4.0
     """What still comes round the ring was measured to fall as slowly as L^-1/2; what long steps
     average away, as step^1/2."""
-    order = ORDER
-    unstable = 10
+    step_ratio = 0.6
+    least_factor = 0.3
     fragile = False
     """Waves so steep that rounding grows soon are refused."""
 
     def __init__(self, moving: MovingWave, tolerance: float, most_work: float) -> None:
-        self._moving, self._tolerance, self.most_work = moving, tolerance, most_work
-        self._duration = moving.duration
+        super().__init__(moving.t0, moving.duration, moving.speed, tolerance)
+        self._moving, self.most_work = moving, most_work
         self._data = ring_data(moving, tolerance)
         self.decay = 2.0 if self._data.periodic else 3.0
         steepness = self._steepness(self._data.bounds.strain)
@@ -162,9 +158,7 @@ class SpectralEngine:
         self._density = first_density(moving)
         self._started = moving.t0
         self._rings: dict[tuple[float, float, bool], RingPlace] = {}
-        self._states: dict[tuple[RingPlace, int], RingState] = {}
-        self._alike = 0.0
-        self._softened: list[float] = []
+        self._states: dict[tuple[RingPlace, int], FieldRing] = {}
         self._soft: NotHyperbolicError | None = None
 
     def first(self) -> Choices:
@@ -175,8 +169,8 @@ class SpectralEngine:
         turning = turning_time(self._moving.constants, state, k)
         step = first_step(c, self._duration, k, turning)
         self._alike = self._apart(self._duration / turning)
-        if self._alike > ALIKE * self._tolerance:
-            step = min(step, telling_step(c))
+        if self._must_tell:
+            step = min(step, self._telling)
             self._refuse_toil(step)
         length = 1.0 / (c * k)
         start = START * length if STARTED * length < self._duration else 0.0
@@ -197,58 +191,33 @@ class SpectralEngine:
         return self._moving.wave.numbers.a * float(np.max(np.abs(strain)))
 
     def _apart(self, turns: float) -> float:
-        """Bound of y/eps by which the ring's lattices part in time (`sublattices.py`)."""
+        """Bound of y/eps by which the ring's lattices part in time (`crest_energy.py`)."""
         data, bounds = self._data, self._data.bounds
         if self._steepness(bounds.strain) <= SLENDER:
             return 0.0
         ring = data.ring(data.smallest)
         state = data.state(ring, _points(DENSITY * ring.circumference))
-        spread = energy_spread(data.moving.constants, state, data.seam(ring.circumference))
+        chain = StrainDynamics(data.moving.constants).lattice
+        spread = crest_energy_spread(chain, state, 0)
         return (1.0 + turns) * spread * float(np.max(np.abs(bounds.strain))) / data.moving.eps
 
-    def scout(self) -> Engine:
-        """None: a ring must hold what it holds."""
-        return self
+    def _made_denser(self, choices: Choices) -> bool:
+        self._density = DENSER * self._dense(choices) / choices.finer
+        return True
 
-    def run(self, choices: Choices, shown: bool, progress: Progress) -> Trial:
-        """A run, with more points if the spectrum's tail calls for them.
-
-        A step that is too long lets short waves grow, however densely they are sampled. A lattice
-        on which waves cease to exist is told from it by losing them at the same time with another
-        step, or by its initial data.
-        """
-        kept = self._density
-        while True:
-            dense = replace(choices, density=self._dense(choices), finer=1.0)
-            try:
-                trial = self._run(dense, progress)
-            except SamplingError:
-                self._density = 1.5 * dense.density / choices.finer
-                continue
-            except FloatingPointError as error:
-                if isinstance(error, NotHyperbolicError) and self._by_itself(error, dense.step):
-                    raise
-                if not isinstance(error, NotHyperbolicError):
-                    self._soft = None
-                self._density = kept
-                return Trial(choices, None, self.work(choices), 0.0, 0.0, None)
-            self._soft = None
-            wider = self._outrun(dense, trial.payload.strain)
-            if wider is None:
-                return trial
-            choices = wider
+    def _tell_loss(self, error: RunawayError, step: float) -> None:
+        """Raise it if waves cease to exist by themselves."""
+        self._soft = error if isinstance(error, NotHyperbolicError) else None
+        if self._soft and self._lost_again(error, step):
+            raise error
 
     def varied(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
         """A shorter step, more points, a wider ring with its seam elsewhere.
 
         More than the points that the run really has, where the fewest of a ring make them more.
         """
-        choices = replace(choices, density=self._dense(choices) / choices.finer)
-        if "step" in kinds:
-            step, start = STEP_RATIO * choices.step, STEP_RATIO * choices.start
-            choices = replace(choices, step=step, start=start)
-        if "sampling" in kinds:
-            choices = replace(choices, finer=DENSITY_RATIO * choices.finer)
+        dense = replace(choices, density=self._dense(choices) / choices.finer)
+        choices = super().varied(dense, kinds)
         if "domain" in kinds and not choices.causal:
             weaker = replace(choices, absorber=WEAKER * choices.absorber)
             wider = self._sized(weaker, SIZE_RATIO * choices.size)
@@ -258,9 +227,7 @@ class SpectralEngine:
     def better(self, choices: Choices, kind: Kind, excess: float) -> Choices:
         """By the laws of the method's order and of the ring's size."""
         if kind == "step":
-            factor = max(REACHES[0], 0.9 * excess ** (-1.0 / ORDER))
-            start = factor * choices.start if math.isfinite(excess) else choices.start
-            shorter = replace(choices, step=factor * choices.step, start=start)
+            shorter = self._shorter(choices, excess)
             if shorter.step * self._moving.speed < SHORTEST < self._duration:
                 raise self._soft or StepTooShortError(f"steps below {choices.step:.2g}")
             return shorter
@@ -268,17 +235,11 @@ class SpectralEngine:
             return replace(choices, density=1.4 * self._dense(choices))
         if choices.causal:
             return choices
-        factor = min(REACHES[1], max(1.3, excess ** (1.0 / self.decay)))
+        factor = min(LARGEST_FACTOR, max(1.3, excess ** (1.0 / self.decay)))
         return self._sized(choices, factor * choices.size)
 
-    def taken(self, choices: Choices) -> float:
-        """The step that was chosen."""
-        return choices.step
-
-    def work(self, choices: Choices) -> float:
-        """Evaluations times points times their logarithm."""
-        points = choices.size * self._dense(choices)
-        return self._duration / choices.step * points * math.log2(points + 2.0)
+    def _points(self, choices: Choices) -> float:
+        return choices.size * self._dense(choices)
 
     def _dense(self, choices: Choices) -> float:
         """Points per site that the choices mean, by what is known of the spectrum now."""
@@ -291,30 +252,25 @@ class SpectralEngine:
             return replace(choices, size=limit.circumference, causal=True, absorber=0.0)
         return replace(choices, size=size)
 
-    def _by_itself(self, error: NotHyperbolicError, step: float) -> bool:
-        """Whether waves cease to exist whatever the step: at first, or when they did before."""
-        passed, self._soft = error.t - self._moving.t0, error
-        apart = SOFTENED * passed + WATCH * step
-        alike = [abs(t - passed) <= apart for t in self._softened]
-        self._softened = [*self._softened[-1:], passed]
-        return passed == 0.0 or (passed > 2 * WATCH * step and alike == [True, True])
-
-    def _outrun(self, choices: Choices, met: tuple[float, float]) -> Choices | None:
-        """The choices on a wider causal ring, if the strains met were too fast for this one."""
-        data, constants = self._data, self._moving.constants
-        strain = np.array([*met, *data.bounds.strain])
-        if not choices.causal or constants.highest_frequency(strain) <= 2.0 * data.fastest:
-            return None
+    def _run(self, choices: Choices, progress: Progress) -> Trial:
+        """A run, once more if the strains met were too fast for a causal ring."""
+        trial = self._march(replace(choices, density=self._dense(choices), finer=1.0), progress)
+        self._soft = None
+        data = self._data
+        strain = np.array([*trial.payload.strain, *data.bounds.strain])
+        fastest = self._moving.constants.highest_frequency(strain)
+        if not choices.causal or fastest <= 2.0 * data.fastest:
+            return trial
         self._data = replace(data, bounds=replace(data.bounds, strain=strain))
         self._rings.clear()
-        return self._sized(choices, math.inf)
+        return self._run(self._sized(choices, math.inf), progress)
 
-    def _run(self, choices: Choices, progress: Progress) -> Trial:
+    def _march(self, choices: Choices, progress: Progress) -> Trial:
         moving = self._moving
         loop = begin_loop(f"spectral {choices}")
         state = self._state(choices)
         if choices.nudged:
-            state = replace(state, y=(1.0 + NUDGE) * state.y)
+            state = replace(state, f=(1.0 + NUDGE) * state.f)
         march = RingMarch(moving, state, self._phases(choices), self._maker(choices, state))
         stopped = False
         try:
@@ -325,24 +281,22 @@ class SpectralEngine:
             stopped = True
         values = np.array(march.rows)
         strain, steps, evaluations = march.tally
-        points = state.y.size
-        cost = SpectralCost(steps, points, evaluations, state.circumference, strain)
+        points = state.f.size
+        cost = SpectralCost(steps, points, evaluations, state.circumferences[0], strain)
         rounding = rounding_error(max(map(abs, strain)) / moving.eps, evaluations)
         rounding += clock_error(values, moving.speed, (moving.t0, moving.end))
         work = evaluations * points * math.log2(points)
-        told = choices.step <= telling_step(moving.speed)
-        alike = 0.0 if told else self._alike
         seconds = time.perf_counter() - loop.begun
-        trial = Trial(choices, values, work, seconds, rounding, cost, alike=alike)
+        trial = Trial(choices, values, work, seconds, rounding, cost, alike=self._unshown(choices))
         if stopped:
             raise StoppedTrial(trial)
         return trial
 
-    def _maker(self, choices: Choices, state: RingState) -> MakeRing:
+    def _maker(self, choices: Choices, state: FieldRing) -> MakeRing:
         """What makes the rings of a run that begins with that state."""
         cutoff = short = 0.0
         if choices.absorber:
-            cutoff, short = self._data.absorbed, self._data.short(state.circumference)
+            cutoff, short = self._data.absorbed, self._data.short(*state.circumferences)
         return partial(
             SpectralRing,
             self._moving.constants,
@@ -373,7 +327,7 @@ class SpectralEngine:
             self._rings[key] = self._data.ring(size, choices.shift)
         return self._rings[key]
 
-    def _state(self, choices: Choices) -> RingState:
+    def _state(self, choices: Choices) -> FieldRing:
         ring = self._ring(choices)
         points = _points(ring.circumference * choices.density)
         if (ring, points) not in self._states:
@@ -385,4 +339,4 @@ def _points(wanted: float) -> int:
     """The next larger number of points that transforms fast."""
     if wanted > MOST_POINTS:
         raise RingTooLargeError(f"a ring of more than {MOST_POINTS} points")
-    return 2 * int(ducc0.fft.good_size(math.ceil(wanted / 2.0), True))
+    return fast_count(wanted)

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from longwave import derive
+from longwave.lattice.dynamics import StrainDynamics
 from longwave.lattice.model import Model
-from longwave.lattice.spectral.ring import DENSITY, energy_spread
+from longwave.lattice.spectral.crest_energy import DENSITY, crest_energy_spread
 from longwave.scenes.chain.moving_wave import MovingWave
 from longwave.scenes.chain.spectral_data import ring_data
 from longwave.solutions import Wave, closed_form
@@ -21,15 +22,16 @@ def _spread(steepness: float, points_per_site: float = DENSITY) -> tuple[float, 
     ring = data.ring(data.smallest)
     state = data.state(ring, 2 * round(points_per_site * ring.circumference / 2))
     sites = round(ring.circumference / 2 - data.seam(ring.circumference))
-    middle = state.left + ring.circumference / 2
+    middle = state.left[0] + ring.circumference / 2
     energies = []
     for x in np.arange(LATTICES) / LATTICES:
         places = middle + x + np.arange(-sites, sites)
-        y, s = state.strain(places), state.velocity(places)
+        y, s = state.at(places)[0], state.velocities_at(places)[0]
         velocity = np.cumsum(s) - s
         energies.append(np.sum(y**2 / 2 + y**4 / 4 + velocity**2 / 2))
     parted = 0.5 * (max(energies) - min(energies)) / np.mean(energies)
-    return energy_spread(data.moving.constants, state, data.seam(ring.circumference)), float(parted)
+    chain = StrainDynamics(data.moving.constants).lattice
+    return crest_energy_spread(chain, state, 0), float(parted)
 
 
 @pytest.mark.parametrize("steepness", [0.4, 0.5, 0.6])

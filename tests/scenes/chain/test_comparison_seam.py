@@ -73,7 +73,7 @@ def test_what_absorbing_is_worth_on_a_constant_background() -> None:
         cutoff = data.absorbed if left else 0.0
         turning = data.short(ring.circumference) if short else 0.0
         run = SpectralRing(data.moving.constants, state, 1.0, absorbed=cutoff, short=turning)
-        return run.at(-data.moving.t0).strain(sites)
+        return run.at(-data.moving.t0).at(sites)[0]
 
     exact = strain(data.causal)
 
@@ -99,13 +99,13 @@ def _rational(t0: float) -> RingData:
 def test_only_the_seam_is_not_the_wave(data: RingData) -> None:
     ring = data.ring(data.smallest)
     state = data.state(ring, 2000)
-    inside = np.abs(state.points - data.moving.speed * data.moving.t0 - ring.ahead)
+    inside = np.abs(state.points() - data.moving.speed * data.moving.t0 - ring.ahead)
     inside = inside < 0.5 * ring.circumference - data.seam(ring.circumference)
-    y, s = data.moving.initial_data(state.points[inside])
+    y, s = data.moving.initial_data(state.points()[inside])
     assert np.count_nonzero(inside) > 1000
-    np.testing.assert_allclose(state.y[inside], y, rtol=0, atol=1e-12)
-    np.testing.assert_allclose(state.s[inside], s, rtol=0, atol=1e-12)
-    assert abs(float(np.mean(state.s))) < 1e-18
+    np.testing.assert_allclose(state.f[0, inside], y, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(state.v[0, inside], s, rtol=0, atol=1e-12)
+    assert abs(float(np.mean(state.v))) < 1e-18
 
 
 @pytest.mark.parametrize("data", [_rational(-100.0), _data("rogue_cn", -100.0, k=0.5)])
@@ -123,13 +123,14 @@ def test_the_causal_ring_does_not_feel_its_seam(data: RingData) -> None:
 def _seen(data: RingData, ring: RingPlace, disturbance: float) -> np.ndarray:
     """y/eps on the compared sites at the end, with a hump at the seam."""
     state = data.state(ring, 2 * round(ring.circumference))
-    distance = np.minimum(state.points - state.left, state.left + ring.circumference - state.points)
+    distance = state.points() - state.left[0]
+    distance = np.minimum(distance, ring.circumference - distance)
     width = data.seam(ring.circumference) / 4
     hump = disturbance * data.moving.eps * np.exp(-((distance / width) ** 2))
-    state = replace(state, y=state.y + hump)
+    state = replace(state, f=state.f + hump)
     end = data.moving.end
     sites = round(data.moving.speed * end) + np.arange(-100, 101)
-    return SpectralRing(data.moving.constants, state, 0.25).at(end).strain(sites) / data.moving.eps
+    return SpectralRing(data.moving.constants, state, 0.25).at(end).at(sites)[0] / data.moving.eps
 
 
 def test_a_wave_that_fades_at_the_seam_still_runs_one_way() -> None:

@@ -130,7 +130,7 @@ def test_long_runs_on_periodic_backgrounds(name: str, k: float) -> None:
     points = 2 * round(cost.points * data.causal.circumference / cost.circumference / 2)
     ring = SpectralRing(moving.constants, data.state(data.causal, points), trial.choices.step)
     for t, row in zip(times, values, strict=True):
-        exact = ring.at(t).strain(moving.compared_sites(t))
+        exact = ring.at(t).at(moving.compared_sites(t))[0]
         assert np.abs(row * moving.eps - exact).max() <= 1e-4 * 0.05
 
 

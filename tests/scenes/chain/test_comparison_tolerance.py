@@ -51,7 +51,7 @@ def spectral_reference(scene: Scene) -> Array:
     state = data.state(where, 2 * round(RING_DENSITY[scene.eps] * where.circumference / 2))
     step = moving.duration / RING_STEPS[scene.wave_name]
     ring = SpectralRing(scene.model, state, step, absorbed=data.absorbed)
-    return np.array([ring.at(t).strain(moving.compared_sites(t)) for t in scene.snapshots])
+    return np.array([ring.at(t).at(moving.compared_sites(t))[0] for t in scene.snapshots])
 
 
 def check(scene: Scene, exact: Array) -> None:
