@@ -35,9 +35,10 @@ how the lattices differ."""
 
 ALIKE = 0.2
 """Share of the tolerance that they may differ by, unshown. Over a time in which the nonlinear part
-turns the phase of a typical wave by one, their strains part by at most 0.8 times the spread of
+turns the phase of a typical wave by one, their strains part by 0.02 to 0.4 times the spread of
 their energies, in units of the largest strain: measured on 30 scenes of all waves, a |y| from 0.3
-to 0.63, as `searches/estimates.py` draws them."""
+to 0.63, as `searches/estimates.py` draws them, with a spread up to 2.2 times `crest_energy_spread`.
+"""
 
 MOST_POINTS = 2**21
 """Points on which an energy is formed at most."""
