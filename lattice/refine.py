@@ -80,7 +80,7 @@ NEGLIGIBLE = 0.01
 or what comes round a ring."""
 
 LEAST_ON_RING = 0.05
-"""Least share of the tolerance that an error is told as on a ring. There changes that are negligible
+"""Least share of the tolerance that an error is told as on a ring. There negligible changes
 hid errors of 0.021 of it: the steps of a kink that turned short waves by many radians agreed
 (`tests/scenes/chain/test_comparison_honesty.py`)."""
 
