@@ -26,7 +26,7 @@ from longwave.scenes.computed_soliton import ComputedSoliton
 from longwave.scenes.lattice_wave import LatticeWave
 from longwave.scenes.long_wave_data import LongWaveData
 from longwave.scenes.scene import Scene
-from longwave.scenes.scene_checks import Value
+from longwave.scenes.scene_checks import Value, plain
 from longwave.scenes.scene_disorder import Disorder
 from longwave.scenes.scene_rules import COMPUTED
 from longwave.solutions import CATALOGUE, ClosedForm, Wave, closed_form
@@ -263,8 +263,8 @@ def _computed_soliton(scene: Scene, found: LatticeDerivation) -> ComputedSoliton
     values = _values(scene.parameters)
     if {*values} != {"speed"}:
         raise ValueError(
-            f"parameters of {COMPUTED} must be speed, got {shown(', '.join(values) or 'none')} "
-            "(its speed in X/T, such as 1)"
+            f"parameters of {COMPUTED} must be speed, got "
+            f"{', '.join(map(plain, values)) or 'none'} (its speed in X/T, such as 1)"
         )
     if scene.order == "corrected":
         raise ValueError(

@@ -1,4 +1,4 @@
-"""Scenes and the rates at which their errors must fall with eps, as data: `shipped/rates.toml`.
+"""Scenes and the rates at which their errors must fall with eps, as data: `rates.toml`.
 
 What they must fall with is in no table: it follows from the expansion (`theory_rate`).
 """
@@ -48,7 +48,7 @@ class RateCase:
 @cache
 def rate_cases() -> Mapping[str, RateCase]:
     """The cases by name: the row of the equation, as in the tests of the reductions."""
-    text = files("longwave.scenes.shipped").joinpath(FILE).read_bytes()
+    text = files("longwave.scenes").joinpath(FILE).read_bytes()
     tables = dict(parse_document(text, FILE))
     usual = tables.pop("usual")
     return {name: _case(name, usual | found) for name, found in tables.items()}

@@ -29,24 +29,8 @@ again for the cubic part of the force, and some."""
 CREST_REACH = 4.0
 """Sites over which the energy of a crest is summed: the waves that matter are no longer."""
 
-TURNED = 1.0
-"""Longest step, in units of the time in which a wave of number 2 pi turns by one radian, that shows
-how the lattices differ."""
-
-ALIKE = 0.2
-"""Share of the tolerance that they may differ by, unshown. Over a time in which the nonlinear part
-turns the phase of a typical wave by one, their strains part by 0.02 to 0.4 times the spread of
-their energies, in units of the largest strain: measured on 30 scenes of all waves, a |y| from 0.3
-to 0.63, as `searches/estimates.py` draws them, with a spread up to 2.2 times `crest_energy_spread`.
-"""
-
 MOST_POINTS = 2**21
 """Points on which an energy is formed at most."""
-
-
-def telling_step(speed: float) -> float:
-    """The longest step that shows how the lattices of a ring differ that moves at ``speed``."""
-    return TURNED / (2.0 * math.pi * speed)
 
 
 def crest_energy_spread(lattice: NumericLattice, state: FieldRing, axis: int) -> float:

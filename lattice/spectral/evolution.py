@@ -18,8 +18,11 @@ linearly: p_- holds y - s t and p_+ holds s, each carried along with the frame. 
 0 stands the time t; the means are kept beside.
 """
 
+from __future__ import annotations
+
 import math
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,8 +31,10 @@ from longwave.lattice.model import Model
 from longwave.lattice.spectral.absorber import ABSORBER_STRENGTH, LeftAbsorber, ShortAbsorber
 from longwave.lattice.spectral.exponential import ExponentialAdams
 from longwave.lattice.spectral.field_ring import FieldRing, modes_of, spectrum_tails, values_of
-from longwave.support.checkpoint import Memory
 from longwave.support.compiled.jit import njit
+
+if TYPE_CHECKING:
+    from longwave.support.checkpoint import Memory
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -15,14 +15,19 @@ The step is fixed: its error is then a smooth function of it, which a run with a
 Times that are not whole steps are reached by a shorter step on the side.
 """
 
+from __future__ import annotations
+
 import math
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from longwave.support.checkpoint import Memory
 from longwave.support.compiled.jit import njit
+
+if TYPE_CHECKING:
+    from longwave.support.checkpoint import Memory
 
 Complex = NDArray[np.complex128]
 

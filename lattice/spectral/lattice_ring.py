@@ -18,6 +18,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,8 +29,10 @@ from longwave.lattice.spectral.evolution import WATCH, RunawayError, SamplingErr
 from longwave.lattice.spectral.exponential import ExponentialAdams
 from longwave.lattice.spectral.field_ring import FieldRing, modes_of, spectrum_tails, values_of
 from longwave.lattice.spectral.normal_modes import multipliers, normal_modes
-from longwave.support.checkpoint import Memory
 from longwave.support.compiled.jit import njit
+
+if TYPE_CHECKING:
+    from longwave.support.checkpoint import Memory
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

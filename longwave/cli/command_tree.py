@@ -36,7 +36,7 @@ SWEEPS = ROOMS / "runs" / "sweeps"
 """Where the shipped sweeps lie."""
 
 ENGINES = ("stencil", "spectral")
-SCENES = ROOMS / "scenes"
+SCENES = ROOMS / "scenes" / "shipped"
 """Where the shipped scenes lie."""
 
 

@@ -13,9 +13,8 @@ import numpy as np
 
 from longwave.lattice.model import empty_state, find_blow_up
 from longwave.lattice.refine import Announce, Refined, StoppedSearch
-from longwave.lattice.spectral.crest_energy import ALIKE, telling_step
 from longwave.lattice.spectral.exponential import ORDER
-from longwave.lattice.spectral.ring_search import run_facts
+from longwave.lattice.spectral.ring_search import ALIKE, run_facts, telling_step
 from longwave.lattice.trial import Progress, Trial
 from longwave.scenes.chain.moving_wave import MovingWave
 from longwave.scenes.chain.spectral_data import (

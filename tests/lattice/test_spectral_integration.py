@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from longwave.lattice import FieldState, integrate
-from longwave.lattice.spectral.crest_energy import telling_step
 from longwave.lattice.spectral.field_ring import FieldRing
+from longwave.lattice.spectral.ring_search import telling_step
 from longwave.lattice.spectral.spectral_integration import FieldSearch, spectral_integrate
 from tests.lattice.random_lattices import random_lattice, reference, smooth_or_rough
 from tests.lattice.test_numeric_lattice import numbers

@@ -15,8 +15,8 @@ WRITING = {"output"}
 UNASKED: dict[tuple[str, str], str] = {}
 """Such options of commands without --force, and why they need none."""
 
-PATHS_READ = {("run", "store"), ("sweep", "store")}
-"""Options with a path that hold many files, none of which is ever overwritten: the store's own."""
+PATHS_READ = {("run", "store"), ("sweep", "store"), ("report", "estimates")}
+"""Options with a path that is read, or holds many files none of which is ever overwritten."""
 
 
 def commands(group: click.Group, above: str = "") -> Iterator[tuple[str, click.Command]]:
