@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from longwave import derive
 from longwave.derive import LATTICES
 from longwave.lattice.dynamics import dynamics_of
-from longwave.lattice.kernels.streams import flow_of
+from longwave.lattice.kernels.streams import stage_plan
 from longwave.lattice.model import Model
 from longwave.lattice.numeric_lattice import NumericLattice, numeric_lattice
 from longwave.lattice.schemes import Composition
@@ -84,7 +84,7 @@ class Problem:
     @property
     def operations(self) -> int:
         """Arithmetic instructions of the kernel a cell and stage."""
-        return flow_of(dynamics_of(self.lattice).lattice)[0].operations
+        return stage_plan(dynamics_of(self.lattice).lattice)[0].operations
 
 
 def initial(eps: float = EPS, t0: float = T0, sites: int = SITES) -> tuple[Array, Array]:

@@ -10,7 +10,7 @@ K3 = 0: order eps^4 reads K3 (Y^2)_XX = 0
 
 from typing import TYPE_CHECKING
 
-from longwave.support.lazy_face import lazy_face
+from longwave.support.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
     from longwave.derive.balances import find_scaling
@@ -79,7 +79,7 @@ __all__ = [
     "spring",
 ]
 
-__getattr__, __dir__ = lazy_face(
+__getattr__, __dir__ = lazy_exports(
     __name__,
     {
         "longwave.derive.balances": "find_scaling",

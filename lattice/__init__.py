@@ -6,7 +6,7 @@ first asked for: a model needs no compiler.
 
 from typing import TYPE_CHECKING
 
-from longwave.support.lazy_face import lazy_face
+from longwave.support.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
     from longwave.lattice.field_state import FieldState
@@ -50,7 +50,7 @@ __all__ = [
     "stability_limit",
 ]
 
-__getattr__, __dir__ = lazy_face(
+__getattr__, __dir__ = lazy_exports(
     __name__,
     {
         "longwave.lattice.integration": "Cost FieldTrajectory Trajectory integrate",

@@ -175,7 +175,7 @@ def integrate(
             "(a tolerance finds the step)"
         )
     begun = perf_counter()
-    search = RingSearch(model, held, moments, scheme, judged)
+    search = CellRingEngine(model, held, moments, scheme, judged)
     if tolerance is not None:
         trial, error = _found(search, tolerance, moments)
     else:
@@ -196,7 +196,7 @@ def _checked(model: Model | NumericLattice, state: State | FieldState) -> Any:
     return dynamics_of(model).checked(state)
 
 
-def _found(engine: RingSearch[Any], tolerance: float, times: Array) -> tuple[Trial, float]:
+def _found(engine: CellRingEngine[Any], tolerance: float, times: Array) -> tuple[Trial, float]:
     """A run to the tolerance, and its error."""
     remedy = "it is the error that is accepted, in the unit of what is judged"
     check_positive("tolerance", tolerance, remedy)
@@ -210,14 +210,14 @@ def _found(engine: RingSearch[Any], tolerance: float, times: Array) -> tuple[Tri
     return found.trial, found.error
 
 
-def _stated(engine: RingSearch[Any], step: float, measure_error: bool) -> tuple[Trial, float]:
+def _stated(engine: CellRingEngine[Any], step: float, measure_error: bool) -> tuple[Trial, float]:
     """A run with that step, its error measured with a shorter one."""
     check_positive("step", step, "it goes forward in time")
     check_step(step, engine.scheme, engine.first_frequency)
     choices = replace(engine.first(), step=step)
     trial, error = engine.run(choices, True), math.nan
     if measure_error:
-        control = engine.run(engine.varied(choices, engine.kinds), True)
+        control = engine.run(engine.control(choices, engine.kinds), True)
         error = RING_SAFETY * difference(trial, control) + max(trial.rounding, control.rounding)
     return trial, error
 
@@ -246,7 +246,7 @@ def _outcome(
     return times, positions, velocities, error, scheme.name, trial.choices.step, cost
 
 
-class RingSearch(StepSearch, Generic[Held]):
+class CellRingEngine(StepSearch, Generic[Held]):
     """Runs of a ring of sites from a state, for `refine` to judge: only the step varies.
 
     ``first_frequency`` is the highest of any wave about the state.
@@ -265,7 +265,7 @@ class RingSearch(StepSearch, Generic[Held]):
         self.model, self.scheme = model, scheme
         self.state: Held = state
         self.dynamics = dynamics_of(model)
-        self.fragile = not self.dynamics.is_linear
+        self.amplifies_rounding = not self.dynamics.is_linear
         self.threads = self.dynamics.threads(scheme) if state.size < LARGE else 1
         self._times = times
         ranges = self.dynamics.ranges(state)
@@ -324,12 +324,12 @@ class RingSearch(StepSearch, Generic[Held]):
         gaps = np.diff(self._stops)
         return float(np.max(gaps / np.maximum(np.ceil(gaps / step), 1.0)))
 
-    def better(self, choices: Choices, kind: Kind, excess: float) -> Choices:
+    def improved(self, choices: Choices, kind: Kind, excess: float) -> Choices:
         """A step that follows the strains that were met, or by the law of the order."""
         if math.isinf(excess) and 0.0 < self._admitted < choices.step:
             step = max(LIMIT_SHARE * self._admitted, LEAST_FACTOR * choices.step)
             return replace(choices, step=step)
-        return super().better(choices, kind, excess)
+        return super().improved(choices, kind, excess)
 
     def _longest_step(self, ranges: Array) -> float:
         """The longest step that is stable about what was met; 0 if there is no such step.

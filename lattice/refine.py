@@ -134,7 +134,7 @@ def refine(
 
 
 def _refined(search: "_Search", engine: Engine, tolerance: float) -> Refined:
-    scouting = search.scouting(engine.scout())
+    scouting = search.scouting(engine.coarse_engine())
     choices = _followed(search, scouting, engine.first())
     search.seconds = scouting.seconds
     best, since, blown = math.inf, 0, 0
@@ -144,7 +144,7 @@ def _refined(search: "_Search", engine: Engine, tolerance: float) -> Refined:
         seen = max(difference(trial, control), search.seen_change(choices))
         change = max(engine.safety * seen, SAFETY * scouting.lawful_change(choices))
         least = LEAST_ON_RING if "sampling" in engine.kinds else LEAST
-        error = max(change + rounding + control.alike, least * tolerance)
+        error = max(change + rounding + control.common_error, least * tolerance)
         if error <= tolerance and search.wary:
             grown = search.grown(choices)
             rounding, error = rounding + grown, error + grown
@@ -236,7 +236,9 @@ class _Search:
         for _ in range(ATTEMPTS):
             excess = self._excess(choices, "step")
             if self.wary is None and math.isfinite(excess):
-                self.wary = self.engine.fragile and WARY * self.grown(choices) > self._tolerance
+                self.wary = (
+                    self.engine.amplifies_rounding and WARY * self.grown(choices) > self._tolerance
+                )
             unstable += math.isinf(excess)
             stuck = 1.0 < excess < math.inf and excess > PROGRESS * last
             self.stalled = self.stalled + 1 if stuck else 0
@@ -247,9 +249,9 @@ class _Search:
                 break
             last = excess
             if excess <= 1.0:
-                choices = self.engine.varied(choices, STEP)
+                choices = self.engine.control(choices, STEP)
             else:
-                choices = self.engine.better(choices, "step", excess)
+                choices = self.engine.improved(choices, "step", excess)
             self._forget_longer(choices.step)
         return choices
 
@@ -309,7 +311,7 @@ class _Search:
 
     def pair(self, choices: Choices) -> tuple[Trial, Trial]:
         """The run with these choices and its control, which is shown."""
-        control = self.engine.varied(choices, self.engine.kinds)
+        control = self.engine.control(choices, self.engine.kinds)
         self._run({choices: False, control: True})
         self._keep_values_alone(choices)
         return self._done[choices], self._done.pop(control)
@@ -325,23 +327,23 @@ class _Search:
         engine = self.engine
         if trial.values is None:
             for kind in engine.kinds:
-                choices = engine.better(choices, kind, CURE)
+                choices = engine.improved(choices, kind, CURE)
             return choices
         found = choices
         for kind in engine.kinds:
             excess = self._excess(choices, kind)
             if excess > 1.0:
-                found = engine.better(found, kind, excess)
+                found = engine.improved(found, kind, excess)
             if kind == "step" and excess * SHARES["step"] > 0.5 * error / self._tolerance:
                 break
         if found == choices:
             for kind in engine.kinds:
-                found = engine.better(found, kind, max(TIGHTER, error / self._tolerance))
+                found = engine.improved(found, kind, max(TIGHTER, error / self._tolerance))
         return found
 
     def _excess(self, choices: Choices, kind: Kind) -> float:
         """By how much the error is above its share when that kind alone is varied."""
-        other = self.engine.varied(choices, (kind,))
+        other = self.engine.control(choices, (kind,))
         self._run({choices: False, other: False})
         self._keep_values_alone(choices)
         change = difference(self._done[choices], self._done[other])

@@ -53,11 +53,11 @@ class Choices:
 class Trial:
     """A finished run: ``values`` of y/eps on the compared sites at all times that are looked at.
 
-    They are None after a blow-up. ``rounding`` estimates what rounding has done to them, ``alike``
-    bounds what a run with a shorter step would not show, for it does the same. ``payload`` is the
-    engine's own. ``shown`` if the observables can be asked for. An unfinished run holds the times
-    before it was stopped. ``around`` are values on more sites, if there are any: what rounding has
-    grown to on a few of them may be little by chance.
+    They are None after a blow-up. ``rounding`` estimates what rounding has done to them,
+    ``common_error`` bounds what a run with a shorter step would not show, for it does the same.
+    ``payload`` is the engine's own. ``shown`` if the observables can be asked for. An unfinished
+    run holds the times before it was stopped. ``around`` are values on more sites, if there are
+    any: what rounding has grown to on a few of them may be little by chance.
     """
 
     choices: Choices
@@ -67,7 +67,7 @@ class Trial:
     rounding: float
     payload: Any
     shown: bool = True
-    alike: float = 0.0
+    common_error: float = 0.0
     around: Array | None = None
 
 
@@ -151,7 +151,7 @@ class Engine(Protocol):
     """Factor on the difference of two runs, ``SAFETY`` or more."""
     unstable: int
     """Steps tried, each shorter, until one is stable."""
-    fragile: bool
+    amplifies_rounding: bool
     """Whether perturbations may grow, so that what becomes of rounding is measured."""
     most_work: float
     """The most that the next runs may take, in the unit of `work`."""
@@ -159,7 +159,7 @@ class Engine(Protocol):
     def first(self) -> Choices:
         """Where the search begins."""
 
-    def scout(self) -> "Engine":
+    def coarse_engine(self) -> "Engine":
         """An engine that finds the step on fewer sites; itself, if there is none."""
 
     def run(self, choices: Choices, shown: bool, progress: Progress) -> Trial:
@@ -168,10 +168,10 @@ class Engine(Protocol):
         Raises StoppedTrial on Ctrl-C.
         """
 
-    def varied(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
+    def control(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
         """Finer, wider or elsewhere in each of the kinds, and not in the others."""
 
-    def better(self, choices: Choices, kind: Kind, excess: float) -> Choices:
+    def improved(self, choices: Choices, kind: Kind, excess: float) -> Choices:
         """Choices with which that kind's error is smaller by the factor ``excess`` > 1."""
 
     def taken(self, choices: Choices) -> float:
@@ -243,7 +243,7 @@ class StepSearch:
     decay = math.inf
     safety = SAFETY
     unstable = 4
-    fragile = False
+    amplifies_rounding = False
     most_work = math.inf
 
     def __init__(self, order: int, first_step: float, stops: Array, size: float = 1.0) -> None:
@@ -254,7 +254,7 @@ class StepSearch:
         """The longest step."""
         return self._first
 
-    def scout(self) -> Engine:
+    def coarse_engine(self) -> Engine:
         """Itself: there are no sites to spare."""
         return self
 
@@ -262,12 +262,12 @@ class StepSearch:
         """A run with that step."""
         raise NotImplementedError
 
-    def varied(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
+    def control(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
         """A shorter step."""
         step = shorter_step(self._stops, choices.step, self.order, STEP_RATIO)
         return replace(choices, step=step)
 
-    def better(self, choices: Choices, kind: Kind, excess: float) -> Choices:
+    def improved(self, choices: Choices, kind: Kind, excess: float) -> Choices:
         """By the law of the order."""
         step = step_between(self._stops, choices.step)
         return replace(choices, step=lawful_step(step, self.order, excess))

@@ -10,7 +10,7 @@ here under one name; each is imported when it is first asked for, so `import lon
 
 from typing import Any
 
-from longwave.support.lazy_face import lazy_face
+from longwave.support.lazy_exports import lazy_exports
 
 __version__: str
 
@@ -33,7 +33,7 @@ _NOUNS = {
 
 __all__ = ["__version__", *sorted(" ".join(_NOUNS.values()).split())]
 
-_noun, __dir__ = lazy_face(__name__, _NOUNS)
+_noun, __dir__ = lazy_exports(__name__, _NOUNS)
 
 
 def __getattr__(name: str) -> Any:

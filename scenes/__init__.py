@@ -7,7 +7,7 @@
 
 from typing import TYPE_CHECKING
 
-from longwave.support.lazy_face import lazy_face
+from longwave.support.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
     from longwave.scenes.named_scenes import load_scene
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 __all__ = ["load_scene", "relative_sup_error", "resume", "run"]
 
-__getattr__, __dir__ = lazy_face(
+__getattr__, __dir__ = lazy_exports(
     __name__,
     {
         "longwave.scenes.named_scenes": "load_scene",

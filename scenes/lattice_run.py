@@ -21,7 +21,7 @@ from longwave.scenes.ring_cost import USUAL_RUNS, search_cost
 from longwave.scenes.ring_runs import (
     ComparedCells,
     RingCells,
-    RingRuns,
+    SiteRingEngine,
     WaveRings,
     expected_rings,
 )
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from longwave.lattice.model import State
     from longwave.lattice.trial import Progress
     from longwave.scenes.lattice_wave import LatticeWave
-    from longwave.scenes.ring_spectral import SpectralRuns
+    from longwave.scenes.ring_spectral import SceneSpectralEngine
 
 ACROSS = 2
 """``Z = eps**2 m``."""
@@ -85,13 +85,13 @@ def _moments_bytes(timed: Scene) -> float:
     return MOMENT_BYTES * (timed.curve_points * ("curve" in seen) + looks * ("looks" in seen))
 
 
-def engine_of(timed: Scene, rings: WaveRings) -> RingRuns | SpectralRuns:
+def engine_of(timed: Scene, rings: WaveRings) -> SiteRingEngine | SceneSpectralEngine:
     """The engine that the scene names, or the one site by site."""
     if timed.target.engine != "spectral":
-        return RingRuns(timed, rings)
-    from longwave.scenes.ring_spectral import SpectralRuns  # with a library of its own
+        return SiteRingEngine(timed, rings)
+    from longwave.scenes.ring_spectral import SceneSpectralEngine  # with a library of its own
 
-    return SpectralRuns(timed, rings)
+    return SceneSpectralEngine(timed, rings)
 
 
 def wave_size(scene: Scene, t: float, far_field: bool) -> float:
@@ -215,7 +215,7 @@ LONG_NAMES = {
 
 def _to_tolerance(
     scene: Scene,
-    engine: RingRuns | SpectralRuns,
+    engine: SiteRingEngine | SceneSpectralEngine,
     progress: Progress | None,
     announce: Announce,
     begun: float,
@@ -233,14 +233,14 @@ def _to_tolerance(
             "follows it; end earlier or take a smaller eps)"
         )
     judged(record, scene, found, begun)
-    if isinstance(engine, RingRuns):
+    if isinstance(engine, SiteRingEngine):
         _add_pulse(record, engine, found.trial.choices.step)
-    if not isinstance(engine, RingRuns) or engine.rings.wave.lattice.dimension > 1:
+    if not isinstance(engine, SiteRingEngine) or engine.rings.wave.lattice.dimension > 1:
         record.scene = scene  # a spectral ring, and that of a plane, has no sites that say it
     return record
 
 
-def _add_pulse(record: RunRecord, engine: RingRuns, step: float) -> None:
+def _add_pulse(record: RunRecord, engine: SiteRingEngine, step: float) -> None:
     """Add what disorder left of the wave, where it was metered."""
     metered, wave = engine.metered[step], engine.rings.wave
     if not metered.size:

@@ -415,7 +415,7 @@ SLOPE_APART = 1e-3
 """Cells on either side of which the difference is a slope: a wave is much longer."""
 
 
-class RingRuns(StepSearch):
+class SiteRingEngine(StepSearch):
     """Runs of a scene's wave on rings.
 
     The scene has times of the lattice. Values are what is compared, in units of the wave's scale,
@@ -428,7 +428,7 @@ class RingRuns(StepSearch):
         wave, self.times = rings.wave, rings.times
         self._scheme = scheme_named(scene.target.scheme) if scene.target.scheme else SCHEME
         self._fields = len(wave.lattice.fields)
-        self.fragile = math.isinf(max(map(abs, wave.support(self.times[0]))))
+        self.amplifies_rounding = math.isinf(max(map(abs, wave.support(self.times[0]))))
         self.metered: dict[float, Array] = {}
         longest = longest_step(rings.fastest, wave.frequency, self._scheme)
         sites = float(sites_of(rings.ends()))
@@ -495,15 +495,15 @@ class RingRuns(StepSearch):
         wanted = self.metered[step]
         return found if found.shape == wanted.shape else np.full_like(wanted, np.nan)
 
-    def varied(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
+    def control(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
         """A shorter step on a wider ring, or from that on the ring as it must be."""
         step = shorter_step(self._stops, choices.step, self.order, STEP_RATIO)
         wider = WIDER if choices.size == self._first.size else 0
         return replace(choices, step=step, size=self._first.size + wider)
 
-    def better(self, choices: Choices, kind: Kind, excess: float) -> Choices:
+    def improved(self, choices: Choices, kind: Kind, excess: float) -> Choices:
         """A shorter step on the ring as it must be."""
-        return replace(super().better(choices, kind, excess), size=self._first.size)
+        return replace(super().improved(choices, kind, excess), size=self._first.size)
 
     def work(self, choices: Choices) -> float:
         """Forces on fields of cells."""

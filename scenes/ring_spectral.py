@@ -20,7 +20,7 @@ from longwave.lattice.model import GROWTH
 from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.lattice.spectral.field_ring import FieldRing, fast_count
 from longwave.lattice.spectral.ring_search import run_facts
-from longwave.lattice.spectral.spectral_integration import FieldSearch
+from longwave.lattice.spectral.spectral_integration import FieldRingEngine
 from longwave.lattice.trial import Choices, Kind, Progress, Trial
 from longwave.scenes.recorders import Variables, build_recorders
 from longwave.scenes.ring_cost import USUAL_RUNS, search_cost
@@ -55,8 +55,8 @@ WIDER_SIZE = 2.0
 """The size of a ring that is wider by `WIDER` cells along each axis."""
 
 
-class SpectralRuns(FieldSearch):
-    """Runs of a scene's wave on rings, as `RingRuns` has them.
+class SceneSpectralEngine(FieldRingEngine):
+    """Runs of a scene's wave on rings, as `SiteRingEngine` has them.
 
     The scene has times of the lattice, and states how often it is looked at. The ring's size is 1
     where it is the least that is causal. Raises ValueError, before anything large is made, for what
@@ -85,7 +85,7 @@ class SpectralRuns(FieldSearch):
         if wave.frequency:
             step = min(LONGER * self._first.step, max(self._first.step, self._telling))
             self._first = replace(self._first, step=step)
-        self.fragile = math.isinf(max(map(abs, wave.support(self.times[0]))))
+        self.amplifies_rounding = math.isinf(max(map(abs, wave.support(self.times[0]))))
         self.expected = self._expected()
         check_request(
             f"scene of {sites_of(self._ends(wider=True)):.3g} cells on a spectral ring",
@@ -106,16 +106,16 @@ class SpectralRuns(FieldSearch):
             memory_bytes=found.memory_bytes + BYTES_PER_POINT * fields * points,
         )
 
-    def varied(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
+    def control(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
         """A shorter step on a wider ring, or from that on the ring as it must be; more points."""
         size = choices.size
         if "step" in kinds:
             size = WIDER_SIZE if size == 1.0 else 1.0
-        return replace(super().varied(choices, kinds), size=size)
+        return replace(super().control(choices, kinds), size=size)
 
-    def better(self, choices: Choices, kind: Kind, excess: float) -> Choices:
+    def improved(self, choices: Choices, kind: Kind, excess: float) -> Choices:
         """A shorter step or more points on the ring as it must be."""
-        return replace(super().better(choices, kind, excess), size=1.0)
+        return replace(super().improved(choices, kind, excess), size=1.0)
 
     def _begun(self, choices: Choices) -> tuple[NumericLattice, FieldRing]:
         state = self._state_of(wider=choices.size > 1.0)

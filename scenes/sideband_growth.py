@@ -237,7 +237,7 @@ def measure_growth(
     """
     begun = perf_counter()
     plan = growth_plan(scene)
-    engine = SidebandRuns(plan, scene)
+    engine = SidebandEngine(plan, scene)
     announce = announce or (lambda _: None)
     announce(engine.expected.seconds)
     found = refine(engine, scene.target.tolerance, progress or (lambda _: None), announce)
@@ -336,7 +336,7 @@ def expected_growth_cost(plan: GrowthPlan, fastest: float | None = None) -> Expe
     return replace(found, seconds=found.seconds + planning)
 
 
-class SidebandRuns(StepSearch):
+class SidebandEngine(StepSearch):
     """Runs of a ring, for `lattice.refine` to judge: only the step is varied.
 
     Values are the logarithms of the sizes at the moments, times a ``scale``: what these are off, a
@@ -345,7 +345,7 @@ class SidebandRuns(StepSearch):
     to while these waves begin.
     """
 
-    fragile = True
+    amplifies_rounding = True
 
     def __init__(self, plan: GrowthPlan, scene: Scene) -> None:
         self.plan = plan

@@ -44,12 +44,12 @@ from longwave.lattice import integrate
 from longwave.lattice.refine import refine
 from longwave.lattice.trial import StepSearch, Trial
 from longwave.scenes.lattice_run import wave_rings
-from longwave.scenes.ring_runs import RingRuns
+from longwave.scenes.ring_runs import SiteRingEngine
 from longwave.scenes.run_record import RunRecord
 from longwave.scenes.scene import Scene
 from longwave.scenes.scene_checks import Pairs
 from longwave.scenes.scene_rules import PERTURBED_PLANE
-from longwave.scenes.sideband_growth import SidebandRuns, growth_plan
+from longwave.scenes.sideband_growth import SidebandEngine, growth_plan
 from longwave.support.processes import Job, LocalWorkers, OutOfTime, as_ended, time_limit
 from searches.estimate_judge import judge_scene, warm_up
 from searches.estimate_scenes import RandomScene, random_scene
@@ -132,12 +132,12 @@ def compared_values(trial: Trial) -> Array:
 def of_lattice(scene: Scene) -> Judgement:
     """A scene on any lattice, or of a growth rate."""
     if scene.is_growth:
-        growing = SidebandRuns(growth_plan(scene), scene)
+        growing = SidebandEngine(growth_plan(scene), scene)
         return ratio_of_search(growing, growing, scene.target.tolerance)
     timed, rings = wave_rings(scene)
     wider = copy(rings)
     wider.signals = [FASTER * speed + 1.0 / (timed.end - timed.t0) for speed in rings.signals]
-    engines = RingRuns(timed, rings), RingRuns(timed, wider)
+    engines = SiteRingEngine(timed, rings), SiteRingEngine(timed, wider)
     return ratio_of_search(*engines, scene.target.tolerance)
 
 

@@ -8,7 +8,7 @@ asked for: reading the formulas needs no compiler, and double-double arithmetic 
 
 from typing import TYPE_CHECKING
 
-from longwave.support.lazy_face import lazy_face
+from longwave.support.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
     from longwave.solutions.catalogue import CATALOGUE, closed_form
@@ -49,7 +49,7 @@ __all__ = [
     "rational_tau",
 ]
 
-__getattr__, __dir__ = lazy_face(
+__getattr__, __dir__ = lazy_exports(
     __name__,
     {
         "longwave.solutions.catalogue": "CATALOGUE closed_form",

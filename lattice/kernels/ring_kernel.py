@@ -50,7 +50,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from longwave.lattice.kernels.streams import Flow, rows_of, varied_flow
+from longwave.lattice.kernels.streams import StagePlan, rows_of, varied_stage_plan
 from longwave.support.compiled.cores import other_core, usable_cores
 from longwave.support.compiled.native_code import native_functions
 
@@ -124,13 +124,15 @@ Call = tuple[Any, ...]
 """One of ``FUNCTIONS`` and what it is given; arrays stand for where they begin."""
 
 
-def _together(flow: Flow) -> int:
+def _together(flow: StagePlan) -> int:
     """The stages that go up the rows of a chain together."""
     return 2 if flow.kept(2) <= MOST_KEPT else 1
 
 
 @lru_cache(maxsize=64)
-def _machine_code(flow: Flow, lanes: int, count: int, columns: int) -> Callable[[int, int], None]:
+def _machine_code(
+    flow: StagePlan, lanes: int, count: int, columns: int
+) -> Callable[[int, int], None]:
     """What makes the calls of a script; on disk it is found by what is written here."""
     together, block = _together(flow), ALONG if columns else ROWS
 
@@ -192,7 +194,7 @@ class _Layout(NamedTuple):
         return self.across * self.lanes
 
 
-def _layout(flow: Flow, count: int, columns: int) -> _Layout:
+def _layout(flow: StagePlan, count: int, columns: int) -> _Layout:
     """Of so many cells of a chain without ``columns``, or rows of a plane."""
     across = columns or count
     lanes = LANES if across >= LEAST_ROWED else 1
@@ -231,7 +233,7 @@ class _Arc:
 
     def __init__(
         self,
-        flow: Flow,
+        flow: StagePlan,
         numbers: Array,
         shape: tuple[int, ...],
         own: tuple[int, int],
@@ -378,7 +380,7 @@ class RingKernel:
 
     def __init__(self, lattice: NumericLattice, *shape: int) -> None:
         ordered, variation, shares = lattice.cellwise
-        self._flow, numbers, units = varied_flow(ordered, variation)
+        self._flow, numbers, units = varied_stage_plan(ordered, variation)
         self._numbers = np.array([*numbers, 0.0])
         self._resting = shares * np.array(units)[:, None] if units else np.empty((0, *shape))
         self._fields, self._shape = len(lattice.fields), tuple(map(int, shape))

@@ -2,8 +2,8 @@
 
 Cells of a chain are laid out in rows of ``lanes``, each a vector; neighbouring cells stand in
 neighbouring rows (`lattice.kernels.ring_kernel`). Several stages go up the rows together, each
-`Flow.skew` rows behind the one before, and what a stream keeps stays in registers as far as there
-are any.
+`StagePlan.skew` rows behind the one before, and what a stream keeps stays in registers as far as
+there are any.
 
 Each row of a plane is laid out as such a chain, and a stage goes along it: what a stream keeps for
 columns stays in registers, what it keeps for rows in memory.
@@ -18,7 +18,14 @@ from typing import Any
 
 from llvmlite import ir  # type: ignore[import-untyped]
 
-from longwave.lattice.kernels.streams import Flow, Law, Rows, Tap, apart, rows_of
+from longwave.lattice.kernels.streams import (
+    ForceFormula,
+    Rows,
+    StagePlan,
+    StreamRead,
+    apart,
+    rows_of,
+)
 
 __all__ = ["LaneCode", "lane_force", "passage_text"]
 
@@ -180,7 +187,7 @@ def _power(code: LaneCode, value: Any, exponent: float) -> Any:
     return found if exponent > 0.0 else code.builder.fdiv(code.constant(1.0), found)
 
 
-def lane_force(code: LaneCode, x: Any, law: Law, numbers: Sequence[Any]) -> Any:
+def lane_force(code: LaneCode, x: Any, law: ForceFormula, numbers: Sequence[Any]) -> Any:
     """The force at the stretch x."""
     if law.program:
         return _run_program(code, x, law.program, numbers)
@@ -230,7 +237,7 @@ class _Stage:
     def __init__(
         self,
         code: LaneCode,
-        flow: Flow,
+        flow: StagePlan,
         numbers: Sequence[Any],
         weights: tuple[Any, Any],
         depths: Sequence[int],
@@ -246,7 +253,7 @@ class _Stage:
         self._latest: list[Any] = []
         self._kept: Kept | None = None
 
-    def value(self, tap: Tap, lag: int) -> Any:
+    def value(self, tap: StreamRead, lag: int) -> Any:
         """The stream's value where another with that ``lag`` now wants it."""
         rows, behind = apart(lag - tap.shift - self._flow.streams[tap.stream].lag)
         if rows:
@@ -279,12 +286,12 @@ class _Stage:
                     made = code.builder.fadd(made, self._numbers[stream.number])
             self._latest.append(made)
 
-    def _sum(self, taps: Sequence[Tap], values: Sequence[Any]) -> Any:
+    def _sum(self, taps: Sequence[StreamRead], values: Sequence[Any]) -> Any:
         pairs = zip(taps, values, strict=True)
         total = self._code.weighted_sum((self._factor(tap), tap.weight, v) for tap, v in pairs)
         return self._code.constant(0.0) if total is None else total
 
-    def _factor(self, tap: Tap) -> Any:
+    def _factor(self, tap: StreamRead) -> Any:
         """What the tap's value is multiplied by; None for 1 and -1."""
         if tap.number is not None:
             return self._numbers[tap.number]
@@ -293,8 +300,8 @@ class _Stage:
     def outcome(self, lag: int) -> tuple[list[Any], list[Any]]:
         """Positions and new velocities of the row ``lag`` behind the front."""
         flow = self._flow
-        positions = [self.value(Tap(place), lag) for place in range(flow.fields)]
-        return positions, [self.value(Tap(place), lag) for place in flow.kicked]
+        positions = [self.value(StreamRead(place), lag) for place in range(flow.fields)]
+        return positions, [self.value(StreamRead(place), lag) for place in flow.kicked]
 
     def latest(self, place: int) -> Any:
         """A stream's value that was formed last."""
@@ -312,7 +319,7 @@ class _Stage:
 class _Writer:
     """Writes the functions of a lattice's module."""
 
-    def __init__(self, flow: Flow, lanes: int, together: int, block: int, count: int) -> None:
+    def __init__(self, flow: StagePlan, lanes: int, together: int, block: int, count: int) -> None:
         self._flow, self._lanes, self._together, self._count = flow, lanes, together, count
         self._block, self._skew, self._below, self._copied = block, flow.skew, flow.below, 1
         self._module = ir.Module("lattice")
@@ -620,7 +627,7 @@ class _Writer:
 
 
 def passage_text(
-    flow: Flow, lanes: int, together: int, block: int, count: int, columns: int = 0
+    flow: StagePlan, lanes: int, together: int, block: int, count: int, columns: int = 0
 ) -> str:
     """The module of that lattice's stages, which take ``count`` numbers, as text.
 

@@ -59,7 +59,7 @@ def apart(shift: int) -> tuple[int, int]:
     return rows, shift - rows * SPAN
 
 
-class Law(NamedTuple):
+class ForceFormula(NamedTuple):
     """A force's arithmetic. Integers are places in the numbers.
 
     A polynomial's ``factors`` are those of the powers below the highest, from above, None where one
@@ -72,7 +72,7 @@ class Law(NamedTuple):
     program: tuple[tuple[str, float], ...] = ()
 
 
-class Tap(NamedTuple):
+class StreamRead(NamedTuple):
     """``weight`` times a stream's value at the cell at offset ``shift``.
 
     If ``number`` is given, the factor is the one that stands there.
@@ -92,15 +92,15 @@ class Stream(NamedTuple):
     """
 
     kind: Kind
-    taps: tuple[Tap, ...]
+    taps: tuple[StreamRead, ...]
     lag: int
     lowest: int
     field: int = 0
     number: int | None = None
-    law: Law = Law()
+    law: ForceFormula = ForceFormula()
 
 
-class Flow(NamedTuple):
+class StagePlan(NamedTuple):
     """The streams of a stage in the order in which they are formed; hashable.
 
     The positions come first, then the velocities; ``kicked`` are the streams of the new velocities.
@@ -120,7 +120,7 @@ class Flow(NamedTuple):
         """Cells at the lower end that a stage leaves untrue."""
         return max(0, *(-self.streams[place].lowest for place in self.kicked))
 
-    def behind(self, stream: Stream, tap: Tap) -> int:
+    def behind(self, stream: Stream, tap: StreamRead) -> int:
         """How long ago the value was formed that a stream takes there."""
         return stream.lag - tap.shift - self.streams[tap.stream].lag
 
@@ -157,7 +157,7 @@ class Flow(NamedTuple):
         return total
 
 
-def _operations(law: Law) -> int:
+def _operations(law: ForceFormula) -> int:
     if law.program:
         return sum(word not in ("x", "number") for word, _ in law.program)
     if not law.factors:
@@ -176,7 +176,7 @@ class Rows(NamedTuple):
     kept of each stream.
     """
 
-    flow: Flow
+    flow: StagePlan
     rise: int
     below: int
     skew: int
@@ -189,7 +189,7 @@ class Rows(NamedTuple):
 
 
 @lru_cache(maxsize=256)
-def rows_of(flow: Flow) -> Rows:
+def rows_of(flow: StagePlan) -> Rows:
     """The stage with streams that are as late as they can be.
 
     A row has no ends before all of it is drifted: until then only its own column is taken.
@@ -233,7 +233,7 @@ def rows_of(flow: Flow) -> Rows:
     )
 
 
-def _late(flow: Flow, rise: int) -> Flow:
+def _late(flow: StagePlan, rise: int) -> StagePlan:
     """The streams with a kick so many rows behind the front, as late as what needs them allows."""
     lags: dict[int, int] = {}
     streams = list(flow.streams)
@@ -246,7 +246,7 @@ def _late(flow: Flow, rise: int) -> Flow:
     return flow._replace(streams=tuple(streams))
 
 
-def _columns(flow: Flow) -> list[tuple[int, int]]:
+def _columns(flow: StagePlan) -> list[tuple[int, int]]:
     """The columns beside a row's own, at either end, on which each stream is needed."""
     found = [(0, 0)] * len(flow.streams)
     for place in range(len(flow.streams) - 1, -1, -1):
@@ -258,36 +258,37 @@ def _columns(flow: Flow) -> list[tuple[int, int]]:
 
 
 @lru_cache(maxsize=256)
-def flow_of(lattice: NumericLattice) -> tuple[Flow, tuple[float, ...]]:
+def stage_plan(lattice: NumericLattice) -> tuple[StagePlan, tuple[float, ...]]:
     """The streams of a stage of that lattice, and the numbers that they take.
 
     Raises ValueError for a lattice of more than two dimensions.
 
     >>> from longwave.derive import LATTICES
     >>> from longwave.lattice.numeric_lattice import numeric_lattice
-    >>> flow, numbers = flow_of(numeric_lattice(LATTICES["beta_fput"], {"K2": 4, "K4": 1}))
+    >>> lattice = numeric_lattice(LATTICES["beta_fput"], {"K2": 4, "K4": 1})
+    >>> flow, numbers = stage_plan(lattice)
     >>> flow.operations, flow.skew, numbers
     (6, 1, (4.0, 1.0))
     """
-    flow, numbers, _ = varied_flow(lattice, None)
+    flow, numbers, _ = varied_stage_plan(lattice, None)
     return flow, numbers
 
 
-class VariedFlow(NamedTuple):
+class VariedStagePlan(NamedTuple):
     """A stage of a lattice whose masses or springs differ from cell to cell.
 
     What differs stands in fields of its own behind the lattice's, which rest; each holds shares
     times its unit.
     """
 
-    flow: Flow
+    flow: StagePlan
     numbers: tuple[float, ...]
     units: tuple[float, ...]
 
 
 @lru_cache(maxsize=256)
-def varied_flow(lattice: NumericLattice, variation: Variation | None) -> VariedFlow:
-    """`flow_of` with what differs from cell to cell, if anything does."""
+def varied_stage_plan(lattice: NumericLattice, variation: Variation | None) -> VariedStagePlan:
+    """`stage_plan` with what differs from cell to cell, if anything does."""
     if lattice.dimension > 2:
         raise ValueError(
             f"lattice must be a chain or a plane, got {lattice.name} in {lattice.dimension} "
@@ -298,17 +299,19 @@ def varied_flow(lattice: NumericLattice, variation: Variation | None) -> VariedF
     acting: list[list[_Part]] = [[] for _ in lattice.fields]
     units: list[float] = []
     for place, bond in enumerate(lattice.bonds):
-        law, unit = law_of(bond.force, builder.number)
+        law, unit = force_formula(bond.force, builder.number)
         if law is None:
             continue
         stretch = builder.stretch(bond.stretch, bond.offset)
         force = builder.force(stretch, law)
         part = None if variation is None or not variation.forces else variation.forces[place]
         if part is not None:
-            share, own = law_of(part, builder.number)
+            share, own = force_formula(part, builder.number)
             assert share is not None
-            weight, units = Tap(fields + len(units)), [*units, own / unit]
-            force = builder.varied(Tap(force), weight, Tap(builder.force(stretch, share)))
+            weight, units = StreamRead(fields + len(units)), [*units, own / unit]
+            force = builder.varied(
+                StreamRead(force), weight, StreamRead(builder.force(stretch, share))
+            )
         for of, parts in enumerate(acting):
             stencil = _merged(entry for entry in bond.action if entry.field == of)
             if stencil:
@@ -319,9 +322,9 @@ def varied_flow(lattice: NumericLattice, variation: Variation | None) -> VariedF
         for place, (parts, mass) in enumerate(zip(acting, lattice.masses, strict=True))
     ]
     kicked += range(builder.fields + fields, 2 * builder.fields)
-    flow = Flow(builder.fields, tuple(builder.streams), tuple(kicked))
+    flow = StagePlan(builder.fields, tuple(builder.streams), tuple(kicked))
     units += [1.0] * (builder.fields - fields - len(units))
-    return VariedFlow(flow, tuple(builder.numbers), tuple(units))
+    return VariedStagePlan(flow, tuple(builder.numbers), tuple(units))
 
 
 class _Part(NamedTuple):
@@ -374,14 +377,16 @@ def _work(parts: Sequence[_Part]) -> int:
     return sum(len(part.stencil) for part in parts) - 1
 
 
-def law_of(force: ForceProgram, number: Callable[[float], int]) -> tuple[Law | None, float]:
+def force_formula(
+    force: ForceProgram, number: Callable[[float], int]
+) -> tuple[ForceFormula | None, float]:
     """A force's arithmetic and its unit, ``number`` giving places; None if there is no force."""
     if force.instructions:
         program = tuple(
             (word, float(number(value)) if word == "number" else value)
             for word, value in force.instructions
         )
-        return Law(program=program), 1.0
+        return ForceFormula(program=program), 1.0
     highest = max((i for i, value in enumerate(force.coefficients) if value), default=None)
     if highest is None:
         return None, 1.0
@@ -390,7 +395,7 @@ def law_of(force: ForceProgram, number: Callable[[float], int]) -> tuple[Law | N
     monic = max(map(abs, lower), default=0.0) <= MONIC * abs(unit)
     leading, unit = (None, unit) if monic else (number(unit), 1.0)
     factors = tuple(number(value / unit) if value else None for value in lower)
-    return Law(factors, leading), unit
+    return ForceFormula(factors, leading), unit
 
 
 @dataclass
@@ -412,7 +417,9 @@ class _Builder:
             self.numbers.append(value)
         return self.numbers.index(value)
 
-    def add(self, kind: Kind, taps: Sequence[Tap], least: int = -MOST, **more: object) -> int:
+    def add(
+        self, kind: Kind, taps: Sequence[StreamRead], least: int = -MOST, **more: object
+    ) -> int:
         """The place of a stream of these taps; one that is there already is not formed twice."""
         lags = [tap.shift + self.streams[tap.stream].lag for tap in taps]
         lag = max(max(lags, default=0), least)
@@ -422,23 +429,23 @@ class _Builder:
             self.streams.append(made)
         return self.streams.index(made)
 
-    def stretch(self, entries: Sequence[Entry], offset: float) -> Tap:
+    def stretch(self, entries: Sequence[Entry], offset: float) -> StreamRead:
         """What a bond of a cell is stretched by."""
         taps = []
         for place in range(self.fields):
             stencil = _merged(entry for entry in entries if entry.field == place)
-            taps += [Tap(place, shift, weight) for shift, weight in stencil.items()]
+            taps += [StreamRead(place, shift, weight) for shift, weight in stencil.items()]
         taps.sort(key=lambda tap: tap.weight != 1.0)
         if len(taps) == 1 and taps[0].weight == 1.0 and offset == 0.0:
             return taps[0]
         number = self.number(offset) if offset else None
-        return Tap(self.add("sum", taps, number=number))
+        return StreamRead(self.add("sum", taps, number=number))
 
-    def force(self, stretch: Tap, law: Law) -> int:
+    def force(self, stretch: StreamRead, law: ForceFormula) -> int:
         """The force of such a bond."""
         return self.add("force", [stretch], law=law)
 
-    def varied(self, whole: Tap, share: Tap, part: Tap) -> int:
+    def varied(self, whole: StreamRead, share: StreamRead, part: StreamRead) -> int:
         """``whole + share part``, cell by cell."""
         return self.add("varied", [whole, share, part])
 
@@ -464,21 +471,21 @@ class _Builder:
             pulls = self._divided(scaled, 1, -1, MOST)
             assert pulls is not None
             pull = self.total(pulls)
-            moved = self.varied(pull, Tap(share), pull)
-            total = Tap(self.add("sum", [Tap(moved, 1), Tap(moved, 0, -1.0)]))
+            moved = self.varied(pull, StreamRead(share), pull)
+            total = StreamRead(self.add("sum", [StreamRead(moved, 1), StreamRead(moved, 0, -1.0)]))
         else:
             pull = self.total(scaled)
-            total = Tap(self.varied(pull, Tap(share), pull))
-        velocity = Tap(self.fields + place)
+            total = StreamRead(self.varied(pull, StreamRead(share), pull))
+        velocity = StreamRead(self.fields + place)
         number = self.number(unit / mass)
         return self.add("kicked", [velocity, total], 0, field=place, number=number)
 
-    def total(self, parts: Sequence[_Part]) -> Tap:
+    def total(self, parts: Sequence[_Part]) -> StreamRead:
         """The sum of the parts, with as few instructions as common divisors of stencils give."""
         if len(parts) == 1 and len(parts[0].stencil) == 1 and parts[0].factor == 1.0:
             [(shift, weight)] = parts[0].stencil.items()
             if weight == 1.0:
-                return Tap(parts[0].stream, shift)
+                return StreamRead(parts[0].stream, shift)
         steps = {a - b for part in parts for a in part.stencil for b in part.stencil if a > b}
         for step in sorted(steps):
             for sign in (-1, 1):
@@ -487,9 +494,9 @@ class _Builder:
                     inner = self.total(divided)
                     upper = inner._replace(shift=inner.shift + step)
                     lower = inner._replace(weight=sign * inner.weight)
-                    return Tap(self.add("sum", [upper, lower]))
+                    return StreamRead(self.add("sum", [upper, lower]))
         taps = [tap for part in parts for tap in self._terms(part, alone=len(parts) == 1)]
-        return Tap(self.add("sum", taps))
+        return StreamRead(self.add("sum", taps))
 
     def _divided(
         self, parts: Sequence[_Part], step: int, sign: int, most: int
@@ -502,14 +509,14 @@ class _Builder:
             found.append(part._replace(stencil=quotient))
         return found
 
-    def _terms(self, part: _Part, alone: bool) -> list[Tap]:
+    def _terms(self, part: _Part, alone: bool) -> list[StreamRead]:
         """The part's taps; a factor that is not 1 is applied to their sum."""
         factor, stream, stencil = part
         if abs(factor) == 1.0 and alone:
-            return [Tap(stream, shift, factor * weight) for shift, weight in stencil.items()]
+            return [StreamRead(stream, shift, factor * weight) for shift, weight in stencil.items()]
         if len(stencil) == 1:
             [(shift, weight)] = stencil.items()
-            inner = Tap(stream, shift, weight)
+            inner = StreamRead(stream, shift, weight)
         else:
             inner = self.total([part._replace(factor=1.0)])
         factor *= inner.weight

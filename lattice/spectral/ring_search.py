@@ -19,11 +19,10 @@ TURNED = 1.0
 how the lattices differ."""
 
 ALIKE = 0.2
-"""Share of the tolerance by which the lattices of a ring may differ unseen. While the nonlinear part
-turns the phase of a typical wave by one, their strains part by 0.02 to 0.4 times the spread of
+"""Share of the tolerance by which the lattices of a ring may differ unseen. While the nonlinear
+part turns the phase of a typical wave by one, their strains part by 0.02 to 0.4 times the spread of
 their energies, in units of the largest strain: measured on 30 scenes of all waves, a |y| from 0.3
-to 0.63, as `searches/estimates.py` draws them, with a spread up to 2.2 times `crest_energy_spread`.
-"""
+to 0.63, as `searches/estimates.py` draws them."""
 
 TAIL_SHARE = 0.1
 """Bound of the spectrum's tail, in units of the tolerance."""
@@ -37,12 +36,12 @@ RUN_AWAY = 0.01
 beginning, and beside what the watch resolves, it is not the step that does it."""
 
 
-def telling_step(speed: float) -> float:
+def resolving_step(speed: float) -> float:
     """The longest step that shows how the lattices of a ring differ that moves at ``speed``."""
     return TURNED / (2.0 * math.pi * speed)
 
 
-class RingSearch:
+class SpectralRingSearch:
     """An engine that runs a ring from ``begin`` on, in a frame of ``speed``, for `refine` to judge.
 
     A run whose spectrum's tail rises is begun again with more points. A step that is too long lets
@@ -60,11 +59,11 @@ class RingSearch:
 
     def __init__(self, begin: float, duration: float, speed: float, tolerance: float) -> None:
         self._begin, self._duration, self._tolerance = begin, duration, tolerance
-        self._telling = telling_step(speed) if speed else math.inf
+        self._telling = resolving_step(speed) if speed else math.inf
         self._density, self._alike = 1.0, 0.0
         self._ran_away: list[float] = []
 
-    def scout(self) -> Self:
+    def coarse_engine(self) -> Self:
         """None: a ring must hold what it holds."""
         return self
 
@@ -82,7 +81,7 @@ class RingSearch:
         self._density = kept
         return Trial(choices, None, self.work(choices), 0.0, 0.0, None)
 
-    def varied(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
+    def control(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
         """A shorter step, more points."""
         if "step" in kinds:
             step, start = self.step_ratio * choices.step, self.step_ratio * choices.start

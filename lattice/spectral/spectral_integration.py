@@ -31,7 +31,7 @@ from longwave.lattice.spectral.lattice_ring import (
     ring_stretches,
     whole,
 )
-from longwave.lattice.spectral.ring_search import TAIL_SHARE, RingSearch
+from longwave.lattice.spectral.ring_search import TAIL_SHARE, SpectralRingSearch
 from longwave.lattice.trial import (
     Choices,
     Kind,
@@ -103,7 +103,7 @@ def spectral_integrate(
     check_positive("tolerance", tolerance, "it is the error accepted of what is judged")
     frame = _frame(lattice, speed)
     begun = perf_counter()
-    engine = FieldSearch(lattice, state, wanted, frame, tolerance, judged)
+    engine = FieldRingEngine(lattice, state, wanted, frame, tolerance, judged)
     found = refine(engine, tolerance)
     trial = found.trial
     if trial.values is None:
@@ -163,7 +163,7 @@ def _frame(lattice: NumericLattice, speed: float | tuple[float, ...]) -> tuple[f
     return found
 
 
-class FieldSearch(RingSearch):
+class FieldRingEngine(SpectralRingSearch):
     """Runs of a ring of fields from a state, for `refine` to judge; their payload the states.
 
     What is judged is in so many ``unit`` of the fields. It is ``at_sites`` if it stands at the
@@ -187,7 +187,7 @@ class FieldSearch(RingSearch):
         at_sites: bool = False,
     ) -> None:
         super().__init__(state.t, float(times[-1] - state.t), max(map(abs, speed)), tolerance)
-        self.fragile = not lattice.is_linear
+        self.amplifies_rounding = not lattice.is_linear
         self._lattice, self._state, self._speed = lattice, state, speed
         self._times, self._unit, self._at_sites = times, unit, at_sites
         largest = float(np.max(np.abs(state.f)))
@@ -260,7 +260,7 @@ class FieldSearch(RingSearch):
     def _points(self, choices: Choices) -> float:
         return math.prod(self._counts(choices))
 
-    def better(self, choices: Choices, kind: Kind, excess: float) -> Choices:
+    def improved(self, choices: Choices, kind: Kind, excess: float) -> Choices:
         """By the law of the order, or more points."""
         if kind == "sampling":
             density = choices.density if self._is_whole(choices) else DENSER * choices.density
@@ -331,7 +331,7 @@ class FieldSearch(RingSearch):
             perf_counter() - loop.begun,
             rounding_error(ring.largest / self._unit, ring.integrator.evaluations),
             (ring, kept),
-            alike=self._unshown(choices),
+            common_error=self._unshown(choices),
         )
 
     def _kept(self, state: FieldRing) -> Memory:

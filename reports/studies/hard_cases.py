@@ -27,7 +27,7 @@ from longwave.reports.studies.doubledouble_ring import advance_doubled, doubled
 from longwave.reports.studies.travelling_waves import TravellingWave, fastest_mode, travelling_wave
 from longwave.scenes import resume, run
 from longwave.scenes.chain.domain import SiteRing, Window
-from longwave.scenes.chain.trust import UNIT_ROUNDOFF, horizon
+from longwave.scenes.chain.trust import UNIT_ROUNDOFF, predictability_time
 from longwave.scenes.named_scenes import load_scene
 from longwave.scenes.scene import Scene
 from longwave.support.processes import Job, Key
@@ -258,7 +258,7 @@ def _cn_growth() -> Reading:
 def _cn_horizon() -> Reading:
     wave, n = travelling_wave(*CN), CN_SITES
     rate = fastest_mode(wave, CN_WAVELENGTHS).rate.real
-    predicted = horizon(rate, 1e-4, UNIT_ROUNDOFF)
+    predicted = predictability_time(rate, 1e-4, UNIT_ROUNDOFF)
     times = 50.0 * np.arange(1.0, math.ceil(1.6 * predicted / 50.0))
     found = deviations(wave, wave.strain(n), wave.velocity(n), CN_STEP, times)
     passed = np.flatnonzero(found > 1e-4)

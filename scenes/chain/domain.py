@@ -72,7 +72,7 @@ def least_ring(moving: MovingWave, strain: Array) -> int:
     return 2 * (moving.compared + math.ceil(travelled + front(fastest, duration)))
 
 
-def speed_held(moving: MovingWave, sites: float) -> float:
+def fastest_contained_signal(moving: MovingWave, sites: float) -> float:
     """The fastest signal for which a ring of that many sites is wide enough; see `least_ring`."""
     duration = moving.duration
     room = 0.5 * sites - moving.compared - moving.speed * duration / 2.0
@@ -86,7 +86,7 @@ def speed_held(moving: MovingWave, sites: float) -> float:
     return slow
 
 
-def creeping(moving: MovingWave) -> int:
+def sound_drift(moving: MovingWave) -> int:
     """Sites by which sound on the wave's constant background gains on c t in that time."""
     gain = moving.constants.sound_speed(moving.level) - moving.speed
     return math.ceil(max(0.0, gain) * moving.duration)
@@ -143,7 +143,7 @@ class SiteRing(Domain[State]):
         moving, wavelength = self.moving, self.moving.wave.wavelength
         if not self.fades or moving.duration == 0.0:
             return None
-        speed = speed_held(moving, self.size - seam_room(moving))
+        speed = fastest_contained_signal(moving, self.size - seam_room(moving))
         depth = max(float(FADING_DEPTH), (wavelength or 0.0) / moving.eps)
         return Fading(moving.t0, speed, moving.level, depth)
 

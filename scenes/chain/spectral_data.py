@@ -225,7 +225,7 @@ solitons were 1.9e-5 off with 4 steps and 1.6e-5 with 7."""
 def first_step(speed: float, duration: float, k: float, turning: float) -> float:
     """The time in which the nonlinear part or dispersion turns a typical wave, or a run's share.
 
-    ``turning`` is the `turning_time` of waves of number ``k``, the `typical_number`. In the
+    ``turning`` is the `turning_time` of waves of number ``k``, the `rms_wavenumber`. In the
     long-wave limit both are fixed parts of the slow time T, so the number of steps does not depend
     on eps. Dispersion is the faster one for small waves on short ones.
     """
@@ -245,7 +245,7 @@ def turning_time(constants: Model, state: FieldRing, k: float) -> float:
     return 2.0 * constants.sound_speed() / (spread * k)
 
 
-def typical_number(state: FieldRing) -> float:
+def rms_wavenumber(state: FieldRing) -> float:
     """The root mean square wave number of the strain's spectrum, its mean apart, or of its flank.
 
     The spectrum of a kink is that of its far fields, so the steepest slope counts as well, in units

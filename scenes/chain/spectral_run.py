@@ -14,7 +14,7 @@ import numpy as np
 from longwave.lattice.model import empty_state, find_blow_up
 from longwave.lattice.refine import Announce, Refined, StoppedSearch
 from longwave.lattice.spectral.exponential import ORDER
-from longwave.lattice.spectral.ring_search import ALIKE, run_facts, telling_step
+from longwave.lattice.spectral.ring_search import ALIKE, resolving_step, run_facts
 from longwave.lattice.trial import Progress, Trial
 from longwave.scenes.chain.moving_wave import MovingWave
 from longwave.scenes.chain.spectral_data import (
@@ -90,7 +90,7 @@ def spectral_cost(scene: Scene) -> ExpectedCost:
     steepness = numbers.a * moving.eps * peak
     apart = APART * math.exp(-(math.pi**2) / steepness) * (1.0 + turns) * peak
     if apart > ALIKE * tolerance:
-        evaluations = max(evaluations, moving.duration / telling_step(moving.speed))
+        evaluations = max(evaluations, moving.duration / resolving_step(moving.speed))
     first, *wider = _circumferences(data, tolerance, peak, turns)
     density = POINTS * peak * first_density(moving)
     points = density * np.array([*[first] * round(STEPPING), 2.0 * first, *wider]) + 2.0

@@ -28,7 +28,7 @@ from longwave.lattice.spectral.evolution import (
     SpectralRing,
 )
 from longwave.lattice.spectral.field_ring import FieldRing, fast_count
-from longwave.lattice.spectral.ring_search import TAIL_SHARE, RingSearch
+from longwave.lattice.spectral.ring_search import TAIL_SHARE, SpectralRingSearch
 from longwave.lattice.trial import (
     NUDGE,
     Choices,
@@ -47,8 +47,8 @@ from longwave.scenes.chain.spectral_data import (
     first_density,
     first_step,
     ring_data,
+    rms_wavenumber,
     turning_time,
-    typical_number,
 )
 from longwave.support.checkpoint import begin_loop
 
@@ -82,6 +82,10 @@ pay (a soliton's width in sites is 1/(a |y|))."""
 
 SLENDER = 0.2
 """Up to this a |y| the energies of the ring's lattices differ by less than rounding."""
+
+SPREAD = 2.2
+"""The energies' spread with which the bound was measured, in units of `crest_energy_spread`: at most,
+of solitons with a |y| from 0.35 to 0.6."""
 
 RESOLVED = 2.5
 """Points per site that a steep wave takes."""
@@ -135,7 +139,7 @@ def solve_on_rings(
     return found
 
 
-class SpectralEngine(RingSearch):
+class SpectralEngine(SpectralRingSearch):
     """Runs of a wave on rings, its initial data kept."""
 
     kinds: tuple[Kind, ...] = ("step", "sampling", "domain")
@@ -144,7 +148,7 @@ class SpectralEngine(RingSearch):
     average away, as step^1/2."""
     step_ratio = 0.6
     least_factor = 0.3
-    fragile = False
+    amplifies_rounding = False
     """Waves so steep that rounding grows soon are refused."""
 
     def __init__(self, moving: MovingWave, tolerance: float, most_work: float) -> None:
@@ -165,7 +169,7 @@ class SpectralEngine(RingSearch):
         """The smallest ring, sampled by the wave's own scale, with a step of that scale."""
         choices = self._sized(Choices(1.0, 0.0, density=self._density), self._data.smallest)
         state, c = self._state(choices), self._moving.speed
-        k = typical_number(state)
+        k = rms_wavenumber(state)
         turning = turning_time(self._moving.constants, state, k)
         step = first_step(c, self._duration, k, turning)
         self._alike = self._apart(self._duration / turning)
@@ -198,7 +202,7 @@ class SpectralEngine(RingSearch):
         ring = data.ring(data.smallest)
         state = data.state(ring, _points(DENSITY * ring.circumference))
         chain = StrainDynamics(data.moving.constants).lattice
-        spread = crest_energy_spread(chain, state, 0)
+        spread = SPREAD * crest_energy_spread(chain, state, 0)
         return (1.0 + turns) * spread * float(np.max(np.abs(bounds.strain))) / data.moving.eps
 
     def _made_denser(self, choices: Choices) -> bool:
@@ -211,20 +215,20 @@ class SpectralEngine(RingSearch):
         if self._soft and self._lost_again(error, step):
             raise error
 
-    def varied(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
+    def control(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
         """A shorter step, more points, a wider ring with its seam elsewhere.
 
         More than the points that the run really has, where the fewest of a ring make them more.
         """
         dense = replace(choices, density=self._dense(choices) / choices.finer)
-        choices = super().varied(dense, kinds)
+        choices = super().control(dense, kinds)
         if "domain" in kinds and not choices.causal:
             weaker = replace(choices, absorber=WEAKER * choices.absorber)
             wider = self._sized(weaker, SIZE_RATIO * choices.size)
             choices = replace(wider, shift=choices.shift + SHIFT)
         return choices
 
-    def better(self, choices: Choices, kind: Kind, excess: float) -> Choices:
+    def improved(self, choices: Choices, kind: Kind, excess: float) -> Choices:
         """By the laws of the method's order and of the ring's size."""
         if kind == "step":
             shorter = self._shorter(choices, excess)
@@ -287,7 +291,9 @@ class SpectralEngine(RingSearch):
         rounding += clock_error(values, moving.speed, (moving.t0, moving.end))
         work = evaluations * points * math.log2(points)
         seconds = time.perf_counter() - loop.begun
-        trial = Trial(choices, values, work, seconds, rounding, cost, alike=self._unshown(choices))
+        trial = Trial(
+            choices, values, work, seconds, rounding, cost, common_error=self._unshown(choices)
+        )
         if stopped:
             raise StoppedTrial(trial)
         return trial

@@ -28,10 +28,10 @@ from longwave.lattice.trial import (
 )
 from longwave.scenes.chain.domain import (
     Array,
-    creeping,
     least_ring,
     least_window,
     seam_room,
+    sound_drift,
     window_moves,
 )
 from longwave.scenes.chain.moving_wave import MovingWave, WaveBounds, find_bounds
@@ -77,7 +77,7 @@ def least_sites(moving: MovingWave, domain: str, bounds: WaveBounds) -> int:
     """
     if domain == "ring":
         return round_up(least_ring(moving, bounds.strain) + seam_room(moving))
-    return round_up(least_window(bounds.reach + creeping(moving)))
+    return round_up(least_window(bounds.reach + sound_drift(moving)))
 
 
 def round_up(sites: float) -> int:
@@ -158,7 +158,7 @@ class StencilEngine:
         self._scene, self._moving = scene, moving
         self._bounds = find_bounds(moving, scene.target.tolerance)
         self._met: list[Array] = []  # on rings that were too narrow, of runs done at once
-        self.fragile = moving.wave.wavelength is not None
+        self.amplifies_rounding = moving.wave.wavelength is not None
         self._domain = domain_kind(scene, moving)
         self.kinds: tuple[Kind, ...] = ("step", "domain") if self._domain == "window" else ("step",)
         self.safety = WINDOW_SAFETY if self._domain == "window" else SAFETY
@@ -175,7 +175,7 @@ class StencilEngine:
         """The longest step and the smallest domain."""
         return Choices(self._longest, self._least, self._domain == "ring")
 
-    def scout(self) -> Engine:
+    def coarse_engine(self) -> Engine:
         """The same about the wave alone, if that saves sites."""
         bounds = find_bounds(replace(self._moving, compared=1), self._scene.target.tolerance)
         compared = min(self._scene.compared, bounds.reach + CLEARANCE)
@@ -200,7 +200,7 @@ class StencilEngine:
             choices = replace(choices, size=_checked(least))
             self._met.append(strain)
 
-    def varied(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
+    def control(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
         """A shorter step, a wider window; a ring, which is causal anyway, varies with the step.
 
         The ring is wider than it must be, or as it must be if it was wider before.
@@ -215,7 +215,7 @@ class StencilEngine:
             choices = self._sized(choices, SIZE_RATIO * choices.size)
         return choices
 
-    def better(self, choices: Choices, kind: Kind, excess: float) -> Choices:
+    def improved(self, choices: Choices, kind: Kind, excess: float) -> Choices:
         """By the laws of the scheme's order and of the window's size."""
         if kind == "step":
             step = step_between(self._stops, choices.step)

@@ -96,7 +96,7 @@ class Trust:
     """Growth rate (per lattice time) of the fastest perturbation, and the time it leaves."""
 
     rate: float
-    horizon: float
+    predictability_time: float
 
 
 @lru_cache(maxsize=64)
@@ -113,7 +113,7 @@ def trust_in(scene: Scene, tolerance: float) -> Trust:
     wave = scene.moving_wave.wave
     per_tau = _fastest_rate(wave)
     rate = 0.0 if per_tau <= FLOOR else per_tau * wave.numbers.b * scene.eps**3
-    return Trust(rate, horizon(rate, tolerance, UNIT_ROUNDOFF))
+    return Trust(rate, predictability_time(rate, tolerance, UNIT_ROUNDOFF))
 
 
 def has_periodic_background(scene: Scene) -> bool:
@@ -129,7 +129,7 @@ def trust_attributes(scene: Scene) -> dict[str, float]:
     if not has_periodic_background(scene):
         return {}
     trust = trust_in(scene, scene.tolerance or USUAL_TOLERANCE)
-    return {"trust_rate": trust.rate, "trust_horizon": trust.horizon}
+    return {"trust_rate": trust.rate, "trust_horizon": trust.predictability_time}
 
 
 def check_trust(scene: Scene) -> None:
@@ -139,24 +139,27 @@ def check_trust(scene: Scene) -> None:
     """
     if scene.tolerance is None or not has_periodic_background(scene):
         return
-    if scene.t0 + horizon(_most_rate(scene), scene.tolerance, UNIT_ROUNDOFF) >= scene.end:
+    if (
+        scene.t0 + predictability_time(_most_rate(scene), scene.tolerance, UNIT_ROUNDOFF)
+        >= scene.end
+    ):
         return
     trust = trust_in(scene, scene.tolerance)
-    if scene.t0 + trust.horizon < scene.end:
+    if scene.t0 + trust.predictability_time < scene.end:
         raise ValueError(
-            f"snapshots must satisfy t <= {scene.t0 + trust.horizon:.4g} with tolerance "
-            f"{scene.tolerance:g}, got {scene.end:g} (the background is unstable: its fastest "
-            f"perturbation grows like exp({trust.rate:.3g} t), and rounding has then grown to the "
+            f"snapshots must satisfy t <= {scene.t0 + trust.predictability_time:.4g} with "
+            f"tolerance {scene.tolerance:g}, got {scene.end:g} (the background is unstable: its "
+            f"fastest perturbation grows like exp({trust.rate:.3g} t), and rounding has then grown to the "
             "tolerance; end earlier, or state a step to run on regardless)"
         )
 
 
-def horizon(rate: float, tolerance: float, rounding: float) -> float:
+def predictability_time(rate: float, tolerance: float, rounding: float) -> float:
     """Time until a perturbation as small as ``rounding`` has grown to ``tolerance`` at ``rate``.
 
     A run about an unstable wave is trustworthy up to then, however small its step.
 
-    >>> round(horizon(0.001, 1e-4, 1e-16))
+    >>> round(predictability_time(0.001, 1e-4, 1e-16))
     27631
     """
     return math.inf if rate == 0.0 else max(0.0, math.log(tolerance / rounding)) / rate

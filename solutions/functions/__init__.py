@@ -6,7 +6,7 @@ Their values: `solutions.functions.multiprecision` (any precision), `solutions.r
 
 from typing import TYPE_CHECKING
 
-from longwave.support.lazy_face import lazy_face
+from longwave.support.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
     from longwave.solutions.functions.jacobi import (
@@ -29,6 +29,6 @@ __all__ = [
     "jacobi_zeta",
 ]
 
-__getattr__, __dir__ = lazy_face(
+__getattr__, __dir__ = lazy_exports(
     __name__, {"longwave.solutions.functions.jacobi": " ".join(__all__)}
 )

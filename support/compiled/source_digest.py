@@ -87,7 +87,7 @@ def text_digest(sources: Files) -> str:
 @lru_cache
 def are_older(sources: Files) -> bool:
     """Whether those of the modules that are imported are older than the first import of a room."""
-    from longwave.support.lazy_face import BEGUN
+    from longwave.support.lazy_exports import BEGUN
 
     states = (path.stat() for name, path in sources if name in sys.modules)
     return all(max(state.st_mtime, state.st_ctime) < BEGUN for state in states)

@@ -19,7 +19,7 @@ from longwave.lattice.kernels import ring_kernel
 from longwave.lattice.kernels.reference import advance_splitting
 from longwave.lattice.kernels.ring_kernel import LEAST_SHARED, MEETING, RingKernel
 from longwave.lattice.kernels.row_code import passage_text
-from longwave.lattice.kernels.streams import flow_of
+from longwave.lattice.kernels.streams import stage_plan
 from longwave.lattice.numeric_lattice import (
     Array,
     Entry,
@@ -213,7 +213,7 @@ def test_absent_terms_are_not_computed(name: str, constants: tuple[int, int, int
     lattice = numeric_lattice(
         LATTICES[name], {k: v for k, v in (given_ | more).items() if k in wanted}
     )
-    flow, values = flow_of(lattice)
+    flow, values = stage_plan(lattice)
     assert flow.operations == COUNTS[name, constants]
     text = passage_text(flow, 8, 1, 256, len(values))
     body = text[text.index('@"stages_1"') : text.index('@"passages"')]
@@ -226,7 +226,7 @@ def test_one_machine_code_serves_all_constants() -> None:
     names = [str(symbol) for symbol in lattice.constants]
     random = np.random.default_rng(1)
     flows = {
-        flow_of(numeric_lattice(lattice, dict(zip(names, row, strict=True)), (slope,)))[0]
+        stage_plan(numeric_lattice(lattice, dict(zip(names, row, strict=True)), (slope,)))[0]
         for row, slope in zip(
             random.uniform(1, 2, (5, len(names))).tolist(), (1, 2, 3, 4, 5), strict=True
         )
@@ -254,7 +254,7 @@ def test_a_constant_stretch_is_a_constant_force() -> None:
 def test_a_lattice_of_three_dimensions_is_refused() -> None:
     lattice = random_lattice(np.random.default_rng(0), 1.0, axes=3)
     with pytest.raises(ValueError, match="lattice must be a chain or a plane"):
-        flow_of(lattice)
+        stage_plan(lattice)
 
 
 @pytest.mark.parametrize("spoil", [np.float32, np.asfortranarray])

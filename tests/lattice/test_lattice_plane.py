@@ -6,7 +6,7 @@ import pytest
 from longwave.lattice import FieldState, integrate
 from longwave.lattice.kernels import reference, ring_kernel
 from longwave.lattice.kernels.ring_kernel import RingKernel
-from longwave.lattice.kernels.streams import flow_of, rows_of
+from longwave.lattice.kernels.streams import rows_of, stage_plan
 from longwave.lattice.numeric_lattice import Entry, NumericBond, NumericLattice
 from longwave.lattice.schemes import BLANES_MOAN_6, REDUCED_PHASE_6, STOERMER_VERLET, DriftKick
 from tests.lattice.random_lattices import random_lattice, smooth_or_rough
@@ -78,7 +78,7 @@ def test_two_cores_give_the_same_numbers(monkeypatch: pytest.MonkeyPatch) -> Non
 def test_absent_terms_are_absent() -> None:
     """Of springs without quadratic and cubic parts, and of an axis without springs."""
     straight = NumericLattice("plain", ("u",), (1.0,), (SQUARE.bonds[0],))
-    whole, half = flow_of(SQUARE)[0], flow_of(straight)[0]
+    whole, half = stage_plan(SQUARE)[0], stage_plan(straight)[0]
     assert (whole.operations, half.operations) == (13, 7)
     assert (rows_of(whole).left, rows_of(half).left) == (1, 0)
 

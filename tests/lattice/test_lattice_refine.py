@@ -26,7 +26,7 @@ class Breaking:
     """A value that is off by step^2, and no value where the step is longer than ``longest``."""
 
     kinds: tuple[Kind, ...] = ("step",)
-    threads, order, decay, safety, unstable, fragile = 1, 2, 1.0, 2.0, 1, False
+    threads, order, decay, safety, unstable, amplifies_rounding = 1, 2, 1.0, 2.0, 1, False
     most_work = math.inf
 
     def __init__(self, longest: float) -> None:
@@ -35,17 +35,17 @@ class Breaking:
     def first(self) -> Choices:
         return Choices(1.0, 10.0, causal=True)
 
-    def scout(self) -> Engine:
+    def coarse_engine(self) -> Engine:
         return self
 
     def run(self, choices: Choices, shown: bool, progress: Progress) -> Trial:
         values = np.array([choices.step**2]) if choices.step <= self.longest else None
         return Trial(choices, values, 1.0, 0.0, 0.0, None, shown)
 
-    def varied(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
+    def control(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
         return replace(choices, step=choices.step * STEP_RATIO) if "step" in kinds else choices
 
-    def better(self, choices: Choices, kind: Kind, excess: float) -> Choices:
+    def improved(self, choices: Choices, kind: Kind, excess: float) -> Choices:
         return replace(choices, step=lawful_step(choices.step, self.order, excess))
 
     def taken(self, choices: Choices) -> float:

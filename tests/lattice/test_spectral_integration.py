@@ -7,8 +7,8 @@ import pytest
 
 from longwave.lattice import FieldState, integrate
 from longwave.lattice.spectral.field_ring import FieldRing
-from longwave.lattice.spectral.ring_search import telling_step
-from longwave.lattice.spectral.spectral_integration import FieldSearch, spectral_integrate
+from longwave.lattice.spectral.ring_search import resolving_step
+from longwave.lattice.spectral.spectral_integration import FieldRingEngine, spectral_integrate
 from tests.lattice.random_lattices import random_lattice, reference, smooth_or_rough
 from tests.lattice.test_numeric_lattice import numbers
 
@@ -128,9 +128,9 @@ def test_a_control_run_has_more_points_than_the_fewest() -> None:
     """A wave on a quarter of the fewest points that a ring has is sampled more densely, too."""
     state = packet(16)
     long = replace(state, f=np.cos(2 * np.pi * np.arange(16) / 16) * np.ones((2, 1)), v=0 * state.v)
-    search = FieldSearch(CHAIN, long.sampled((96,)), np.array([1.0]), (0.6,), 1e-2, None)
+    search = FieldRingEngine(CHAIN, long.sampled((96,)), np.array([1.0]), (0.6,), 1e-2, None)
     first = search.run(search.first(), False)
-    control = search.run(search.varied(search.first(), search.kinds), True)
+    control = search.run(search.control(search.first(), search.kinds), True)
     fewest, more = (trial.payload[1][0]["f"].shape[1] for trial in (first, control))
     assert fewest == 8
     assert more == 10
@@ -239,4 +239,4 @@ def test_a_crest_as_short_as_the_sites_is_run_with_steps_that_resolve_them() -> 
         u = 0.4 * np.exp(-((x / width) ** 2))[None]
         ring = FieldRing(0.0, (0.0,), (48.0,), u, 2.0 * x / width**2 * u)
         steps.append(spectral_integrate(numbers("beta_fput"), ring, [12.0], 4e-3, 1.0).step)
-    assert steps[0] <= telling_step(1.0) < steps[1]
+    assert steps[0] <= resolving_step(1.0) < steps[1]

@@ -14,7 +14,7 @@ from longwave.lattice.refine import refine
 from longwave.scenes import run
 from longwave.scenes.lattice_derivation import lattice_wave
 from longwave.scenes.lattice_run import wave_rings
-from longwave.scenes.ring_runs import RingRuns
+from longwave.scenes.ring_runs import SiteRingEngine
 from longwave.scenes.scene import Scene
 from searches.estimate_judge import judge_scene
 from searches.estimate_scenes import RandomScene
@@ -77,7 +77,7 @@ CROSSING = LONGER.changed(
 
 def judged(scene: Scene) -> tuple[float, float]:
     """Estimate and true error."""
-    engine = RingRuns(*wave_rings(scene))
+    engine = SiteRingEngine(*wave_rings(scene))
     found = refine(engine, scene.tolerance)
     finer = replace(found.trial.choices, step=found.trial.choices.step / 4.0)
     exact = engine.run(finer, False)

@@ -154,11 +154,11 @@ def forget():
     runs_as_written.cache_clear()
 
 from longwave import derive
-lazy_face = sys.modules["longwave.support.lazy_face"]
+lazy_exports = sys.modules["longwave.support.lazy_exports"]
 path = Path("old.py")
 path.write_text("value = 1\\n")
 os.utime(path, (1e9, 1e9))
-lazy_face.BEGUN = time.time() + 10.0
+lazy_exports.BEGUN = time.time() + 10.0
 import old
 assert runs_as_written((("old", path.resolve()),))
 path.write_text("value = 2\\n")
@@ -167,7 +167,7 @@ del sys.modules["old"]
 import old
 forget()
 print(old.value, runs_as_written((("old", path.resolve()),)))
-lazy_face.BEGUN = 0.0
+lazy_exports.BEGUN = 0.0
 path.write_text("value = 1\\n")
 forget()
 print(runs_as_written((("old", path.resolve()),)))

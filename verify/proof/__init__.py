@@ -9,7 +9,7 @@ constants symbolic, `prove_stable` its evaluation form; `prove_rational`, `prove
 
 from typing import TYPE_CHECKING
 
-from longwave.support.lazy_face import lazy_face
+from longwave.support.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
     from longwave.verify.kernel import CertificateError
@@ -45,7 +45,7 @@ __all__ = [
     "rational_facts",
 ]
 
-__getattr__, __dir__ = lazy_face(
+__getattr__, __dir__ = lazy_exports(
     __name__,
     {
         "longwave.verify.proof.catalogue_proofs": "check_certificate form_domains "

@@ -26,7 +26,7 @@ class Toy:
 
     rounding: float = 0.0
     plateau: float = 0.0
-    fragile: bool = False
+    amplifies_rounding: bool = False
     most_work: float = np.inf
     runs: list[Choices] = field(default_factory=list)
     kinds: tuple[Kind, ...] = ("step",)
@@ -39,7 +39,7 @@ class Toy:
     def first(self) -> Choices:
         return Choices(1.0, 100.0)
 
-    def scout(self) -> Engine:
+    def coarse_engine(self) -> Engine:
         return self
 
     def run(self, choices: Choices, shown: bool, progress: Progress) -> Trial:
@@ -48,10 +48,10 @@ class Toy:
         value = choices.step**4 + sign * self.plateau + self.rounding * choices.nudged
         return Trial(choices, np.array([[value]]), self.work(choices), 0.0, 0.0, None)
 
-    def varied(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
+    def control(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
         return replace(choices, step=0.6 * choices.step)
 
-    def better(self, choices: Choices, kind: Kind, excess: float) -> Choices:
+    def improved(self, choices: Choices, kind: Kind, excess: float) -> Choices:
         return replace(choices, step=max(0.2, 0.9 * excess**-0.25) * choices.step)
 
     def taken(self, choices: Choices) -> float:
@@ -108,7 +108,7 @@ def test_a_plateau_of_rounding_is_told_at_once() -> None:
 
 
 def test_what_becomes_of_rounding_is_part_of_the_error() -> None:
-    toy = Toy(rounding=3e-7, fragile=True)
+    toy = Toy(rounding=3e-7, amplifies_rounding=True)
     found = refine(toy, 1e-6)
     assert 6e-7 <= found.rounding <= found.error <= 1e-6
 

@@ -9,7 +9,12 @@ import pytest
 from longwave.cli.scene_command import summary_lines
 from longwave.scenes import run
 from longwave.scenes.chain import trust
-from longwave.scenes.chain.trust import USUAL_TOLERANCE, horizon, trust_attributes, trust_in
+from longwave.scenes.chain.trust import (
+    USUAL_TOLERANCE,
+    predictability_time,
+    trust_attributes,
+    trust_in,
+)
 from longwave.scenes.named_scenes import load_scene
 from longwave.scenes.run_record import RunRecord
 
@@ -19,11 +24,11 @@ def test_a_scenes_horizon() -> None:
     scene = load_scene("rogue_cn_k_0.5")
     trust = trust_in(scene, 1e-4)
     assert trust.rate == pytest.approx(2.49e-5, rel=0.01)
-    assert trust.horizon > 1e6
+    assert trust.predictability_time > 1e6
     closer = trust_in(replace(scene, eps=0.2), 1e-4)
     assert trust.rate / closer.rate == pytest.approx(0.25**3, rel=1e-6)
     for name in ("soliton_dn_k_0.7", "breather_sn_k_0.5", "rational_2_eps_0.05"):
-        assert trust_in(load_scene(name), 1e-4).horizon == float("inf")
+        assert trust_in(load_scene(name), 1e-4).predictability_time == float("inf")
 
 
 def test_a_constant_background_has_nothing_to_report() -> None:
@@ -33,14 +38,14 @@ def test_a_constant_background_has_nothing_to_report() -> None:
 def test_a_tolerance_of_the_scene_sets_the_horizon() -> None:
     scene = load_scene("rogue_cn_k_0.5")
     found = trust_attributes(scene)
-    assert found["trust_horizon"] == trust_in(scene, USUAL_TOLERANCE).horizon
+    assert found["trust_horizon"] == trust_in(scene, USUAL_TOLERANCE).predictability_time
     closer = trust_attributes(scene.with_tolerance(1e-8))
     ratio = found["trust_horizon"] - closer["trust_horizon"]
     assert ratio * found["trust_rate"] == pytest.approx(math.log(1e4))
 
 
 def test_a_tolerance_below_rounding_is_lost_at_once() -> None:
-    assert horizon(0.1, 1e-20, 1e-16) == 0.0
+    assert predictability_time(0.1, 1e-20, 1e-16) == 0.0
 
 
 def _line(background: dict[str, float], **changes: float) -> str:

@@ -17,7 +17,7 @@ SOLUTIONS = Path("longwave") / "solutions"
 
 RUN_FILES = (
     *(f"support/compiled/{n}.py" for n in ("jit", "native_code", "kernel_folder", "source_digest")),
-    *(f"support/{name}.py" for name in ("atomic_file", "sealed_file", "lazy_face")),
+    *(f"support/{name}.py" for name in ("atomic_file", "sealed_file", "lazy_exports")),
 )
 
 UNCOMPILED = shutil.ignore_patterns("__pycache__")

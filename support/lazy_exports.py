@@ -13,7 +13,7 @@ BEGUN = time.time()
 """When the first room was imported: what runs is older."""
 
 
-def lazy_face(
+def lazy_exports(
     room: str, modules: Mapping[str, str]
 ) -> tuple[Callable[[str], object], Callable[[], list[str]]]:
     """The room's ``__getattr__`` and ``__dir__``, from the nouns (in one text) of each module.
