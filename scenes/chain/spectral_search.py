@@ -84,8 +84,8 @@ SLENDER = 0.2
 """Up to this a |y| the energies of the ring's lattices differ by less than rounding."""
 
 SPREAD = 2.2
-"""The energies' spread with which the bound was measured, in units of `crest_energy_spread`: at most,
-of solitons with a |y| from 0.35 to 0.6."""
+"""The spread of energies with which the bound was measured, in units of `crest_energy_spread`: at
+most, of solitons with a |y| from 0.35 to 0.6."""
 
 RESOLVED = 2.5
 """Points per site that a steep wave takes."""

@@ -149,8 +149,8 @@ def check_trust(scene: Scene) -> None:
         raise ValueError(
             f"snapshots must satisfy t <= {scene.t0 + trust.predictability_time:.4g} with "
             f"tolerance {scene.tolerance:g}, got {scene.end:g} (the background is unstable: its "
-            f"fastest perturbation grows like exp({trust.rate:.3g} t), and rounding has then grown to the "
-            "tolerance; end earlier, or state a step to run on regardless)"
+            f"fastest perturbation grows like exp({trust.rate:.3g} t), and rounding has then grown "
+            "to the tolerance; end earlier, or state a step to run on regardless)"
         )
 
 
