@@ -71,6 +71,10 @@ WARY = 100.0
 """Factor on what the nudge changes with the longest step: a hundred times as much was seen with
 shorter ones, whose roundings are more (scenes of `searches/estimates.py`)."""
 
+DRAWN = 1.5
+"""Factor on what the nudge changes of the run that is shown: it is one draw of what rounding grows
+to (with 1 an opponent met an error of 1.08 times its estimate)."""
+
 LAWFUL = 3.0
 """What a step changes obeys its law if it is at most this much larger than the law has it, and has
 fallen as half of the order would have it."""
@@ -146,7 +150,7 @@ def _refined(search: "_Search", engine: Engine, tolerance: float) -> Refined:
         least = LEAST_ON_RING if "sampling" in engine.kinds else LEAST
         error = max(change + rounding + control.common_error, least * tolerance)
         if error <= tolerance and search.wary:
-            grown = search.grown(choices)
+            grown = DRAWN * search.grown(choices)
             rounding, error = rounding + grown, error + grown
         if error <= tolerance and not scouting.has_seen_law(choices):
             shorter = _followed(search, scouting, choices)
