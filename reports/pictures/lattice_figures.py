@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -71,6 +72,9 @@ def _draw_maps(figure: FigureBase, run: xr.Dataset) -> None:
 RATE_HEIGHT, RATES_ACROSS = 2.3, 2
 """Height of a row of panels of errors over eps, in inches, and panels in it."""
 
+TICKS_APART = 0.2
+"""Least distance of values of eps that are printed, in units of the axis."""
+
 
 def rate_figure(panels: Mapping[float, Mapping[str, Sequence[ConvergencePoint]]]) -> Figure:
     """Errors over eps, both in logarithms, with the runs' own errors as bars.
@@ -111,7 +115,11 @@ def _draw_power(ax: Axes, points: Sequence[ConvergencePoint], power: float) -> N
     ends = np.array([min(p.eps for p in points), max(p.eps for p in points)])
     words = rf"$\propto\epsilon^{{{power:g}}}$"
     ax.plot(ends, factor * ends**power, color="black", linestyle=":", linewidth=1.0, label=words)
-    ticks = [tick for tick in (0.02, 0.05, 0.1, 0.2, 0.3, 0.5) if ends[0] <= tick <= ends[1]]
+    ticks: list[float] = []
+    for tick in (0.02, 0.05, 0.1, 0.2, 0.3, 0.5):
+        apart = math.inf if not ticks else math.log(tick / ticks[-1]) / math.log(ends[1] / ends[0])
+        if ends[0] <= tick <= ends[1] and apart > TICKS_APART:
+            ticks.append(tick)
     ax.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
     ax.set_xticks([], minor=True)
 

@@ -130,9 +130,9 @@ def rate_title(scene: Scene) -> str:
 def rate_panels(
     rates: Iterable[SceneConvergence],
 ) -> dict[float, dict[str, tuple[ConvergencePoint, ...]]]:
-    """For each expected rate its curves, by the number and the equation of the case."""
+    """For each expected rate its curves, by the name of the case in the table."""
     panels: dict[float, dict[str, tuple[ConvergencePoint, ...]]] = {}
     for found in sorted(rates, key=lambda one: one.theory or 0):
         curves = panels.setdefault(found.theory or 0, {})
-        curves[f"{found.scene.name}: {found.equation}"] = found.points
+        curves[found.scene.name] = found.points
     return panels

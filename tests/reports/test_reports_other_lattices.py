@@ -230,7 +230,7 @@ def test_errors_have_bars_and_each_power_its_panel() -> None:
     found = [measured_rate(), measured_rate(case="1"), replace(measured_rate(), theory=4)]
     panels = rate_panels(found)
     assert list(panels) == [3, 4]
-    assert list(panels[3]) == ["6a: mKdV", "1: mKdV"]
+    assert list(panels[3]) == ["6a", "1"]
     with styled():
         left, right = rate_figure(panels).axes[:2]
     assert len(left.containers) == 2
