@@ -181,7 +181,7 @@ class StencilEngine:
         compared = min(self._scene.compared, bounds.reach + CLEARANCE)
         if self._domain == "ring" or compared == self._scene.compared:
             return self
-        scene = replace(self._scene, compared=compared, observables=())
+        scene = replace(self._scene, compared=compared, half_width=None, observables=())
         return StencilEngine(scene, replace(self._moving, compared=compared))
 
     def run(self, choices: Choices, shown: bool, progress: Progress) -> Trial:
@@ -250,11 +250,12 @@ class StencilEngine:
         domain = "closed_ring" if choices.causal else "window"
         scheme = self._base.discretisation.scheme
         eps = self._scene.eps * (1.0 + NUDGE * choices.nudged)
+        base = replace(self._base, slow_times=(), half_width=None) if choices.nudged else self._base
         stated = replace(
-            self._base,
+            base,
             eps=eps,
             numerics=Discretisation(choices.step, domain, int(choices.size), scheme),
-            observables=self._base.observables if looked else (),
+            observables=base.observables if looked else (),
         )
         stopped = False
         try:
