@@ -250,3 +250,16 @@ def test_a_tolerance_that_no_ring_meets_is_refused_with_the_users_number(
     scene = ring_scene().with_tolerance(1e-3).changed(engine="spectral")
     with pytest.raises(ValueError, match=r"larger than 0\.001: it needs a ring of more than 100 p"):
         run(scene)
+
+
+@pytest.mark.parametrize("wave", ["wave_dn", "rational_1"])
+def test_slow_times_and_half_width_are_times_and_sites(wave: str) -> None:
+    """Catches: data nudged, or the wave looked at alone, of a scene that is no scene then."""
+    parameters = {"k": 0.5} if wave == "wave_dn" else {}
+    asked = {"wave": wave, "parameters": parameters, "eps": 0.1, "tolerance": 1e-3}
+    asked["constants"] = {"K2": 1, "K4": 1}
+    slow = Scene.of(name="slow", slow_times=[0, 0.1], half_width=20, **asked)
+    by_sites = Scene.of(name="sites", t0=0, snapshots=[0, 100], compared=200, **asked)
+    one, other = run(slow), run(by_sites)
+    assert one.sizes["site"] == 401
+    np.testing.assert_allclose(one.strain.values, other.strain.values, atol=1e-12)
