@@ -181,7 +181,7 @@ class StencilEngine:
         compared = min(self._scene.compared, bounds.reach + CLEARANCE)
         if self._domain == "ring" or compared == self._scene.compared:
             return self
-        scene = replace(self._scene, compared=compared, half_width=None, observables=())
+        scene = self._scene.changed(compared=compared, observables=())
         return StencilEngine(scene, replace(self._moving, compared=compared))
 
     def run(self, choices: Choices, shown: bool, progress: Progress) -> Trial:
@@ -250,10 +250,12 @@ class StencilEngine:
         domain = "closed_ring" if choices.causal else "window"
         scheme = self._base.discretisation.scheme
         eps = self._scene.eps * (1.0 + NUDGE * choices.nudged)
-        base = replace(self._base, slow_times=(), half_width=None) if choices.nudged else self._base
+        base = self._base
+        if choices.nudged:  # at the same times and sites
+            same = {key: getattr(base, key) for key in ("t0", "snapshots", "compared")}
+            base = base.changed(eps=eps, **same)
         stated = replace(
             base,
-            eps=eps,
             numerics=Discretisation(choices.step, domain, int(choices.size), scheme),
             observables=base.observables if looked else (),
         )
