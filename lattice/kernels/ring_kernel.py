@@ -397,16 +397,15 @@ class RingKernel:
         last, joint = float(drifts[-1]), drifts[:-1].copy()
         joint[0] += last
         if steps > 0:
-            self._advance(f, v, joint, kicks, steps * kicks.size, last)
+            self.advance_stages(f, v, joint, kicks, steps * kicks.size, last)
 
-    def advance_stages(self, f: Array, v: Array, drifts: Array, kicks: Array, stages: int) -> None:
-        """So many stages, ``f += drift v`` and ``v += kick f''``, their weights in turn."""
-        self._advance(f, v, drifts, kicks, stages, 0.0)
-
-    def _advance(
-        self, f: Array, v: Array, drifts: Array, kicks: Array, stages: int, ahead: float
+    def advance_stages(
+        self, f: Array, v: Array, drifts: Array, kicks: Array, stages: int, ahead: float = 0.0
     ) -> None:
-        """The same; positions are ``ahead`` of their velocities before and after."""
+        """So many stages, ``f += drift v`` and ``v += kick f''``, their weights in turn.
+
+        Positions are ``ahead`` of the velocities before and after.
+        """
         between = self._stages_between(kicks.size)
         if between != self._between or not self._arcs:
             self._arcs, self._between = self._made(between), between
