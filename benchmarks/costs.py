@@ -3,7 +3,7 @@
 Prints estimated over true processor seconds and bytes for every scene, then least, median and
 largest of both.
 
-    python benchmarks/costs.py [--scenes 20] [--seed 7] [--budget 60]
+    python -m benchmarks.costs [--scenes 20] [--seed 7] [--budget 60]
 """
 
 from __future__ import annotations
