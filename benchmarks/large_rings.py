@@ -20,8 +20,8 @@ import numpy as np
 from problem import CONSTANTS, EPS
 
 from longwave.lattice import integrate
-from longwave.lattice.model import State
 from longwave.lattice.schemes import REDUCED_PHASE_6
+from longwave.lattice.state import State
 from longwave.lattice.stepper import advance
 
 STEPS, STEP, ROUNDS = 32, 0.25, 3
@@ -33,7 +33,7 @@ FEW = 10_000
 def state(sites: int) -> State:
     """Long waves of small strain, one in a thousand sites."""
     phase = 2.0 * np.pi * np.arange(sites) / 1000.0
-    return State(0.0, 0, EPS * np.sin(phase), np.zeros(sites))
+    return State(0.0, EPS * np.sin(phase)[None], np.zeros((1, sites)))
 
 
 def nanoseconds(sites: int) -> float:
@@ -43,14 +43,14 @@ def nanoseconds(sites: int) -> float:
     spent = []
     for _ in range(ROUNDS + 1):
         begun = time.perf_counter()
-        advance(REDUCED_PHASE_6, start.y, start.s, STEP, steps, CONSTANTS)
+        advance(REDUCED_PHASE_6, start.f, start.v, STEP, steps, CONSTANTS.lattice)
         spent.append(time.perf_counter() - begun)
     return min(spent) * 1e9 / (sites * steps * REDUCED_PHASE_6.stages)
 
 
 def peak_bytes(sites: int) -> int:
     """Largest memory of this process when it has run to the tolerance."""
-    integrate(CONSTANTS, state(sites), [4.0], TOLERANCE)
+    integrate(CONSTANTS.lattice, state(sites), [4.0], TOLERANCE)
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
 
 

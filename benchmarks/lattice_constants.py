@@ -17,7 +17,6 @@ import numpy as np
 from numpy.typing import NDArray
 from problem import PROBLEMS
 
-from longwave.lattice.dynamics import StrainDynamics
 from longwave.lattice.kernels import ring_kernel
 from longwave.lattice.kernels.ring_kernel import RingKernel
 from longwave.lattice.model import Model
@@ -33,7 +32,7 @@ LINEAR, CUBIC = Model(1.0, 0.0, 0.0), Model(1.0, 0.0, 1.0)
 
 def advanced(shape: tuple[int, ...], steps: int, **constants: int) -> Callable[[], None]:
     """The steps of a chain or plane of that shape, by the kernel with these constants."""
-    lattice = StrainDynamics(CUBIC).lattice if len(shape) == 1 else PROBLEMS["square"].lattice
+    lattice = CUBIC.lattice if len(shape) == 1 else PROBLEMS["square"].lattice
     kernel = RingKernel(lattice, *shape)
     ring = 0.01 * np.random.default_rng(0).standard_normal((2, 1, *shape))
     work = 0.2 * REDUCED_PHASE_6.drifts, 0.2 * REDUCED_PHASE_6.kicks

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from longwave import derive
 from longwave.derive import LATTICES
-from longwave.lattice.dynamics import dynamics_of
 from longwave.lattice.kernels.streams import stage_plan
 from longwave.lattice.model import Model
 from longwave.lattice.numeric_lattice import NumericLattice, numeric_lattice
@@ -51,12 +50,11 @@ SOFRONIOU_SPALETTA = Tenth(
 class Problem:
     """A lattice, what it starts from, and its equations as a user of a library writes them.
 
-    ``start`` are positions and velocities: of a `Model` (sites,), else (fields, *cells).
-    ``acceleration`` is given NumPy or what stands for it, and positions. Errors are of the
-    stretches, in units of ``unit``.
+    ``start`` are positions and velocities, of shape (fields, *cells). ``acceleration`` is given
+    NumPy or what stands for it, and positions. Errors are of the stretches, in units of ``unit``.
     """
 
-    lattice: Model | NumericLattice
+    lattice: NumericLattice
     start: Callable[[], tuple[Array, Array]]
     acceleration: Callable[[Any, Any], Any]
     duration: float = DURATION
@@ -68,8 +66,7 @@ class Problem:
 
     def stretches(self, f: Array) -> Array:
         """What errors are measured of."""
-        chain = isinstance(self.lattice, NumericLattice)
-        return np.array(self.lattice.stretches(f)) if chain else f
+        return np.array(self.lattice.stretches(f))
 
     def error(self, f: Array, exact: Array) -> float:
         """Sup over cells of the stretches' difference, in the unit."""
@@ -84,7 +81,7 @@ class Problem:
     @property
     def operations(self) -> int:
         """Arithmetic instructions of the kernel a cell and stage."""
-        return stage_plan(dynamics_of(self.lattice).lattice)[0].operations
+        return stage_plan(self.lattice)[0].operations
 
 
 def initial(eps: float = EPS, t0: float = T0, sites: int = SITES) -> tuple[Array, Array]:
@@ -106,6 +103,12 @@ def hump(*cells: int, places: tuple[float, ...] = (0.0,)) -> tuple[Array, Array]
         axes = [(np.arange(count) - count // 2 + place) / WIDTH for count in cells]
         f.append(np.exp(-sum(axis**2 for axis in np.meshgrid(*axes, indexing="ij"))))
     return np.array(f), np.zeros((len(places), *cells))
+
+
+def strained_wave() -> tuple[Array, Array]:
+    """`initial`, as fields."""
+    y, s = initial()
+    return y[np.newaxis], s[np.newaxis]
 
 
 def strained_hump() -> tuple[Array, Array]:
@@ -158,7 +161,7 @@ def _numbers(name: str, **constants: float) -> NumericLattice:
 
 
 PROBLEMS = {
-    "fput_strain": Problem(CONSTANTS, initial, fput),
+    "fput_strain": Problem(CONSTANTS.lattice, strained_wave, fput),
     "next_nearest": Problem(
         _numbers("next_nearest", K2=4, K3=0, K4=1, L2=1, L3=0, L4=0.5), strained_hump, next_nearest
     ),

@@ -28,7 +28,6 @@ from contenders import (
 from peak import multiply_add_rate
 from problem import PROBLEMS, Array, Problem
 
-from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.lattice.schemes import (
     BLANES_MOAN_6,
     KAHAN_LI_8,
@@ -114,8 +113,7 @@ def entered(
 
 def print_share(problem: Problem, seconds: float, steps: float, rate: float) -> None:
     """The kernel's arithmetic as a share of the core's multiply-add rate."""
-    fields = len(problem.lattice.fields) if isinstance(problem.lattice, NumericLattice) else 1
-    cells = problem.start()[0].size // fields
+    cells = problem.start()[0][0].size
     done = problem.operations * cells * round(steps) * REDUCED_PHASE_6.stages / seconds
     print(
         f"{problem.operations} operations per cell and force evaluation (a multiply-add counts "

@@ -1,6 +1,6 @@
 """The lattice with numbers: no symbols, no waves, no files.
 
-``integrate(model, state, times, tolerance)`` is the room's face. Each noun is imported when it is
+``integrate(lattice, state, times, tolerance)`` is the room's face. Each noun is imported when it is
 first asked for: a model needs no compiler.
 """
 
@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING
 from longwave.support.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
-    from longwave.lattice.field_state import FieldState
-    from longwave.lattice.integration import Cost, FieldTrajectory, Trajectory, integrate
-    from longwave.lattice.model import Model, State, ring_energy
+    from longwave.lattice.integration import Cost, Trajectory, integrate
+    from longwave.lattice.model import Model
     from longwave.lattice.scheme_order import check_order
     from longwave.lattice.schemes import (
         SCHEMES,
@@ -27,14 +26,13 @@ if TYPE_CHECKING:
         SpectralTrajectory,
         spectral_integrate,
     )
+    from longwave.lattice.state import State
 
 __all__ = [
     "SCHEMES",
     "Composition",
     "Cost",
     "FieldRing",
-    "FieldState",
-    "FieldTrajectory",
     "Model",
     "RungeKutta",
     "Scheme",
@@ -44,7 +42,6 @@ __all__ = [
     "Trajectory",
     "check_order",
     "integrate",
-    "ring_energy",
     "scheme_named",
     "spectral_integrate",
     "stability_limit",
@@ -53,9 +50,9 @@ __all__ = [
 __getattr__, __dir__ = lazy_exports(
     __name__,
     {
-        "longwave.lattice.integration": "Cost FieldTrajectory Trajectory integrate",
-        "longwave.lattice.field_state": "FieldState",
-        "longwave.lattice.model": "Model State ring_energy",
+        "longwave.lattice.integration": "Cost Trajectory integrate",
+        "longwave.lattice.state": "State",
+        "longwave.lattice.model": "Model",
         "longwave.lattice.schemes": "SCHEMES Composition RungeKutta Scheme Splitting scheme_named "
         "stability_limit",
         "longwave.lattice.scheme_order": "check_order",

@@ -10,19 +10,17 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from time import perf_counter
-from typing import Any, Generic, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from longwave.lattice.dynamics import dynamics_of
-from longwave.lattice.field_state import FieldState
-from longwave.lattice.model import Held, Model, State
+from longwave.lattice.dynamics import Dynamics
 from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.lattice.refine import refine
 from longwave.lattice.run_times import check_positive, checked_times
 from longwave.lattice.scheme_order import check_order
 from longwave.lattice.schemes import REDUCED_PHASE_6, SCHEMES, Scheme, check_step, stability_limit
+from longwave.lattice.state import State
 from longwave.lattice.stepper import Stepper, StillRing
 from longwave.lattice.trial import (
     LEAST_FACTOR,
@@ -76,23 +74,6 @@ class Cost:
 
 @dataclass(frozen=True)
 class Trajectory:
-    """A ring of sites at all ``times``: ``strain`` and ``velocity`` of shape (time, site).
-
-    ``error_estimate`` is what the largest error of the strain, over all sites and times, is at
-    most estimated to be; nan if it was not asked for. ``step`` is the longest step.
-    """
-
-    times: Array
-    strain: Array
-    velocity: Array
-    error_estimate: float
-    scheme: str
-    step: float
-    cost: Cost
-
-
-@dataclass(frozen=True)
-class FieldTrajectory:
     """Fields ``f`` and velocities ``v`` of a ring at all ``times``: (time, field, *cells).
 
     ``error_estimate`` is what the largest error of what is judged, of the stretches of all bonds
@@ -109,9 +90,8 @@ class FieldTrajectory:
     cost: Cost
 
 
-@overload
 def integrate(
-    model: Model,
+    lattice: NumericLattice,
     state: State,
     times: ArrayLike,
     tolerance: float | None = None,
@@ -120,52 +100,29 @@ def integrate(
     scheme: Scheme = REDUCED_PHASE_6,
     step: float | None = None,
     measure_error: bool = True,
-) -> Trajectory: ...
-@overload
-def integrate(
-    model: NumericLattice,
-    state: FieldState,
-    times: ArrayLike,
-    tolerance: float | None = None,
-    *,
-    judged: Judged | None = None,
-    scheme: Scheme = REDUCED_PHASE_6,
-    step: float | None = None,
-    measure_error: bool = True,
-) -> FieldTrajectory: ...
-def integrate(
-    model: Model | NumericLattice,
-    state: State | FieldState,
-    times: ArrayLike,
-    tolerance: float | None = None,
-    *,
-    judged: Judged | None = None,
-    scheme: Scheme = REDUCED_PHASE_6,
-    step: float | None = None,
-    measure_error: bool = True,
-) -> Trajectory | FieldTrajectory:
-    """The lattice from ``state``, on its ring of sites, at all ``times``.
+) -> Trajectory:
+    """The lattice from ``state``, on its ring of cells, at all ``times``.
 
-    A `Model` is y_n'' = D V'(y)_n and takes a `State`; any other lattice is a `NumericLattice` and
-    takes a `FieldState`. With a ``tolerance`` the step is found: the error of the stretches of all
-    bonds (of a `Model`: of the strain), over all cells and times, is at most that. Of a ring of
-    displacements their sum, the drift of the whole ring, is not judged then. ``judged(f, v, t)`` is
-    an array of what is judged in place of them, in the fields' unit: ``lambda f, v, t: f`` judges
-    the fields themselves. With a ``step`` it is taken as it is (at most: each of the times is hit),
-    and the error is measured with a shorter one unless ``measure_error`` is False. ``times``
-    increase and do not lie before ``state.t``. The state is left alone.
+    With a ``tolerance`` the step is found: the error of the stretches of all bonds, over all cells
+    and times, is at most that. Of a ring of displacements their sum, the drift of the whole ring,
+    is not judged then. ``judged(f, v, t)`` is an array of what is judged in place of them, in the
+    fields' unit: ``lambda f, v, t: f`` judges the fields themselves. With a ``step`` it is taken as
+    it is (at most: each of the times is hit), and the error is measured with a shorter one unless
+    ``measure_error`` is False. ``times`` increase and do not lie before ``state.t``. The state is
+    left alone.
 
     Raises ValueError for what cannot be run, for a lattice that blows up before the last time, and
     for a tolerance below what rounding leaves.
 
-    >>> n = np.arange(64)
-    >>> state = State(0.0, 0, 0.1 * np.cos(np.pi * n / 32), np.zeros(64))
-    >>> run = integrate(Model(1.0, 0.0, 0.0), state, [0.0, 10.0], tolerance=1e-6)
-    >>> exact = 0.1 * np.cos(np.pi * n / 32) * np.cos(2.0 * np.sin(np.pi / 64) * 10.0)
-    >>> bool(np.abs(run.strain[1] - exact).max() <= run.error_estimate <= 1e-6)
+    >>> from longwave.lattice import Model
+    >>> wave = 0.1 * np.cos(np.pi * np.arange(64) / 32)
+    >>> state = State(0.0, wave[np.newaxis], np.zeros((1, 64)))
+    >>> run = integrate(Model(1.0, 0.0, 0.0).lattice, state, [0.0, 10.0], tolerance=1e-6)
+    >>> exact = wave * np.cos(2.0 * np.sin(np.pi / 64) * 10.0)
+    >>> bool(np.abs(run.f[1] - exact).max() <= run.error_estimate <= 1e-6)
     True
     """
-    held = _checked(model, state)
+    held = _checked(lattice, state)
     moments = checked_times(times, held.t)
     if scheme not in SCHEMES:
         check_order(scheme)
@@ -175,28 +132,29 @@ def integrate(
             "(a tolerance finds the step)"
         )
     begun = perf_counter()
-    search = CellRingEngine(model, held, moments, scheme, judged)
+    search = CellRingEngine(lattice, held, moments, scheme, judged)
     if tolerance is not None:
         trial, error = _found(search, tolerance, moments)
     else:
         assert step is not None
         trial, error = _stated(search, step, measure_error)
-    made = Trajectory if isinstance(held, State) else FieldTrajectory
-    return made(*_outcome(trial, error, moments, begun, scheme))
+    return _outcome(trial, error, moments, begun, scheme)
 
 
-def _checked(model: Model | NumericLattice, state: State | FieldState) -> Any:
+def _checked(lattice: NumericLattice, state: State) -> State:
     """The state with arrays of doubles; ValueError for what is no state of the lattice."""
-    wanted = FieldState if isinstance(model, NumericLattice) else State
-    if not isinstance(state, wanted):
-        raise ValueError(
-            f"state must be a {wanted.__name__} for a {type(model).__name__}, got a "
-            f"{type(state).__name__} (a Model takes a State, a NumericLattice a FieldState)"
-        )
-    return dynamics_of(model).checked(state)
+    for name, value, kind, remedy in (
+        ("lattice", lattice, NumericLattice, "numeric_lattice or Model(...).lattice makes one"),
+        ("state", state, State, "State(t, f, v), with f and v of the shape (fields, *cells)"),
+    ):
+        if not isinstance(value, kind):
+            raise ValueError(
+                f"{name} must be a {kind.__name__}, got a {type(value).__name__} ({remedy})"
+            )
+    return Dynamics(lattice).checked(state)
 
 
-def _found(engine: CellRingEngine[Any], tolerance: float, times: Array) -> tuple[Trial, float]:
+def _found(engine: CellRingEngine, tolerance: float, times: Array) -> tuple[Trial, float]:
     """A run to the tolerance, and its error."""
     remedy = "it is the error that is accepted, in the unit of what is judged"
     check_positive("tolerance", tolerance, remedy)
@@ -210,7 +168,7 @@ def _found(engine: CellRingEngine[Any], tolerance: float, times: Array) -> tuple
     return found.trial, found.error
 
 
-def _stated(engine: CellRingEngine[Any], step: float, measure_error: bool) -> tuple[Trial, float]:
+def _stated(engine: CellRingEngine, step: float, measure_error: bool) -> tuple[Trial, float]:
     """A run with that step, its error measured with a shorter one."""
     check_positive("step", step, "it goes forward in time")
     check_step(step, engine.scheme, engine.first_frequency)
@@ -222,10 +180,7 @@ def _stated(engine: CellRingEngine[Any], step: float, measure_error: bool) -> tu
     return trial, error
 
 
-def _outcome(
-    trial: Trial, error: float, times: Array, begun: float, scheme: Scheme
-) -> tuple[Any, ...]:
-    """The parts of a trajectory."""
+def _outcome(trial: Trial, error: float, times: Array, begun: float, scheme: Scheme) -> Trajectory:
     blow_up, steps, positions, velocities = trial.payload
     if blow_up is not None:
         raise ValueError(
@@ -243,10 +198,10 @@ def _outcome(
         trial.seconds,
         perf_counter() - begun,
     )
-    return times, positions, velocities, error, scheme.name, trial.choices.step, cost
+    return Trajectory(times, positions, velocities, error, scheme.name, trial.choices.step, cost)
 
 
-class CellRingEngine(StepSearch, Generic[Held]):
+class CellRingEngine(StepSearch):
     """Runs of a ring of sites from a state, for `refine` to judge: only the step varies.
 
     ``first_frequency`` is the highest of any wave about the state.
@@ -256,15 +211,14 @@ class CellRingEngine(StepSearch, Generic[Held]):
 
     def __init__(
         self,
-        model: Model | NumericLattice,
-        state: Held,
+        lattice: NumericLattice,
+        state: State,
         times: Array,
         scheme: Scheme,
         judged: Judged | None = None,
     ) -> None:
-        self.model, self.scheme = model, scheme
-        self.state: Held = state
-        self.dynamics = dynamics_of(model)
+        self.lattice, self.scheme, self.state = lattice, scheme, state
+        self.dynamics = Dynamics(lattice)
         self.amplifies_rounding = not self.dynamics.is_linear
         self.threads = self.dynamics.threads(scheme) if state.size < LARGE else 1
         self._times = times
@@ -293,7 +247,7 @@ class CellRingEngine(StepSearch, Generic[Held]):
         """A run; its payload is what stopped it, its steps, positions and velocities."""
         begun = perf_counter()
         start = self._start(choices.nudged)
-        stepper = Stepper(start, self.scheme, self.model, StillRing(start), choices.step, None)
+        stepper = Stepper(start, self.scheme, self.lattice, StillRing(start), choices.step, None)
         shape = (self._times.size, *self.state.arrays[0].shape)
         f, v = np.empty(shape), np.empty(shape)
         rows = {t: row for row, t in enumerate(self._times.tolist())}
@@ -340,7 +294,7 @@ class CellRingEngine(StepSearch, Generic[Held]):
         limit = stability_limit(self.scheme)
         return limit / highest if limit < SLOW * highest * self._duration else self._duration
 
-    def _start(self, changed: bool) -> Held:
+    def _start(self, changed: bool) -> State:
         """A copy of the state; ``changed`` with the last digits of both its arrays changed."""
         start = self.state.copy()
         if changed:

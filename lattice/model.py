@@ -1,17 +1,27 @@
-"""The strain FPUT lattice: its constants, and its state at one time on a ring of storage.
-
-A run must stop at strains that are not finite or run away, where waves no longer exist, and where
-what a window is fed does not fit the sites next to it.
-"""
+"""The paper's chain in its strains: force constants, what waves they bear, and its energy."""
 
 import math
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol, TypeVar
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
+from longwave.lattice.force_program import ForceProgram
+from longwave.lattice.numeric_lattice import Entry, NumericBond, NumericLattice
+from longwave.lattice.state import State
+
 Array = NDArray[np.float64]
+
+NEGLIGIBLE = 1e-200
+"""K3 and K4 in units of the largest constant below which no strain up to 1e90 feels them; quotients
+of the others neither overflow nor underflow."""
+
+CURVATURE = tuple(Entry((shift,), weight, 0) for shift, weight in ((1, 1.0), (0, -2.0), (-1, 1.0)))
+"""D f_n = f_{n+1} - 2 f_n + f_{n-1}."""
+
+STRAIN = NumericBond((Entry((0,), 1.0, 0),), CURVATURE, ForceProgram())
+"""The bond of y_n'' = D V'(y)_n, its force apart."""
 
 
 @dataclass(frozen=True)
@@ -30,6 +40,19 @@ class Model:
             raise ValueError(
                 f"K2 must satisfy K2 > 0, got {self.K2:g} (the sound speed is sqrt(K2))"
             )
+
+    @cached_property
+    def lattice(self) -> NumericLattice:
+        """The strain lattice with these numbers, without terms that are absent or negligible.
+
+        >>> Model(4, 1e-300, 1).lattice.bonds[0].force.coefficients
+        (4.0, 0.0, 1.0)
+        """
+        K2, *others = (float(value) for value in (self.K2, self.K3, self.K4))
+        least = NEGLIGIBLE * max(K2, *map(abs, others))
+        K3, K4 = (0.0 if abs(value) < least else value for value in others)
+        force = ForceProgram((K2, K3, K4)[: 3 if K4 else 2 if K3 else 1])
+        return NumericLattice("fput_strain", ("y",), (1.0,), (replace(STRAIN, force=force),))
 
     def stiffness(self, y: Array) -> Array:
         """V''(y) = K2 + 2 K3 y + 3 K4 y^2; waves exist only where it is positive.
@@ -72,241 +95,24 @@ class Model:
         """Largest linear frequency (zone boundary, k = pi) about any strain in ``y``."""
         return 2.0 * math.sqrt(max(float(np.max(self.stiffness(y))), self.K2))
 
+    def energy(self, state: State) -> float:
+        """Energy of the chain whose bonds are strained by y: sum of p_n^2 / 2 + V(y_n).
 
-Sites = NDArray[np.int64]
+        The strain lattice is the chain u_n'' = V'(y_n) - V'(y_{n-1}), y_n = u_{n+1} - u_n, whose
+        energy this is. The velocities p_n = u_n' are rebuilt from s_n = p_{n+1} - p_n, in the frame
+        of the centre of mass; the part of s that a ring cannot hold, its mean, is left out.
 
+        The exact flow obeys dH/dt = mean(s) sum V'(y_n): the energy is conserved if the velocities
+        sum to zero, and otherwise changes by the work of stretching the ring. mean(s) is
+        conserved, so data that close up keep H for good.
 
-@dataclass
-class State:
-    """Strains and velocities of the sites ``left`` .. ``left + size - 1`` at time ``t``.
-
-    Site n is stored at index n mod size, so that a window moves without copying. The arrays are
-    changed in place by a run.
-    """
-
-    t: float
-    left: int
-    y: Array
-    s: Array
-
-    @property
-    def arrays(self) -> tuple[Array, Array]:
-        """Strains and velocities as they are stored."""
-        return self.y, self.s
-
-    @property
-    def size(self) -> int:
-        """Number of sites held."""
-        return int(self.y.size)
-
-    def copy(self) -> "State":
-        """A state of its own."""
-        return State(self.t, self.left, self.y.copy(), self.s.copy())
-
-    @property
-    def sites(self) -> Sites:
-        """The sites held, in increasing order."""
-        return np.arange(self.left, self.left + self.size)
-
-    def strain(self, sites: Sites) -> Array:
-        """Strains (a copy) at the given sites, which must be held.
-
-        >>> state = State(0.0, 5, np.array([6.0, 7.0, 5.0]), np.zeros(3))
-        >>> state.strain(np.array([5, 6, 7]))
-        array([5., 6., 7.])
+        >>> state = State(0.0, np.array([[1.0, 0.0, 0.0]]), np.array([[0.0, 1.0, -1.0]]))
+        >>> round(Model(4, 0, 1).energy(state), 12)  # V = 2 + 1/4, p = (-1, -1, 2) / 3
+        2.583333333333
         """
-        return self.y[sites % self.size]
-
-    def velocity(self, sites: Sites) -> Array:
-        """Velocities (a copy) at the given sites, which must be held."""
-        return self.s[sites % self.size]
-
-    def store(self, sites: Sites, y: Array, s: Array) -> None:
-        """Set strains and velocities at the given sites."""
-        index = sites % self.size
-        self.y[index] = y
-        self.s[index] = s
-
-
-def empty_state(t: float, left: int, size: int) -> State:
-    """A state whose values are still to be stored."""
-    return State(t, left, np.empty(size), np.empty(size))
-
-
-def ring_energy(state: State, model: Model) -> float:
-    """Energy of the chain whose bonds are strained by y: sum of p_n^2 / 2 + V(y_n).
-
-    The strain lattice is the chain u_n'' = V'(y_n) - V'(y_{n-1}), y_n = u_{n+1} - u_n, whose energy
-    this is. The velocities p_n = u_n' are rebuilt from s_n = p_{n+1} - p_n, in the frame of the
-    centre of mass; the part of s that a ring cannot hold, its mean, is left out.
-
-    The exact flow obeys dH/dt = mean(s) sum V'(y_n): the energy is conserved if the velocities
-    sum to zero, and otherwise changes by the work of stretching the ring. mean(s) is conserved, so
-    data that close up keep H for good.
-
-    >>> state = State(0.0, 0, np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, -1.0]))
-    >>> round(ring_energy(state, Model(4, 0, 1)), 12)  # V = 2 + 1/4, p = (-1, -1, 2) / 3
-    2.583333333333
-    """
-    y, s = state.y, state.s
-    momentum = np.cumsum(s - np.mean(s))
-    momentum -= np.mean(momentum)
-    K2, K3, K4 = model.K2, model.K3, model.K4
-    potential = y * y * (K2 / 2.0 + y * (K3 / 3.0 + y * (K4 / 4.0)))
-    return float(np.sum(0.5 * momentum * momentum + potential))
-
-
-GROWTH = 100.0
-"""Growth of the largest strain, relative to the initial one, that counts as a blow-up."""
-
-
-@dataclass(frozen=True)
-class BlowUp:
-    """What was first seen, when and where.
-
-    ``from_seam`` is the distance in sites from a ring's seam whose signals can have been there.
-    """
-
-    criterion: str
-    t: float
-    site: int
-    from_seam: int | None = None
-
-    def __str__(self) -> str:
-        text = f"blow-up: {self.criterion} at t = {self.t:g}, site {self.site}"
-        if self.from_seam is None:
-            return text
-        return (
-            f"{text}, {self.from_seam} sites from the ring's seam, where the wave does not close "
-            "(what comes from there may be its cause: take sites with which it closes better, or "
-            "a tolerance in the place of step and domain)"
-        )
-
-
-def extremes(state: State) -> Array:
-    """The smallest and the largest strain, as one row."""
-    return np.array([[state.y.min(), state.y.max()]])
-
-
-def find_blow_up(
-    model: Model, state: State, initial_amplitude: float | None, ranges: Array | None = None
-) -> BlowUp | None:
-    """The first criterion that the state meets, None if it is sound; ``ranges``: its `extremes`.
-
-    Criteria, in order: a strain or velocity that is not finite; for a wave, that is with an
-    amplitude, the lattice's hyperbolicity, K2 + 2 K3 y + 3 K4 y^2 > 0, lost (disturbances then grow
-    at once, fastest at the zone boundary); the largest strain grown by more than ``GROWTH``.
-    """
-    if initial_amplitude is not None:
-        [met] = extremes(state) if ranges is None else ranges
-        if _sound(model, state, met, GROWTH * initial_amplitude):
-            return None
-    broken = ~(np.isfinite(state.y) & np.isfinite(state.s))
-    if broken.any():
-        return _seen("the strain is not finite", state, broken)
-    if initial_amplitude is None:
-        return None
-    with np.errstate(over="ignore"):
-        soft = model.stiffness(state.y) <= 0.0
-    if soft.any():
-        return _seen("K2 + 2 K3 y + 3 K4 y^2 <= 0", state, soft)
-    large = np.abs(state.y) > GROWTH * initial_amplitude
-    if large.any():
-        return _seen(f"the largest strain has grown {GROWTH:g}-fold", state, large)
-    return None
-
-
-def _sound(model: Model, state: State, met: Array, limit: float) -> bool:
-    """Whether the extremes alone say that nothing is wrong: a tenth of the work of all criteria."""
-    least, most = met.tolist()
-    with np.errstate(over="ignore", invalid="ignore"):
-        finite = math.isfinite(float(state.s.sum())) and math.isfinite(least + most)
-    return finite and max(-least, most) <= limit and model.least_stiffness(least, most) > 0.0
-
-
-def _seen(criterion: str, state: State, where: NDArray[np.bool_]) -> BlowUp:
-    sites = state.sites
-    return BlowUp(criterion, state.t, int(sites[where[sites % state.size]][0]))
-
-
-WATCHED = 8
-"""Sites next to the fed ones on which feed and lattice are compared."""
-
-LARGEST_MISFIT = 1e-5
-"""Largest difference of y/eps between feed and lattice; a sound feed stays far below it."""
-
-
-@dataclass
-class InflowCheck:
-    """Compares each feed with the lattice; ``mismatch`` is the largest difference of y/eps seen."""
-
-    eps: float
-    mismatch: float = 0.0
-
-    def compare(self, state: State, sites: Sites, feed: NDArray[np.float64]) -> BlowUp | None:
-        """The fault at the first site where feed and lattice differ too much, None if none does.
-
-        ``feed`` holds the strains that the feed would put on ``sites``, which it leaves alone.
-        """
-        misses = np.abs(state.strain(sites) - feed) / self.eps
-        most = float(misses.max())
-        self.mismatch = max(self.mismatch, most)
-        if not most > LARGEST_MISFIT:
-            return None
-        wrong = misses > LARGEST_MISFIT
-        criterion = (
-            f"the window's feed misses the lattice by {most:.2g} eps, "
-            f"more than {LARGEST_MISFIT:g} eps (the wave's far field is not what is fed)"
-        )
-        return BlowUp(criterion, state.t, int(sites[wrong][0]))
-
-
-if TYPE_CHECKING:
-    from longwave.lattice.field_state import FieldState
-    from longwave.support.checkpoint import Memory
-
-Held = TypeVar("Held", "State", "FieldState")
-"""A kind of state."""
-
-
-class Domain(Protocol[Held]):
-    """What a run needs of a domain; ``moves`` are the times at which it follows the wave.
-
-    What is written here is a ring of sites that stays where it is.
-    """
-
-    moves: frozenset[float] = frozenset()
-
-    @property
-    def mismatch(self) -> float:
-        """Largest difference of y/eps between what was fed and the sites next to it."""
-        return 0.0
-
-    def start(self) -> Held:
-        """The initial state."""
-
-    def follow(self, state: Held) -> BlowUp | None:
-        """Move to the sites that belong to ``state.t``; say what is wrong there, if anything.
-
-        To be called at each of the ``moves``.
-        """
-        return None
-
-    def fade(self, state: Held) -> None:
-        """Change what can no longer reach a compared site, if that is of use.
-
-        To be called wherever the march stops.
-        """
-        return
-
-    def locate(self, found: BlowUp, state: Held) -> BlowUp:
-        """``found``, with what the domain may have to do with it."""
-        return found
-
-    def memory(self) -> "Memory":
-        """What has become of the domain on the way, for `recall`."""
-        return {}
-
-    def recall(self, memory: "Memory", t: float) -> None:
-        """Be what the domain was, at a stop of the march at ``t``."""
-        return
+        y, s = state.f[0], state.v[0]
+        momentum = np.cumsum(s - np.mean(s))
+        momentum -= np.mean(momentum)
+        K2, K3, K4 = self.K2, self.K3, self.K4
+        potential = y * y * (K2 / 2.0 + y * (K3 / 3.0 + y * (K4 / 4.0)))
+        return float(np.sum(0.5 * momentum * momentum + potential))

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -124,13 +125,35 @@ class NumericLattice:
         """Whether every force is proportional to its stretch."""
         return all(bond.force.is_linear for bond in self.bonds)
 
+    @cached_property
+    def gets_stiffer_by_bonds(self) -> bool:
+        """Whether each bond, its slope positive, only adds to the squares of the frequencies.
+
+        Then no wave grows where all slopes are positive.
+        """
+        if self.cellwise[1] is not None:
+            return False
+        waves = zone_wavenumbers(self.dimension, WAVENUMBERS[self.dimension])
+        root = np.sqrt(self.masses)
+        for unit in np.eye(len(self.bonds)):
+            found = self.dynamical_matrix(waves, list(unit)) * (root[:, None] / root)
+            size = ROUNDED * np.abs(found).max()
+            if np.abs(found - found.conj().swapaxes(-1, -2)).max() > size:
+                return False
+            if np.linalg.eigvalsh(found).min() < -size:
+                return False
+        return True
+
     def stretches(self, f: Array) -> list[Array]:
         """The stretch of each bond in each cell."""
         found = []
         for bond in self.bonds:
-            total = np.full(f.shape[1:], bond.offset)
-            for entry in bond.stretch:
-                total += entry.weight * _shifted(f[entry.field], entry.shift)
+            parts = (entry.weight * _shifted(f[entry.field], entry.shift) for entry in bond.stretch)
+            total = next(parts)
+            if bond.offset:
+                total += bond.offset
+            for part in parts:
+                total += part
             found.append(total)
         return found
 

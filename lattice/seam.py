@@ -27,7 +27,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from longwave.lattice.model import State
+from longwave.lattice.state import State
 
 Array = NDArray[np.float64]
 Profile = Callable[[Array], Array]
@@ -181,5 +181,5 @@ class Fading:
         rate = FADING_STRENGTH * self.speed / self.depth * np.minimum(inside, 1.0) ** 2
         kept = np.exp(-rate * passed)
         for sites, left in ((state.sites[:gone], kept), (state.sites[-gone:], kept[::-1])):
-            y, s = state.strain(sites), state.velocity(sites)
+            y, s = state.at(sites)
             state.store(sites, self.level + left * (y - self.level), left * s)

@@ -3,29 +3,27 @@
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Generic
 
 import numpy as np
 from numpy.typing import NDArray
 
-from longwave.lattice.dynamics import dynamics_of
-from longwave.lattice.model import BlowUp, Domain, Held, Model
+from longwave.lattice.dynamics import Dynamics
 from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.lattice.schemes import Scheme
+from longwave.lattice.state import BlowUp, Domain, State
 from longwave.support.checkpoint import Memory
 
 Array = NDArray[np.float64]
 
 
 def advance(
-    scheme: Scheme, f: Array, v: Array, h: float, steps: int, model: Model | NumericLattice
+    scheme: Scheme, f: Array, v: Array, h: float, steps: int, lattice: NumericLattice
 ) -> None:
-    """Advance positions and velocities in place by ``steps`` steps of length ``h``.
+    """Advance fields and velocities, (fields, *cells), in place by ``steps`` steps of length ``h``.
 
-    Of a `Model` they are a ring's strains and their velocities, of a `NumericLattice` its fields,
-    of shape (fields, *cells). The fastest kernel is taken that scheme and size admit.
+    The fastest kernel is taken that scheme and size admit.
     """
-    dynamics_of(model).advance(scheme, f, v, h, steps)
+    Dynamics(lattice).advance(scheme, f, v, h, steps)
 
 
 CHUNK = 64
@@ -36,21 +34,21 @@ UPDATES = 3e8
 
 
 @dataclass
-class StillRing(Domain[Held]):
+class StillRing(Domain):
     """The ring of all sites of a state."""
 
-    state: Held
+    state: State
 
-    def start(self) -> Held:
+    def start(self) -> State:
         """The state itself, which is advanced in place."""
         return self.state
 
 
-class Stepper(Generic[Held]):
+class Stepper:
     """Advances ``state`` in place, following the domain and watching for a blow-up.
 
     Between two times that are wanted, or at which the domain moves, the steps are equal and not
-    longer than ``step``, so that those times are hit exactly. ``amplitude`` is the largest strain
+    longer than ``step``, so that those times are hit exactly. ``amplitude`` is the largest stretch
     of the wave at the run's beginning, None if there is no wave and strains may be what they will.
     At most ``chunk`` steps, by default some `UPDATES`, lie between two stops.
     ``ranges`` are what was met at the stops, on any site (`Dynamics.ranges`). ``blow_up`` is set
@@ -59,18 +57,18 @@ class Stepper(Generic[Held]):
 
     def __init__(
         self,
-        state: Held,
+        state: State,
         scheme: Scheme,
-        model: Model | NumericLattice,
-        domain: Domain[Held],
+        lattice: NumericLattice,
+        domain: Domain,
         step: float,
         amplitude: float | None,
         chunk: int | None = None,
     ) -> None:
-        self.state: Held = state
+        self.state: State = state
         self.scheme = scheme
-        self.dynamics = dynamics_of(model)
-        self.domain: Domain[Held] = domain
+        self.dynamics = Dynamics(lattice)
+        self.domain: Domain = domain
         self.step = step
         self.steps = 0
         self._amplitude = amplitude
@@ -79,7 +77,7 @@ class Stepper(Generic[Held]):
         self.ranges = self.dynamics.ranges(state)
         self.blow_up: BlowUp | None = self._find_blow_up()
 
-    def through(self, times: Sequence[float]) -> Iterator[Held]:
+    def through(self, times: Sequence[float]) -> Iterator[State]:
         """Yield the state at every stop on the way through the increasing ``times``.
 
         Each of the ``times`` is a stop, hit exactly, as is each move of the domain; between them
@@ -108,7 +106,7 @@ class Stepper(Generic[Held]):
             setattr(self.state, name, value)
         self.domain.recall(memory["domain"], self.state.t)
 
-    def _stops_until(self, t: float) -> Iterator[Held]:
+    def _stops_until(self, t: float) -> Iterator[State]:
         begin, done = self._between or (self.state.t, 0)
         steps = math.ceil((t - begin) / self.step * (1.0 - 1e-12))
         if steps == 0 and self.blow_up is None:

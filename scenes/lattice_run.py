@@ -32,7 +32,7 @@ from longwave.scenes.stated_run import run_from, stated_runs
 from longwave.support.request_limits import ExpectedCost, check_request
 
 if TYPE_CHECKING:
-    from longwave.lattice.model import State
+    from longwave.lattice.state import State
     from longwave.lattice.trial import Progress
     from longwave.scenes.lattice_wave import LatticeWave
     from longwave.scenes.ring_spectral import SceneSpectralEngine

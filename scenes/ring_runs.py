@@ -15,8 +15,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from longwave.lattice.field_state import FieldState
-from longwave.lattice.model import GROWTH, BlowUp, Sites, State
 from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.lattice.schemes import (
     REDUCED_PHASE_6,
@@ -25,6 +23,7 @@ from longwave.lattice.schemes import (
     scheme_named,
     stability_limit,
 )
+from longwave.lattice.state import GROWTH, BlowUp, Sites, State
 from longwave.lattice.stepper import Stepper, StillRing
 from longwave.lattice.trial import (
     Choices,
@@ -249,21 +248,21 @@ class RingCells:
         ring = self.rings.ring(self.ends)
         return ring.nudged() if self._nudged else ring
 
-    def stepper(self, restart: State | None) -> tuple[Stepper[FieldState], float]:
+    def stepper(self, restart: State | None) -> tuple[Stepper, float]:
         """What steps the cells, and the largest stable step."""
         stated = self.scene.discretisation
         limit = check_step(stated.step, stated.table, self.rings.fastest)
         if restart is not None:
             self.ends = _ends_of(restart, self.rings.ends())
         ring = self.ring
-        state = FieldState(ring.t, ring.f.copy(), ring.v.copy())
+        state = State(ring.t, ring.f.copy(), ring.v.copy())
         if restart is not None:
             shape = state.f.shape
-            state = FieldState(restart.t, restart.y.reshape(shape), restart.s.reshape(shape))
+            state = State(restart.t, restart.f.reshape(shape), restart.v.reshape(shape))
         domain = CellDomain(state, self.ends)
         return ring_stepper(ring.lattice, domain, stated.table, stated.step), limit
 
-    def view(self, state: FieldState) -> CellView:
+    def view(self, state: State) -> CellView:
         """The compared cells."""
         return CellView(self, state)
 
@@ -271,14 +270,14 @@ class RingCells:
         """The cells of a finer scene."""
         return RingCells(scene, self.rings)
 
-    def told(self, stepper: Stepper[FieldState]) -> dict[str, Any]:
+    def told(self, stepper: Stepper) -> dict[str, Any]:
         """The sites of the ring, which on a plane the scene does not say."""
         return {"sites": sites_of(self.ends)}
 
 
 def _ends_of(restart: State, needed: Sequence[Ends]) -> list[Ends]:
     """The ends of the ring that a state of a chain was kept on."""
-    first, last = restart.left, restart.left + restart.y.shape[-1] - 1
+    first, last = restart.left, restart.left + restart.f.shape[-1] - 1
     low, high = needed[0]
     if low < first or high > last:
         raise ValueError(
@@ -289,20 +288,20 @@ def _ends_of(restart: State, needed: Sequence[Ends]) -> list[Ends]:
 
 
 @dataclass
-class CellDomain(StillRing[FieldState]):
+class CellDomain(StillRing):
     """A ring of cells with these ends."""
 
     ends: Sequence[Ends]
 
-    def locate(self, found: BlowUp, state: FieldState) -> BlowUp:
+    def locate(self, found: BlowUp, state: State) -> BlowUp:
         """``found``, with the cell in the place of where it is stored."""
         columns = state.f[0].size // state.f.shape[1]
         return replace(found, site=self.ends[0][0] + found.site // columns)
 
 
 def ring_stepper(
-    lattice: NumericLattice, domain: StillRing[FieldState], scheme: Scheme, step: float
-) -> Stepper[FieldState]:
+    lattice: NumericLattice, domain: StillRing, scheme: Scheme, step: float
+) -> Stepper:
     """What steps a ring, with a stop every ``LOOK_SECONDS``."""
     state = domain.state
     seconds = cell_seconds(lattice) * state.f[0].size
@@ -315,7 +314,7 @@ class CellView(View):
     """A wave on any lattice, seen in the compared cells of a ring."""
 
     held: RingCells
-    state: FieldState
+    state: State
 
     @property
     def t(self) -> float:

@@ -15,12 +15,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from longwave.lattice.field_state import FieldState
-from longwave.lattice.model import GROWTH
 from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.lattice.spectral.field_ring import FieldRing, fast_count
 from longwave.lattice.spectral.ring_search import run_facts
 from longwave.lattice.spectral.spectral_integration import FieldRingEngine
+from longwave.lattice.state import GROWTH, State
 from longwave.lattice.trial import Choices, Kind, Progress, Trial
 from longwave.scenes.recorders import Variables, build_recorders
 from longwave.scenes.ring_cost import USUAL_RUNS, search_cost
@@ -150,7 +149,7 @@ class SceneSpectralEngine(FieldRingEngine):
     def _view(self, state: FieldRing) -> CellView:
         cells = self._held[state.circumferences]
         whole = state.sampled(cells.ring.f.shape[1:])
-        return CellView(cells, FieldState(state.t, whole.f, whole.v))
+        return CellView(cells, State(state.t, whole.f, whole.v))
 
     def _judged_of(self, state: FieldRing) -> Array:
         return self._view(state).judged()

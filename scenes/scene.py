@@ -14,7 +14,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from longwave.lattice.model import Model, State
+from longwave.lattice.model import Model
+from longwave.lattice.state import State
 from longwave.scenes import scene_checks as check
 from longwave.scenes.numerics import NUMERICS, Discretisation, Tolerance, numerics_of
 from longwave.scenes.observables import OBSERVABLES, observable_named

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from longwave.lattice.model import State
+from longwave.lattice.state import State
 from longwave.scenes.named_scenes import load_scene, scene_of
 from longwave.scenes.run_record import RunRecord
 from longwave.scenes.scene import Scene
@@ -80,8 +80,9 @@ def state_at(run: xr.Dataset, t: float) -> State:
         kept = ", ".join(f"{kept:g}" for kept in run["time"].values)
         raise ValueError(f"at must be a snapshot of the run, got {t:g} (it kept {kept or 'none'})")
     row = run.isel(time=int(found[0]))
-    y, s = (np.array(row[name].values, dtype=np.float64) for name in ("state_y", "state_s"))
-    return State(t, int(row["state_left"]), y, s)
+    held = (np.array(row[name].values, dtype=np.float64) for name in ("state_y", "state_s"))
+    f, v = (values[np.newaxis] if values.ndim == 1 else values for values in held)
+    return State(t, f, v, int(row["state_left"]))
 
 
 def resume(

@@ -20,10 +20,9 @@ from numpy.typing import NDArray
 from sympy import Expr
 
 from longwave.derive.algebra.formula_expression import exact_value
-from longwave.lattice.field_state import FieldState
-from longwave.lattice.model import GROWTH
 from longwave.lattice.refine import Announce, refine
 from longwave.lattice.schemes import stability_limit
+from longwave.lattice.state import GROWTH, State
 from longwave.lattice.stepper import StillRing
 from longwave.lattice.trial import Choices, Progress, StepSearch, Trial, rounding_error
 from longwave.scenes.envelope_data import EnvelopeData
@@ -53,7 +52,6 @@ from longwave.support.request_limits import ExpectedCost, check_request
 
 if TYPE_CHECKING:
     from longwave.derive import Envelope
-    from longwave.lattice.model import State
     from longwave.scenes.lattice_wave import CellRing
 
 Array = NDArray[np.float64]
@@ -382,7 +380,7 @@ class SidebandEngine(StepSearch):
         if choices.nudged:
             evaluations = self.work(choices) * SCHEME.stages
             ring = ring.nudged(math.sqrt(max(1.0, evaluations / GROWTH_EVALUATIONS)))
-        state = FieldState(0.0, ring.f.copy(), ring.v.copy())
+        state = State(0.0, ring.f.copy(), ring.v.copy())
         stepper = ring_stepper(ring.lattice, StillRing(state), SCHEME, choices.step)
         measured: list[Complex] = []
         if loop.memory is not None:
@@ -409,7 +407,7 @@ class SidebandEngine(StepSearch):
     def _largest(self, f: Array) -> float:
         return float(np.max(np.abs(self.plan.data.measured(f, self.ring.mean_strain))))
 
-    def _sidebands(self, state: FieldState) -> Complex:
+    def _sidebands(self, state: State) -> Complex:
         """The two waves beside the carrier and that itself, (3, fields), of those that move as it
         does, in a frame that turns with it.
         """

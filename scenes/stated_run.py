@@ -27,7 +27,7 @@ from longwave.scenes.view import Array, View
 from longwave.support.checkpoint import Memory, begin_loop
 
 if TYPE_CHECKING:
-    from longwave.lattice.model import State
+    from longwave.lattice.state import State
     from longwave.lattice.stepper import Stepper
     from longwave.lattice.trial import Progress
     from longwave.scenes.scene import Scene
@@ -52,7 +52,7 @@ class SteppedScene(Protocol):
     def task(self) -> str:
         """Everything that its states follow from, in words."""
 
-    def stepper(self, restart: State | None) -> tuple[Stepper[Any], float]:
+    def stepper(self, restart: State | None) -> tuple[Stepper, float]:
         """What steps the cells, kernels compiled, and the largest stable step.
 
         They begin with the scene's data, or with the state ``restart`` of an earlier run of the
@@ -66,7 +66,7 @@ class SteppedScene(Protocol):
     def refined(self, scene: Scene) -> Self:
         """The same of a finer scene."""
 
-    def told(self, stepper: Stepper[Any]) -> dict[str, Any]:
+    def told(self, stepper: Stepper) -> dict[str, Any]:
         """What is told of the cells once they were run."""
 
 
@@ -77,7 +77,7 @@ class Recording:
     ``stopped`` if Ctrl-C ended it.
     """
 
-    stepper: Stepper[Any]
+    stepper: Stepper
     step_limit: float
     seconds: float
     stopped: bool = False

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from longwave.lattice.model import Sites, State, ring_energy
+from longwave.lattice.state import Sites, State
 from longwave.support.user_files import shown
 
 if TYPE_CHECKING:
@@ -185,18 +185,18 @@ class SiteView(View):
 
     @property
     def energy(self) -> float:
-        """That of the chain whose bonds are strained by y (`ring_energy`)."""
-        return ring_energy(self.state, self.moving.constants)
+        """That of the chain whose bonds are strained by y (`lattice.Model.energy`)."""
+        return self.moving.constants.energy(self.state)
 
     @property
     def means(self) -> tuple[float, float]:
         """Of strains and their velocities."""
-        return float(np.mean(self.state.y)), float(np.mean(self.state.s))
+        return float(np.mean(self.state.f)), float(np.mean(self.state.v))
 
     @property
     def stored(self) -> tuple[int, Array, Array]:
         """In the order of storage."""
-        return self.state.left, self.state.y.copy(), self.state.s.copy()
+        return self.state.left, self.state.f[0].copy(), self.state.v[0].copy()
 
     @cached_property
     def sites(self) -> Sites:
@@ -206,7 +206,7 @@ class SiteView(View):
     @cached_property
     def numerics(self) -> Array:
         """Strains of the run."""
-        return self.state.strain(self.sites)[np.newaxis]
+        return self.state.at(self.sites)[0]
 
     @cached_property
     def analytics(self) -> Array:

@@ -170,7 +170,8 @@ class CausalReference:
                 until = stop if block == blocks else begin + (stop - begin) * block / blocks
                 steps = math.ceil((until - t) / step)
                 y, s = cone.closed(t, span.y, span.s)
-                advance(self._scheme, y, s, (until - t) / steps, steps, scene.model)
+                h = (until - t) / steps
+                advance(self._scheme, y[None], s[None], h, steps, scene.model.lattice)
                 held = _Span(span.first - cone.room, y, s)
                 t = until
                 first, last = cone.needed(t)

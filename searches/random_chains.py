@@ -14,10 +14,10 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from longwave.lattice.field_state import FieldState
 from longwave.lattice.force_program import ForceProgram
 from longwave.lattice.integration import Judged, integrate
 from longwave.lattice.numeric_lattice import Entry, NumericBond, NumericLattice
+from longwave.lattice.state import State
 from longwave.support.request_limits import Cancelled
 
 Array = NDArray[np.float64]
@@ -39,7 +39,7 @@ class ChainCase:
     """A lattice, a state, times, a tolerance, and whether fields or stretches are judged."""
 
     lattice: NumericLattice
-    state: FieldState
+    state: State
     times: Array
     tolerance: float
     of_fields: bool
@@ -72,7 +72,7 @@ def random_case(seed: int) -> ChainCase:
     t0, duration = float(random.choice([0.0, -3.7, 1e3])), 10.0 ** random.uniform(-1, 2) / highest
     times = t0 + np.sort(random.uniform(0.0, duration, random.choice([1, 2, 5])))
     tolerance = 10.0 ** random.uniform(-9, -3) * size
-    return ChainCase(lattice, FieldState(t0, f, v), times, tolerance, random.random() < 0.3)
+    return ChainCase(lattice, State(t0, f, v), times, tolerance, random.random() < 0.3)
 
 
 def random_chain(random: Random, size: float, reach: int = 3) -> NumericLattice:

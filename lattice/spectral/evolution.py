@@ -27,13 +27,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from longwave.lattice.model import Model
 from longwave.lattice.spectral.absorber import ABSORBER_STRENGTH, LeftAbsorber, ShortAbsorber
 from longwave.lattice.spectral.exponential import ExponentialAdams
 from longwave.lattice.spectral.field_ring import FieldRing, modes_of, spectrum_tails, values_of
 from longwave.support.compiled.jit import njit
 
 if TYPE_CHECKING:
+    from longwave.lattice.model import Model
     from longwave.support.checkpoint import Memory
 
 Array = NDArray[np.float64]
@@ -62,7 +62,7 @@ class NotHyperbolicError(RunawayError):
     """Waves do not exist about some strain: K2 + 2 K3 y + 3 K4 y^2 <= 0, at time ``t``."""
 
     def __init__(self, t: float, site: float) -> None:
-        told = f"blow-up: K2 + 2 K3 y + 3 K4 y^2 <= 0 at t = {t:g}, site {round(site)}"
+        told = f"blow-up: a bond is stretched to where waves grow at t = {t:g}, site {round(site)}"
         super().__init__(t, told)
 
 

@@ -9,8 +9,8 @@ import time
 
 import numpy as np
 
-from longwave.lattice.model import State
 from longwave.lattice.refine import Announce
+from longwave.lattice.state import State
 from longwave.lattice.trial import Progress
 from longwave.scenes.chain.expected_cost import check_cost
 from longwave.scenes.chain.expected_cost import scene_cost as scene_cost  # for `Scene`
@@ -102,7 +102,7 @@ def _record(
 
 def wave_size(scene: Scene, t: float, far_field: bool) -> float:
     """The wave's largest deviation from its background, or its far field (`Scene.wave_size`)."""
-    none = np.zeros(0)
-    view = SiteView(scene.moving_wave, State(t, 0, none, none))
+    none = np.zeros((1, 0))
+    view = SiteView(scene.moving_wave, State(t, none, none))
     found = view.far_field if far_field else view.background
     return math.nan if found is None else float(np.max(np.abs(view.analytic - found)))

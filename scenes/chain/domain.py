@@ -16,8 +16,8 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
-from longwave.lattice.model import WATCHED, BlowUp, Domain, InflowCheck, Sites, State, empty_state
 from longwave.lattice.seam import FADING_DEPTH, Fading, fade_at_seam, negate_at_seam
+from longwave.lattice.state import BlowUp, Domain, Sites, State, empty_chain
 from longwave.scenes.chain.moving_wave import MovingWave
 from longwave.support.checkpoint import Memory
 from longwave.support.compiled.jit import njit
@@ -100,7 +100,7 @@ def window_moves(moving: MovingWave) -> tuple[float, ...]:
 
 
 @dataclass
-class SiteRing(Domain[State]):
+class SiteRing(Domain):
     """A fixed ring of sites about the middle of the wave's path; nothing is fed or dropped.
 
     Its seam, where the wave does not close up or is made to, sends signals at the speed of sound.
@@ -118,9 +118,9 @@ class SiteRing(Domain[State]):
         """The initial state on all sites of the ring."""
         moving = self.moving
         middle = (moving.frame(moving.t0) + moving.frame(moving.end)) // 2
-        state = empty_state(moving.t0, middle - self.size // 2, self.size)
+        state = empty_chain(moving.t0, middle - self.size // 2, self.size)
         state.store(state.sites, *self._data(state))
-        least = least_ring(moving, state.y)
+        least = least_ring(moving, state.f)
         if self.size < least:
             raise ValueError(
                 f"sites must satisfy sites >= {least} on this ring, got {self.size} "
@@ -253,8 +253,40 @@ class Tail:
         return None
 
 
+WATCHED = 8
+"""Sites next to the fed ones on which feed and lattice are compared."""
+
+LARGEST_MISFIT = 1e-5
+"""Largest difference of y/eps between feed and lattice; a sound feed stays far below it."""
+
+
 @dataclass
-class Window(Domain[State]):
+class InflowCheck:
+    """Compares each feed with the lattice; ``mismatch`` is the largest difference of y/eps seen."""
+
+    eps: float
+    mismatch: float = 0.0
+
+    def compare(self, state: State, sites: Sites, feed: Array) -> BlowUp | None:
+        """The fault at the first site where feed and lattice differ too much, None if none does.
+
+        ``feed`` holds the strains that the feed would put on ``sites``, which it leaves alone.
+        """
+        misses = np.abs(state.at(sites)[0][0] - feed) / self.eps
+        most = float(misses.max())
+        self.mismatch = max(self.mismatch, most)
+        if not most > LARGEST_MISFIT:
+            return None
+        wrong = misses > LARGEST_MISFIT
+        criterion = (
+            f"the window's feed misses the lattice by {most:.2g} eps, "
+            f"more than {LARGEST_MISFIT:g} eps (the wave's far field is not what is fed)"
+        )
+        return BlowUp(criterion, state.t, int(sites[wrong][0]))
+
+
+@dataclass
+class Window(Domain):
     """Sites about c t on a constant background: front cells are fed, rear cells are dropped.
 
     It moves at fixed times, whatever the time step: two runs that differ in their step alone have
@@ -303,7 +335,7 @@ class Window(Domain[State]):
     def start(self) -> State:
         """The initial state, centred on c t0."""
         moving = self.moving
-        state = empty_state(moving.t0, moving.frame(moving.t0) - self.size // 2, self.size)
+        state = empty_chain(moving.t0, moving.frame(moving.t0) - self.size // 2, self.size)
         state.store(state.sites, *moving.initial_data(state.sites))
         return state
 

@@ -21,12 +21,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from longwave.lattice.model import Model, Sites
+from longwave.lattice.state import Sites
 from longwave.solutions import NumericWave, WaveValues, kept_data, kept_wave
 
 if TYPE_CHECKING:
     import sympy as sp
 
+    from longwave.lattice.model import Model
     from longwave.solutions import ClosedForm, Wave
 
 Array = NDArray[np.float64]
@@ -76,7 +77,7 @@ def exact_quantity(name: str, value: float | str, k: "sp.Expr | None") -> "float
 
 
 def build_wave(
-    wave: "str | ClosedForm", constants: Model, values: Mapping[str, float | str]
+    wave: "str | ClosedForm", constants: "Model", values: Mapping[str, float | str]
 ) -> NumericWave:
     """The wave of a closed form, or of the one of that name, on a lattice, with numbers in.
 
@@ -89,13 +90,13 @@ def build_wave(
     return kept_wave(__name__, f"{wave} {constants} {sorted(values.items())}", make)
 
 
-def _make_named_wave(name: str, constants: Model, values: Mapping[str, float | str]) -> "Wave":
+def _make_named_wave(name: str, constants: "Model", values: Mapping[str, float | str]) -> "Wave":
     from longwave.solutions import closed_form
 
     return _make_wave(closed_form(name, values), constants, values)
 
 
-def _make_wave(form: "ClosedForm", constants: Model, values: Mapping[str, float | str]) -> "Wave":
+def _make_wave(form: "ClosedForm", constants: "Model", values: Mapping[str, float | str]) -> "Wave":
     from longwave import derive
     from longwave.derive.algebra.exact_numbers import exact_number
     from longwave.solutions import Wave
@@ -155,7 +156,7 @@ class MovingWave:
     """
 
     wave: NumericWave
-    constants: Model
+    constants: "Model"
     eps: float
     times: tuple[float, ...]
     compared: int
@@ -289,7 +290,7 @@ def find_bounds(moving: MovingWave, tolerance: float) -> WaveBounds:
 
 @lru_cache(maxsize=4)
 def _wave_at_all_times(
-    constants: Model, wave: NumericWave, eps: float, times: tuple[float, ...], tolerance: float
+    constants: "Model", wave: NumericWave, eps: float, times: tuple[float, ...], tolerance: float
 ) -> tuple[tuple[float, float], Array]:
     """The wave's ends, infinitely far inside out if nothing rises, and its extreme strains.
 
@@ -319,7 +320,7 @@ def _watched(times: Sequence[float]) -> list[float]:
 
 
 def _places(
-    constants: Model, wave: NumericWave, eps: float, t: float
+    constants: "Model", wave: NumericWave, eps: float, t: float
 ) -> tuple[Array, Array, Array]:
     """Positions relative to c t in order, the deviation from the far fields there, and Y."""
     origin = constants.sound_speed() * t

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from longwave.lattice.model import Domain, State
 from longwave.lattice.schemes import check_step
+from longwave.lattice.state import Domain, State
 from longwave.lattice.stepper import Stepper, advance
 from longwave.scenes.chain.domain import SiteRing, Window
 from longwave.scenes.chain.moving_wave import MovingWave
@@ -41,7 +41,7 @@ class ChainSites:
         """The scene."""
         return self.scene.json()
 
-    def domain(self) -> Domain[State]:
+    def domain(self) -> Domain:
         """The domain that the scene states.
 
         A closed ring fades where nothing asks for all sites.
@@ -53,15 +53,15 @@ class ChainSites:
         whole = any(observable_named(name).all_sites for name in self.scene.observables)
         return SiteRing(self.moving, stated.sites, closed, fades=closed and not whole)
 
-    def stepper(self, restart: State | None) -> tuple[Stepper[State], float]:
+    def stepper(self, restart: State | None) -> tuple[Stepper, float]:
         """What steps the sites, and the largest stable step."""
         domain, stated, model = self.domain(), self.scene.discretisation, self.scene.model
         initial = domain.start()
-        limit = check_step(stated.step, stated.table, model.highest_frequency(initial.y))
-        advance(stated.table, initial.y, initial.s, stated.step, 0, model)
+        limit = check_step(stated.step, stated.table, model.highest_frequency(initial.f))
+        advance(stated.table, initial.f, initial.v, stated.step, 0, model.lattice)
         state = initial if restart is None else restart
-        amplitude = float(np.max(np.abs(initial.y)))
-        return Stepper(state, stated.table, model, domain, stated.step, amplitude), limit
+        amplitude = float(np.max(np.abs(initial.f)))
+        return Stepper(state, stated.table, model.lattice, domain, stated.step, amplitude), limit
 
     def view(self, state: State) -> SiteView:
         """The compared sites."""
@@ -71,7 +71,7 @@ class ChainSites:
         """The sites of a finer scene, whose wave is the same."""
         return ChainSites(scene, self.moving)
 
-    def told(self, stepper: Stepper[State]) -> dict[str, Any]:
+    def told(self, stepper: Stepper) -> dict[str, Any]:
         """The strains that were met, and how well a window's feed fitted."""
         return {
             "least_strain": float(stepper.ranges[0, 0]),

@@ -11,10 +11,11 @@ from functools import lru_cache
 
 import numpy as np
 
-from longwave.lattice.model import empty_state, find_blow_up
+from longwave.lattice.blow_up import find_blow_up
 from longwave.lattice.refine import Announce, Refined, StoppedSearch
 from longwave.lattice.spectral.exponential import ORDER
 from longwave.lattice.spectral.ring_search import ALIKE, resolving_step, run_facts
+from longwave.lattice.state import empty_chain
 from longwave.lattice.trial import Progress, Trial
 from longwave.scenes.chain.moving_wave import MovingWave
 from longwave.scenes.chain.spectral_data import (
@@ -185,9 +186,9 @@ def _recorded(
     reached = tuple(t for t in scene.snapshots if t <= moving.end)
     for t, row in zip(moving.times[1:], trial.values, strict=True):
         sites = moving.compared_sites(t)
-        state = empty_state(t, int(sites[0]), sites.size)
+        state = empty_chain(t, int(sites[0]), sites.size)
         state.store(sites, row * moving.eps, np.zeros(sites.size))
-        fault = find_blow_up(scene.model, state, amplitude)
+        fault = find_blow_up(scene.model.lattice, state, amplitude)
         if fault is not None:
             reached = tuple(seen for seen in scene.snapshots if seen < t)
             break

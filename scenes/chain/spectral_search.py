@@ -15,7 +15,6 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from longwave.lattice.dynamics import StrainDynamics
 from longwave.lattice.refine import Announce, Refined, refine
 from longwave.lattice.spectral.absorber import ABSORBER_STRENGTH
 from longwave.lattice.spectral.crest_energy import (
@@ -201,7 +200,7 @@ class SpectralEngine(SpectralRingSearch):
             return 0.0
         ring = data.ring(data.smallest)
         state = data.state(ring, _points(DENSITY * ring.circumference))
-        chain = StrainDynamics(data.moving.constants).lattice
+        chain = data.moving.constants.lattice
         spread = SPREAD * crest_energy_spread(chain, state, 0)
         return (1.0 + turns) * spread * float(np.max(np.abs(bounds.strain))) / data.moving.eps
 

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from longwave.derive import LATTICES
-from longwave.lattice import FieldRing, FieldState, integrate, spectral_integrate
+from longwave.lattice import FieldRing, State, integrate, spectral_integrate
 from longwave.lattice.disordered_lattice import DisorderedLattice, Variation, disordered, mass_kind
 from longwave.lattice.force_program import ForceProgram
 from longwave.lattice.kernels.ring_kernel import RingKernel
@@ -182,7 +182,7 @@ def test_what_cannot_be_disordered_is_one_line() -> None:
     with pytest.raises(ValueError, match="disorder must be in a chain, got square in 2 dim"):
         disordered(numbers("square"), plane, np.zeros((1, size)))
     chain = varied(numbers("fput"), "mass", 0.1, size)
-    state = FieldState(0.0, np.zeros((1, size + 1)), np.zeros((1, size + 1)))
+    state = State(0.0, np.zeros((1, size + 1)), np.zeros((1, size + 1)))
     with pytest.raises(ValueError, match="state must have the 8 cells of the disordered lattice"):
         integrate(chain, state, [1.0], 1e-6)
     ring = FieldRing(0.0, (0.0,), (8.0,), np.zeros((1, size)), np.zeros((1, size)))
@@ -207,7 +207,7 @@ def test_integrate_keeps_its_estimate() -> None:
     )
     f = 0.3 * np.exp(-((np.arange(size) - 50.0) ** 2) / 8.0)[None]
     runs = [
-        integrate(chain, FieldState(0.0, f, np.zeros_like(f)), [40.0], tolerance)
+        integrate(chain, State(0.0, f, np.zeros_like(f)), [40.0], tolerance)
         for tolerance in (1e-4, 1e-9)
     ]
     apart = np.abs(runs[0].f - runs[1].f).max()

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from longwave.lattice import FieldState, integrate
+from longwave.lattice import State, integrate
 from longwave.lattice.kernels import reference, ring_kernel
 from longwave.lattice.kernels.ring_kernel import RingKernel
 from longwave.lattice.kernels.streams import rows_of, stage_plan
@@ -99,7 +99,7 @@ def shortfall(seed: int) -> float | None:
     if exact is None:
         return None
     try:
-        run = integrate(chain, FieldState(0.0, f, v), times, tolerance)
+        run = integrate(chain, State(0.0, f, v), times, tolerance)
     except ValueError as refusal:
         if not str(refusal).startswith(("times must end", "tolerance must satisfy")):
             raise

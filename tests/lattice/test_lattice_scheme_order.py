@@ -57,7 +57,7 @@ def test_order_on_fput_against_dop853(scheme: Scheme, fput: tuple[Array, Array, 
     errors = []
     for steps in STEPS[scheme.name]:
         y, s = fput[0].copy(), fput[1].copy()
-        advance(scheme, y, s, DURATION / steps, steps, CONSTANTS)
+        advance(scheme, y[None], s[None], DURATION / steps, steps, CONSTANTS.lattice)
         errors.append(float(np.max(np.abs(y - fput[2]))))
     assert 1e-11 < errors[-1] < errors[0] < 1e-2
     assert slopes(errors, STEPS[scheme.name]) == pytest.approx(scheme.order, abs=0.2)

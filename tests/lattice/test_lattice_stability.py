@@ -17,7 +17,7 @@ def test_zone_boundary_noise_is_bounded_below_and_grows_above(scheme: Scheme) ->
         y = 1e-12 * (-1.0) ** np.arange(8)
         s = np.zeros(8)
         h = share * stability_limit(scheme) / LINEAR.highest_frequency(np.zeros(1))
-        advance(scheme, y, s, h, 80_000, LINEAR)
+        advance(scheme, y[None], s[None], h, 80_000, LINEAR.lattice)
         grown[share] = np.max(np.abs(y)) / 1e-12
     assert grown[0.998] < 100
     assert not grown[1.0001] < 1e6

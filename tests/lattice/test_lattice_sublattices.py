@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from longwave import derive
-from longwave.lattice.dynamics import StrainDynamics
 from longwave.lattice.model import Model
 from longwave.lattice.spectral.crest_energy import DENSITY, crest_energy_spread
 from longwave.scenes.chain.moving_wave import MovingWave
@@ -30,7 +29,7 @@ def _spread(steepness: float, points_per_site: float = DENSITY) -> tuple[float, 
         velocity = np.cumsum(s) - s
         energies.append(np.sum(y**2 / 2 + y**4 / 4 + velocity**2 / 2))
     parted = 0.5 * (max(energies) - min(energies)) / np.mean(energies)
-    chain = StrainDynamics(data.moving.constants).lattice
+    chain = data.moving.constants.lattice
     return crest_energy_spread(chain, state, 0), float(parted)
 
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from longwave.lattice import FieldState, integrate
+from longwave.lattice import State, integrate
 from longwave.lattice.spectral.field_ring import FieldRing
 from longwave.lattice.spectral.ring_search import resolving_step
 from longwave.lattice.spectral.spectral_integration import FieldRingEngine, spectral_integrate
@@ -208,7 +208,7 @@ def parted(seed: int) -> float | None:
         found = run.states[0].sampled((sites * many,)).f
         misses = []
         for j, (f, s) in enumerate(zip(cells, speeds, strict=True)):
-            exact = integrate(chain, FieldState(0.0, f, s), [end], 1e-4 * tolerance).f[0]
+            exact = integrate(chain, State(0.0, f, s), [end], 1e-4 * tolerance).f[0]
             miss = np.array(chain.stretches(found[:, j::many])) - chain.stretches(exact)
             misses.append(float(np.max(np.abs(miss))))
     except ValueError as refusal:

@@ -31,14 +31,13 @@ from longwave.derive import (
 from longwave.lattice import (
     SCHEMES,
     FieldRing,
-    FieldState,
     Model,
     State,
     integrate,
     spectral_integrate,
 )
-from longwave.lattice.model import BlowUp
 from longwave.lattice.numeric_lattice import NumericLattice, numeric_lattice
+from longwave.lattice.state import BlowUp
 from longwave.scenes.lattice_derivation import derivation
 from longwave.scenes.named_scenes import load_scene
 from longwave.scenes.numerics import Discretisation, Tolerance
@@ -70,10 +69,10 @@ LARGEST = 30_000
 """Bytes of any pickle here that holds no field of numbers: a program or a kernel is larger."""
 
 SITES = np.linspace(-300.0, 300.0, 41)
-START = State(0.0, 0, np.array([0.1, 0.0, -0.1, 0.0]), np.zeros(4))
+START = State(0.0, np.array([[0.1, 0.0, -0.1, 0.0]]), np.zeros((1, 4)))
 CARRIER = 0.01 * np.cos(np.pi / 4 * np.arange(8.0))[None]
 RING = FieldRing(0.0, (0.0,), (8.0,), CARRIER, 0 * CARRIER)
-FIELDS = FieldState(0.0, CARRIER, 0 * CARRIER)
+FIELDS = State(0.0, CARRIER, 0 * CARRIER)
 
 
 @cache
@@ -122,7 +121,7 @@ def wave(name: str, **parameters: float) -> Wave:
 
 
 def trajectory() -> Any:
-    return integrate(Model(1.0, 0.5, 2.0), START, [0.5], 1e-3)
+    return integrate(Model(1.0, 0.5, 2.0).lattice, START, [0.5], 1e-3)
 
 
 def scheme(kind: str) -> Any:
@@ -162,13 +161,11 @@ MADE: Mapping[str, tuple[Callable[[], Any], Callable[[Any], Any] | None]] = {
     "WaveValues": (lambda: wave("kink", A=1.2)(SITES, 0.1), None),
     "Model": (lambda: Model(1.0, 0.5, 2.0), methodcaller("sound_speed", 0.3)),
     "State": (lambda: START, None),
-    "FieldState": (lambda: FIELDS, None),
     "FieldRing": (lambda: RING, methodcaller("at", SITES)),
     "NumericLattice": (toda_chain, methodcaller("acceleration", RING.f)),
     "BlowUp": (lambda: BlowUp("grown", 1.0, 3), None),
     "Cost": (lambda: trajectory().cost, None),
     "Trajectory": (trajectory, None),
-    "FieldTrajectory": (lambda: integrate(toda_chain(), FIELDS, [1.0], 1e-3), None),
     "SpectralTrajectory": (lambda: spectral_integrate(toda_chain(), RING, [1.0], 1e-3), None),
     "Composition": (partial(scheme, "Composition"), methodcaller("oscillator", SITES)),
     "Splitting": (partial(scheme, "Splitting"), methodcaller("oscillator", SITES)),

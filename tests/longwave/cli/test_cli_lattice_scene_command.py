@@ -102,7 +102,7 @@ def test_ctrl_c_is_one_line_and_status_130(
     def stop(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("longwave.lattice.dynamics.FieldDynamics.advance", stop)
+    monkeypatch.setattr("longwave.lattice.dynamics.Dynamics.advance", stop)
     kept = {"run": "1 snapshots are kept", "converge": "nothing was kept"}
     for word, told in kept.items():
         assert main([word, str(scene)]) == 130

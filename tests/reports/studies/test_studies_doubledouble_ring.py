@@ -47,6 +47,6 @@ def test_the_double_kernel_is_the_same_scheme(rng: np.random.Generator) -> None:
     y, s = 0.2 * rng.standard_normal((2, 50))
     pairs_y, pairs_s = doubled(y), doubled(s)
     advance_doubled(STOERMER_VERLET, pairs_y, pairs_s, 0.1, 200, constants)
-    advance(STOERMER_VERLET, y, s, 0.1, 200, constants)
+    advance(STOERMER_VERLET, y[None], s[None], 0.1, 200, constants.lattice)
     assert np.max(np.abs(y - pairs_y[:, 0])) == pytest.approx(0.0, abs=1e-13)
     assert np.max(np.abs(s - pairs_s[:, 0])) == pytest.approx(0.0, abs=1e-13)

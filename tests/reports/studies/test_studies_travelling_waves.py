@@ -21,7 +21,7 @@ def test_the_wave_travels_unchanged(form: str, k: float, period: int, K4: int) -
     wave = travelling_wave(form, k, period, 1, K4)
     n = np.arange(float(4 * period))
     y, s = wave.strain(n), wave.velocity(n)
-    advance(KAHAN_LI_8, y, s, 0.125, 4000, wave.constants)
+    advance(KAHAN_LI_8, y[None], s[None], 0.125, 4000, wave.constants.lattice)
     assert np.max(np.abs(y - wave.strain(n - 500.0 * wave.speed))) < 1e-10 * wave.eps
     assert abs(wave.speed - 1.0) < wave.eps**2
 
@@ -52,7 +52,7 @@ def test_the_mode_obeys_the_linearised_lattice() -> None:
     for sign in (1.0, -1.0):
         y, s = (1e-6 * sign * part for part in mode.at(n))
         y, s = wave.strain(n) + y, wave.velocity(n) + s
-        advance(KAHAN_LI_8, y, s, 0.25, 1600, wave.constants)
+        advance(KAHAN_LI_8, y[None], s[None], 0.25, 1600, wave.constants.lattice)
         runs.append(y)
     x = n - 400.0 * wave.speed
     waves = np.exp(1j * np.multiply.outer(n, mode.q)) @ mode.strain

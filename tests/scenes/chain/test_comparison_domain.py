@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from longwave.lattice.model import LARGEST_MISFIT, State
+from longwave.lattice.state import State
 from longwave.scenes import run
 from longwave.scenes.chain import domain as domain_module
-from longwave.scenes.chain.domain import INTERPOLATION_ERROR, Window
+from longwave.scenes.chain.domain import INTERPOLATION_ERROR, LARGEST_MISFIT, Window
 from longwave.scenes.chain.moving_wave import MovingWave
 from longwave.scenes.named_scenes import load_scene
 from longwave.scenes.scene import Scene
@@ -81,18 +81,18 @@ def test_a_moved_window_keeps_its_cells_and_feeds_the_front(
     scene = window_scene()
     window = Window(scene.moving_wave, scene.discretisation.sites)
     state = window.start()
-    kept = state.strain(state.sites)
+    [kept], _ = state.at(state.sites)
     state.t += 10.0
     window.follow(state)
     assert state.left == scene.moving_wave.frame(state.t) - scene.discretisation.sites // 2
     fed = 2 * 20 + domain_module.MARGIN
-    np.testing.assert_array_equal(state.strain(state.sites)[:-fed], kept[20 : 20 - fed])
+    np.testing.assert_array_equal(state.at(state.sites)[0][0, :-fed], kept[20 : 20 - fed])
     speed = window.background_speed
     offsets = window.moving.rigid_offsets(speed, state.sites[-fed:], state.t)
     expected = window.moving.rigid_data(speed, offsets)
     bound = 1.1 * INTERPOLATION_ERROR * np.abs(expected[0]).max()
-    np.testing.assert_allclose(state.strain(state.sites[-fed:]), expected[0], rtol=0, atol=bound)
-    np.testing.assert_allclose(state.velocity(state.sites[-fed:]), expected[1], rtol=0, atol=bound)
+    for values, wanted in zip(state.at(state.sites[-fed:]), expected, strict=True):
+        np.testing.assert_allclose(values[0], wanted, rtol=0, atol=bound)
 
 
 def test_the_feed_moves_at_the_sound_speed_of_the_background(
@@ -110,7 +110,7 @@ def test_the_middle_is_the_site_nearest_to_c_t(window_scene: Callable[..., Scene
 
 
 def test_storage_survives_negative_sites() -> None:
-    state = State(0.0, -5, np.zeros(4), np.zeros(4))
+    state = State(0.0, np.zeros((1, 4)), np.zeros((1, 4)), left=-5)
     state.store(np.arange(-5, -1), np.arange(4.0), np.arange(4.0))
-    assert state.strain(np.array([-4, -2])).tolist() == [1.0, 3.0]
+    assert state.at(np.array([-4, -2]))[0].tolist() == [[1.0, 3.0]]
     assert state.sites.tolist() == [-5, -4, -3, -2]

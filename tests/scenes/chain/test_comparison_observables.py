@@ -10,11 +10,11 @@ import pytest
 import scipy.optimize
 import xarray as xr
 
-from longwave.lattice.dynamics import StrainDynamics
-from longwave.lattice.model import State, empty_state
+from longwave.lattice.dynamics import Dynamics
+from longwave.lattice.model import Model
 from longwave.lattice.schemes import SCHEMES, Scheme
+from longwave.lattice.state import State, empty_chain
 from longwave.scenes import run
-from longwave.scenes import view as views
 from longwave.scenes.chain import chain_run
 from longwave.scenes.chain.sites import ChainSites
 from longwave.scenes.named_scenes import load_scene
@@ -39,7 +39,7 @@ TOUCHES = {
     "error_curve": {"at", "background_at", "far_field_at"},
     "background_difference": {"background_at"},
     "error_split": {"at", "background_at", "least_squares"},
-    "energy": {"ring_energy"},
+    "energy": {"energy"},
     "spectrum": {"rfft"},
 }
 
@@ -61,16 +61,16 @@ def calls(monkeypatch: pytest.MonkeyPatch) -> Counter[str]:
 
     for name in WAVE_CALLS:
         count(NumericWave, name)
-    count(views, "ring_energy")
+    count(Model, "energy")
     count(scipy.optimize, "least_squares")
     count(np.fft, "rfft")
-    advance = StrainDynamics.advance
+    advance = Dynamics.advance
 
-    def counting_advance(own: Any, scheme: Scheme, y: Any, s: Any, h: float, steps: int) -> None:
+    def counting_advance(own: Any, scheme: Scheme, f: Any, v: Any, h: float, steps: int) -> None:
         counted["kernel steps"] += steps
-        advance(own, scheme, y, s, h, steps)
+        advance(own, scheme, f, v, h, steps)
 
-    monkeypatch.setattr(StrainDynamics, "advance", counting_advance)
+    monkeypatch.setattr(Dynamics, "advance", counting_advance)
     monkeypatch.setattr(chain_run, "trust_attributes", lambda _: {})
     return counted
 
@@ -135,7 +135,7 @@ class CountedArray(np.ndarray[Any, np.dtype[np.float64]]):
 def operations(scene: Scene, entry: Observable) -> float:
     """Elementary array operations of one look, 5 N log2 N for a Fourier transform."""
     state = ChainSites(scene, scene.moving_wave).domain().start()
-    counted = State(state.t, state.left, state.y.view(CountedArray), state.s.view(CountedArray))
+    counted = State(state.t, state.f.view(CountedArray), state.v.view(CountedArray), state.left)
     CountedArray.operations = 0
     entry.measure(SiteView(scene.moving_wave, counted))
     size = 2 * scene.compared + 1
@@ -190,7 +190,7 @@ def test_diagnostics_do_not_disturb_the_run(window_scene: Callable[..., Scene]) 
 
 def state_of(t: float, sites: Any, y: Any) -> State:
     """A state that holds just these sites, at rest."""
-    state = empty_state(t, int(sites[0]), sites.size)
+    state = empty_chain(t, int(sites[0]), sites.size)
     state.store(sites, y, np.zeros_like(y))
     return state
 

@@ -47,7 +47,14 @@ def _stencil(name: str, index: int, end: float = 80.0) -> np.ndarray:
     sites = round(c * moving.t0) + np.arange(-reach, reach + int(c * duration))
     y, s = moving.initial_data(sites)
     steps = round(20 * duration)
-    advance(scheme_named("kahan_li_8"), y, s, duration / steps, steps, moving.constants)
+    advance(
+        scheme_named("kahan_li_8"),
+        y[None],
+        s[None],
+        duration / steps,
+        steps,
+        moving.constants.lattice,
+    )
     return np.asarray(y[moving.compared_sites(t) - sites[0]] / moving.eps)
 
 

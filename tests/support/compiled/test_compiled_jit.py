@@ -202,11 +202,10 @@ def test_machine_code_of_the_lattice_is_compiled_anew(tmp_path: Path) -> None:
         shutil.copytree(HOUSE / room, tmp_path / "longwave" / room, ignore=UNCOMPILED)
     code = """
 import numpy as np
-from longwave.lattice.dynamics import StrainDynamics
 from longwave.lattice.kernels.ring_kernel import RingKernel
 from longwave.lattice.model import Model
 y, s = np.linspace(0.0, 1.0, 64)[None], np.zeros((1, 64))
-chain = StrainDynamics(Model(1.0, 0.0, 1.0)).lattice
+chain = Model(1.0, 0.0, 1.0).lattice
 RingKernel(chain, 64).advance(y, s, np.full(2, 0.05), np.full(1, 0.1), 3)
 print(y[0, 30])
 """

@@ -1,14 +1,12 @@
-"""The state of any lattice with numbers, and what can be wrong with it."""
+"""What can be wrong with a state, wherever its lattice comes from."""
 
 from __future__ import annotations
-
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from longwave.lattice.model import GROWTH, BlowUp
 from longwave.lattice.numeric_lattice import ROUNDED, NumericLattice, zone_wavenumbers
+from longwave.lattice.state import GROWTH, BlowUp, State
 
 Array = NDArray[np.float64]
 
@@ -21,37 +19,10 @@ CELLS = 4096
 TINY = 1e-300
 
 
-@dataclass
-class FieldState:
-    """Fields ``f`` and velocities ``v``, of shape (fields, *cells), on a ring at the time ``t``.
-
-    Of displacements that grow with the cell the periodic part is held; the rest is in the offsets
-    of the lattice's bonds. A run changes the arrays in place.
-    """
-
-    t: float
-    f: Array
-    v: Array
-
-    @property
-    def arrays(self) -> tuple[Array, Array]:
-        """Positions and velocities."""
-        return self.f, self.v
-
-    @property
-    def size(self) -> int:
-        """Fields of all cells."""
-        return int(self.f.size)
-
-    def copy(self) -> FieldState:
-        """A state of its own."""
-        return FieldState(self.t, self.f.copy(), self.v.copy())
-
-
-def field_blow_up(
-    lattice: NumericLattice, state: FieldState, initial_amplitude: float | None
+def find_blow_up(
+    lattice: NumericLattice, state: State, initial_amplitude: float | None
 ) -> BlowUp | None:
-    """The first criterion that the state meets, None if it is sound; as `find_blow_up`.
+    """The first criterion that the state meets, None if it is sound; in this order.
 
     For a wave, whose largest stretch began with ``initial_amplitude`` (less the bond's offset):
     waves about the bonds of some cell grow, that is, the lattice made of such cells is unstable; or
@@ -71,7 +42,7 @@ def field_blow_up(
     if not lattice.is_stable([float(np.min(slope)) for slope in slopes]):
         growing = _growing(lattice, slopes)
         if growing.any():
-            return _seen("waves about the bonds of a cell grow", state, growing)
+            return _seen("a bond is stretched to where waves grow", state, growing)
     pairs = zip(lattice.bonds, stretches, strict=True)
     moved = np.max([np.abs(stretch - bond.offset) for bond, stretch in pairs], axis=0)
     large = moved > GROWTH * initial_amplitude
@@ -94,5 +65,7 @@ def _growing(lattice: NumericLattice, slopes: list[Array]) -> NDArray[np.bool_]:
     return np.concatenate(found).reshape(slopes[0].shape)
 
 
-def _seen(criterion: str, state: FieldState, where: NDArray[np.bool_]) -> BlowUp:
-    return BlowUp(criterion, state.t, int(np.argmax(where)))
+def _seen(criterion: str, state: State, where: NDArray[np.bool_]) -> BlowUp:
+    """At the first cell in their order."""
+    first = np.argmax(np.roll(where, -state.left, axis=0) if state.left else where)
+    return BlowUp(criterion, state.t, state.left + int(first))
