@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +10,7 @@ from numpy.typing import NDArray
 from longwave.lattice.blow_up import find_blow_up
 from longwave.lattice.kernels import nystroem, reference
 from longwave.lattice.kernels.ring_kernel import RingKernel
-from longwave.lattice.model import STRAIN
+from longwave.lattice.model import chain_constants
 from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.lattice.schemes import DriftKick, Scheme
 from longwave.lattice.state import GROWTH, BlowUp, State
@@ -63,10 +62,6 @@ class Dynamics:
             )
         return found
 
-    def in_order(self, state: State) -> tuple[Array, Array]:
-        """Copies of fields and velocities, cells in their order."""
-        return state.at(state.sites) if state.left else (state.f.copy(), state.v.copy())
-
     def advance(self, scheme: Scheme, f: Array, v: Array, h: float, steps: int) -> None:
         """Advance fields and velocities in place by ``steps`` steps of length ``h``.
 
@@ -83,24 +78,12 @@ class Dynamics:
 
     def _advance_by_stages(self, scheme: Scheme, f: Array, v: Array, h: float, steps: int) -> None:
         """A Nystroem method: of the paper's chain by machine code."""
-        bond, *others = self.lattice.bonds
-        constants = bond.force.coefficients
-        ordered = self.lattice.cellwise[1] is None
-        is_paper = bond == replace(STRAIN, force=bond.force) and not others and ordered
-        if (
-            is_paper
-            and 0 < len(constants) <= 3
-            and f.shape[1] >= 3
-            and self.lattice.masses == (1.0,)
-        ):
-            K2, K3, K4 = (*constants, 0.0, 0.0)[:3]
-            nystroem.advance_nystroem(
-                f[0], v[0], scheme.floats, h, steps, K2, K3 or None, K4 or None
-            )
+        constants = chain_constants(self.lattice)
+        if constants is not None and f.shape[1] >= 3:
+            nystroem.advance_nystroem(f[0], v[0], scheme.floats, h, steps, *constants)
         else:
-            reference.advance_nystroem_method(
-                self.lattice.acceleration, f, v, scheme.floats, h, steps
-            )
+            acceleration = self.lattice.acceleration
+            reference.advance_nystroem_method(acceleration, f, v, scheme.floats, h, steps)
 
     def _kernel(self, shape: tuple[int, ...]) -> RingKernel:
         """The kernel for rings of that shape, with the room that the last one took."""

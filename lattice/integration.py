@@ -253,7 +253,7 @@ class CellRingEngine(StepSearch):
         rows = {t: row for row, t in enumerate(self._times.tolist())}
         for state in stepper.through(list(rows)):
             if state.t in rows:
-                f[rows[state.t]], v[rows[state.t]] = self.dynamics.in_order(state)
+                f[rows[state.t]], v[rows[state.t]] = state.at(state.sites)
             progress((state.t - self._stops[0]) / (self._stops[-1] - self._stops[0] or 1.0))
         values, longest = None, self._longest_step(stepper.ranges)
         self._admitted = min(self._admitted, longest)

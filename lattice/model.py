@@ -116,3 +116,18 @@ class Model:
         K2, K3, K4 = self.K2, self.K3, self.K4
         potential = y * y * (K2 / 2.0 + y * (K3 / 3.0 + y * (K4 / 4.0)))
         return float(np.sum(0.5 * momentum * momentum + potential))
+
+
+def chain_constants(lattice: NumericLattice) -> tuple[float, float | None, float | None] | None:
+    """K2, K3 and K4 (None where absent) of a lattice y_n'' = D V'(y)_n, None of any other.
+
+    >>> chain_constants(Model(4, 0, 1).lattice)
+    (4.0, None, 1.0)
+    """
+    force = lattice.bonds[0].force
+    if not 0 < len(force.coefficients) <= 3 or lattice != replace(
+        lattice, masses=(1.0,), bonds=(replace(STRAIN, force=force),)
+    ):
+        return None
+    K2, K3, K4 = (*force.coefficients, 0.0, 0.0)[:3]
+    return K2, K3 or None, K4 or None
