@@ -50,7 +50,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from longwave.lattice.kernels.streams import StagePlan, rows_of, varied_stage_plan
+from longwave.lattice.kernels.streams import FUNCTIONS, StagePlan, rows_of, varied_stage_plan
 from longwave.support.compiled.cores import other_core, usable_cores
 from longwave.support.compiled.native_code import native_functions
 
@@ -109,10 +109,7 @@ MEETING = 64
 DOUBLED = 0.2
 """Most cells that both cores compute, in units of all."""
 
-FUNCTIONS = ("passages", "to_rows", "from_rows", "drift")
-"""What the machine code has (`lattice.kernels.row_code`)."""
-
-WORDS = 17
+WORDS = 1 + max(FUNCTIONS.values())
 """Words of a call: which function, and as many as the one with most arguments takes."""
 
 MOST_SCRIPTS = 8
@@ -217,7 +214,7 @@ class _Script:
         self._words = np.zeros((len(self._calls), WORDS), np.int64)
         for row, (name, *given) in zip(self._words, self._calls, strict=True):
             words = [word if isinstance(word, int) else word.ctypes.data for word in given]
-            row[: 1 + len(words)] = FUNCTIONS.index(name), *words
+            row[: 1 + len(words)] = [*FUNCTIONS].index(name), *words
         self._at = self._words.ctypes.data
 
     def __call__(self) -> None:

@@ -19,6 +19,7 @@ from typing import Any
 from llvmlite import ir  # type: ignore[import-untyped]
 
 from longwave.lattice.kernels.streams import (
+    FUNCTIONS,
     ForceFormula,
     Rows,
     StagePlan,
@@ -337,8 +338,8 @@ class _Writer:
         return self._text({1: self._along(rows, columns)}, {1: sum(rows.depths)})
 
     def _text(self, groups: dict[int, Any], kept: dict[int, int]) -> str:
-        moves = [self._move(name) for name in ("to_rows", "from_rows")]
-        self._script([self._passages(groups, kept), *moves, self._drift()])
+        moves = {name: self._move(name) for name in ("to_rows", "from_rows")}
+        self._script({"passages": self._passages(groups, kept), **moves, "drift": self._drift()})
         return str(self._module)
 
     def _function(self, name: str, kinds: Sequence[Any], internal: bool = True) -> Any:
@@ -549,15 +550,16 @@ class _Writer:
         builder.ret_void()
         return function
 
-    def _script(self, functions: Sequence[Any]) -> None:
+    def _script(self, functions: dict[str, Any]) -> None:
         """The function that is called: it makes ``count`` calls, each of so many words."""
         function, code = self._function("script", [_INDICES, _INDEX], internal=False)
         words, count = function.args
-        builder, size = code.builder, 1 + max(len(called.args) for called in functions)
+        builder, size = code.builder, 1 + max(FUNCTIONS.values())
         with code.loop(_INDEX(0), count) as row:
             at = builder.gep(words, [builder.mul(row, _INDEX(size))])
             wanted = builder.load(at)
-            for place, called in enumerate(functions):
+            for place, name in enumerate(FUNCTIONS):
+                called = functions[name]
                 with builder.if_then(builder.icmp_signed("==", wanted, _INDEX(place))):
                     given = []
                     for number, argument in enumerate(called.args, 1):

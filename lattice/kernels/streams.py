@@ -42,6 +42,9 @@ MOST = 10**15
 SPAN = 2**24
 """What stands for one row in a shift."""
 
+FUNCTIONS = {"passages": 16, "to_rows": 10, "from_rows": 10, "drift": 4}
+"""What the machine code of a lattice has, and how many arguments each function takes."""
+
 
 def joined(shift: Sequence[int]) -> int:
     """A shift along each axis as one number; they are ordered as cells are met.
