@@ -26,7 +26,7 @@ from longwave.scenes.computed_soliton import ComputedSoliton
 from longwave.scenes.lattice_wave import LatticeWave
 from longwave.scenes.long_wave_data import LongWaveData
 from longwave.scenes.scene import Scene
-from longwave.scenes.scene_checks import Value, plain
+from longwave.scenes.scene_checks import Pairs, Value, plain
 from longwave.scenes.scene_disorder import Disorder
 from longwave.scenes.scene_rules import COMPUTED
 from longwave.solutions import CATALOGUE, ClosedForm, Wave, closed_form
@@ -247,14 +247,24 @@ def _values(
     return {name: exact_value(name, value, names) for name, value in pairs}
 
 
+def exact_parameters(parameters: Pairs) -> dict[str, float | Expr]:
+    """A wave's parameters, texts exactly: in them K is the quarter period of the modulus k.
+
+    >>> exact_parameters((("k", 0.5), ("alpha", "3*K/4")))["alpha"]
+    3*elliptic_k(1/4)/4
+    """
+    modulus = _values(pair for pair in parameters if pair[0] == "k")
+    names = {"K": elliptic_k(modulus["k"] ** 2)} if modulus else {}
+    texts = _values((pair for pair in parameters if isinstance(pair[1], str)), names)
+    return {name: texts.get(name, value) for name, value in parameters}
+
+
 def wave_of(scene: Scene) -> Wave | ComputedSoliton:
     """The scene's wave with numbers in; ValueError for parameters that it does not admit."""
     found = derivation(scene)
     if found.normal_form is None:
         return _computed_soliton(scene, found)
-    values = _values(pair for pair in scene.parameters if pair[0] == "k")
-    period = {"K": elliptic_k(values["k"] ** 2)} if "k" in values else {}
-    values = _values(scene.parameters, period)
+    values = exact_parameters(scene.parameters)
     form = closed_form(scene.wave_name, values)
     return Wave(form, found.normal_form, **values)
 

@@ -1,8 +1,5 @@
 """A wave that moves along the lattice: its initial data, where it is, and how large it becomes.
 
-Its parameters may be multiples of the quarter period: "K/2", "3*K/4", "K". The grammar is
-``[integer *] K [/ integer]`` and nothing else; nothing is evaluated as code.
-
 A plan must know before any step where the wave is. It is looked for on the whole line, not on the
 compared sites alone: outwards from where its phases vanish, on a grid whose spacing grows with the
 distance. A domain that holds the bounds holds the wave at all times, so nothing of it can come back
@@ -10,11 +7,8 @@ round a ring or be cut off by a window.
 """
 
 import math
-import re
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass
-from fractions import Fraction
 from functools import cache, lru_cache, partial
 from typing import TYPE_CHECKING
 
@@ -25,8 +19,6 @@ from longwave.lattice.state import Sites
 from longwave.solutions import NumericWave, WaveValues, kept_data, kept_wave
 
 if TYPE_CHECKING:
-    import sympy as sp
-
     from longwave.lattice.model import Model
     from longwave.solutions import ClosedForm, Wave
 
@@ -34,46 +26,6 @@ Array = NDArray[np.float64]
 
 FARTHEST = 2.0**53
 """Sites are told apart by doubles."""
-
-GRAMMAR = re.compile(r"(?:(?P<times>\d{1,6})\s*\*\s*)?K(?:\s*/\s*(?P<over>\d{1,6}))?")
-
-
-def quarter_period_multiple(name: str, text: str) -> Fraction:
-    """The rational r for which ``text`` means r K.
-
-    Raises ValueError for anything outside the grammar.
-
-    >>> quarter_period_multiple("alpha", "3*K/4")
-    Fraction(3, 4)
-    """
-    match = GRAMMAR.fullmatch(text.strip())
-    if match is None or int(match["over"] or 1) == 0:
-        raise ValueError(
-            f"{name} must be a number or a multiple of K, got {text!r} (such as 0.7 or '3*K/4')"
-        )
-    return Fraction(int(match["times"] or 1), int(match["over"] or 1))
-
-
-def exact_quantity(name: str, value: float | str, k: "sp.Expr | None") -> "float | sp.Expr":
-    """``value`` as a wave takes it: a number unchanged, "K/2" as SymPy's elliptic_k(k**2)/2.
-
-    ``k`` is the exact modulus, None if the wave has none (then a multiple of K is refused). Other
-    texts are formulas without names, such as "1/3" or "sqrt(2)".
-    """
-    if not isinstance(value, str):
-        return value
-    import sympy as sp
-
-    if not GRAMMAR.fullmatch(value.strip()):
-        from longwave.derive.algebra.formula_expression import exact_value
-
-        with suppress(ValueError):
-            return exact_value(name, value)
-
-    multiple = quarter_period_multiple(name, value)
-    if k is None:
-        raise ValueError(f"{name} must be a number, got {value!r} (K needs the modulus k)")
-    return sp.Rational(multiple.numerator, multiple.denominator) * sp.elliptic_k(k**2)
 
 
 def build_wave(
@@ -98,7 +50,7 @@ def _make_named_wave(name: str, constants: "Model", values: Mapping[str, float |
 
 def _make_wave(form: "ClosedForm", constants: "Model", values: Mapping[str, float | str]) -> "Wave":
     from longwave import derive
-    from longwave.derive.algebra.exact_numbers import exact_number
+    from longwave.scenes.lattice_derivation import exact_parameters
     from longwave.solutions import Wave
 
     if constants.K3 != 0:
@@ -112,8 +64,7 @@ def _make_wave(form: "ClosedForm", constants: "Model", values: Mapping[str, floa
             f"K4 must satisfy K4 {sign} 0 for {form.name}, got {constants.K4:g} "
             f"(it solves the {form.equation.name} equation)"
         )
-    modulus = exact_number("k", values["k"]) if "k" in values else None
-    exact = {name: exact_quantity(name, value, modulus) for name, value in values.items()}
+    exact = exact_parameters(tuple(values.items()))
     return Wave(form, derive.mkdv_normal_form(constants.K2, constants.K4), **exact)
 
 

@@ -111,7 +111,7 @@ def test_what_is_typed_wrong_is_told_in_the_librarys_line(
     ("choices", "line"),
     [
         (SOLITON.changed(parameters={"A": "-1"}), "A must satisfy 0 < A, got -1.0 (A = 0 is"),
-        (SOLITON.changed(parameters={"A": "<b>"}), "A must be a number or a multiple of K, got '<"),
+        (SOLITON.changed(parameters={"A": "<b>"}), "A: expected a number, a name or '('"),
         (SOLITON.changed(parameters={"A": ""}), "A must satisfy 0 < A, got nothing (give A)"),
         (SOLITON.changed(constants={"K3": "1"}), "wave must solve the KdV equation, which is"),
         (SOLITON.changed(constants={"K2": "one"}), "K2: expected "),

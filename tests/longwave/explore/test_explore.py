@@ -257,7 +257,7 @@ def test_what_is_not_admitted_is_told_in_the_librarys_line(opened: Opened) -> No
     box = page.locator(".entry-k input")
     for typed, line in (
         ("1.2", "k must satisfy 0 < k < 1, got 1.2 (k = 1 is the triple-pole soliton)"),
-        ("<b>", "k must be a real number, got '<b>' (write it without quotes)"),
+        ("<b>", "k: expected a number, a name or '(', got '<' (column 1)"),
     ):
         box.fill(typed)
         box.press("Enter")
