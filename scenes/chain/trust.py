@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from longwave.scenes.scene import Scene
-from longwave.solutions import NumericWave, WaveValues
+from longwave.solutions import NumericWave
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -108,17 +108,12 @@ def trust_in(scene: Scene, tolerance: float) -> Trust:
     background and on stable periodic ones; both are NaN where the background is too sharp for
     `fastest_rate`.
     """
-    if not has_periodic_background(scene):
-        return Trust(0.0, math.inf)
     wave = scene.moving_wave.wave
+    if wave.wavelength is None:
+        return Trust(0.0, math.inf)
     per_tau = _fastest_rate(wave)
     rate = 0.0 if per_tau <= FLOOR else per_tau * wave.numbers.b * scene.eps**3
     return Trust(rate, predictability_time(rate, tolerance, UNIT_ROUNDOFF))
-
-
-def has_periodic_background(scene: Scene) -> bool:
-    """Whether there is anything that could grow about the scene's far field."""
-    return scene.moving_wave.wave.wavelength is not None
 
 
 def trust_attributes(scene: Scene) -> dict[str, float]:
@@ -126,23 +121,15 @@ def trust_attributes(scene: Scene) -> dict[str, float]:
 
     The horizon is the time after t0 until rounding has grown to the scene's tolerance.
     """
-    if not has_periodic_background(scene):
+    if scene.moving_wave.wave.wavelength is None:
         return {}
     trust = trust_in(scene, scene.tolerance or USUAL_TOLERANCE)
     return {"trust_rate": trust.rate, "trust_horizon": trust.predictability_time}
 
 
 def check_trust(scene: Scene) -> None:
-    """Refuse a tolerance that rounding alone exceeds before the scene's end; ValueError.
-
-    The rate is computed only where a bound of it leaves that open.
-    """
-    if scene.tolerance is None or not has_periodic_background(scene):
-        return
-    if (
-        scene.t0 + predictability_time(_most_rate(scene), scene.tolerance, UNIT_ROUNDOFF)
-        >= scene.end
-    ):
+    """Refuse a tolerance that rounding alone exceeds before the scene's end; ValueError."""
+    if scene.tolerance is None:
         return
     trust = trust_in(scene, scene.tolerance)
     if scene.t0 + trust.predictability_time < scene.end:
@@ -165,26 +152,11 @@ def predictability_time(rate: float, tolerance: float, rounding: float) -> float
     return math.inf if rate == 0.0 else max(0.0, math.log(tolerance / rounding)) / rate
 
 
-def _most_rate(scene: Scene) -> float:
-    """A bound of the growth rate per time: 3 max|(U^2)'|, as the energy of W grows above."""
-    wave = scene.moving_wave.wave
-    bare = _background(wave)
-    steepest = float(np.max(np.abs(bare.Y * bare.Y_X))) / wave.numbers.a
-    return 6.0 * steepest * wave.numbers.b * scene.eps**3
-
-
-@lru_cache(maxsize=4)
-def _background(wave: NumericWave) -> WaveValues:
-    """The far field at ``SAMPLES`` points of a wavelength."""
-    points = float(wave.wavelength or 0.0) * np.arange(SAMPLES) / SAMPLES
-    return wave.far_field(points, 0.0, "left")
-
-
 def _fastest_rate(wave: NumericWave) -> float:
     """Largest growth rate per tau; the wave's speed is read off where it is steepest."""
     period = float(wave.wavelength or 0.0)
     a, b, s = wave.numbers.a, wave.numbers.b, wave.numbers.s
-    bare = _background(wave)
+    bare = wave.far_field(period * np.arange(SAMPLES) / SAMPLES, 0.0, "left")
     steepest = int(np.argmax(np.abs(bare.Y_X)))
     speed = -(bare.Y_T[steepest] / b) / (bare.Y_X[steepest] / a)
     return fastest_rate(bare.Y, a * period, float(speed), s)

@@ -8,7 +8,6 @@ import pytest
 
 from longwave.cli.scene_command import summary_lines
 from longwave.scenes import run
-from longwave.scenes.chain import trust
 from longwave.scenes.chain.trust import (
     USUAL_TOLERANCE,
     predictability_time,
@@ -69,19 +68,6 @@ def test_a_tolerance_beyond_the_horizon_is_refused_before_anything_is_run() -> N
     scene = replace(load_scene("rogue_cn_k_0.5"), snapshots=(2e6,))
     with pytest.raises(ValueError, match=r"snapshots must satisfy t <= 1.106e\+06 with tolerance"):
         run(scene.with_tolerance(1e-4))
-
-
-@pytest.mark.parametrize("name", ["rogue_cn_k_0.5", "soliton_dn_k_0.7", "breather_sn_k_0.5"])
-def test_a_scene_within_the_bound_of_the_rate_is_not_kept_waiting(
-    name: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Hill's eigenvalues take seconds; a bound of them is enough for most scenes."""
-    scene = load_scene(name).changed(K2=0.9).with_tolerance(1e-4)
-    assert trust._most_rate(scene) > trust.trust_in(scene, 1e-4).rate
-    monkeypatch.setattr(trust, "trust_in", None)
-    trust.check_trust(replace(scene, t0=0.0, snapshots=(100.0,)))
-    with pytest.raises(TypeError):
-        trust.check_trust(replace(scene, t0=0.0, snapshots=(1e9,)))
 
 
 def test_a_bare_wave_is_its_own_background() -> None:
