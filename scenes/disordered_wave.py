@@ -1,4 +1,4 @@
-"""A wave of the ordered lattice sent into a disordered one, and what is left of it there."""
+"""A wave's lattice with disorder, and what is left of the wave there."""
 
 from __future__ import annotations
 
@@ -7,32 +7,31 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from sympy import Expr
 
 from longwave.lattice.disordered_lattice import DisorderedLattice, Variation, disordered, mass_kind
 from longwave.lattice.force_program import ForceProgram, force_program
 from longwave.lattice.random_sites import mean_inverse
-from longwave.scenes.lattice_wave import CellRing, LatticeWave
 from longwave.scenes.pulse_meter import PulseMeter
 from longwave.scenes.scene_disorder import MASS, Disorder
 from longwave.support.user_files import shown
 
 if TYPE_CHECKING:
     from longwave.derive.lattice import Lattice
-    from longwave.lattice.numeric_lattice import NumericBond, NumericLattice
+    from longwave.lattice.numeric_lattice import NumericLattice
+    from longwave.scenes.lattice_wave import CellRing, LatticeWave
 
 Array = NDArray[np.float64]
 
 
-class DisorderedWave(LatticeWave):
-    """``wave``, whose lattice is ordered, on rings of the same lattice with ``disorder``.
+class WaveDisorder:
+    """Deviations of the lattice of ``wave``, whose data and theory stay those of the ordered one.
 
-    Data and theory are the ordered lattice's. ``symbolic`` is its declaration and ``values`` are
-    its constants. ``far``: what a long wave tends to on both sides, None of an envelope and of what
-    does not end. Only a wave that tends to 0 has a crest, whose largest force is where it is.
-    Raises ValueError in one line for a lattice without such a disorder, and for springs that differ
-    where a background stretches them.
+    ``symbolic`` is the lattice's declaration and ``values`` are its constants. ``far``: what a long
+    wave tends to on both sides, None of an envelope and of what does not end. Only a wave that
+    tends to 0 has a crest, whose largest force is where it is. Raises ValueError in one line for a
+    lattice without such a disorder, and for springs that differ where a background stretches them.
     """
 
     def __init__(
@@ -43,15 +42,13 @@ class DisorderedWave(LatticeWave):
         values: Mapping[str, Expr],
         far: float | None = 0.0,
     ) -> None:
-        self._has_crest = far == 0.0
-        self.disorder, self._wave = disorder, wave
-        self.eps, self.order, self.power = wave.eps, wave.order, wave.power
-        self.slow, self.speed = wave.slow, wave.speed
-        self._ordered = wave.lattice
+        self._disorder, self._has_crest = disorder, far == 0.0
+        self._bonds = wave.lattice.bonds
         self._variation = variation_of(disorder, symbolic, values, wave.lattice)
-        self.lattice = self._with_cells(wave.lattice, np.zeros(0))
+        uniform = np.zeros(len(wave.lattice.fields)) if far is None else wave.uniform()
         self._rest = [
-            0.0 if far is None else self._background_stretch(b) for b in self._ordered.bonds
+            math.fsum(entry.weight * float(uniform[entry.field]) for entry in bond.stretch)
+            for bond in self._bonds
         ]
         if not self._variation.masses and (far or any(self._rest)):
             raise ValueError(
@@ -59,73 +56,11 @@ class DisorderedWave(LatticeWave):
                 f"{disorder.of} (springs that differ would move where they are stretched alike)"
             )
 
-    def _background_stretch(self, bond: NumericBond) -> float:
-        uniform = self._wave.uniform()
-        if not np.any(uniform):
-            return 0.0
-        return math.fsum(entry.weight * float(uniform[entry.field]) for entry in bond.stretch)
-
-    def _with_cells(self, lattice: NumericLattice, cells: Array) -> DisorderedLattice:
+    def on(self, lattice: NumericLattice, cells: Array) -> DisorderedLattice:
+        """The ordered lattice, about whatever strain, with the deviations of these cells."""
         rows = range(self._variation.rows(len(lattice.fields)))
-        deviations = [self.disorder.deviations(cells, row) for row in rows]
+        deviations = [self._disorder.deviations(cells, row) for row in rows]
         return disordered(lattice, self._variation, deviations)
-
-    def ring(self, cells: ArrayLike, t: float) -> CellRing:
-        """The wave's state, on the cells of the disordered lattice."""
-        ring = self._wave.ring(cells, t)
-        lattice = self._with_cells(ring.lattice, ring.cells)
-        return CellRing(lattice, ring.mean_strain, ring.cells, t, ring.f, ring.v)
-
-    def state(self, cells: ArrayLike, t: float) -> tuple[Array, Array]:
-        """As of the ordered lattice."""
-        return self._wave.state(cells, t)
-
-    def strain(self, cells: ArrayLike, t: float) -> Array:
-        """As of the ordered lattice."""
-        return self._wave.strain(cells, t)
-
-    @property
-    def quantities(self) -> tuple[str, ...]:
-        """As of the ordered lattice."""
-        return self._wave.quantities
-
-    def measured(self, f: ArrayLike, mean_strain: tuple[float, ...]) -> Array:
-        """As of the ordered lattice."""
-        return self._wave.measured(f, mean_strain)
-
-    def support(self, t: float) -> tuple[float, float]:
-        """As of the ordered lattice."""
-        return self._wave.support(t)
-
-    def strained(self, mean_strain: tuple[float, ...]) -> NumericLattice:
-        """As of the ordered lattice."""
-        return self._wave.strained(mean_strain)
-
-    def start(self, t: float) -> None:
-        """As of the ordered lattice."""
-        self._wave.start(t)
-
-    def background(self, cells: ArrayLike, t: float) -> Array:
-        """As of the ordered lattice."""
-        return self._wave.background(cells, t)
-
-    def mean_strain(self, cells: Array, t: float) -> tuple[float, ...]:
-        """As of the ordered lattice."""
-        return self._wave.mean_strain(cells, t)
-
-    def rest_slopes(self, ring: CellRing) -> list[float]:
-        """As of the ordered lattice."""
-        return self._wave.rest_slopes(ring)
-
-    @property
-    def growth_shares(self) -> tuple[float, ...]:
-        """As of the ordered lattice."""
-        return self._wave.growth_shares
-
-    @property
-    def frequency(self) -> float:
-        """The carrier's."""
-        return self._wave.frequency
 
     @property
     def effective_speed(self) -> float:
@@ -136,13 +71,13 @@ class DisorderedWave(LatticeWave):
         """
         if self._variation.masses:
             return 1.0
-        if len(self._ordered.bonds) > 1:
+        if len(self._bonds) > 1:
             return math.nan
-        [part], [bond] = self._variation.forces, self._ordered.bonds
+        [part], [bond] = self._variation.forces, self._bonds
         assert part is not None
         rest = np.array(bond.offset)
         share = abs(float(part.slope(rest) / bond.force.slope(rest)))
-        return mean_inverse(self.disorder.distribution, share * self.disorder.spread) ** -0.5
+        return mean_inverse(self._disorder.distribution, share * self._disorder.spread) ** -0.5
 
     def meter(self, ring: CellRing) -> PulseMeter | None:
         """What measures the crest on its way."""

@@ -294,13 +294,15 @@ def lattice_wave(scene: Scene) -> LatticeWave:
     wave = _ordered_wave(scene)
     if not scene.disorder:
         return wave
-    from longwave.scenes.disordered_wave import DisorderedWave
+    from longwave.scenes.disordered_wave import WaveDisorder
 
     values = _values(scene.constants, {"eps": exact("eps", scene.eps)})
     disorder = Disorder.of_pairs(scene.disorder)
     lattice = declared_lattice(scene)
     far = None if scene.is_envelope else wave_of(scene).constant_background
-    return DisorderedWave(wave, disorder, lattice, values, far)
+    wave.disorder = WaveDisorder(wave, disorder, lattice, values, far)
+    wave.lattice = wave.disorder.on(wave.lattice, np.zeros(0))
+    return wave
 
 
 def _ordered_wave(scene: Scene) -> LatticeWave:

@@ -245,6 +245,7 @@ def _add_pulse(record: RunRecord, engine: SiteRingEngine, step: float) -> None:
     metered, wave = engine.metered[step], engine.rings.wave
     if not metered.size:
         return
+    assert wave.disorder is not None
     theory = []
     for t in engine.times:
         cells = engine.rings.compared.cells(t)
@@ -254,5 +255,5 @@ def _add_pulse(record: RunRecord, engine: SiteRingEngine, step: float) -> None:
     for name, values in track.columns.items():
         record.variables[name] = ("time",), values[kept], track.attributes(name)
     record.attrs |= track.numbers
-    if not math.isnan(wave.effective_speed):
-        record.attrs["effective_speed"] = wave.effective_speed
+    if not math.isnan(speed := wave.disorder.effective_speed):
+        record.attrs["effective_speed"] = speed

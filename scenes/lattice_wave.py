@@ -8,13 +8,16 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from longwave.lattice.numeric_lattice import NumericLattice, place_text
 from longwave.lattice.trial import nudged
+
+if TYPE_CHECKING:
+    from longwave.scenes.disordered_wave import WaveDisorder
 
 Array = NDArray[np.float64]
 
@@ -63,19 +66,13 @@ class CellRing:
         return replace(self, f=f, v=v)
 
 
-class Meter(Protocol):
-    """Measures numbers of a state: fields and velocities."""
-
-    def __call__(self, f: Array, v: Array) -> tuple[float, ...]:
-        """The numbers, of which the last is the energy of the ring."""
-
-
 class LatticeWave(ABC):
     """A long wave or an envelope on a lattice with numbers.
 
     ``lattice``: without mean strain.  ``eps``, ``order``: the ansatz, one of `ORDERS`.  ``power``:
     what is compared is of the size ``eps**power``.  ``slow``: ``T = eps**slow t``.  ``speed``: the
-    frame moves so many cells a unit of time along the first axis.
+    frame moves so many cells a unit of time along the first axis.  ``disorder`` is that of its
+    rings, and of ``lattice``, which then has no cells: it tells of frequencies and speeds alone.
     """
 
     lattice: NumericLattice
@@ -84,6 +81,7 @@ class LatticeWave(ABC):
     power: int
     slow: int
     speed: float
+    disorder: WaveDisorder | None = None
 
     @abstractmethod
     def state(self, cells: ArrayLike, t: float) -> tuple[Array, Array]:
@@ -176,7 +174,10 @@ class LatticeWave(ABC):
         axes = where if len(mean) > 1 else where[np.newaxis]
         grown = sum(slope * axis for slope, axis in zip(mean, axes, strict=True))
         f = f - np.multiply.outer(self.growth_shares, grown)
-        return CellRing(self.strained(mean), mean, where, t, f, v)
+        lattice = self.strained(mean)
+        if self.disorder is not None:
+            lattice = self.disorder.on(lattice, where)
+        return CellRing(lattice, mean, where, t, f, v)
 
     def seam_room(self, t: float) -> int:
         """Cells at either end of a ring in which the ends are made to meet; 0 unless overridden."""
@@ -189,15 +190,6 @@ class LatticeWave(ABC):
         """
         corner = (0,) * ring.lattice.dimension
         return [float(found[corner]) for found in ring.slopes]
-
-    @property
-    def effective_speed(self) -> float:
-        """The speed of very long waves on its rings, in units of that of the ordered lattice."""
-        return 1.0
-
-    def meter(self, ring: CellRing) -> Meter | None:
-        """What else is measured on a ring on its way."""
-        return None
 
 
 def largest_group_velocity(lattice: NumericLattice, slopes: list[float], axis: int = 0) -> float:

@@ -446,7 +446,8 @@ class SiteRingEngine(StepSearch):
         energies = Samples(ends, lambda view: np.array(view.energy))
         witnesses = [judged, around, energies]
         metered = Samples(self.times)
-        if (meter := wave.meter(cells.ring)) is not None:
+        meter = wave.disorder.meter(cells.ring) if wave.disorder is not None else None
+        if meter is not None:
             metered = Samples(self.times, lambda view: np.array(meter(*view.state.arrays)))
             witnesses.append(metered)
         try:

@@ -19,7 +19,7 @@ from longwave.lattice.disordered_lattice import disordered
 from longwave.lattice.numeric_lattice import numeric_lattice
 from longwave.runs.run_store import RunStore
 from longwave.scenes import run as run_scene
-from longwave.scenes.disordered_wave import DisorderedWave, variation_of
+from longwave.scenes.disordered_wave import variation_of
 from longwave.scenes.lattice_derivation import lattice_wave
 from longwave.scenes.named_scenes import scene_of_toml
 from longwave.scenes.pulse_meter import PulseMeter, crest
@@ -128,14 +128,13 @@ def test_the_effective_medium_is_that_of_springs_in_series(
     scene = SOLITON | {"lattice": lattice, "constants": SOLITON["constants"] | constants}
     disorder = MASSES | {"of": of, "spread": 0.4}
     wave = lattice_wave(Scene.of(**(scene | {"disorder": disorder})))
-    assert isinstance(wave, DisorderedWave)
+    assert wave.disorder is not None
     mean = np.arctanh(0.4) / 0.4 if share else 1.0
-    assert wave.effective_speed == pytest.approx(mean**-0.5, rel=1e-14)
+    assert wave.disorder.effective_speed == pytest.approx(mean**-0.5, rel=1e-14)
 
 
 def test_a_wider_ring_is_the_same_lattice() -> None:
     wave = lattice_wave(Scene.of(**(SOLITON | {"disorder": MASSES | {"sites": [-50, 50]}})))
-    assert isinstance(wave, DisorderedWave)
     near, wide = (wave.ring(np.arange(-n, n + 1.0), 0.0) for n in (70, 101))
     deviations = [ring.lattice.deviations[0] for ring in (near, wide)]  # type: ignore[attr-defined]
     np.testing.assert_array_equal(deviations[0], deviations[1][31:-31])
@@ -160,7 +159,8 @@ def test_a_constant_deviates_in_every_bond_that_has_it_and_nothing_else_does() -
 def test_the_meter_finds_the_crest_and_the_energy_about_it() -> None:
     wave = lattice_wave(Scene.of(**(SOLITON | {"disorder": MASSES})))
     ring = wave.ring(np.arange(-100.0, 101.0), 0.0)
-    meter = wave.meter(ring)
+    assert wave.disorder is not None
+    meter = wave.disorder.meter(ring)
     assert isinstance(meter, PulseMeter)
     found = meter(ring.f, ring.v)
     assert found.place == pytest.approx(0.0, abs=1e-9)
