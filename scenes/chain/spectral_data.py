@@ -3,7 +3,6 @@
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -261,16 +260,3 @@ def rms_wavenumber(state: FieldRing) -> float:
     strain, slope = (values_of(part, state.counts[-1]) for part in (modes, 1j * k * modes))
     flank = float(np.max(np.abs(slope)) / np.max(np.abs(strain)))
     return max(flank, math.sqrt(float(np.sum(power * k[1:] ** 2)) / total))
-
-
-class SpectralCost(NamedTuple):
-    """What a run took: ``points``, and ``evaluations`` of the force.
-
-    ``strain`` is the smallest and the largest that was met.
-    """
-
-    steps: int
-    points: int
-    evaluations: int
-    circumference: float
-    strain: tuple[float, float]

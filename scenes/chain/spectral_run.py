@@ -20,14 +20,12 @@ from longwave.lattice.trial import Progress, Trial
 from longwave.scenes.chain.moving_wave import MovingWave
 from longwave.scenes.chain.spectral_data import (
     RingData,
-    SpectralCost,
     first_density,
     ring_data,
 )
 from longwave.scenes.chain.spectral_search import (
     MOST_POINTS,
-    RingTooLargeError,
-    StepTooShortError,
+    SpectralCost,
     solve_on_rings,
 )
 from longwave.scenes.recorders import Recorder, build_recorders
@@ -138,21 +136,11 @@ def run_spectral(
         found = solve_on_rings(moving, tolerance, progress, announce, most_work)
     except StoppedSearch as stop:
         raise _stopped(scene, moving, stop, recorders) from None
-    except RingTooLargeError as error:
-        raise ValueError(
-            f"tolerance must be larger than {tolerance:g}: it needs {error} "
-            "(raise it, end earlier or compare fewer sites)"
-        ) from None
     except OverBudgetError as error:
         raise ValueError(
             f"engine must be 'stencil' for tolerance {tolerance:g}, got 'spectral': the next "
             f"rings alone would take {SECONDS_PER_WORK * error.work:.2g} s, site by site about "
             f"{site_by_site:.2g} s (or raise the tolerance)"
-        ) from None
-    except StepTooShortError as error:
-        raise ValueError(
-            f"engine must be 'stencil' for tolerance {tolerance:g}, got 'spectral': it needs "
-            f"{error} (the wave is hardly longer than the distance of sites)"
         ) from None
     except FloatingPointError as error:
         raise ValueError(

@@ -8,9 +8,10 @@ taken for causal is checked against the strains that were met on it.
 
 import math
 import time
-from collections.abc import Collection
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 from functools import partial
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,17 +40,15 @@ from longwave.lattice.trial import (
     rounding_error,
 )
 from longwave.scenes.chain.moving_wave import MovingWave
-from longwave.scenes.chain.ring_march import MakeRing, MarchPhase, RingMarch
 from longwave.scenes.chain.spectral_data import (
     RingPlace,
-    SpectralCost,
     first_density,
     first_step,
     ring_data,
     rms_wavenumber,
     turning_time,
 )
-from longwave.support.checkpoint import begin_loop
+from longwave.support.checkpoint import Loop, Memory, begin_loop
 
 Array = NDArray[np.float64]
 
@@ -105,12 +104,84 @@ MOST_POINTS = 2**20
 """Points on the largest ring: a run takes 510 bytes a point (measured)."""
 
 
-class RingTooLargeError(ValueError):
-    """A tolerance that needs more points than a ring may have."""
+class SpectralCost(NamedTuple):
+    """What a run took: ``points``, and ``evaluations`` of the force.
+
+    ``strain`` is the smallest and the largest that was met.
+    """
+
+    steps: int
+    points: int
+    evaluations: int
+    circumference: float
+    strain: tuple[float, float]
 
 
-class StepTooShortError(ValueError):
-    """A tolerance, or a wave, that needs shorter steps than the engine should take."""
+Stop: TypeAlias = tuple[float, float, bool]
+"""A time, the step up to it, and whether the wave is seen there."""
+
+
+class RingMarch:
+    """A wave's way from ``state`` on rings, with a new one wherever the step is another.
+
+    ``rows`` are its y/eps on the compared sites at the ``stops`` where it is seen. It can be gone
+    on with from any pause of a ring, by a march that was made alike.
+    """
+
+    def __init__(
+        self,
+        moving: MovingWave,
+        state: FieldRing,
+        stops: Sequence[Stop],
+        make: Callable[[FieldRing, float], SpectralRing],
+    ) -> None:
+        self.rows: list[Array] = []
+        self._moving, self._stops, self._make = moving, stops, make
+        self._place, self._left = 0, [(math.inf, -math.inf, 0, 0)]
+        self._begin(state, stops[0][1])
+
+    def _begin(self, state: FieldRing, step: float) -> None:
+        self._state, self._step, self._ring = state, step, self._make(state, step)
+
+    def _tallies(self) -> list[tuple[float, float, int, int]]:
+        """The smallest and the largest strain, steps and evaluations of all rings so far."""
+        integrator = self._ring.integrator
+        return [*self._left, (*self._ring.strain, integrator.steps, integrator.evaluations)]
+
+    @property
+    def cost(self) -> SpectralCost:
+        """That of all rings so far."""
+        least, most, steps, evaluations = zip(*self._tallies(), strict=True)
+        points, length = self._state.f.size, self._state.circumferences[0]
+        return SpectralCost(sum(steps), points, sum(evaluations), length, (min(least), max(most)))
+
+    def run(self, progress: Progress, loop: Loop) -> None:
+        """Go to the end, from the beginning or from what the loop remembers.
+
+        Raises what the rings raise.
+        """
+        if loop.memory is not None:
+            self._recall(loop.memory)
+        moving, state = self._moving, self._state
+        for t, step, is_seen in self._stops[self._place :]:
+            if step != self._step:
+                self._left = self._tallies()
+                self._begin(state, step)
+            state = self._ring.at(t, lambda: loop.offer(self._memory))
+            if is_seen:
+                self.rows.append(state.at(moving.compared_sites(t))[0] / moving.eps)
+                progress((t - moving.t0) / moving.duration if moving.duration > 0 else 1.0)
+            self._place += 1
+        loop.end(self._memory)
+
+    def _memory(self) -> Memory:
+        kept = {name: getattr(self, name) for name in ("rows", "_place", "_left", "_step")}
+        return kept | {"state": vars(self._state), "ring": self._ring.memory()}
+
+    def _recall(self, memory: Memory) -> None:
+        self.rows, self._place, self._left = (memory[k] for k in ("rows", "_place", "_left"))
+        self._begin(replace(self._state, **memory["state"]), memory["_step"])
+        self._ring.recall(memory["ring"])
 
 
 def solve_on_rings(
@@ -123,8 +194,8 @@ def solve_on_rings(
     """Run the wave to a sup error of y/eps on the compared sites at its times after t0.
 
     ``most_work`` is the most that the next runs may ever take, in points times their log2 times
-    evaluations. ``progress`` and ``announce`` are as in `refine`. Raises RingTooLargeError if the
-    tolerance needs too many points, ValueError if it is below what rounding leaves, and
+    evaluations. ``progress`` and ``announce`` are as in `refine`. Raises ValueError if the
+    tolerance needs too many points or too short steps, or is below what rounding leaves, and
     FloatingPointError if the lattice blows up.
     """
     if not tolerance > 0:
@@ -157,7 +228,7 @@ class SpectralEngine(SpectralRingSearch):
         self.decay = 2.0 if self._data.periodic else 3.0
         steepness = self._steepness(self._data.bounds.strain)
         if steepness > STEEPEST:
-            raise StepTooShortError(f"a wave longer than {1.0 / steepness:.2g} sites")
+            raise self._too_short(f"a wave longer than {1.0 / steepness:.2g} sites")
         self._density = first_density(moving)
         self._started = moving.t0
         self._rings: dict[tuple[float, float, bool], RingPlace] = {}
@@ -188,7 +259,14 @@ class SpectralEngine(SpectralRingSearch):
         limit = self._data.causal
         widest = replace(Choices(step, limit.circumference), density=RESOLVED)
         if self.work(widest) > MOST_WORK:
-            raise StepTooShortError(f"steps below {step:.2g} for so long")
+            raise self._too_short(f"steps below {step:.2g} for so long")
+
+    def _too_short(self, needed: str) -> ValueError:
+        """What is said of a tolerance, or a wave, that needs shorter steps than pay."""
+        return ValueError(
+            f"engine must be 'stencil' for tolerance {self._tolerance:g}, got 'spectral': it needs "
+            f"{needed} (the wave is hardly longer than the distance of sites)"
+        )
 
     def _steepness(self, strain: Array) -> float:
         return self._moving.wave.numbers.a * float(np.max(np.abs(strain)))
@@ -199,7 +277,7 @@ class SpectralEngine(SpectralRingSearch):
         if self._steepness(bounds.strain) <= SLENDER:
             return 0.0
         ring = data.ring(data.smallest)
-        state = data.state(ring, _points(DENSITY * ring.circumference))
+        state = data.state(ring, self._fast_points(DENSITY * ring.circumference))
         chain = data.moving.constants.lattice
         spread = SPREAD * crest_energy_spread(chain, state, 0)
         return (1.0 + turns) * spread * float(np.max(np.abs(bounds.strain))) / data.moving.eps
@@ -232,7 +310,7 @@ class SpectralEngine(SpectralRingSearch):
         if kind == "step":
             shorter = self._shorter(choices, excess)
             if shorter.step * self._moving.speed < SHORTEST < self._duration:
-                raise self._soft or StepTooShortError(f"steps below {choices.step:.2g}")
+                raise self._soft or self._too_short(f"steps below {choices.step:.2g}")
             return shorter
         if kind == "sampling":
             return replace(choices, density=1.4 * self._dense(choices))
@@ -248,6 +326,15 @@ class SpectralEngine(SpectralRingSearch):
         """Points per site that the choices mean, by what is known of the spectrum now."""
         least = LEAST_POINTS / choices.size
         return choices.finer * max(choices.density, self._density, least)
+
+    def _fast_points(self, wanted: float) -> int:
+        """The next larger number of points that transforms fast."""
+        if wanted > MOST_POINTS:
+            raise ValueError(
+                f"tolerance must be larger than {self._tolerance:g}: it needs a ring of more than "
+                f"{MOST_POINTS} points (raise it, end earlier or compare fewer sites)"
+            )
+        return fast_count(wanted)
 
     def _sized(self, choices: Choices, size: float) -> Choices:
         limit = self._data.causal
@@ -274,7 +361,7 @@ class SpectralEngine(SpectralRingSearch):
         state = self._state(choices)
         if choices.nudged:
             state = replace(state, f=(1.0 + NUDGE) * state.f)
-        march = RingMarch(moving, state, self._phases(choices), self._maker(choices, state))
+        march = RingMarch(moving, state, self._stops(choices), self._maker(choices, state))
         stopped = False
         try:
             march.run(progress, loop)
@@ -283,12 +370,10 @@ class SpectralEngine(SpectralRingSearch):
                 raise
             stopped = True
         values = np.array(march.rows)
-        strain, steps, evaluations = march.tally
-        points = state.f.size
-        cost = SpectralCost(steps, points, evaluations, state.circumferences[0], strain)
-        rounding = rounding_error(max(map(abs, strain)) / moving.eps, evaluations)
+        cost = march.cost
+        rounding = rounding_error(max(map(abs, cost.strain)) / moving.eps, cost.evaluations)
         rounding += clock_error(values, moving.speed, (moving.t0, moving.end))
-        work = evaluations * points * math.log2(points)
+        work = cost.evaluations * cost.points * math.log2(cost.points)
         seconds = time.perf_counter() - loop.begun
         trial = Trial(
             choices, values, work, seconds, rounding, cost, common_error=self._unshown(choices)
@@ -297,7 +382,7 @@ class SpectralEngine(SpectralRingSearch):
             raise StoppedTrial(trial)
         return trial
 
-    def _maker(self, choices: Choices, state: FieldRing) -> MakeRing:
+    def _maker(self, choices: Choices, state: FieldRing) -> Callable[..., SpectralRing]:
         """What makes the rings of a run that begins with that state."""
         cutoff = short = 0.0
         if choices.absorber:
@@ -311,19 +396,18 @@ class SpectralEngine(SpectralRingSearch):
             short=short,
         )
 
-    def _phases(self, choices: Choices) -> list[MarchPhase]:
-        """The start, if it has a step of its own, and what follows.
+    def _stops(self, choices: Choices) -> list[Stop]:
+        """Where the wave is seen, and the end of the start, if that has a step of its own.
 
         The ansatz is not quite a right-going wave. Steps that do not resolve how the rest of it
         leaves the wave would replace it by its mean, whatever their length.
         """
-        t0, times, began = self._moving.t0, list(self._moving.times[1:]), self._started
+        times, began = self._moving.times[1:], self._started
         if not 0.0 < choices.start < choices.step:
-            return [MarchPhase(t0, times, choices.step)]
-        return [
-            MarchPhase(t0, [t for t in times if t < began], choices.start),
-            MarchPhase(began, [t for t in times if t >= began], choices.step),
-        ]
+            return [(t, choices.step, True) for t in times]
+        early = [(t, choices.start, True) for t in times if t < began]
+        late = [(t, choices.step, True) for t in times if t >= began]
+        return [*early, (began, choices.start, False), *late]
 
     def _ring(self, choices: Choices) -> RingPlace:
         key = (choices.size, choices.shift, choices.causal)
@@ -334,14 +418,7 @@ class SpectralEngine(SpectralRingSearch):
 
     def _state(self, choices: Choices) -> FieldRing:
         ring = self._ring(choices)
-        points = _points(ring.circumference * choices.density)
+        points = self._fast_points(ring.circumference * choices.density)
         if (ring, points) not in self._states:
             self._states[ring, points] = self._data.state(ring, points)
         return self._states[ring, points]
-
-
-def _points(wanted: float) -> int:
-    """The next larger number of points that transforms fast."""
-    if wanted > MOST_POINTS:
-        raise RingTooLargeError(f"a ring of more than {MOST_POINTS} points")
-    return fast_count(wanted)
