@@ -1,5 +1,6 @@
 """Envelopes solved by Fourier, against closed forms and plane waves with the next order."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -34,9 +35,11 @@ def test_without_the_next_order_it_is_the_closed_form(
     name: str, given: dict[str, int], turn: float
 ) -> None:
     wave = SymbolicWave(name, derived().normal_form(None, None, **given))
+    form = fields(**given)
+    leading = tuple(tuple(term for term in flow if term.power == 0) for flow in form.flow)
     flow = EnvelopeFlow(
-        fields(**given), EPS, lambda X: wave.jets(X, 0.0, 0)[0], first=-25.0, length=50.0,
-        points=256, T0=0.0, turn=turn, highest=0,
+        replace(form, flow=leading), EPS, lambda X: wave.jets(X, 0.0, 0)[0], first=-25.0,
+        length=50.0, points=256, T0=0.0, turn=turn,
     )  # fmt: skip
     X = np.linspace(-10, 10, 41)
     for T in (0.7, 3.0, 2.0):
@@ -58,18 +61,6 @@ def test_a_plane_wave_turns_as_the_next_order_says() -> None:
     expected = a * np.exp(1j * (x * X - turning * 1.5))
     found_jets = flow.jets(X, 2.0, 1)
     np.testing.assert_allclose(found_jets, [expected, 1j * x * expected], atol=1e-8)
-
-
-def test_its_error_is_what_it_says() -> None:
-    wave = SymbolicWave("peregrine", derived().normal_form(None, None, **GIVEN))
-    T0 = -1 / abs(wave.b)
-    flow = EnvelopeFlow(
-        fields(**GIVEN), EPS, lambda X: wave.jets(X, T0, 0)[0], first=-60.0, length=120.0,
-        points=1024, T0=T0, highest=0,
-    )  # fmt: skip
-    X = np.linspace(-5, 5, 41)
-    error = float(np.max(np.abs(flow.jets(X, 0.0, 0) - wave.jets(X, 0.0, 0))))
-    assert error / 3 < flow.error(0.0) < 1e-5
 
 
 def test_it_has_a_beginning() -> None:
