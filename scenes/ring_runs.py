@@ -317,11 +317,6 @@ class CellView(View):
     state: State
 
     @property
-    def t(self) -> float:
-        """The time of the state."""
-        return self.state.t
-
-    @property
     def level(self) -> float:
         """The uniform strain that the wave is added to."""
         return float(self._wave.uniform()[0])

@@ -62,10 +62,12 @@ def relative_sup_error(numeric: Array, analytic: Array, background: Array) -> fl
 class View(ABC):
     """Lattice and wave on the compared cells at one time; each is made when first used."""
 
+    state: State
+
     @property
-    @abstractmethod
     def t(self) -> float:
         """The time."""
+        return self.state.t
 
     @property
     @abstractmethod
@@ -100,20 +102,17 @@ class View(ABC):
     @property
     def numeric(self) -> Array:
         """The first quantity of the run, such as its strains."""
-        first: Array = self.numerics[0]
-        return first
+        return np.asanyarray(self.numerics[0])
 
     @property
     def analytic(self) -> Array:
         """The same of the wave."""
-        first: Array = self.analytics[0]
-        return first
+        return np.asanyarray(self.analytics[0])
 
     @property
     def background(self) -> Array:
         """The same of the bare wave of the same phase."""
-        first: Array = self.backgrounds[0]
-        return first
+        return np.asanyarray(self.backgrounds[0])
 
     @property
     def far_field(self) -> Array | None:
@@ -167,11 +166,6 @@ class SiteView(View):
 
     moving: MovingWave
     state: State
-
-    @property
-    def t(self) -> float:
-        """The time of the state."""
-        return self.state.t
 
     @property
     def level(self) -> float:
