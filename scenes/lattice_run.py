@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from longwave.lattice.refine import Announce, StoppedSearch, refine
+from longwave.lattice.refine import Announce
 from longwave.scenes.lattice_derivation import LatticeDerivation, derivation, lattice_wave
 from longwave.scenes.numerics import Tolerance
 from longwave.scenes.observables import MEASURED, observable_named
@@ -25,7 +25,7 @@ from longwave.scenes.ring_runs import (
     WaveRings,
     expected_rings,
 )
-from longwave.scenes.run_record import RunRecord, UnfinishedRun, error_unit, judged, unfinished
+from longwave.scenes.run_record import RunRecord, UnfinishedRun, error_unit, judged, searched
 from longwave.scenes.scene import Scene
 from longwave.scenes.scene_checks import enough_steps
 from longwave.scenes.stated_run import run_from, stated_runs
@@ -221,11 +221,7 @@ def _to_tolerance(
     begun: float,
 ) -> RunRecord:
     announce(engine.expected.seconds)
-    try:
-        found = refine(engine, scene.target.tolerance, progress or (lambda _: None), announce)
-    except StoppedSearch as stop:
-        run = None if stop.trial is None else stop.trial.payload
-        raise unfinished(run, scene, stop.error, stop.before) from None
+    found = searched(engine, scene, progress or (lambda _: None), announce)
     record: RunRecord | None = found.trial.payload
     if record is None or (math.isinf(found.error) and not record.attrs["blow_up"]):
         raise ValueError(

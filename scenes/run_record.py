@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from longwave.lattice.refine import StoppedSearch, refine
 from longwave.scenes.observables import TIME, axis_values
 from longwave.support.checkpoint import spared_seconds
 from longwave.support.provenance import provenance
@@ -21,7 +22,8 @@ from longwave.support.provenance import provenance
 if TYPE_CHECKING:
     import xarray as xr
 
-    from longwave.lattice.refine import Refined
+    from longwave.lattice.refine import Announce, Refined
+    from longwave.lattice.trial import Engine, Progress
     from longwave.scenes.recorders import Variables
     from longwave.scenes.scene import Scene
 
@@ -128,3 +130,15 @@ def unfinished(
     else:
         run.attrs |= {"unfinished": why, "error_estimate": error}
     return UnfinishedRun(run)
+
+
+def searched(engine: Engine, scene: Scene, progress: Progress, announce: Announce) -> Refined:
+    """What `refine` finds for the scene's tolerance by runs whose payload is their record.
+
+    Raises what that raises, and on Ctrl-C UnfinishedRun with the best of them.
+    """
+    try:
+        return refine(engine, scene.target.tolerance, progress, announce)
+    except StoppedSearch as stop:
+        run = None if stop.trial is None else stop.trial.payload
+        raise unfinished(run, scene, stop.error, stop.before) from None

@@ -8,7 +8,7 @@ from functools import lru_cache
 import numpy as np
 
 from longwave.lattice.model import Model
-from longwave.lattice.refine import Announce, Refined, StoppedSearch, refine
+from longwave.lattice.refine import Announce, Refined
 from longwave.lattice.schemes import Scheme, scheme_named, stability_limit
 from longwave.lattice.trial import (
     NUDGE,
@@ -17,14 +17,12 @@ from longwave.lattice.trial import (
     Engine,
     Kind,
     Progress,
+    StepSearch,
     StoppedTrial,
     Trial,
     clock_error,
-    lawful_step,
-    mean_step,
     rounding_error,
     shorter_step,
-    step_between,
 )
 from longwave.scenes.chain.domain import (
     Array,
@@ -39,7 +37,7 @@ from longwave.scenes.chain.sites import SECONDS_PER_UPDATE, START_SECONDS, Chain
 from longwave.scenes.numerics import Discretisation
 from longwave.scenes.observables import observable_named
 from longwave.scenes.recorders import Samples, exact_times
-from longwave.scenes.run_record import RunRecord, UnfinishedRun, unfinished
+from longwave.scenes.run_record import RunRecord, UnfinishedRun, searched
 from longwave.scenes.scene import Scene
 from longwave.scenes.stated_run import run_from
 from longwave.support.request_limits import ExpectedCost
@@ -129,11 +127,7 @@ def run_stencil(scene: Scene, progress: Progress, announce: Announce) -> tuple[R
     UnfinishedRun on Ctrl-C.
     """
     engine = StencilEngine(scene, scene.moving_wave)
-    try:
-        found = refine(engine, scene.target.tolerance, progress, announce)
-    except StoppedSearch as stop:
-        run = None if stop.trial is None else stop.trial.payload
-        raise unfinished(run, scene, stop.error, stop.before) from None
+    found = searched(engine, scene, progress, announce)
     run = found.trial.payload
     if math.isinf(found.error) and not run.attrs["blow_up"]:
         raise ValueError(
@@ -143,18 +137,16 @@ def run_stencil(scene: Scene, progress: Progress, announce: Announce) -> tuple[R
     return run, found
 
 
-class StencilEngine:
+class StencilEngine(StepSearch):
     """Runs of a scene in windows or, where the background is not constant, on causal rings."""
 
     threads = 2
     decay = 5.0
     """Measured: between 5.8 and 7.4."""
     unstable = 1
-    most_work = math.inf
 
     def __init__(self, scene: Scene, moving: MovingWave) -> None:
         scheme = scheme_named(scene.target.scheme or PREFERRED)
-        self.order: int = scheme.order
         self._scene, self._moving = scene, moving
         self._bounds = find_bounds(moving, scene.target.tolerance)
         self._met: list[Array] = []  # on rings that were too narrow, of runs done at once
@@ -163,17 +155,15 @@ class StencilEngine:
         self.kinds: tuple[Kind, ...] = ("step", "domain") if self._domain == "window" else ("step",)
         self.safety = WINDOW_SAFETY if self._domain == "window" else SAFETY
         self._least = self._ring = _checked(least_sites(moving, self._domain, self._bounds))
-        self._longest = longest_step(scene.model, scheme, self._bounds)
-        stated = Discretisation(self._longest, self._domain, self._least, scheme.name)
+        longest = longest_step(scene.model, scheme, self._bounds)
+        stated = Discretisation(longest, self._domain, self._least, scheme.name)
         self._base = replace(scene, numerics=stated)
         exact = exact_times(self._base)
         self._times = judged_times(moving, exact, self._domain)
         moves = window_moves(moving) if self._domain == "window" else ()
-        self._stops = np.array(sorted({scene.t0, *exact, *(t for t in moves if t < scene.end)}))
-
-    def first(self) -> Choices:
-        """The longest step and the smallest domain."""
-        return Choices(self._longest, self._least, self._domain == "ring")
+        stops = sorted({scene.t0, *exact, *(t for t in moves if t < scene.end)})
+        super().__init__(scheme.order, longest, np.array(stops), self._least)
+        self._first = replace(self._first, causal=self._domain == "ring")
 
     def coarse_engine(self) -> Engine:
         """The same about the wave alone, if that saves sites."""
@@ -218,16 +208,11 @@ class StencilEngine:
     def improved(self, choices: Choices, kind: Kind, excess: float) -> Choices:
         """By the laws of the scheme's order and of the window's size."""
         if kind == "step":
-            step = step_between(self._stops, choices.step)
-            return replace(choices, step=lawful_step(step, self.order, excess))
+            return super().improved(choices, kind, excess)
         if choices.causal:
             return choices
         factor = min(LARGEST_GROWTH, max(1.2, 1.05 * excess ** (1.0 / self.decay)))
         return self._sized(choices, factor * choices.size)
-
-    def taken(self, choices: Choices) -> float:
-        """The mean of the steps between the stops."""
-        return mean_step(self._stops, choices.step, self.order)
 
     def work(self, choices: Choices) -> float:
         """Site updates."""
