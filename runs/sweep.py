@@ -22,7 +22,7 @@ from longwave.runs.run_pack import (
 )
 from longwave.runs.run_store import RunStore
 from longwave.runs.sweep_cells import Batch, Cell, run_cells
-from longwave.runs.worker_code import code_here
+from longwave.runs.sweep_workers import code_here
 from longwave.support.atomic_file import write_atomically
 from longwave.support.command_line import one_line
 from longwave.support.processes import Call, Job, LostProcess, Workers, in_turn

@@ -28,7 +28,7 @@ from longwave.runs.run_pack import (
     write_pack,
 )
 from longwave.runs.run_store import RunStore, UnkeptRunError, runs_its_sources
-from longwave.runs.worker_code import check_code
+from longwave.runs.sweep_workers import check_code
 from longwave.support.compiled.cores import keep_to_one_core
 from longwave.support.request_limits import (
     Cancelled,

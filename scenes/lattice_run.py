@@ -228,7 +228,7 @@ def _to_tolerance(
             f"times must end before {scene.lattice} blows up, got {engine.times[-1]:g} (no step "
             "follows it; end earlier or take a smaller eps)"
         )
-    judged(record, scene, found, begun)
+    judged(record, found, scene, begun)
     if isinstance(engine, SiteRingEngine):
         _add_pulse(record, engine, found.trial.choices.step)
     if not isinstance(engine, SiteRingEngine) or engine.rings.wave.lattice.dimension > 1:

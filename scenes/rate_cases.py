@@ -1,6 +1,6 @@
 """Scenes and the rates at which their errors must fall with eps, as data: `rates.toml`.
 
-What they must fall with is in no table: it follows from the expansion (`theory_rate`).
+What they must fall with is in no table: it follows from the expansion (`convergence.scene_rate`).
 """
 
 from __future__ import annotations

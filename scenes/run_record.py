@@ -81,7 +81,7 @@ class RunRecord:
         return xr.Dataset(data, coordinates, attributes)
 
 
-def judged(record: RunRecord, asked: Scene, found: Refined, begun: float) -> RunRecord:
+def judged(record: RunRecord, found: Refined, asked: Scene, begun: float) -> RunRecord:
     """The record of a run to a tolerance, with what the judge says of it.
 
     ``error_estimate`` is of what is compared, in its unit, sup over the compared cells and all

@@ -21,7 +21,7 @@ from longwave.scenes.numerics import NUMERICS, Discretisation, Tolerance, numeri
 from longwave.scenes.observables import OBSERVABLES, observable_named
 from longwave.scenes.scene_checks import CHAIN, CHAIN_CONSTANTS, Pairs, Value
 from longwave.scenes.scene_disorder import Stated, disorder_pairs
-from longwave.scenes.scene_file import document_of, read_document, scene_fields
+from longwave.scenes.scene_file import document_of, read_document, scene_fields, toml_text
 from longwave.scenes.scene_rules import (
     NOT_GIVEN,
     PERTURBED_PLANE,
@@ -30,7 +30,6 @@ from longwave.scenes.scene_rules import (
     check_growth,
     check_moving_wave,
 )
-from longwave.scenes.toml_text import toml_text
 from longwave.support.user_files import file_stem, shown, shown_path
 
 if TYPE_CHECKING:

@@ -26,7 +26,7 @@ from typing import Any
 
 import xarray as xr
 
-from longwave.scenes.toml_text import toml_text
+from longwave.scenes.scene_file import toml_text
 
 HOUSE = Path(__file__).parents[1]
 

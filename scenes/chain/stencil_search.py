@@ -1,15 +1,20 @@
-"""A scene with a tolerance, site by site: in a window that holds the wave, or on a causal ring."""
+"""A scene site by site: as it is stated, or with a tolerance in a window or on a causal ring."""
+
+from __future__ import annotations
 
 import math
 from collections.abc import Collection, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
 from longwave.lattice.model import Model
 from longwave.lattice.refine import Announce, Refined
-from longwave.lattice.schemes import Scheme, scheme_named, stability_limit
+from longwave.lattice.schemes import Scheme, check_step, scheme_named, stability_limit
+from longwave.lattice.state import Domain, State
+from longwave.lattice.stepper import Stepper, advance
 from longwave.lattice.trial import (
     NUDGE,
     SAFETY,
@@ -26,6 +31,8 @@ from longwave.lattice.trial import (
 )
 from longwave.scenes.chain.domain import (
     Array,
+    SiteRing,
+    Window,
     least_ring,
     least_window,
     seam_room,
@@ -33,14 +40,76 @@ from longwave.scenes.chain.domain import (
     window_moves,
 )
 from longwave.scenes.chain.moving_wave import MovingWave, WaveBounds, find_bounds
-from longwave.scenes.chain.sites import SECONDS_PER_UPDATE, START_SECONDS, ChainSites
 from longwave.scenes.numerics import Discretisation
 from longwave.scenes.observables import observable_named
 from longwave.scenes.recorders import Samples, exact_times
 from longwave.scenes.run_record import RunRecord, UnfinishedRun, searched
 from longwave.scenes.scene import Scene
 from longwave.scenes.stated_run import run_from
+from longwave.scenes.view import SiteView
 from longwave.support.request_limits import ExpectedCost
+
+
+@dataclass(frozen=True)
+class ChainSites:
+    """A scene on the paper's chain as it is stepped (`stated_run.SteppedScene`)."""
+
+    scene: Scene
+    moving: MovingWave
+
+    @property
+    def scale(self) -> float:
+        """Errors are of y/eps."""
+        return self.scene.eps
+
+    @property
+    def reach(self) -> tuple[int, ...]:
+        """The compared sites on either side."""
+        return (self.scene.compared,)
+
+    @property
+    def task(self) -> str:
+        """The scene."""
+        return self.scene.json()
+
+    def domain(self) -> Domain:
+        """The domain that the scene states.
+
+        A closed ring fades where nothing asks for all sites.
+        """
+        stated = self.scene.discretisation
+        if stated.domain == "window":
+            return Window(self.moving, stated.sites)
+        closed = stated.domain == "closed_ring"
+        whole = any(observable_named(name).all_sites for name in self.scene.observables)
+        return SiteRing(self.moving, stated.sites, closed, fades=closed and not whole)
+
+    def stepper(self, restart: State | None) -> tuple[Stepper, float]:
+        """What steps the sites, and the largest stable step."""
+        domain, stated, model = self.domain(), self.scene.discretisation, self.scene.model
+        initial = domain.start()
+        limit = check_step(stated.step, stated.table, model.highest_frequency(initial.f))
+        advance(stated.table, initial.f, initial.v, stated.step, 0, model.lattice)
+        state = initial if restart is None else restart
+        amplitude = float(np.max(np.abs(initial.f)))
+        return Stepper(state, stated.table, model.lattice, domain, stated.step, amplitude), limit
+
+    def view(self, state: State) -> SiteView:
+        """The compared sites."""
+        return SiteView(self.moving, state)
+
+    def refined(self, scene: Scene) -> ChainSites:
+        """The sites of a finer scene, whose wave is the same."""
+        return ChainSites(scene, self.moving)
+
+    def told(self, stepper: Stepper) -> dict[str, Any]:
+        """The strains that were met, and how well a window's feed fitted."""
+        return {
+            "least_strain": float(stepper.ranges[0, 0]),
+            "most_strain": float(stepper.ranges[0, 1]),
+            "feed_mismatch": stepper.domain.mismatch,
+        }
+
 
 PREFERRED = "reduced_phase_6"
 """Fewest force evaluations for sup errors from 1e-2 to 1e-9 of those in the table."""
@@ -274,6 +343,12 @@ def _checked(sites: int) -> int:
         f"'stencil', got {sites} (end earlier, compare fewer or take engine 'spectral')"
     )
 
+
+START_SECONDS = 0.03
+"""Before the first step, measured with the planning."""
+
+SECONDS_PER_UPDATE = 6e-10
+"""Seconds per site and force evaluation, measured with the planning."""
 
 SITE_BYTES = 280.0
 """Of a run, for each site: 130 with a soliton, 280 with a rational wave."""

@@ -22,7 +22,7 @@ from longwave.runs.sweep_cells import Cell, numbers_of, run_cells
 from longwave.runs.sweep_cost import expected_sweep_cost
 from longwave.runs.sweep_dataset import cell_run, sweep_dataset, write_sweep
 from longwave.runs.sweep_file import Sweep, sweep_of
-from longwave.runs.worker_code import code_here
+from longwave.runs.sweep_workers import code_here
 from longwave.scenes import scene_run
 from longwave.scenes.named_scenes import load_scene
 from longwave.scenes.scene import Scene

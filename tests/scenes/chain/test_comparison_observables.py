@@ -16,7 +16,7 @@ from longwave.lattice.schemes import SCHEMES, Scheme
 from longwave.lattice.state import State, empty_chain
 from longwave.scenes import run
 from longwave.scenes.chain import chain_run
-from longwave.scenes.chain.sites import ChainSites
+from longwave.scenes.chain.stencil_search import ChainSites
 from longwave.scenes.named_scenes import load_scene
 from longwave.scenes.observables import (
     OBSERVABLES,

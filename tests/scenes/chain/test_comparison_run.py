@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 from longwave.lattice.state import BlowUp
 from longwave.scenes import run
 from longwave.scenes.chain.domain import SiteRing
-from longwave.scenes.chain.sites import ChainSites
+from longwave.scenes.chain.stencil_search import ChainSites
 from longwave.scenes.named_scenes import load_scene, scene_of
 from longwave.scenes.scene import Scene
 from longwave.scenes.stated_run import refined
