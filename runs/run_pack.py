@@ -106,11 +106,11 @@ class PackedRun:
             for name, held in group["arrays"].items():
                 found = data if not held.attrs["coordinate"] else coordinates
                 texts = json.loads(held.attrs["attributes"])
-                found[name] = (json.loads(held.attrs["dims"]), _values(held[self.row]), texts)
+                found[name] = (json.loads(held.attrs["dims"]), values_of(held[self.row]), texts)
             return xr.Dataset(data, coordinates, json.loads(group["attributes"][self.row]))
 
 
-def _values(held: Any) -> Any:
+def values_of(held: Any) -> Any:
     """What was put in: texts are held as bytes."""
     return np.char.decode(held, "utf-8") if held.dtype.kind == "S" else held
 

@@ -15,7 +15,7 @@ from xarray.backends import BackendArray
 from xarray.core import indexing
 
 from longwave.runs.run_file import load_run
-from longwave.runs.run_pack import PackedRun
+from longwave.runs.run_pack import PackedRun, values_of
 
 Place: TypeAlias = PackedRun | Path
 """Where a cell's run is: in a pack, or a file of its own."""
@@ -45,30 +45,13 @@ def _groups(places: Mapping[int, Place]) -> Mapping[Group, dict[int, int]]:
     return found
 
 
-def _kinds(group: Group) -> Iterator[tuple[str, FieldKind]]:
-    """The variables of the runs in one place."""
-    path, name = group
-    if not name:
-        for field, variable in load_run(path).variables.items():
-            told = json.dumps(variable.attrs, sort_keys=True, default=str)
-            yield (
-                str(field),
-                FieldKind(
-                    tuple(map(str, variable.dims)),
-                    variable.shape,
-                    variable.dtype.str,
-                    variable.dims == (field,),
-                    told,
-                ),
-            )
-        return
-    import h5py
-
-    with h5py.File(path) as file:
-        for field, held in file[name]["arrays"].items():
-            dims = tuple(json.loads(held.attrs["dims"]))
-            told = json.dumps(json.loads(held.attrs["attributes"]), sort_keys=True)
-            yield field, FieldKind(dims, held.shape[1:], held.dtype.str, dims == (field,), told)
+def _kinds(group: Group, row: int) -> Iterator[tuple[str, FieldKind]]:
+    """The variables of the runs in one place, by one of them."""
+    run = PackedRun(*group, row).load() if group[1] else load_run(group[0])
+    for name, variable in run.variables.items():
+        dims, told = tuple(map(str, variable.dims)), json.dumps(variable.attrs, sort_keys=True)
+        held = variable.shape, variable.dtype.str, dims == (name,), told
+        yield str(name), FieldKind(dims, *held)
 
 
 def _rows(group: Group, field: str, rows: Sequence[int]) -> NDArray[Any]:
@@ -80,7 +63,7 @@ def _rows(group: Group, field: str, rows: Sequence[int]) -> NDArray[Any]:
 
     with h5py.File(path) as file:
         held = file[name]["arrays"][field]
-        return np.stack([held[row] for row in rows])
+        return np.asarray(values_of(np.stack([held[row] for row in rows])))
 
 
 class FieldOfCells(BackendArray):
@@ -138,8 +121,8 @@ def swept_fields(
     """
     kinds: dict[str, list[FieldKind]] = defaultdict(list)
     groups = _groups(places)
-    for group in groups:
-        for field, kind in _kinds(group):
+    for group, cells in groups.items():
+        for field, kind in _kinds(group, min(cells.values())):
             kinds[field].append(kind)
     for field, found in kinds.items():
         if len(found) < len(groups) or len(set(found)) > 1:
@@ -164,6 +147,7 @@ def _common(array: FieldOfCells, field: str, places: Mapping[int, Place]) -> NDA
     for group, inside in _groups(places).items():
         values = _rows(group, field, list(inside.values()))
         first = values[0] if first is None else first
-        if not np.array_equal(values, np.broadcast_to(first, values.shape), equal_nan=True):
+        same = np.broadcast_to(first, values.shape)
+        if not np.array_equal(values, same, equal_nan=values.dtype.kind == "f"):
             return None
     return first

@@ -564,6 +564,15 @@ def test_the_written_data_set_is_plain(store: RunStore, tmp_path: Path) -> None:
         assert read.error.attrs["long_name"]
 
 
+def test_names_of_what_is_compared_are_those_of_all_cells(store: RunStore) -> None:
+    """Texts have no NaN: to compare them with it raised an error."""
+    tables = {"scene": "dimer_peregrine", "set": {"tolerance": 0.1}, "grid": {"eps": [0.2, 0.25]}}
+    sweep = sweep_of(tables)
+    run_sweep(sweep, store, HereWorkers())
+    found = sweep_dataset(sweep, store)
+    assert found.quantity.values.tolist() == ["v[n] - u[n]", "u[n+1] - v[n]"]
+
+
 def test_a_folder_among_the_packs_is_passed_over(store: RunStore) -> None:
     (store.folder / "packs" / "x.h5").mkdir(parents=True)
     assert packed_records(store.folder) == {}
