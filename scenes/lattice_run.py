@@ -15,7 +15,7 @@ from longwave.lattice.refine import Announce
 from longwave.scenes.lattice_derivation import LatticeDerivation, derivation, lattice_wave
 from longwave.scenes.numerics import Tolerance
 from longwave.scenes.observables import MEASURED, observable_named
-from longwave.scenes.pulse_meter import crest, pulse_track
+from longwave.scenes.pulse_meter import PULSE_VARIABLES, crest, pulse_track
 from longwave.scenes.recorders import MOMENT_BYTES, exact_times
 from longwave.scenes.ring_cost import USUAL_RUNS, search_cost
 from longwave.scenes.ring_runs import (
@@ -246,10 +246,12 @@ def _add_pulse(record: RunRecord, engine: SiteRingEngine, step: float) -> None:
     for t in engine.times:
         cells = engine.rings.compared.cells(t)
         theory.append(crest(cells, wave.strain(cells, t)[0] - wave.background(cells, t)[0]))
-    track = pulse_track(metered, engine.metered_before(step), theory)
+    columns, numbers = pulse_track(metered, engine.metered_before(step), theory)
     kept = [engine.times.index(t) for t in record.reached]
-    for name, values in track.columns.items():
-        record.variables[name] = ("time",), values[kept], track.attributes(name)
-    record.attrs |= track.numbers
+    for name, values in columns.items():
+        units, long_name = PULSE_VARIABLES[name]
+        told = {"units": units, "long_name": long_name}
+        record.variables[name] = ("time",), values[kept], told
+    record.attrs |= numbers
     if not math.isnan(speed := wave.disorder.effective_speed):
         record.attrs["effective_speed"] = speed

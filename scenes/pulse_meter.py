@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -90,35 +89,20 @@ class PulseMeter:
         return crest(self._cells, np.max(np.abs(forces), axis=0))
 
 
-@dataclass(frozen=True)
-class PulseTrack:
-    """What is left of a wave at all times of a run, and how far each is from the run before it.
+def pulse_track(
+    found: Array, before: Array, theory: Sequence[tuple[float, float]]
+) -> tuple[dict[str, Array], dict[str, float]]:
+    """What is left of a wave at all times of a run, by name, and the numbers of the last time.
 
-    ``columns``: arrays over time by name, see `PULSE_VARIABLES`; ``numbers``: those of the last
-    time.
-    """
-
-    columns: Mapping[str, Array]
-    numbers: Mapping[str, float]
-
-    def attributes(self, name: str) -> dict[str, str]:
-        """Unit and long name of a column."""
-        units, long_name = PULSE_VARIABLES[name]
-        return {"units": units, "long_name": long_name}
-
-
-def pulse_track(found: Array, before: Array, theory: Sequence[tuple[float, float]]) -> PulseTrack:
-    """The track of ``found``, (times, numbers) as `PulseMeter` gives them.
-
-    ``before`` are those of the run that ``found`` controls; ``theory`` holds the wave's crests at
-    the times. What one of the two runs does not tell is NaN.
+    ``found`` are (times, numbers) as `PulseMeter` gives them, ``before`` those of the run that they
+    control; ``theory`` holds the wave's crests at the times. What one of the two runs does not tell
+    is NaN.
     """
     told, other = _told(found, theory), _told(before, theory)
     errors = {name: SAFETY * np.abs(other[name] - values) for name, values in told.items()}
     told = {name: np.where(np.isnan(errors[name]), np.nan, told[name]) for name in told}
     apart = {f"{name}_error": error for name, error in errors.items()}
-    last = {f"last_{name}": float(values[-1]) for name, values in told.items()}
-    return PulseTrack(told | apart, last)
+    return told | apart, {f"last_{name}": float(values[-1]) for name, values in told.items()}
 
 
 def _told(run: Array, theory: Sequence[tuple[float, float]]) -> dict[str, Array]:
