@@ -94,14 +94,15 @@ def tolerance(given: object) -> float:
     return value
 
 
-def whole(name: str, value: object) -> int:
-    """The value as an int, if it is a whole number >= 1 that some memory holds."""
-    if isinstance(value, bool) or not isinstance(value, Integral) or not 1 <= int(value) <= LARGEST:
+def whole(name: str, value: object, least: int = 1, most: float = LARGEST) -> int:
+    """The value as an int, if it is a whole number, from 1 to what some memory holds or as told."""
+    is_whole = isinstance(value, Integral) and not isinstance(value, bool)
+    if not is_whole or not least <= int(value) <= most:  # type: ignore[call-overload]
         raise ValueError(
-            f"{name} must be a whole number, 1 <= {name} <= {LARGEST:g}, got {shown(value)}"
+            f"{name} must be a whole number, {least:g} <= {name} <= {most:g}, got {shown(value)}"
             f"{_remedy(name)}"
         )
-    return int(value)
+    return int(value)  # type: ignore[call-overload]
 
 
 def enough_steps(step: float, duration: float) -> None:

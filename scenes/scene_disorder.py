@@ -12,14 +12,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
-from numbers import Integral
 from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from longwave.lattice.random_sites import DISTRIBUTIONS, site_deviations
-from longwave.scenes.scene_checks import finite, known_fields, one_of, text
+from longwave.scenes.scene_checks import finite, known_fields, one_of, text, whole
 from longwave.support.user_files import shown
 
 Array = NDArray[np.float64]
@@ -63,7 +62,7 @@ class Disorder:
                 "largest deviation as a share: with 1 a mass or a spring may vanish)"
             )
         object.__setattr__(self, "spread", spread)
-        object.__setattr__(self, "seed", _whole("seed", self.seed, 0, LARGEST_SEED))
+        object.__setattr__(self, "seed", whole("seed in [disorder]", self.seed, 0, LARGEST_SEED))
         one_of("distribution in [disorder]", self.distribution, DISTRIBUTIONS)
         if self.sites is not None:
             object.__setattr__(self, "sites", _ends(self.sites))
@@ -108,16 +107,6 @@ def disorder_pairs(given: object) -> Stated:
     return Disorder.of_pairs(given).pairs if given else ()
 
 
-def _whole(name: str, value: object, least: int, most: int) -> int:
-    is_whole = isinstance(value, Integral) and not isinstance(value, bool)
-    if not (is_whole and least <= int(value) <= most):  # type: ignore[call-overload]
-        raise ValueError(
-            f"{name} in [disorder] must be a whole number, {least} <= {name} <= {most}, got "
-            f"{shown(value)} (such as 1)"
-        )
-    return int(value)  # type: ignore[call-overload]
-
-
 def _ends(given: object) -> tuple[int, int]:
     """The first and the last of the sites."""
     if not isinstance(given, Sequence) or isinstance(given, str) or len(given) != 2:
@@ -125,7 +114,7 @@ def _ends(given: object) -> tuple[int, int]:
             f"sites in [disorder] must be the first and the last cell that deviate, got "
             f"{shown(given)} (such as [0, 999])"
         )
-    first, last = (_whole("sites", end, -FARTHEST, FARTHEST) for end in given)
+    first, last = (whole("sites in [disorder]", end, -FARTHEST, FARTHEST) for end in given)
     if first > last:
         raise ValueError(
             f"sites in [disorder] must have first <= last, got {first} and {last} (swap them)"
