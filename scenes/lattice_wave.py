@@ -6,7 +6,6 @@ Cells are real numbers: an array (sites,) on a chain, (axes, *sites) on a lattic
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -134,16 +133,6 @@ class LatticeWave(ABC):
     @abstractmethod
     def background(self, cells: ArrayLike, t: float) -> Array:
         """What the wave deviates from, as `strain`: the bare wave on its uniform strain."""
-
-    def growths(self, axes: Sequence[int] = (0,)) -> tuple[str, ...]:
-        """What fields grow by from a cell to the next along these axes, in words."""
-        here = (0,) * self.lattice.dimension
-        return tuple(
-            f"{place_text(name, tuple(int(at == axis) for at in range(len(here))))} - "
-            f"{place_text(name, here)}"
-            for axis in axes
-            for name in self.lattice.fields
-        )
 
     def uniform(self) -> Array:
         """The strain of each quantity that the wave is added to; 0 unless overridden."""

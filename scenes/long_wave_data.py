@@ -23,7 +23,7 @@ from longwave.derive.algebra.series import EpsSeries
 from longwave.derive.expansion import Expansion
 from longwave.derive.lattice import Lattice
 from longwave.derive.symbols import eps as EPS
-from longwave.lattice.numeric_lattice import NumericLattice, numeric_lattice
+from longwave.lattice.numeric_lattice import NumericLattice, numeric_lattice, place_text
 from longwave.scenes.first_correction import FirstCorrection
 from longwave.scenes.jet_polynomial import with_numbers
 from longwave.scenes.lattice_wave import LatticeWave
@@ -210,9 +210,15 @@ class LongWaveData(LatticeWave):
     @property
     def quantities(self) -> tuple[str, ...]:
         """What displacements grow by along the axes that the wave moves on, or the strains."""
-        if self._is_displacement:
-            return self.growths(self._axes)
-        return super().quantities
+        if not self._is_displacement:
+            return super().quantities
+        here = (0,) * self.lattice.dimension
+        next_cells = (tuple(int(at == axis) for at in range(len(here))) for axis in self._axes)
+        return tuple(
+            f"{place_text(name, there)} - {place_text(name, here)}"
+            for there in next_cells
+            for name in self.lattice.fields
+        )
 
     def measured(self, f: ArrayLike, mean_strain: tuple[float, ...]) -> Array:
         """The same from the periodic parts of the fields on a ring with this mean strain."""
