@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from operator import attrgetter
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -93,23 +93,6 @@ def _is_exact(scene: Scene, kind: Moment) -> bool:
 
 Variables = dict[str, tuple[tuple[str, ...], Any, dict[str, str]]]
 """Name -> (dimensions, values, attributes)."""
-
-
-class Observer(Protocol):
-    """Sees the run at its moments."""
-
-    @property
-    def moments(self) -> Moments:
-        """When it wants to see the run."""
-
-    def see(self, view: View) -> None:
-        """Record the run at one of the moments."""
-
-    def memory(self) -> Memory:
-        """What it has recorded."""
-
-    def recall(self, memory: Memory) -> None:
-        """Have recorded that."""
 
 
 class Recorder:
@@ -200,3 +183,7 @@ class Samples:
     def recall(self, memory: Memory) -> None:
         """Have kept those samples."""
         self.samples = memory["samples"]
+
+
+Observer: TypeAlias = Recorder | Samples
+"""Sees the run at its moments, and remembers what it has seen."""

@@ -212,7 +212,7 @@ class WaveRings:
 
 
 class RingCells:
-    """The cells of a ring as they are stepped (`stated_run.SteppedScene`).
+    """The cells of a ring as they are stepped, with the members that `ChainSites` has.
 
     The scene has times of the lattice. Its ring has as many sites as it says, unless its ``ends``
     are given. Raises ValueError for a ring that is too small.
@@ -239,7 +239,7 @@ class RingCells:
 
     @property
     def task(self) -> str:
-        """The scene, its ring, and whether its last digits are changed."""
+        """Everything that its states follow from: scene, ring, whether last digits are changed."""
         return f"{self.scene.json()} on {self.ends}{' nudged' if self._nudged else ''}"
 
     @cached_property

@@ -9,7 +9,7 @@ from __future__ import annotations
 import time
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Protocol, Self
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -23,51 +23,18 @@ from longwave.scenes.recorders import (
     exact_times,
 )
 from longwave.scenes.run_record import RunRecord, UnfinishedRun
-from longwave.scenes.view import Array, View
+from longwave.scenes.view import Array
 from longwave.support.checkpoint import Memory, begin_loop
 
 if TYPE_CHECKING:
     from longwave.lattice.state import State
     from longwave.lattice.stepper import Stepper
     from longwave.lattice.trial import Progress
+    from longwave.scenes.chain.stencil_search import ChainSites
+    from longwave.scenes.ring_runs import RingCells
     from longwave.scenes.scene import Scene
 
-
-class SteppedScene(Protocol):
-    """The cells of a scene whose discretisation is stated."""
-
-    @property
-    def scene(self) -> Scene:
-        """The scene."""
-
-    @property
-    def scale(self) -> float:
-        """The unit of errors."""
-
-    @property
-    def reach(self) -> tuple[int, ...]:
-        """How many cells are compared on either side, along each axis."""
-
-    @property
-    def task(self) -> str:
-        """Everything that its states follow from, in words."""
-
-    def stepper(self, restart: State | None) -> tuple[Stepper, float]:
-        """What steps the cells, kernels compiled, and the largest stable step.
-
-        They begin with the scene's data, or with the state ``restart`` of an earlier run of the
-        same scene. Raises ValueError for a step past the stability limit and for a domain that is
-        too small.
-        """
-
-    def view(self, state: Any) -> View:
-        """Lattice and wave at a state."""
-
-    def refined(self, scene: Scene) -> Self:
-        """The same of a finer scene."""
-
-    def told(self, stepper: Stepper) -> dict[str, Any]:
-        """What is told of the cells once they were run."""
+    SteppedScene: TypeAlias = ChainSites | RingCells
 
 
 @dataclass(frozen=True)

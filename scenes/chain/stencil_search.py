@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
@@ -50,27 +50,16 @@ from longwave.scenes.view import SiteView
 from longwave.support.request_limits import ExpectedCost
 
 
-@dataclass(frozen=True)
 class ChainSites:
-    """A scene on the paper's chain as it is stepped (`stated_run.SteppedScene`)."""
+    """A scene on the paper's chain as it is stepped.
 
-    scene: Scene
-    moving: MovingWave
+    Errors are told in units of ``scale``, y/eps; ``reach`` cells are compared on either side of the
+    frame along each axis; ``task`` is everything that its states follow from.
+    """
 
-    @property
-    def scale(self) -> float:
-        """Errors are of y/eps."""
-        return self.scene.eps
-
-    @property
-    def reach(self) -> tuple[int, ...]:
-        """The compared sites on either side."""
-        return (self.scene.compared,)
-
-    @property
-    def task(self) -> str:
-        """The scene."""
-        return self.scene.json()
+    def __init__(self, scene: Scene, moving: MovingWave) -> None:
+        self.scene, self.moving = scene, moving
+        self.scale, self.reach, self.task = scene.eps, (scene.compared,), scene.json()
 
     def domain(self) -> Domain:
         """The domain that the scene states.
@@ -85,7 +74,12 @@ class ChainSites:
         return SiteRing(self.moving, stated.sites, closed, fades=closed and not whole)
 
     def stepper(self, restart: State | None) -> tuple[Stepper, float]:
-        """What steps the sites, and the largest stable step."""
+        """What steps the sites, kernels compiled, and the largest stable step.
+
+        They begin with the scene's data, or with the state ``restart`` of an earlier run of the
+        same scene. Raises ValueError for a step past the stability limit and for a domain that is
+        too small.
+        """
         domain, stated, model = self.domain(), self.scene.discretisation, self.scene.model
         initial = domain.start()
         limit = check_step(stated.step, stated.table, model.highest_frequency(initial.f))
