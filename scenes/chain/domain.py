@@ -9,7 +9,7 @@ once, on Chebyshev points, and interpolated from there.
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -261,31 +261,6 @@ LARGEST_MISFIT = 1e-5
 
 
 @dataclass
-class InflowCheck:
-    """Compares each feed with the lattice; ``mismatch`` is the largest difference of y/eps seen."""
-
-    eps: float
-    mismatch: float = 0.0
-
-    def compare(self, state: State, sites: Sites, feed: Array) -> BlowUp | None:
-        """The fault at the first site where feed and lattice differ too much, None if none does.
-
-        ``feed`` holds the strains that the feed would put on ``sites``, which it leaves alone.
-        """
-        misses = np.abs(state.at(sites)[0][0] - feed) / self.eps
-        most = float(misses.max())
-        self.mismatch = max(self.mismatch, most)
-        if not most > LARGEST_MISFIT:
-            return None
-        wrong = misses > LARGEST_MISFIT
-        criterion = (
-            f"the window's feed misses the lattice by {most:.2g} eps, "
-            f"more than {LARGEST_MISFIT:g} eps (the wave's far field is not what is fed)"
-        )
-        return BlowUp(criterion, state.t, int(sites[wrong][0]))
-
-
-@dataclass
 class Window(Domain):
     """Sites about c t on a constant background: front cells are fed, rear cells are dropped.
 
@@ -294,13 +269,14 @@ class Window(Domain):
 
     The front is fed with the initial wave's own far field, moved at the background's speed of
     sound. Cells that the seam's signals can have reached since the last move are fed anew with it;
-    the window outruns those at its rear. A monitor compares each feed with the sites behind it.
-    Raises ValueError for a wave without a constant background, and for compared sites too near the
-    window's ends.
+    the window outruns those at its rear. Each feed is compared with the sites behind it;
+    ``mismatch`` is the largest difference of y/eps so far. Raises ValueError for a wave without a
+    constant background, and for compared sites too near the window's ends.
     """
 
     moving: MovingWave
     size: int
+    mismatch: float = field(default=0.0, init=False)
 
     def __post_init__(self) -> None:
         background = self.moving.wave.constant_background
@@ -309,7 +285,6 @@ class Window(Domain):
                 f"domain must be 'ring' for {self.moving.wave.numbers.name}, got 'window' "
                 "(its background is not constant)"
             )
-        self.monitor = InflowCheck(self.moving.eps)
         self.background_speed = self.moving.constants.sound_speed(self.moving.level)
         self.moves = frozenset(window_moves(self.moving))
         least = least_window(self.moving.compared)
@@ -319,18 +294,13 @@ class Window(Domain):
                 "(its ends would touch the compared sites; widen it)"
             )
 
-    @property
-    def mismatch(self) -> float:
-        """Largest difference of y/eps between what was fed and the sites next to it."""
-        return self.monitor.mismatch
-
     def memory(self) -> Memory:
         """The largest mismatch of a feed so far."""
-        return {"mismatch": self.monitor.mismatch}
+        return {"mismatch": self.mismatch}
 
     def recall(self, memory: Memory, t: float) -> None:
         """Have seen that mismatch."""
-        self.monitor.mismatch = memory["mismatch"]
+        self.mismatch = memory["mismatch"]
 
     def start(self) -> State:
         """The initial state, centred on c t0."""
@@ -347,9 +317,22 @@ class Window(Domain):
         end = left + state.size
         front = np.arange(end - fed - WATCHED, end)
         y, s = self._tail.at(front, state.t)
-        fault = self.monitor.compare(state, front[:WATCHED], y[:WATCHED])
+        fault = self._misfit(state, front[:WATCHED], y[:WATCHED])
         state.store(front[WATCHED:], y[WATCHED:], s[WATCHED:])
         return fault
+
+    def _misfit(self, state: State, sites: Sites, feed: Array) -> BlowUp | None:
+        """The fault at the first site where feed and lattice differ too much, None if none does."""
+        misses = np.abs(state.at(sites)[0][0] - feed) / self.moving.eps
+        most = float(misses.max())
+        self.mismatch = max(self.mismatch, most)
+        if not most > LARGEST_MISFIT:
+            return None
+        criterion = (
+            f"the window's feed misses the lattice by {most:.2g} eps, "
+            f"more than {LARGEST_MISFIT:g} eps (the wave's far field is not what is fed)"
+        )
+        return BlowUp(criterion, state.t, int(sites[misses > LARGEST_MISFIT][0]))
 
     @cached_property
     def _tail(self) -> Tail:
