@@ -23,7 +23,6 @@ from longwave.lattice.numeric_lattice import (
 )
 from longwave.scenes.envelope_flow import EnvelopeFlow
 from longwave.scenes.lattice_wave import CellRing, LatticeWave
-from longwave.scenes.scene_checks import ORDERS
 
 if TYPE_CHECKING:
     from longwave.solutions import Wave
@@ -101,10 +100,6 @@ class EnvelopeData(LatticeWave):
         mean_square: float = 0.0,
         interval: tuple[float, float] | None = None,
     ) -> None:
-        if order not in ORDERS:
-            raise ValueError(f"order must be one of {', '.join(ORDERS)}, got {order!r}")
-        if not 0.0 < eps < np.inf:
-            raise ValueError(f"eps must satisfy 0 < eps < inf, got {eps} (0.05 is usual)")
         self.eps, self.order, self.wave = float(eps), order, wave
         self._interval = interval
         self._flow: EnvelopeWave | None = wave if order != "corrected" else None

@@ -27,7 +27,6 @@ from longwave.lattice.numeric_lattice import NumericLattice, numeric_lattice, pl
 from longwave.scenes.first_correction import FirstCorrection
 from longwave.scenes.jet_polynomial import with_numbers
 from longwave.scenes.lattice_wave import LatticeWave
-from longwave.scenes.scene_checks import ORDERS
 from longwave.solutions import WaveValues
 
 if TYPE_CHECKING:
@@ -66,8 +65,8 @@ class LongWaveData(LatticeWave):
     reduction expanded forces that are no polynomials.  ``interval``: of X, for the correction of a
     wave that does not end: many times its width, or whole periods, so that it closes.
 
-    Raises ValueError for constants without a value or not allowed, an unknown order, and where
-    the reduction has no correction.
+    Raises ValueError for constants without a value or not allowed, and where the reduction has no
+    correction.
     """
 
     def __init__(
@@ -80,10 +79,6 @@ class LongWaveData(LatticeWave):
         lattice: Lattice | None = None,
         interval: tuple[float, float] | None = None,
     ) -> None:
-        if order not in ORDERS:
-            raise ValueError(f"order must be one of {', '.join(ORDERS)}, got {order!r}")
-        if not 0.0 < eps < math.inf:
-            raise ValueError(f"eps must satisfy 0 < eps < inf, got {eps} (0.1 is usual)")
         self.reduction, self.wave = reduction, wave
         self.eps, self.order = eps, order
         scaling = reduction.scaling

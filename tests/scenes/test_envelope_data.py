@@ -131,8 +131,6 @@ def test_support_is_where_the_wave_is() -> None:
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: data("strain", 0.1, "second"), "order must be one of leading, slaved, corrected"),
-        (lambda: data("strain", -0.1, "slaved"), "eps must satisfy 0 < eps"),
         (lambda: data("dark", 0.1, "corrected").start(0.0), "interval must be given"),
         (
             lambda: data("displacement", 0.1, "slaved").state(np.array([0.0, 2.0]), 0.0),

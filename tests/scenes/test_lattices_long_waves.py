@@ -199,10 +199,6 @@ def test_numbers_apart_from_the_lattice_give_the_same_data() -> None:
 def test_what_data_refuse() -> None:
     reduction, wave = reduction_of("1"), wave_of(scene_of("1"))
     lattice = derivation(scene_of("1")).lattice
-    with pytest.raises(ValueError, match="order must be one of leading, slaved, corrected"):
-        LongWaveData(reduction, {}, wave, 0.1, "next")
-    with pytest.raises(ValueError, match="eps must satisfy 0 < eps"):
-        LongWaveData(reduction, {}, wave, 0.0)
     leading = reduce(lattice, reduction.scaling, 5)
     with pytest.raises(ValueError, match=r"none was derived through eps\^5"):
         LongWaveData(leading, {}, wave, 0.1, "corrected")
