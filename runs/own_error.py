@@ -30,10 +30,6 @@ def scaled_own_error(run: xr.Dataset) -> NDArray[np.float64] | None:
     return None if measured is None else measured.values
 
 
-def _size(wave: NDArray[np.float64], background: NDArray[np.float64]) -> float:
-    return float(np.max(np.abs(wave - background))) or math.nan
-
-
 def own_error_at(run: xr.Dataset, scene: Scene, name: str, place: int) -> float:
     """The run's own error in units of its variable ``name``, ``error``, ``error_curve`` or
     ``error_curve_far_field``, and at that place of it; NaN where it was not measured."""
@@ -45,8 +41,8 @@ def own_error_at(run: xr.Dataset, scene: Scene, name: str, place: int) -> float:
         return float(own[place]) * relative / apart if apart > 0.0 else math.nan
     unit = scene.eps ** run.attrs.get("power", 1)
     if name == "error":
-        size = _size(*(held[part].values[place] for part in ("analytic", "background")))
-        return float(own[place]) * unit / size
+        wave, background = (held[part].values[place] for part in ("analytic", "background"))
+        return float(own[place]) * unit / (float(np.max(np.abs(wave - background))) or math.nan)
     t = float(held["curve_time"].values[place])
     here = own if "error_estimate" in run.attrs else own[held["time"].values == t]
     if not here.size:

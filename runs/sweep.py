@@ -210,13 +210,10 @@ class _March:
                 "(a cluster needs its scheduler, and everywhere the longwave of this machine)"
             ) from error
         if batch.pack is not None:
-            self._keep(batch.pack)
+            write_sealed(new_pack(self.store.folder), batch.pack, force=False)
         self.state.count(batch)
         self.progress(self.state)
         return True
-
-    def _keep(self, pack: bytes) -> None:
-        write_sealed(new_pack(self.store.folder), pack, force=False)
 
     def _run_alone(self, cell: Cell) -> None:
         """Run a cell that may be why its worker was lost, some times, and give it up then."""

@@ -32,11 +32,12 @@ import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
-from functools import cached_property
 from importlib.resources import as_file, files
 from pathlib import Path
 from random import Random
 from typing import Any
+
+import numpy as np
 
 from longwave.runs.run_pack import NUMBERS, TEXTS
 from longwave.runs.sweep_scene import (
@@ -122,16 +123,12 @@ class Sweep:
         varied = [asdict(dimension) for dimension in self.dimensions]
         return json.dumps({"scene": self.document, "dimensions": varied}, sort_keys=True)
 
-    @cached_property
-    def _strides(self) -> tuple[int, ...]:
-        return tuple(math.prod(self.shape[i + 1 :]) for i in range(len(self.shape)))
-
     def values(self, cell: int) -> dict[str, Any]:
         """The swept fields of a cell."""
         found: dict[str, Any] = {}
-        for dimension, stride in zip(self.dimensions, self._strides, strict=True):
-            row = dimension.rows[cell // stride % dimension.size]
-            found |= zip(dimension.fields, row, strict=True)
+        places = np.unravel_index(cell, self.shape)
+        for dimension, place in zip(self.dimensions, places, strict=True):
+            found |= zip(dimension.fields, dimension.rows[place], strict=True)
         return found
 
     def scene(self, cell: int) -> Scene:

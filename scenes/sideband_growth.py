@@ -267,7 +267,12 @@ def growth_plan(scene: Scene) -> GrowthPlan:
     a, k = given["amplitude"], exact_value("k", scene.carrier)
     p, q = _coefficients(found, k, constants)
     kappa = float(chosen_kappa(p, q, given))
-    _check_length(2 * math.pi / (kappa * scene.eps))
+    cells = 2 * math.pi / (kappa * scene.eps)
+    if not cells * MOST_WAVES < MOST_CELLS:
+        raise ValueError(
+            f"eps must leave a perturbation of fewer than {MOST_CELLS / MOST_WAVES:.0e} cells, got "
+            f"{cells:.3g} (take a larger eps, amplitude or kappa)"
+        )
     ring = wave_ring(k, kappa * scene.eps)
     if ring.k != k:
         p, q = _coefficients(found, ring.k, constants)
@@ -307,14 +312,6 @@ def _coefficients(found: Envelope, k: Expr, constants: Mapping[str, Expr]) -> tu
 
 MOST_CELLS = 1e9
 """Of one wavelength of a perturbation; more than any machine holds."""
-
-
-def _check_length(cells: float) -> None:
-    if not cells * MOST_WAVES < MOST_CELLS:
-        raise ValueError(
-            f"eps must leave a perturbation of fewer than {MOST_CELLS / MOST_WAVES:.0e} cells, got "
-            f"{cells:.3g} (take a larger eps, amplitude or kappa)"
-        )
 
 
 PLAN_SECONDS = 0.13
