@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from longwave.scenes.scene import Scene
-from longwave.scenes.scene_file import parse_document, read_document
+from longwave.scenes.scene_file import read_document
 from longwave.support.known_names import one_of
-from longwave.support.user_files import STANDARD_INPUT, shown
+from longwave.support.user_files import STANDARD_INPUT, parse_toml, shown
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -67,7 +67,7 @@ def load_scene(text: str | Path) -> Scene:
 
 def scene_of_toml(text: str) -> Scene:
     """The scene that ``toml`` wrote; ValueError in one line for what is none."""
-    return _of_document(parse_document(text.encode(), "a text"), Path("scene"))
+    return _of_document(parse_toml(text.encode(), "a text", "scene"), Path("scene"))
 
 
 def scene_of(run: xr.Dataset) -> Scene:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from longwave.scenes.scene import Scene
-from longwave.scenes.scene_file import parse_document
+from longwave.support.user_files import parse_toml
 
 if TYPE_CHECKING:
     from longwave.scenes.convergence import SceneConvergence
@@ -49,7 +49,7 @@ class RateCase:
 def rate_cases() -> Mapping[str, RateCase]:
     """The cases by name: the row of the equation, as in the tests of the reductions."""
     text = files("longwave.scenes").joinpath(FILE).read_bytes()
-    tables = dict(parse_document(text, FILE))
+    tables = dict(parse_toml(text, FILE, "scene"))
     usual = tables.pop("usual")
     return {name: _case(name, usual | found) for name, found in tables.items()}
 

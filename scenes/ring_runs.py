@@ -205,6 +205,11 @@ class WaveRings:
         """The wave at the first time on the ring with these ends."""
         return self.wave.ring(_grid(ends), self.times[0]).smoothed(self.room)
 
+    def limit(self, ring: CellRing) -> float:
+        """The largest that may be seen of a run from this state, in units of the scale."""
+        whole = float(np.max(np.abs(self.seen(ring, ring.f, ring.v))))
+        return GROWTH * max(self.least, whole) / self.wave.scale
+
     def seen(self, ring: CellRing, f: Array, v: Array) -> Array:
         """What is compared, in all cells of a ring, and its rate in the same unit."""
         rates = self.wave.measured(v, (0.0,) * len(ring.mean_strain)) / self._turn
@@ -456,10 +461,8 @@ class SiteRingEngine(StepSearch):
         elif wave.lattice.conserves_energy:
             tell_energies(run, float(energies.samples[0]), float(energies.samples[-1]))
         values, ring = np.array(judged.samples), cells.ring
-        whole = float(np.max(np.abs(self.rings.seen(ring, ring.f, ring.v))))
-        limit = GROWTH * max(self.rings.least, whole) / wave.scale
         done = len(values) == len(self.times) or stopped
-        sound = done and bool(np.all(np.abs(values) <= limit))
+        sound = done and bool(np.all(np.abs(values) <= self.rings.limit(ring)))
         largest = float(np.max(np.abs(ring.f))) / wave.scale
         trial = Trial(
             choices,

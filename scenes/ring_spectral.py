@@ -19,7 +19,7 @@ from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.lattice.spectral.field_ring import FieldRing, fast_count
 from longwave.lattice.spectral.ring_search import run_facts
 from longwave.lattice.spectral.spectral_integration import FieldRingEngine
-from longwave.lattice.state import GROWTH, State
+from longwave.lattice.state import State
 from longwave.lattice.trial import Choices, Kind, Progress, Trial
 from longwave.scenes.recorders import Variables, build_recorders
 from longwave.scenes.ring_cost import USUAL_RUNS, search_cost
@@ -69,8 +69,7 @@ class SceneSpectralEngine(FieldRingEngine):
         self._states: dict[bool, FieldRing] = {}
         state = self._state_of(wider=False)
         ring = self._held[state.circumferences].ring
-        whole = float(np.max(np.abs(rings.seen(ring, ring.f, ring.v))))
-        self._limit = GROWTH * max(rings.least, whole) / wave.scale
+        self._limit = rings.limit(ring)
         super().__init__(
             ring.lattice,
             state,

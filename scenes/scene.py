@@ -20,7 +20,7 @@ from longwave.scenes import scene_checks as check
 from longwave.scenes.numerics import NUMERICS, Discretisation, Tolerance, numerics_of
 from longwave.scenes.observables import OBSERVABLES, observable_named
 from longwave.scenes.scene_checks import CHAIN, CHAIN_CONSTANTS, Pairs, Value
-from longwave.scenes.scene_disorder import Stated, disorder_pairs
+from longwave.scenes.scene_disorder import Disorder, Stated
 from longwave.scenes.scene_file import document_of, read_document, scene_fields, toml_text
 from longwave.scenes.scene_rules import (
     NOT_GIVEN,
@@ -204,7 +204,7 @@ class Scene:
             self._set(key, times)
         self._set("carrier", check.value("k", self.carrier))
         self._set("background", check.value("background", self.background))
-        self._set("disorder", disorder_pairs(self.disorder))
+        self._set("disorder", Disorder.of_pairs(self.disorder).pairs if self.disorder else ())
         self._set("declared", _canonical(self.declared))
         self._set("curve_points", check.whole("curve_points", self.curve_points))
         if self.look_points is not None:

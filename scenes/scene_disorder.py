@@ -102,11 +102,6 @@ class Disorder:
         return np.asarray(found * ((where >= self.sites[0]) & (where <= self.sites[1])))
 
 
-def disorder_pairs(given: object) -> Stated:
-    """What a scene holds of its disorder in one spelling: nothing where nothing is given."""
-    return Disorder.of_pairs(given).pairs if given else ()
-
-
 def _ends(given: object) -> tuple[int, int]:
     """The first and the last of the sites."""
     if not isinstance(given, Sequence) or isinstance(given, str) or len(given) != 2:

@@ -28,7 +28,7 @@ from typing import Any
 from longwave.scenes.scene_checks import CHAIN, CHAIN_CONSTANTS, plain, text
 from longwave.scenes.scene_disorder import Disorder
 from longwave.support.known_names import one_of
-from longwave.support.user_files import parse_toml, read_toml, shown, shown_path
+from longwave.support.user_files import read_toml, shown, shown_path
 
 TOP = (
     *("name", "title", "lattice", "wave", "eps", "order", "t0", "snapshots", "times"),
@@ -68,11 +68,6 @@ def read_document(path: str | Path, what: str = "scene") -> Mapping[str, Any]:
             f"{what} must be a file that can be read, got {shown_path(path)}: {error.strerror} "
             f"(or the name of a shipped {what})"
         ) from None
-
-
-def parse_document(content: bytes, source: str) -> Mapping[str, Any]:
-    """The tables of TOML from ``source``; ValueError, in one line, for what is none."""
-    return parse_toml(content, source, "scene")
 
 
 def in_one_spelling(document: Mapping[str, Any]) -> dict[str, Any]:

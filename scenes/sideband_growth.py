@@ -47,6 +47,7 @@ from longwave.scenes.ring_runs import (
 )
 from longwave.scenes.run_record import RunRecord
 from longwave.scenes.scene import Scene
+from longwave.scenes.scene_checks import positive
 from longwave.support.checkpoint import Memory, begin_loop, spared_seconds
 from longwave.support.request_limits import ExpectedCost, check_request
 
@@ -290,13 +291,9 @@ def growth_plan(scene: Scene) -> GrowthPlan:
 
 def plane_wave_numbers(scene: Scene) -> dict[str, float]:
     """The parameters of a scene's perturbed plane wave; ValueError unless they are positive."""
-    return {name: _number(name, value) for name, value in scene.parameters}
-
-
-def _number(name: str, value: float | str) -> float:
-    found = float(exact_value(name, value))
-    if not found > 0.0:
-        raise ValueError(f"{name} must satisfy {name} > 0, got {value} (such as 0.5)")
+    found = {name: float(exact_value(name, value)) for name, value in scene.parameters}
+    for name, value in found.items():
+        positive(name, value)
     return found
 
 
