@@ -189,6 +189,18 @@ def test_on_a_background_is_measured_what_rises_above_it() -> None:
     assert last(run(0.2, **mean)) == pytest.approx(same, rel=1e-5)
 
 
+def test_disorder_leaves_a_wave_its_uniform_strain_and_the_room_of_its_seam() -> None:
+    mean = {"background": "-K3/(3*K4)", "constants": {"K2": 1, "K3": -0.6, "K4": 1}}
+    kink = {"lattice": "fput", "wave": "kink", "constants": {"K2": 1, "K3": 0, "K4": -1}}
+    waves = [
+        lattice_wave(Scene.of(**(SOLITON | changes | {"disorder": disorder})))
+        for changes in (mean, kink)
+        for disorder in (MASSES, ())
+    ]
+    assert waves[0].uniform().tolist() == waves[1].uniform().tolist() != [0.0]
+    assert waves[2].seam_room(0.0) == waves[3].seam_room(0.0) > 0
+
+
 def test_a_lattice_without_masses_has_no_energy() -> None:
     """Its second bond is stretched by strains and pulls at them: no spring between masses does."""
     near = {"stretch": "y[n]", "force": "K2*x + K4*x**3", "action": {"y": "F[n+1]-2*F[n]+F[n-1]"}}
