@@ -14,7 +14,6 @@ import numpy as np
 
 from longwave.lattice.state import State
 from longwave.scenes.named_scenes import load_scene, scene_of
-from longwave.scenes.run_record import RunRecord
 from longwave.scenes.scene import Scene
 from longwave.support.user_files import shown
 
@@ -47,15 +46,6 @@ def run(
     Raises ValueError in one line for what is no scene and for what the wave, the lattice or the
     limits do not admit, and UnfinishedRun on Ctrl-C.
     """
-    return record_scene(scene, progress, announce).dataset
-
-
-def record_scene(
-    scene: Scene | str | Path,
-    progress: Progress | None = None,
-    announce: Announce | None = None,
-) -> RunRecord:
-    """`run` without a data set: what it records, of which one can be made."""
     if isinstance(scene, str | Path):
         scene = load_scene(scene)
     if not isinstance(scene, Scene):
@@ -63,7 +53,7 @@ def record_scene(
             f"scene must be a scene, its name or its file, got {shown(scene)} (such as "
             "'rogue_cn_k_0.5')"
         )
-    return scene.record(progress, announce)
+    return scene.run(progress, announce)
 
 
 def state_at(run: xr.Dataset, t: float) -> State:
