@@ -2,8 +2,8 @@
 
 `prove` decides whether a formula solves an equation for all its parameters, `prove_equal` whether
 two formulas are one function; `prove_form` takes a closed form of the catalogue with its lattice
-constants symbolic, `prove_stable` its evaluation form; `prove_rational`, `prove_bilinear` and
-`rational_facts` take the rational solutions of any order.  A proof's certificate is repeated by
+constants symbolic, `prove_stable` its evaluation form; `prove_rational` and `rational_facts`
+take the rational solutions of any order.  A proof's certificate is repeated by
 `check_certificate`.
 """
 
@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from longwave.verify.proof.prover import prove, prove_equal
     from longwave.verify.proof.rational_proofs import (
         RationalFacts,
-        prove_bilinear,
         prove_rational,
         rational_facts,
     )
@@ -37,7 +36,6 @@ __all__ = [
     "check_certificate",
     "form_domains",
     "prove",
-    "prove_bilinear",
     "prove_equal",
     "prove_form",
     "prove_rational",
@@ -53,8 +51,7 @@ __getattr__, __dir__ = lazy_exports(
         "longwave.verify.kernel": "CertificateError",
         "longwave.verify.proof.domains": "Domain",
         "longwave.verify.proof.prover": "prove prove_equal",
-        "longwave.verify.proof.rational_proofs": "RationalFacts prove_bilinear prove_rational "
-        "rational_facts",
+        "longwave.verify.proof.rational_proofs": "RationalFacts prove_rational rational_facts",
         "longwave.verify.verdict": "ProofVerdict",
     },
 )

@@ -1,24 +1,28 @@
 """Rational solutions of every order: bilinear identities and the residual itself."""
 
+from collections.abc import Callable
+
 import pytest
+from flint import fmpq_mpoly
 
 from longwave.solutions.forms.rational import rational, rational_tau
-from longwave.verify.proof import prove, prove_bilinear, prove_rational
+from longwave.solutions.forms.tau_polynomials import RationalTau
+from longwave.verify.proof import CertificateError, check_certificate, prove, prove_rational
 from longwave.verify.proof.rational_proofs import (
     SPACE,
     TIME,
-    bilinear_residual,
-    bilinear_verdict,
-    nonzero_point,
+    bilinear_certificate,
     rational_verdict,
     residual_at,
 )
+from longwave.verify.proof.typed_statement import StatementTexts
 from longwave.verify.verdict import Outcome
 
 
 @pytest.mark.parametrize("order", range(1, 10))
 def test_every_order_is_proved_directly_and_by_bilinear_identities(order: int) -> None:
-    assert prove_bilinear(order).outcome is Outcome.PROVED
+    family = rational_tau(order)
+    assert "A = " in check_certificate(bilinear_certificate("own", family.A, family.B))
     assert prove_rational(order).outcome is Outcome.PROVED
 
 
@@ -28,55 +32,50 @@ def test_there_are_more_points_than_the_degree_in_time() -> None:
 
 
 def test_free_shifts_stay_symbolic() -> None:
-    assert prove_bilinear(4, (5, 7)).outcome is Outcome.PROVED
+    family = rational_tau(4, (5, 7))
+    assert "tau_7" in check_certificate(bilinear_certificate("free", family.A, family.B))
     form = rational(3, (5,))
     assert prove(form.equation, form.expression).outcome is Outcome.PROVED
 
 
-def test_both_proofs_see_a_changed_coefficient() -> None:
+def test_the_residual_sees_a_changed_coefficient() -> None:
     family = rational_tau(3)
     assert any(residual_at(family.A + 1, family.B, 1, t) for t in range(-3, 4))
     assert not any(residual_at(family.A, family.B, x, t) for x in (0, 1, 5) for t in (-2, 0, 3))
-    assert not bilinear_residual(SPACE, family.A + 1, family.B).is_zero()
-    assert not bilinear_residual(TIME, family.A + 1, family.B).is_zero()
 
 
-def test_a_shift_of_the_third_kind_is_not_free_in_time() -> None:
-    """tau_3 moves t: a coefficient of t changed in A alone breaks the identity."""
-    family = rational_tau(2)
-    t = family.A.context().gens()[1]
-    assert not bilinear_residual(TIME, family.A + 3 * t, family.B).is_zero()
+def _backwards(family: RationalTau) -> list[fmpq_mpoly]:
+    """A -> -A, t -> -t keeps the first bilinear equation and breaks the second."""
+    terms = ({e: c * (-1) ** int(e[1]) for e, c in p.terms()} for p in (family.A, family.B))
+    return [family.A.context().from_dict(changed) for changed in terms]
 
 
-@pytest.mark.parametrize("changes", [(1, 0), (0, 1)])
-def test_bilinear_identities_that_fail_are_refuted_with_a_point(changes: tuple[int, int]) -> None:
-    family = rational_tau(3, (5,))
-    A, B = family.A + changes[0], family.B + changes[1]
-    verdict = bilinear_verdict("changed", A, B)
-    assert verdict.outcome is Outcome.REFUTED
-    assert verdict.witness is not None
-    point = [int(verdict.witness[name]) for name in ("x", "t", "tau_5")]
-    assert bilinear_residual(SPACE, A, B)(*point) != 0
+def _with_time(family: RationalTau) -> list[fmpq_mpoly]:
+    """A shift of the third kind, which moves t, is not free in time."""
+    return [family.A + 3 * family.A.context().gens()[1], family.B]
 
 
-def test_a_bilinear_identity_that_fails_in_time_alone_is_refuted() -> None:
-    """A -> -A, t -> -t keeps the first equation and breaks the second."""
-    family = rational_tau(2)
-    later = (
-        {e: c * (-1) ** int(e[1]) for e, c in family.A.terms()},
-        {e: c * (-1) ** int(e[1]) for e, c in family.B.terms()},
-    )
-    A, B = (family.A.context().from_dict(terms) for terms in later)
-    assert bilinear_residual(SPACE, A, B).is_zero()
-    verdict = bilinear_verdict("backwards", A, B)
-    assert verdict.outcome is Outcome.REFUTED
-    assert "time equation" in verdict.detail
-
-
-def test_a_point_is_found_where_small_integers_are_zeros() -> None:
-    x, t = rational_tau(2).A.context().gens()
-    polynomial = (x - 1) * (x - 2) * (t - 1)
-    assert nonzero_point(polynomial) == (3, 2)
+@pytest.mark.parametrize(
+    ("order", "changed", "broken"),
+    [
+        (3, lambda family: [family.A + 1, family.B], [SPACE, TIME]),
+        (3, lambda family: [family.A, family.B + 1], [SPACE, TIME]),
+        (2, _backwards, [TIME]),
+        (2, _with_time, [TIME]),
+    ],
+)
+def test_bilinear_identities_that_fail_are_rejected(
+    order: int, changed: Callable[[RationalTau], list[fmpq_mpoly]], broken: list[str]
+) -> None:
+    certificate = bilinear_certificate("changed", *changed(rational_tau(order)))
+    found = []
+    for equation in certificate["statement"]["equations"]:
+        texts = StatementTexts(**certificate["statement"] | {"equations": [equation]})
+        try:
+            check_certificate(certificate.restated(texts))
+        except CertificateError:
+            found.append(equation)
+    assert found == broken
 
 
 def test_a_wrong_formula_is_refuted_at_a_point() -> None:
