@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import product
 
 import sympy as sp
@@ -12,7 +13,6 @@ from sympy.core.function import AppliedUndef
 
 from longwave.solutions.record import Equation
 from longwave.support.user_files import shown
-from longwave.verify.subexpressions import abbreviated
 
 from .balls import ball_value, residual_ball
 from .domain_signs import DomainSigns
@@ -38,14 +38,13 @@ Term = tuple[sp.Rational, list[sp.Expr], list[list[int]]]
 """A number, known factors, and derivatives of the unknown by their orders in the variables."""
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True)
 class Problem:
     """Does ``formula`` for ``unknown`` make ``left`` vanish on the domains?
 
     With ``right``, whether it is the same function as that is asked instead: ``left`` is their
-    difference.  ``domains`` has every variable and parameter.  ``points`` are rational points of
-    them, for witnesses and for denominators: sampled ones, then those that the caller added.
-    ``texts`` is what a certificate states, if that is known in words.
+    difference.  ``domains`` has every variable and parameter; ``texts`` is what a certificate
+    states, if that is known in words.
     """
 
     name: str
@@ -54,19 +53,18 @@ class Problem:
     formula: sp.Expr
     left: sp.Expr
     domains: Domains
-    points: tuple[Point, ...]
     right: sp.Expr | None = None
     texts: StatementTexts | None = None
-
-    @property
-    def unknown_name(self) -> str:
-        """The name of the undefined function."""
-        return str(self.unknown.func.__name__)
 
     @property
     def variables(self) -> tuple[sp.Symbol, ...]:
         """Its arguments."""
         return tuple(self.unknown.args)
+
+    @cached_property
+    def points(self) -> tuple[Point, ...]:
+        """Rational points of the domains, for witnesses and for denominators."""
+        return sample(self.domains, POINTS)
 
     @property
     def solutions(self) -> dict[AppliedUndef, sp.Expr]:
@@ -119,19 +117,10 @@ class Problem:
             )
         return [[counts.get(variable, 0) for variable in self.variables]] * int(power)
 
-    def __repr__(self) -> str:
-        where = ", ".join(domain.text(symbol) for symbol, domain in self.domains.items())
-        formula = f"{self.unknown_name} = {abbreviated(self.formula)}"
-        return f"<Problem {self.name}: {formula} in {self.equation_name}; {where}>"
-
-    def _repr_latex_(self) -> str:
-        return f"$\\displaystyle {self.unknown_name} = {sp.latex(self.formula)}$"
-
 
 def solution_problem(
     equation: Equation | sp.Expr,
     expression: sp.Expr,
-    points: Iterable[Point] = (),
     name: str = "expression",
     equation_name: str | None = None,
     stated: Stated | None = None,
@@ -153,9 +142,8 @@ def solution_problem(
             f"{(steps - set(unknown.args)).pop()} (make it an argument, or work it out)"
         )
     domains = settled_domains(left.free_symbols | expression.free_symbols, stated or {})
-    found = problem_points(domains, points)
     label = equation_name or label
-    return Problem(_text(name), label, unknown, expression, left, domains, found)
+    return Problem(_text(name), label, unknown, expression, left, domains)
 
 
 def _left_side(equation: Equation | sp.Expr) -> tuple[sp.Expr, str]:
@@ -197,7 +185,6 @@ def equality_problem(
     left: sp.Expr,
     right: sp.Expr,
     variables: Sequence[sp.Symbol],
-    points: Iterable[Point] = (),
     name: str = "expressions",
     equation_name: str = "equality",
     stated: Stated | None = None,
@@ -210,9 +197,8 @@ def equality_problem(
     left, right = left.xreplace(real), right.xreplace(real)
     domains = settled_domains(left.free_symbols | right.free_symbols, stated or {})
     own = tuple(real.get(variable, variable) for variable in variables)
-    found = problem_points(domains, points)
     unknown = sp.Function("u")(*own)
-    return Problem(_text(name), equation_name, unknown, left, left - right, domains, found, right)
+    return Problem(_text(name), equation_name, unknown, left, left - right, domains, right)
 
 
 def formula(name: str, given: object) -> sp.Expr:
@@ -263,40 +249,3 @@ def terms_in(equation: sp.Expr, unknown: sp.Expr) -> list[sp.Expr]:
     else:
         return [equation]
     return [sp.Mul(*factors) for factors in product(*parts)]
-
-
-def problem_points(domains: Domains, added: Iterable[Point]) -> tuple[Point, ...]:
-    """Sampled points, and the added ones with sampled values where they leave a symbol out.
-
-    Raises ValueError for an added point outside the domains.
-    """
-    listed = tuple(added) if isinstance(added, Iterable) else (added,)
-    if not all(isinstance(point, Mapping) for point in listed):
-        raise TypeError(
-            f"points must be a list of dictionaries from symbols to numbers, got {shown(added)} "
-            "([{x: sympy.Rational(1, 2)}])"
-        )
-    found = sample(domains, POINTS)
-    by_name = {symbol.name: symbol for symbol in domains}
-    extra = [
-        {**found[0], **{by_name[str(s)]: _exact(s, v) for s, v in p.items() if str(s) in by_name}}
-        for p in listed
-    ]
-    for point in extra:
-        for symbol, value in point.items():
-            if not domains[symbol].contains(value, point):
-                raise ValueError(
-                    f"points must lie in the domains, got {symbol} = {value} "
-                    f"({domains[symbol].text(symbol)})"
-                )
-    return (*found, *extra)
-
-
-def _exact(symbol: sp.Symbol, value: object) -> sp.Rational:
-    found = sp.Integer(value) if isinstance(value, int) else value
-    if not (isinstance(found, sp.Expr) and found.is_Rational):
-        raise ValueError(
-            f"points must have rational numbers, got {symbol} = {shown(value)} "
-            "(sympy.Rational(1, 2))"
-        )
-    return found

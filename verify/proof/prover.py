@@ -38,7 +38,6 @@ def prove(
     expression: sp.Expr,
     *,
     name: str = "expression",
-    points: Sequence[Point] = (),
     domains: Stated | None = None,
 ) -> ProofVerdict:
     """Decide whether ``expression`` solves ``equation`` on the whole of its domains.
@@ -46,12 +45,11 @@ def prove(
     ``equation`` is an object with a residual (as `solutions.record.Equation`) or the left-hand
     side of an equation "= 0", a polynomial in one undefined function and its derivatives.
     ``domains`` states intervals (`domains.Domain` or `sympy.Interval`) of variables and parameters
-    beyond what SymPy's assumptions say; a symbol without either is real.  ``points`` are rational
-    points of the domains to look for a witness at, besides sampled ones.  PROVED means that
+    beyond what SymPy's assumptions say; a symbol without either is real.  PROVED means that
     `verify.kernel.check_certificate` has accepted the certificate that the verdict carries.
 
-    Raises ValueError for an equation without exactly one unknown function, for domains that are
-    none and for points outside them.
+    Raises ValueError for an equation without exactly one unknown function, and for domains that
+    are none.
 
     >>> x, t, c = sp.symbols("x t c")
     >>> u = sp.Function("u")(x, t)
@@ -62,7 +60,7 @@ def prove(
     <Outcome.REFUTED: 'REFUTED'>
     """
     start = time.perf_counter()
-    return decide(solution_problem(equation, expression, points, name, stated=domains), start)
+    return decide(solution_problem(equation, expression, name, stated=domains), start)
 
 
 def prove_equal(
@@ -72,19 +70,18 @@ def prove_equal(
     *,
     name: str = "expressions",
     equation_name: str = "equality",
-    points: Sequence[Point] = (),
     domains: Stated | None = None,
 ) -> ProofVerdict:
     """Decide whether two formulas are the same function of ``variables`` and all parameters.
 
-    ``domains`` and ``points`` are those of `prove`.
+    ``domains`` are those of `prove`.
 
     >>> x = sp.Symbol("x")
     >>> prove_equal(sp.tanh(x) ** 2, 1 - sp.sech(x) ** 2, [x]).outcome
     <Outcome.PROVED: 'PROVED'>
     """
     start = time.perf_counter()
-    problem = equality_problem(left, right, variables, points, name, equation_name, domains)
+    problem = equality_problem(left, right, variables, name, equation_name, domains)
     return decide(problem, start)
 
 

@@ -23,7 +23,7 @@ from . import typed_statement
 from .balls import ball_value, residual_ball
 from .domain_signs import DomainSigns
 from .domains import Domains, Point, settled_domains
-from .problem import POINTS, Problem, problem_points
+from .problem import POINTS, Problem
 from .samples import sample
 from .typed_statement import Statement
 
@@ -32,7 +32,7 @@ DIVISOR_BITS = (160, 1280)
 CONJUGATES = (sp.conjugate, sp.Abs, sp.re, sp.im)
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True)
 class StatementProblem(Problem):
     """Do the formulas of ``statement`` make ``left``, one of its equations, vanish?
 
@@ -98,10 +98,9 @@ def statement_problem(statement: Statement, equation: sp.Expr) -> StatementProbl
     if unknown is None:
         raise ValueError("equations must have an unknown, got one in which it cancels")
     domains = all_domains(statement, equation)
-    points = problem_points(domains, ())
     said = f"{formula_as_text(equation)} = 0"
     return StatementProblem(
-        statement.name, said, unknown, formula, equation, domains, points, statement=statement
+        statement.name, said, unknown, formula, equation, domains, statement=statement
     )
 
 

@@ -44,7 +44,6 @@ from .certificate import make_certificate
 from .certificate_writer import Certificate, Data, NodeTable
 from .domain_signs import is_small_polynomial
 from .linear_forms import BITS
-from .problem import problem_points
 from .prover import accepted
 from .statement_problem import StatementProblem, all_domains, statement_problem
 from .text_names import FUNCTIONS, function_named
@@ -88,9 +87,8 @@ def _proof(statement: Statement, number: int, kept: tuple[type, ...] = ()) -> Pr
         also = tuple(dict.fromkeys(part.plain for part in parts))
     domains = all_domains(statement, left, *also, *_vocabulary(statement).names.values())
     texts = replace(statement.texts, equations=statement.texts.equations[number - 1 : number])
-    points = problem_points(domains, ())
     problem = statement_problem(statement, left)
-    problem = replace(problem, domains=domains, points=points, also=also, texts=texts)
+    problem = replace(problem, domains=domains, also=also, texts=texts)
     return accepted(problem, _certificate(problem, parts, kept))
 
 

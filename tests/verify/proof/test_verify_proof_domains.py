@@ -9,8 +9,10 @@ import sympy as sp
 from longwave.solutions import CATALOGUE, ClosedForm
 from longwave.solutions.functions import jacobi_dn
 from longwave.solutions.record import Bound
-from longwave.verify.proof import Domain, ProofVerdict, form_domains, prove, prove_equal
+from longwave.verify.proof import Domain, ProofVerdict, form_domains, prove, prove_equal, prover
 from longwave.verify.proof.domains import settled_domains
+from longwave.verify.proof.problem import equality_problem
+from longwave.verify.proof.prover import find_witness
 from longwave.verify.proof.samples import sample
 from longwave.verify.verdict import Outcome
 
@@ -29,13 +31,6 @@ def outcome(equation: sp.Expr, formula: sp.Expr, **domains: sp.Interval) -> Outc
 def test_a_part_in_ten_to_the_sixty_is_refuted() -> None:
     assert outcome(u.diff(x) - t * u, sp.exp(x * t)) is Outcome.PROVED
     assert outcome(u.diff(x) - (1 + TINY) * t * u, sp.exp(x * t)) is Outcome.REFUTED
-
-
-@pytest.mark.parametrize("factor", [t, x - t, 2 * x - 1])
-def test_points_of_the_caller_do_not_hide_a_term_that_vanishes_there(factor: sp.Expr) -> None:
-    where = {x: sp.Rational(1, 2), t: 0 if factor == t else sp.Rational(1, 2)}
-    verdict = prove(u.diff(x) - u - factor * u, sp.exp(x), points=[where])
-    assert verdict.outcome is Outcome.REFUTED
 
 
 def test_the_heat_kernel_is_proved_and_its_branch_point_named() -> None:
@@ -109,8 +104,9 @@ def test_a_point_on_a_cut_is_no_witness() -> None:
     """sqrt jumps where its argument crosses the negative axis, at b = 0."""
     root = sp.sqrt(-1 - x**2 + sp.I * b)
     at_cut = {x: sp.S.One, b: sp.S.Zero}
-    verdict = prove_equal(root, root * sp.sign(b) ** 2, [x], points=[at_cut])
-    assert verdict.outcome is not Outcome.REFUTED
+    problem = equality_problem(root, root * sp.sign(b) ** 2, [x])
+    assert find_witness(problem, [at_cut]) is None
+    assert prover.decide(problem, 0.0).outcome is not Outcome.REFUTED
 
 
 def test_bare_symbols_are_real_and_one_name_is_one_symbol() -> None:
@@ -132,8 +128,6 @@ def test_domains_that_are_none_are_refused() -> None:
             prove_equal(a, a, [x], domains={a: domain})
     with pytest.raises(ValueError, match="more than one point"):
         prove_equal(q, q, [x], domains={q: POSITIVE})
-    with pytest.raises(ValueError, match="points must lie in the domains"):
-        prove_equal(a, a, [x], domains={a: POSITIVE}, points=[{a: sp.Integer(-1)}])
 
 
 def test_samples_have_both_signs_all_sizes_and_stay_inside() -> None:
@@ -170,8 +164,6 @@ def test_bad_input_is_an_error_on_one_line() -> None:
     for unknown in (field(x + 1, t), field(x, x), field(sp.S.One)):
         with pytest.raises(ValueError, match="function of different symbols"):
             prove(unknown - x, x)
-    with pytest.raises(ValueError, match=r"rational numbers, got x = 0\.5"):
-        prove(equation, t, points=[{x: 0.5}])
     with pytest.raises(TypeError, match="equation must be"):
         prove(sp.Eq(field(x, t), 1), x)
     assert prove(equation, 3).outcome is Outcome.PROVED
@@ -185,7 +177,6 @@ TEXT = {
     "end": lambda text: prove(u.diff(x), t, domains={x: Domain(upper=text)}),
     "domain": lambda text: prove(u.diff(x), t, domains={x: text}),
     "symbol of a domain": lambda text: prove(u.diff(x), t, domains={text: POSITIVE}),
-    "value": lambda text: prove(u.diff(x), t, points=[{x: text}]),
     "bound of a form": lambda text: form_domains(_form_bounded_by(text)),
 }
 

@@ -7,7 +7,6 @@ import sympy as sp
 
 from longwave.solutions import closed_form
 from longwave.verify.proof import check_certificate, form_domains, prove, prove_equal, prove_form
-from longwave.verify.proof.problem import equality_problem, solution_problem
 from longwave.verify.verdict import Outcome
 
 x, t = sp.symbols("x t")
@@ -19,8 +18,6 @@ WRONG: dict[str, Callable[[], object]] = {
     "equation must be a SymPy expression, got 1": lambda: prove(1, 2),
     "expression must be a SymPy expression, got 'x - t'": lambda: prove(TRANSPORT, "x - t"),
     "right must be a SymPy expression, got True": lambda: prove_equal(x, True, [x]),
-    "points must be a list of dictionaries .*, got 3": lambda: prove(TRANSPORT, x, points=3),  # type: ignore[arg-type]
-    "points must be a list of .*, got {x: 1}": lambda: prove(TRANSPORT, x, points={x: 1}),  # type: ignore[arg-type]
     "domains must map symbols to intervals, got 3": lambda: prove(TRANSPORT, x, domains=3),  # type: ignore[arg-type]
     "name must be text, got 3": lambda: prove(TRANSPORT, x, name=3),  # type: ignore[arg-type]
     "variables must be a list of symbols, got x": lambda: prove_equal(x, x, x),
@@ -37,26 +34,6 @@ def test_a_wrong_type_is_answered_on_one_line_with_a_remedy(message: str) -> Non
     words = str(caught.value)
     assert "\n" not in words
     assert words.endswith(")"), "the remedy stands in brackets"
-
-
-def test_points_may_come_from_anything_that_yields_them() -> None:
-    point = {x: sp.Rational(1, 2)}
-    problem = solution_problem(TRANSPORT, x - t, iter([point]))
-    assert problem.points[-1][sp.Symbol("x", real=True)] == sp.Rational(1, 2)
-
-
-def test_a_problem_says_what_is_asked_and_where() -> None:
-    problem = solution_problem(TRANSPORT, sp.sin(k * (x - t)), name="wave")
-    assert repr(problem) == (
-        "<Problem wave: u = sin(k*(-t + x)) in "
-        "Derivative(u(x, t), t) + Derivative(u(x, t), x) = 0; 0 < k, t real, x real>"
-    )
-    assert (
-        problem._repr_latex_() == r"$\displaystyle u = \sin{\left(k \left(- t + x\right) \right)}$"
-    )
-    assert repr(equality_problem(x, x + 0, [x])) == (
-        "<Problem expressions: u = x in equality; x real>"
-    )
 
 
 def test_a_verdict_and_its_certificate_are_one_helpful_line() -> None:
