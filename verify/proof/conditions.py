@@ -24,7 +24,6 @@ from .constant_cases import ALL, ConstantCase, largest_cases, symbols_of, with_v
 from .constant_terms import Terms, as_terms
 from .domains import settled_domains
 from .explicit_values import explicit_values
-from .phase_variable import with_phase
 from .problem import equality_problem
 from .residual_system import ResidualSystem
 from .statement_latex import statement_latex
@@ -219,18 +218,15 @@ class _Search:
             residual = with_exponentials(residual_of(statement, equation))
             if residual == 0:
                 continue
-            phase = with_phase(residual, statement, self.wanted)
-            symbols = phase.residual.free_symbols
+            residual, variables, rest = with_phase(residual, statement, self.wanted)
+            symbols = residual.free_symbols
             domains = {s: d for s, d in statement.domains.items() if s in symbols}
             try:
-                problem = equality_problem(
-                    phase.residual, sp.S.Zero, phase.variables, stated=domains
-                )
-                system.add(problem)
+                system.add(equality_problem(residual, sp.S.Zero, variables, stated=domains))
             except NO_VERDICT as error:
                 words = f"the residual has no known generators: {error}"
                 raise ValueError(words) from None
-            system.judge_phase(phase.rest, statement.variables)
+            system.judge_phase(rest, statement.variables)
         return system
 
 
@@ -241,6 +237,50 @@ def _constants(system: ResidualSystem, degenerate: Sequence[Sequence[Terms]]) ->
     found = {g for terms in everything for monomial in terms for g, _ in monomial}
     found |= system.relations.keys()
     return found | {s for g in found for s in g.free_symbols}
+
+
+def with_phase(
+    residual: sp.Expr, statement: Statement, kept: Sequence[sp.Symbol]
+) -> tuple[sp.Expr, tuple[sp.Symbol, ...], sp.Expr]:
+    """An argument ``b*n + d`` as one variable in place of n and d, if that removes a variable.
+
+    What holds for all values of a free constant d, not among ``kept``, and all n holds for all
+    values of the argument, so that the shifts of a lattice are sums of the argument and a constant.
+    Returns the residual, its variables, and b*n where one was replaced.
+    """
+    moving = residual.free_symbols & set(statement.variables)
+    arguments = {sp.expand(f.args[0]) for f in residual.atoms(sp.Function)}
+    for phase in sorted(residual.free_symbols - {*kept, *statement.variables}, key=str):
+        is_any_number = phase.is_nonnegative is None and phase.is_nonpositive is None
+        if phase in statement.domains or not (phase.is_real and is_any_number):
+            continue
+        for argument in sorted(arguments, key=lambda z: (z.count_ops(), str(z))):
+            slope = argument.coeff(phase, 1)
+            rest = argument - slope * phase
+            if not slope.is_Rational or slope == 0 or phase in rest.free_symbols:
+                continue
+            variable = sp.Symbol(_fresh(residual), real=True)
+            image = _expanded(residual.xreplace({phase: (variable - rest) / slope}))
+            left = [v for v in statement.variables if v in image.free_symbols]
+            if len(left) < len(moving):
+                return image, (variable, *left), rest
+    return residual, statement.variables, sp.S.Zero
+
+
+def _expanded(expression: sp.Expr) -> sp.Expr:
+    """The expression with the arguments of functions multiplied out."""
+    return expression.replace(
+        lambda node: isinstance(node, sp.Function),
+        lambda node: node.func(*map(sp.expand, node.args)),
+    )
+
+
+def _fresh(expression: sp.Expr) -> str:
+    """A name that no symbol has."""
+    name = "phase"
+    while any(symbol.name == name for symbol in expression.free_symbols):
+        name += "_"
+    return name
 
 
 # the verdicts

@@ -19,7 +19,7 @@ from longwave.derive.algebra.typing_mistakes import (
 )
 from longwave.derive.algebra.typing_rules import SITE, VARIABLES
 
-from .text_domains import WORDS
+from .text_parts import WORDS
 
 Parts = Mapping[str, Sequence[str]]
 """The texts of a statement by the names of its parts."""

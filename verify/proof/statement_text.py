@@ -33,10 +33,18 @@ from longwave.solutions.functions.jet_functions import jet_function
 
 from .domains import REAL, Domain, settled_domains
 from .mistyped_statements import Parts, corrected_error
-from .named_variables import VariableNames, variable_names
 from .samples import sample
-from .text_domains import WORDS, TextPart, condition, inhabited, symbol_of, text_parts
 from .text_names import FUNCTIONS, MISREAD, PARTS, SITE
+from .text_parts import (
+    WORDS,
+    TextPart,
+    VariableNames,
+    condition,
+    inhabited,
+    symbol_of,
+    text_parts,
+    variable_names,
+)
 from .typed_statement import Statement, StatementTexts, StatementTrees
 
 Texts = str | Sequence[str]

@@ -26,7 +26,6 @@ from longwave.verify.verdict import Outcome, ProofVerdict
 from . import prover
 from .balls import ball_value
 from .certificate_writer import Certificate
-from .complex_parameters import failing_values
 from .domain_signs import singularities
 from .domains import REAL, Domains
 from .samples import sample
@@ -41,7 +40,7 @@ from .statement_problem import (
 from .typed_balls import TextPoint
 from .typed_hints import typed_proof
 from .typed_statement import Statement
-from .typed_values import TypedValues
+from .typed_values import TypedValues, failing_values
 
 Progress = Callable[[str], None]
 

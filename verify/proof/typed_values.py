@@ -1,5 +1,7 @@
 """What was typed, evaluated by itself: at points of the domain, and at the first integers in it.
 
+Parameters that may be complex have a few values that are not real.
+
 SymPy simplifies while it builds formulas (`sign(z)**2` becomes 1; `abs(n)` becomes n for n > 0, and
 is shifted then).  So a refutation is a point at which a ball around the residual of the tree of the
 texts excludes 0, and a proof is compared with such balls.
@@ -9,15 +11,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
-from itertools import islice
+from itertools import islice, product
 
 import sympy as sp
 from flint import arb
 
 from .domains import Domain, Domains, Point
 from .samples import sample
+from .statement_problem import all_domains
 from .typed_balls import TextPoint, TypedBalls
-from .typed_statement import StatementTrees
+from .typed_statement import Statement, StatementTrees
 
 POINTS = 4
 """Points of the domain that are drawn."""
@@ -30,6 +33,26 @@ QUICK = BITS[:1]
 
 FIRST, MOST = 4, 16
 """Integers next to the end of their domain, or about 0, that are looked at; their combinations."""
+
+COMPLEX = ("2/3 + 5/7*I", "-3/5 + 4/9*I", "-7/8 - 3/4*I", "5/4*I", "11/7")
+"""Values in every quarter of the plane, and on its axes."""
+
+CHOICES = 25
+"""Choices of complex values."""
+
+
+def failing_values(statement: Statement) -> dict[str, str] | None:
+    """Values of all symbols at which an equation fails; None if none was found."""
+    if statement.trees is None:
+        return None
+    names = statement.complexes
+    for values in islice(product(COMPLEX, repeat=len(names)), CHOICES):
+        chosen = dict(zip(names, values, strict=True))
+        trees = statement.trees.with_values(chosen)
+        failing = TypedValues(trees, all_domains(statement, *statement.equations)).failure()
+        if failing is not None:
+            return {k: str(v) for k, v in failing.items() if k not in chosen} | chosen
+    return None
 
 
 class TypedValues:

@@ -6,8 +6,8 @@ import sympy as sp
 from longwave.derive.algebra.formula_printing import formula_as_text
 from longwave.derive.algebra.formula_text import FormulaError
 from longwave.verify.proof.statement_text import read_statement
-from longwave.verify.proof.text_domains import WORDS
 from longwave.verify.proof.text_names import FUNCTIONS
+from longwave.verify.proof.text_parts import WORDS
 from longwave.verify.proof.typed_statement import Statement
 
 LINEAR, WAVE = "u_t + c*u_x", "u = sin(x - c*t)"
