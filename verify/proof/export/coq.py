@@ -11,7 +11,6 @@ from functools import reduce as fold
 
 from flint import fmpq
 
-from . import terms
 from .terms import (
     LETTERS,
     Definition,
@@ -70,14 +69,14 @@ DATA: dict[str, Callable[..., str]] = {
 }
 """What the engine computes from, but for names: those have places in a list."""
 
+CONJUNCTION = _nested("(conj {} {})")
+"""Proofs of all, the last of them ``I``."""
+
 
 def coq_script(proof: WrittenProof) -> str:
     """A self-contained script; Coq prints "accepted" when it has checked the theorem."""
-    return "\n".join([*_comments(proof), engine_text("engine.v"), *_Theorem(proof).lines()]) + "\n"
-
-
-def _comments(proof: WrittenProof) -> list[str]:
-    return [f"(* {line} *)" for line in plain_lines(proof)]
+    comments = (f"(* {line} *)" for line in plain_lines(proof))
+    return "\n".join([*comments, engine_text("engine.v"), *_Theorem(proof).lines()]) + "\n"
 
 
 def formula(term: Term) -> str:
@@ -109,7 +108,7 @@ class _Theorem:
         below = [f"premise_{i}" for i, p in enumerate(proof.premises) if p.relation == "not_zero"]
         generators = [f"g{place}" for place in range(len(proof.meanings))]
         names = [name_of(name) for name in self._places]
-        free = [name_of(terms.free(place)) for place in proof.free]
+        free = [name_of(("free", place)) for place in proof.free]
         return [
             f"Variables {' '.join([*generators, *names, *free])} : F.",
             *self._predicates(),
@@ -128,8 +127,8 @@ class _Theorem:
             "Proof.",
             f"  intros {' '.join(f'premise_{i}' for i, _ in enumerate(proof.premises))}.",
             f"  exact (accepted (listed {_list(generators)}) (listed {_list(names)})",
-            f"    denominators steps checked {_conjunction(below)}",
-            f"    {_conjunction(self._labels)}).",
+            f"    denominators steps checked {CONJUNCTION(*below, 'I')}",
+            f"    {CONJUNCTION(*self._labels, 'I')}).",
             "Qed.",
             "End Soundness.",
             "Print Assumptions proved.",
@@ -195,10 +194,3 @@ def _list(items: list[str]) -> str:
 
 def _powers(below: Powers) -> str:
     return "None" if below is None else f"(Some {_list([str(n) for n in below])}%nat)"
-
-
-def _conjunction(labels: list[str]) -> str:
-    text = "I"
-    for label in reversed(labels):
-        text = f"(conj {label} {text})"
-    return text

@@ -133,7 +133,7 @@ class _Premises:
             if len(self._comments) == before:
                 break
         order = {question: place for place, question in enumerate(self._comments)}
-        self.guards = {terms.node(n): [order[q] for q in asked[n]] for n in asked}
+        self.guards = {("node", n): [order[q] for q in asked[n]] for n in asked}
         return kept
 
 
@@ -188,7 +188,7 @@ class _Equations:
                 orders = tuple(along.count(variable) for variable in variables)
                 comment = f"derivative of {symbol} of order {orders}"
                 value = None if lower is None else plain(self._field.derivative(lower, last))
-            own = terms.jet(len(self._jets) + 1)
+            own = "jet", len(self._jets) + 1
             self._field.trace.steps.append((Definition(own, term, None, comment), value))
             self._jets[node] = own, value
         return self._jets[node]

@@ -120,26 +120,6 @@ def number(value: fmpq | int) -> Term:
     return ("number", fmpq(value))
 
 
-def generator(place: int) -> Term:
-    """A generator as a term."""
-    return ("generator", place)
-
-
-def node(place: int) -> Term:
-    """What a definition has named."""
-    return ("node", place)
-
-
-def jet(place: int) -> Term:
-    """An unknown or a derivative of it."""
-    return ("jet", place)
-
-
-def free(place: int) -> Term:
-    """A formula of a premise that the proof has no image of."""
-    return ("free", place)
-
-
 NAMES = ("generator", "node", "jet", "free")
 """Kinds of terms that are names."""
 
@@ -202,7 +182,7 @@ def polynomial_term(polynomial: fmpq_mpoly) -> Term:
     parts = []
     for exponents, coefficient in polynomial.terms():
         powers = (
-            raised(generator(place), int(n)) for place, n in enumerate(reversed(exponents)) if n
+            raised(("generator", place), int(n)) for place, n in enumerate(reversed(exponents)) if n
         )
         parts.append(multiplied([number(coefficient), *powers]))
     return added(parts)
@@ -253,7 +233,7 @@ def plain_lines(proof: WrittenProof) -> list[str]:
         for step in proof.steps
         if isinstance(step, Definition) and step.comment
     ]
-    lines += [f"{name_of(free(place))}: {text}" for place, text in proof.free.items()]
+    lines += [f"{name_of(('free', place))}: {text}" for place, text in proof.free.items()]
     lines += ["Accepted means proved if", *map(premise_line, proof.premises)]
     return [short for line in lines for short in plain(line)]
 

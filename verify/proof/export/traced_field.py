@@ -163,8 +163,8 @@ class TracedField(Field):
         term = term_of(value)
         if term[0] in ("number", *terms.NAMES) and node not in self.guards:
             return traced(plain(value), term)
-        self.note(Definition(terms.node(node), term, None, comment), value)
-        return traced(plain(value), terms.node(node))
+        self.note(Definition(("node", node), term, None, comment), value)
+        return traced(plain(value), ("node", node))
 
     def sum(self, parts: Sequence[Element]) -> Element:
         """The sum."""
@@ -202,7 +202,7 @@ class TracedField(Field):
             case ("Pow", base, exponent) if exponent.q == 1 and exponent > 0:
                 return terms.raised(self.stated(base), int(exponent.p))
         self.free[node] = self.words.told("{}", node)
-        return terms.free(node)
+        return ("free", node)
 
     def generator_words(self, place: int) -> Part:
         """A generator as the function that it stands for, if it is one; its name otherwise."""
@@ -263,7 +263,7 @@ class TracedField(Field):
             for axis in sorted({s.variable for s in stated if s.generator == place}):
                 for other in sorted(value.places):
                     self.slope(other, self.variables[axis])
-                root = terms.generator(place)
+                root = ("generator", place)
                 outer = [terms.number(degree), terms.raised(root, degree - 1)]
                 own = terms.multiplied([*outer, ("slope", axis, root)])
                 gap = terms.added([own, terms.negated(("slope", axis, value.term))])

@@ -33,33 +33,33 @@ class TracedElement(Element):
         return found
 
     def __add__(self, other: Element) -> TracedElement:
-        return traced(self.plain + plain(other), terms.added([self.term, term_of(other)]))
+        other = followed(other)
+        return traced(self.plain + other.plain, terms.added([self.term, other.term]))
 
     def __radd__(self, other: Element) -> TracedElement:
-        return traced(plain(other) + self.plain, terms.added([term_of(other), self.term]))
+        return followed(other) + self
 
     def __neg__(self) -> TracedElement:
         return traced(-self.plain, terms.negated(self.term))
 
     def __sub__(self, other: Element) -> TracedElement:
-        negative = terms.negated(term_of(other))
-        return traced(self.plain - plain(other), terms.added([self.term, negative]))
+        return self + -followed(other)
 
     def __rsub__(self, other: Element) -> TracedElement:
-        negative = terms.negated(self.term)
-        return traced(plain(other) - self.plain, terms.added([term_of(other), negative]))
+        return followed(other) - self
 
     def __mul__(self, other: Element) -> TracedElement:
-        return traced(self.plain * plain(other), terms.multiplied([self.term, term_of(other)]))
+        other = followed(other)
+        return traced(self.plain * other.plain, terms.multiplied([self.term, other.term]))
 
     def __rmul__(self, other: Element) -> TracedElement:
-        return traced(plain(other) * self.plain, terms.multiplied([term_of(other), self.term]))
+        return followed(other) * self
 
     def __truediv__(self, other: Element) -> TracedElement:
         return self * _inverse(other)
 
     def __rtruediv__(self, other: Element) -> TracedElement:
-        return _inverse(self) * other
+        return followed(other) * _inverse(self)
 
     def __pow__(self, exponent: int) -> TracedElement:
         base = _inverse(self) if exponent < 0 else self
@@ -81,16 +81,22 @@ def plain(element: Element) -> Element:
     return element.plain if isinstance(element, TracedElement) else element
 
 
-def term_of(element: Element) -> Term:
-    """How an element was made; one that was not followed is a fraction of polynomials."""
+def followed(element: Element) -> TracedElement:
+    """An element with how it was made; one that was not followed is a fraction of polynomials."""
     if isinstance(element, TracedElement):
-        return element.term
+        return element
     below = [
         terms.raised(terms.inverted(terms.polynomial_term(element.ring.factors[place])), power)
         for place, power in element.powers.items()
     ]
     _note_factors(element.ring, element.powers)
-    return terms.multiplied([terms.polynomial_term(element.numerator), *below])
+    term = terms.multiplied([terms.polynomial_term(element.numerator), *below])
+    return traced(element, term)
+
+
+def term_of(element: Element) -> Term:
+    """How an element was made."""
+    return followed(element).term
 
 
 def _inverse(element: Element) -> TracedElement:
@@ -148,4 +154,4 @@ class TracedRing(Ring):
 
     def generator(self, place: int) -> TracedElement:
         """A generator."""
-        return traced(super().generator(place), terms.generator(place))
+        return traced(super().generator(place), ("generator", place))
