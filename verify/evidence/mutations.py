@@ -33,15 +33,14 @@ class Mutant:
     expression: sp.Expr
 
 
-def mutants(expression: sp.Expr, modulus: sp.Symbol | None = None) -> Iterator[Mutant]:
+def mutants(expression: sp.Expr) -> Iterator[Mutant]:
     """Every formula that differs from ``expression`` by one change; each one once.
 
-    ``modulus`` is the symbol k whose powers k and k**2 are swapped; without it there are no such
-    mutants.  A mutant can still be a solution where the equation has a symmetry (U to -U, a
-    shift): that is for the caller to see.
+    A mutant can still be a solution where the equation has a symmetry (U to -U, a shift): that is
+    for the caller to see.
 
-    >>> x, k = sp.symbols("x k")
-    >>> for mutant in mutants(3 * x**2 + sp.sin(k**2 * x), k):
+    >>> x = sp.Symbol("x")
+    >>> for mutant in mutants(3 * x**2 + sp.sin(k**2 * x)):
     ...     print(mutant.description)
     term 3*x**2: coefficient times 101/100
     term 3*x**2: sign flipped
@@ -53,66 +52,44 @@ def mutants(expression: sp.Expr, modulus: sp.Symbol | None = None) -> Iterator[M
     k**2 in k**2*x: k for k**2
     """
     seen = {expression}
-    for description, target, replacement in _changes(expression, modulus):
-        changed = replaced(expression, target, replacement)
-        if changed not in seen:
-            seen.add(changed)
-            yield Mutant(description, changed)
+    changes = [] if expression.is_Add else [(expression, _coefficients("term", expression))]
+    changes += [(node, _changes(node)) for node in distinct_nodes(expression)]
+    for node, images in changes:
+        for description, image in images:
+            changed = replaced(expression, node, image)
+            if changed not in seen:
+                seen.add(changed)
+                yield Mutant(description, changed)
 
 
-Change = tuple[str, sp.Expr, sp.Expr]
-"""A description, a subexpression, and what takes its place."""
+Change = tuple[str, sp.Expr]
+"""A description, and what takes the place of a subexpression."""
 
 
-def _changes(expression: sp.Expr, modulus: sp.Symbol | None) -> Iterator[Change]:
-    if not expression.is_Add:
-        yield from _coefficient_changes(f"term {abbreviated(expression)}", expression, expression)
-    for node in distinct_nodes(expression):
-        if node.is_Add:
-            yield from _term_changes(node)
-        elif node.is_Mul and node.args[0].is_Number:
-            yield from _coefficient_changes(f"factor {abbreviated(node)}", node, node)
-        elif node.is_Function:
-            yield from _argument_changes(node)
-        if modulus is not None:
-            yield from _modulus_changes(node, modulus)
+def _changes(node: sp.Expr) -> Iterator[Change]:
+    """The changes of a subexpression; the terms of a sum in an argument come with the sum."""
+    if node.is_Add:
+        for place, term in enumerate(node.args):
+            rest = sp.Add(*node.args[:place], *node.args[place + 1 :])
+            yield from ((words, rest + new) for words, new in _coefficients("term", term))
+            yield f"term {abbreviated(term)}: dropped", rest
+    elif node.is_Mul and node.args[0].is_Number:
+        yield from _coefficients("factor", node)
+    elif node.is_Function:
+        for place, argument in enumerate(node.args):
+            changes = [] if argument.is_Add else _coefficients("argument", argument)
+            for words, new in changes:
+                yield words, node.func(*node.args[:place], new, *node.args[place + 1 :])
+    for old, new in ((k**2, k), (k, k**2)):
+        if old in node.args and node != k**2:
+            swapped = node.func(*(new if argument == old else argument for argument in node.args))
+            yield f"{old} in {abbreviated(node)}: {new} for {old}", swapped
 
 
-def _term_changes(total: sp.Expr) -> Iterator[Change]:
-    for place, term in enumerate(total.args):
-        rest = sp.Add(*total.args[:place], *total.args[place + 1 :])
-        words = f"term {abbreviated(term)}"
-        for description, _, changed in _coefficient_changes(words, term, term):
-            yield description, total, rest + changed
-        yield f"{words}: dropped", total, rest
-
-
-def _argument_changes(function: sp.Expr) -> Iterator[Change]:
-    """The arguments that are no sums (the terms of those come with the sums)."""
-    for place, argument in enumerate(function.args):
-        if argument.is_Add:
-            continue
-        words = f"argument {abbreviated(argument)}"
-        for description, _, changed in _coefficient_changes(words, argument, argument):
-            arguments = (*function.args[:place], changed, *function.args[place + 1 :])
-            yield description, function, function.func(*arguments)
-
-
-def _coefficient_changes(place: str, target: sp.Expr, term: sp.Expr) -> Iterator[Change]:
-    yield f"{place}: coefficient times {COEFFICIENT_CHANGE}", target, COEFFICIENT_CHANGE * term
-    yield f"{place}: sign flipped", target, -term
-
-
-def _modulus_changes(node: sp.Expr, k: sp.Symbol) -> Iterator[Change]:
-    m = k**2
-    if node == m:
-        return
-    if m in node.args:
-        swapped = node.func(*(k if argument == m else argument for argument in node.args))
-        yield f"k**2 in {abbreviated(node)}: k for k**2", node, swapped
-    if k in node.args:
-        swapped = node.func(*(m if argument == k else argument for argument in node.args))
-        yield f"k in {abbreviated(node)}: k**2 for k", node, swapped
+def _coefficients(kind: str, term: sp.Expr) -> Iterator[Change]:
+    words = f"{kind} {abbreviated(term)}"
+    yield f"{words}: coefficient times {COEFFICIENT_CHANGE}", COEFFICIENT_CHANGE * term
+    yield f"{words}: sign flipped", -term
 
 
 @dataclass(frozen=True)
@@ -166,13 +143,9 @@ def count_mutants(form: ClosedForm) -> MutationCount:
     (8, 7, 0, 'symmetry U to -U')
     """
     start = time.perf_counter()
-    made = list(_mutants(form))
+    made = list(mutants(form.expression))
     survivors = tuple(s for mutant in made if (s := _survivor(form, mutant)) is not None)
     return MutationCount(form.name, len(made), survivors, time.perf_counter() - start)
-
-
-def _mutants(form: ClosedForm) -> Iterator[Mutant]:
-    return mutants(form.expression, k if form.expression.has(k) else None)
 
 
 def _survivor(form: ClosedForm, mutant: Mutant) -> Survivor | None:

@@ -13,7 +13,7 @@ from __future__ import annotations
 import itertools
 import random
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -23,7 +23,8 @@ import sympy as sp
 from longwave.solutions.compile.tape import Tape, UnknownDerivativeError
 from longwave.solutions.record import ClosedForm, Equation
 from longwave.verify.proof import form_domains
-from longwave.verify.proof.domains import Domain, in_order
+from longwave.verify.proof.domains import Domain, Point, in_order
+from longwave.verify.proof.samples import rational_near
 from longwave.verify.verdict import Outcome, Verdict
 
 SLACK_DIGITS = 4
@@ -100,9 +101,6 @@ def checked_digits(digits: Sequence[int]) -> tuple[int, ...]:
     return tuple(digits)
 
 
-Point = dict[sp.Symbol, sp.Rational]
-"""A value for each variable and parameter of a closed form."""
-
 HALF_WIDTH = 4
 """A variable is drawn between plus and minus this; a domain without an end is cut this far beyond
 0 and its other end."""
@@ -119,45 +117,35 @@ def sample_points(form: ClosedForm, count: int, seed: int) -> list[Point]:
 
     A form's points depend on its name, the seed and nothing else.
     """
-    draw = random.Random(f"{form.name}:{seed}")
-    return [_point(form, draw) for _ in range(count)]
+    draw, domains = random.Random(f"{form.name}:{seed}"), form_domains(form)
+
+    def share() -> sp.Rational:
+        """A rational strictly between 0 and 1."""
+        return sp.Rational(draw.randint(1, DENOMINATOR - 1), DENOMINATOR)
+
+    def point() -> Point:
+        found: dict[sp.Symbol, sp.Rational] = {}
+        for symbol in in_order(domains):
+            low, high = _interval(domains[symbol], found)
+            found[symbol] = low + (high - low) * share()
+        for variable in form.equation.variables:
+            found[variable] = HALF_WIDTH * (2 * share() - 1)
+        for sign in form.equation.free_sign:
+            found[sign] = sp.Integer(draw.choice((1, -1)))
+        return found
+
+    return [point() for _ in range(count)]
 
 
-def _point(form: ClosedForm, draw: random.Random) -> Point:
-    point: Point = {}
-    domains = form_domains(form)
-    for symbol in in_order(domains):
-        low, high = _interval(domains[symbol], point)
-        point[symbol] = low + (high - low) * _fraction(draw)
-    for variable in form.equation.variables:
-        point[variable] = HALF_WIDTH * (2 * _fraction(draw) - 1)
-    for sign in form.equation.free_sign:
-        point[sign] = sp.Integer(draw.choice((1, -1)))
-    return point
-
-
-def _fraction(draw: random.Random) -> sp.Rational:
-    """A rational strictly between 0 and 1."""
-    return sp.Rational(draw.randint(1, DENOMINATOR - 1), DENOMINATOR)
-
-
-def _interval(domain: Domain, known: Mapping[sp.Symbol, sp.Rational]) -> tuple[sp.Rational, ...]:
+def _interval(domain: Domain, known: Point) -> tuple[sp.Rational, sp.Rational]:
     """The ends between which the parameter is drawn; a margin short of each bound."""
-    lower, upper = (_end(end, known) for end in (domain.lower, domain.upper))
+    lower, upper = map(rational_near, domain.ends(known))
     if lower is None:
         lower = min(sp.S.Zero if upper is None else upper, sp.S.Zero) - HALF_WIDTH
     if upper is None:
         upper = max(lower, sp.S.Zero) + HALF_WIDTH
     margin = MARGIN * (upper - lower)
     return lower + margin, upper - margin
-
-
-def _end(end: sp.Expr, known: Mapping[sp.Symbol, sp.Rational]) -> sp.Rational | None:
-    """A rational close to a finite end; the margin covers the difference."""
-    if end in (sp.oo, -sp.oo):
-        return None
-    value = end.subs(known)
-    return value if value.is_Rational else sp.Rational(str(sp.N(value, 10)))
 
 
 DIGITS = (30, 50, 100)

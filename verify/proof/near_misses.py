@@ -85,23 +85,18 @@ def near_misses(statement: Statement) -> Iterator[NearMiss]:
 
 
 def _changes(statement: Statement) -> Iterator[NearMiss]:
+    plain, equations = replace(statement, texts=None, trees=None), statement.equations
     for unknown, formula in statement.solutions.items():
         variables = formula.free_symbols & set(statement.variables)
         changes = chain(_moduli(formula), _speeds(formula, statement), _coefficients(formula))
         for words, changed in changes:
             if variables <= changed.free_symbols:
                 solutions = {**statement.solutions, unknown: changed}
-                yield NearMiss(
-                    words, replace(statement, solutions=solutions, texts=None, trees=None)
-                )
-    for place, equation in enumerate(statement.equations):
+                yield NearMiss(words, replace(plain, solutions=solutions))
+    for place, equation in enumerate(equations):
         for words, changed in _terms(equation):
-            equations = list(statement.equations)
-            equations[place] = changed
-            yield NearMiss(
-                f"{words} in the equation",
-                replace(statement, equations=tuple(equations), texts=None, trees=None),
-            )
+            others = (*equations[:place], changed, *equations[place + 1 :])
+            yield NearMiss(f"{words} in the equation", replace(plain, equations=others))
 
 
 Change = tuple[str, sp.Expr]
@@ -118,7 +113,8 @@ def _short(expression: sp.Expr) -> str:
 
 def _moduli(formula: sp.Expr) -> Iterator[Change]:
     """The parameters of all elliptic functions squared, or their roots taken."""
-    elliptic = [f for f in distinct_nodes(formula) if _is_elliptic(f)]
+    kinds = (JacobiFunction, sp.elliptic_k, sp.elliptic_e)
+    elliptic = [f for f in distinct_nodes(formula) if isinstance(f, kinds)]
     for old in dict.fromkeys(f.args[-1] for f in elliptic):
         if not old.free_symbols:
             continue
@@ -129,10 +125,6 @@ def _moduli(formula: sp.Expr) -> Iterator[Change]:
                 if f.args[-1] == old:
                     changed = replaced(changed, f, f.func(*f.args[:-1], new))
             yield f"{_instead(new, old)} as the parameter of elliptic functions", changed
-
-
-def _is_elliptic(node: sp.Expr) -> bool:
-    return isinstance(node, (JacobiFunction, sp.elliptic_k, sp.elliptic_e))
 
 
 def _coefficients(formula: sp.Expr) -> Iterator[Change]:

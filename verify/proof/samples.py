@@ -77,7 +77,7 @@ def _value(
     draw: random.Random,
 ) -> sp.Rational:
     """A value of the domain: a share of a bounded one, a length from the end of another."""
-    lower, upper = (_rational(end) for end in domain.ends(known))
+    lower, upper = (rational_near(end) for end in domain.ends(known))
     prime = draw.choice(DENOMINATORS)
     share = sp.Rational(draw.randint(1, prime - 1), prime)
     if lower is None:
@@ -100,7 +100,7 @@ def _length(end: sp.Rational, size: sp.Rational) -> sp.Rational:
     return abs(size) if size > 0 or end >= 0 else -2 * end
 
 
-def _rational(end: sp.Expr) -> sp.Rational | None:
+def rational_near(end: sp.Expr) -> sp.Rational | None:
     """A rational number close to a finite end; the margin covers the difference.
 
     Raises ValueError for an end that is not real.
