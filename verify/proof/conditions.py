@@ -9,7 +9,7 @@ case was then decided by the ordinary prover.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -18,7 +18,6 @@ import sympy as sp
 from longwave.derive.algebra.formula_printing import formula_as_text
 from longwave.verify.verdict import Outcome
 
-from . import prover
 from .case_tree import CaseTree, Constants
 from .constant_cases import ALL, ConstantCase, largest_cases, symbols_of, with_values
 from .constant_terms import Terms, as_terms
@@ -26,18 +25,17 @@ from .domains import settled_domains
 from .explicit_values import explicit_values
 from .problem import equality_problem
 from .residual_system import ResidualSystem
-from .statement_latex import statement_latex
 from .statement_problem import residual_of, with_exponentials
 from .statement_verdict import (
     NO_VERDICT,
+    Progress,
     StatementVerdict,
     decide_statement,
-    equation_text,
+    said_of,
+    united,
     verified_sentence,
 )
 from .typed_statement import Statement
-
-Progress = Callable[[str], None]
 
 EXPLORED = 60
 """Most statements that are looked at for one answer."""
@@ -112,20 +110,22 @@ def solve_statement(
     holds if and only if a = 2, c = 4; or a = 0 (trivial)
     """
     start = time.perf_counter()
+    found = _solved(statement, progress)
+    return replace(found, seconds=time.perf_counter() - start)
+
+
+def _solved(statement: Statement, progress: Progress) -> ConditionalVerdict:
     search = _Search(statement.wanted)
     progress("the coefficients of the residual")
     try:
         found = search.cases(statement)
     except ValueError as error:
-        reason = " ".join(str(error).split())
-        return _verdict(statement, search, [], time.perf_counter() - start, reason)
+        return _verdict(statement, search, [], " ".join(str(error).split()))
     progress("the proofs of the cases")
     decided = largest_cases(found)
     cases = [search.in_order(case) for case in decided if not case.refuted]
-    for case in decided:
-        if case.refuted:
-            search.unknown[f"near {case.text}"] = None
-    return _verdict(statement, search, cases, time.perf_counter() - start)
+    search.unknown |= {f"near {case.text}": None for case in decided if case.refuted}
+    return _verdict(statement, search, cases)
 
 
 def conditional_sentence(verdict: ConditionalVerdict) -> str:
@@ -287,11 +287,7 @@ def _fresh(expression: sp.Expr) -> str:
 
 
 def _verdict(
-    statement: Statement,
-    search: _Search,
-    cases: Sequence[ConstantCase],
-    seconds: float,
-    reason: str = "",
+    statement: Statement, search: _Search, cases: Sequence[ConstantCase], reason: str = ""
 ) -> ConditionalVerdict:
     """The answer; with a reason there is none."""
     verdicts = [case.verdict for case in cases if case.verdict]
@@ -304,16 +300,12 @@ def _verdict(
         if whole.outcome is Outcome.REFUTED:
             outcome, witness = whole.outcome, whole.witness
     found = ConditionalVerdict(
-        statement.name,
-        "; ".join(equation_text(equation) for equation in statement.equations),
-        prover.METHOD,
-        outcome,
-        reason or "solved",
+        **said_of(statement),
+        outcome=outcome,
+        detail=reason or "solved",
         witness=witness,
-        seconds=seconds,
-        assumptions=tuple(dict.fromkeys(line for v in verdicts for line in v.assumptions)),
-        singularities=tuple(dict.fromkeys(line for v in verdicts for line in v.singularities)),
-        statement=statement_latex(statement),
+        assumptions=united(verdict.assumptions for verdict in verdicts),
+        singularities=united(verdict.singularities for verdict in verdicts),
         certificate=certificates[0] if certificates else None,
         certificates=certificates,
         solved=tuple(map(str, search.wanted)),

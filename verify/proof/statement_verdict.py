@@ -8,10 +8,11 @@ equality of its residual with 0: the formulas are put in and differentiated by S
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
+from itertools import chain
 from typing import Any
 
 import sympy as sp
@@ -92,6 +93,14 @@ class StatementVerdict(ProofVerdict):
 def decide_statement(statement: Statement, progress: Progress = lambda _: None) -> StatementVerdict:
     """The verdict on a statement; ``progress`` is told what is done next."""
     start = time.perf_counter()
+    found = _decided(statement, progress)
+    if found.outcome is Outcome.REFUTED:  # what stands for arbitrary functions at the witness
+        chosen = {name: f"1/gamma(z + {generic_shift(name)})" for name in statement.functions}
+        found = replace(found, witness={**(found.witness or {}), **chosen})
+    return replace(found, seconds=time.perf_counter() - start)
+
+
+def _decided(statement: Statement, progress: Progress) -> StatementVerdict:
     verdicts: list[ProofVerdict] = []
     count = len(statement.equations)
     typed = _typed_values(statement)
@@ -101,21 +110,21 @@ def decide_statement(statement: Statement, progress: Progress = lambda _: None) 
         verdicts.append(verdict if typed is None else _as_typed(statement, number, verdict, typed))
         if verdicts[-1].outcome is Outcome.REFUTED:
             break
-    found = _together(statement, verdicts, time.perf_counter() - start)
+    found = _together(statement, verdicts)
     if found.outcome is Outcome.REFUTED:
-        return _with_functions(statement, found)
+        return found
     if statement.complexes and found.outcome is Outcome.UNDECIDED:
         failing = failing_values(statement)
     else:
         failing = None if typed is None else _shown(typed.failure())
     if failing is not None:
-        refuted = undecided(statement, EXCLUDED, time.perf_counter() - start)
-        refuted = replace(refuted, outcome=Outcome.REFUTED, witness=failing)
-        return _with_functions(statement, refuted)
+        refuted = undecided(statement, EXCLUDED)
+        return replace(refuted, outcome=Outcome.REFUTED, witness=failing)
     divisor = undefined(statement) if found.outcome is Outcome.PROVED else None
     if divisor is not None:
-        reason = f"divisors must be shown not to be 0, got {abbreviated(divisor)}"
-        return undecided(statement, reason, time.perf_counter() - start)
+        return undecided(
+            statement, f"divisors must be shown not to be 0, got {abbreviated(divisor)}"
+        )
     return found
 
 
@@ -131,12 +140,6 @@ def _typed_values(statement: Statement) -> TypedValues | None:
 
 def _shown(point: TextPoint | None) -> dict[str, str] | None:
     return None if point is None else {name: str(value) for name, value in point.items()}
-
-
-def _with_functions(statement: Statement, verdict: StatementVerdict) -> StatementVerdict:
-    """The verdict with what stands for arbitrary functions at the witness."""
-    chosen = {name: f"1/gamma(z + {generic_shift(name)})" for name in statement.functions}
-    return replace(verdict, witness={**(verdict.witness or {}), **chosen})
 
 
 def _as_typed(
@@ -172,52 +175,55 @@ def _as_typed(
         words = " ".join((reason or verdict.detail or str(error)).split())
         return replace(verdict, outcome=Outcome.UNDECIDED, detail=words, **NO_PROOF)
     if verdict.outcome is Outcome.PROVED:
-        places = dict.fromkeys((*verdict.singularities, *proof.singularities))
-        return replace(verdict, certificate=proof.certificate, singularities=tuple(places))
+        places = united([verdict.singularities, proof.singularities])
+        return replace(verdict, certificate=proof.certificate, singularities=places)
     return _completed(statement, statement.equations[number - 1], proof)
 
 
-def _together(
-    statement: Statement, found: Sequence[ProofVerdict], seconds: float
-) -> StatementVerdict:
+def _together(statement: Statement, found: Sequence[ProofVerdict]) -> StatementVerdict:
     """The verdict on all equations: the refuted or undecided one, else the proofs together."""
     worst = {Outcome.REFUTED: 0, Outcome.UNDECIDED: 1, Outcome.PROVED: 2}
     place = min(range(len(found)), key=lambda i: worst[found[i].outcome])
     chosen = found[place]
-    proved = chosen.outcome is Outcome.PROVED
-    several = len(statement.equations) > 1
-    where = f"equation {place + 1}: " if several and not proved else ""
-    certificates = tuple(v.certificate for v in found if v.certificate) if proved else ()
-    lines = dict.fromkeys(line for v in found for line in v.assumptions) if proved else {}
-    places = dict.fromkeys(line for v in found for line in v.singularities) if proved else {}
+    detail = " ".join(chosen.detail.split())
+    if chosen.outcome is not Outcome.PROVED:
+        where = f"equation {place + 1}: " if len(statement.equations) > 1 else ""
+        unproved = undecided(statement, where + detail)
+        return replace(
+            unproved, outcome=chosen.outcome, residual=chosen.residual, witness=chosen.witness
+        )
+    certificates = tuple(v.certificate for v in found if v.certificate)
     return StatementVerdict(
-        statement.name,
-        "; ".join(equation_text(equation) for equation in statement.equations),
-        chosen.method,
-        chosen.outcome,
-        where + " ".join(chosen.detail.split()),
+        **said_of(statement),
+        outcome=chosen.outcome,
+        detail=detail,
         residual=chosen.residual,
-        witness=chosen.witness,
-        seconds=seconds,
-        assumptions=tuple(lines),
-        singularities=tuple(places),
-        certificate=certificates[0] if certificates else None,
-        statement=statement_latex(statement),
+        assumptions=united(v.assumptions for v in found),
+        singularities=united(v.singularities for v in found),
+        certificate=certificates[0],
         certificates=certificates,
     )
 
 
+def united(lines: Iterable[Iterable[str]]) -> tuple[str, ...]:
+    """All lines, each once."""
+    return tuple(dict.fromkeys(chain.from_iterable(lines)))
+
+
+def said_of(statement: Statement) -> dict[str, Any]:
+    """What a verdict on a statement says of it."""
+    return {
+        "name": statement.name,
+        "equation": "; ".join(map(equation_text, statement.equations)),
+        "method": prover.METHOD,
+        "statement": statement_latex(statement),
+    }
+
+
 def undecided(statement: Statement, reason: str, seconds: float = 0.0) -> StatementVerdict:
     """The verdict that there is none, for a reason."""
-    return StatementVerdict(
-        statement.name,
-        "; ".join(equation_text(equation) for equation in statement.equations),
-        prover.METHOD,
-        Outcome.UNDECIDED,
-        reason,
-        seconds=seconds,
-        statement=statement_latex(statement),
-    )
+    told = said_of(statement)
+    return StatementVerdict(**told, outcome=Outcome.UNDECIDED, detail=reason, seconds=seconds)
 
 
 def equation_text(equation: sp.Expr) -> str:
@@ -322,10 +328,7 @@ def _by_residual(statement: Statement, equation: sp.Expr) -> ProofVerdict:
         if defined.outcome is not Outcome.PROVED:
             raise ValueError(f"formulas must be shown to be defined: {defined.detail}")
     places = singularities(parts, all_domains(statement, equation))
-    return replace(
-        verdict,
-        singularities=tuple(dict.fromkeys((*verdict.singularities, *places))),
-    )
+    return replace(verdict, singularities=united([verdict.singularities, places]))
 
 
 def _equal(statement: Statement, left: sp.Expr, right: sp.Expr, said: str) -> ProofVerdict:
