@@ -22,7 +22,7 @@ expect = "REFUTED"
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
@@ -39,12 +39,6 @@ NAME_LENGTH = 100
 
 FORMULAS = ("equation", "solution")
 """The keys of a problem with one text or a list."""
-
-TEXTS = ("name", "parameters", "domain", "solve", "variables", "source", "expect")
-"""The keys of a problem with one text."""
-
-REMARKS = ("equation_name", "looked_up", "variant_of", "misprint_in", "note")
-"""The keys of a problem with one text on which no verdict depends."""
 
 TAKEN = (
     *("equation", "solution", "parameters", "domain", "variables"),
@@ -128,7 +122,7 @@ def _problem(
 ) -> ProblemText:
     if not isinstance(table, dict):
         raise ValueError(f"{where} must be a table, got {shown(table)} (begin with [[problem]])")
-    known = (*FORMULAS, *TEXTS, *REMARKS)
+    known = [key.name for key in fields(ProblemText) if key.name != "where"]
     for key in table:
         if key not in known:
             raise ValueError(
@@ -143,11 +137,10 @@ def _problem(
         words = "variant_of must be the name of a problem above"
         raise ValueError(f"{where}: {words}, got {shown(original)}")
     texts: dict[str, Any] = {**taken, **table}
-    for key in FORMULAS:
-        texts[key] = _formula_texts(where, key, texts.get(key))
-    for key in (*TEXTS, *REMARKS):
-        text = texts.setdefault(key, "")
-        if not isinstance(text, str):
+    for key in known:
+        if key in FORMULAS:
+            texts[key] = _formula_texts(where, key, texts.get(key))
+        elif not isinstance(text := texts.setdefault(key, ""), str):
             raise ValueError(f"{where}: {key} must be text, got {shown(text)} (put it in quotes)")
     texts["name"] = name = texts["name"] or unnamed
     if not name.isprintable() or len(name) > NAME_LENGTH:

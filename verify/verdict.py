@@ -73,6 +73,11 @@ class Verdict:
         """Whether the closed form stands: proved or checked."""
         return self.outcome.passed
 
+    @property
+    def point(self) -> str:
+        """The witness in words."""
+        return ", ".join(f"{name} = {value}" for name, value in (self.witness or {}).items())
+
     def json(self) -> dict[str, Any]:
         """The record as plain data for ``json.dumps``.
 
@@ -85,8 +90,7 @@ class Verdict:
         return record
 
     def __repr__(self) -> str:
-        point = ", ".join(f"{name} = {value}" for name, value in (self.witness or {}).items())
-        found = f"{self.detail} at {point}" if point else self.detail
+        found = f"{self.detail} at {self.point}" if self.witness else self.detail
         kind = type(self).__name__
         return f"<{kind} {self.outcome}: {self.name}, {self.equation}: {found}>"
 

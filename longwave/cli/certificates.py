@@ -119,7 +119,8 @@ def print_certificates(
             record = limited(checked, certificate)
             accepted.append(record)
             if not json_wanted:
-                print(lines_of(record))
+                lines = (f"    {line}" for line in record["statement"].splitlines())
+                print(f"{record['name']}:", *lines, f"{record['name']}: accepted", sep="\n")
         scripts.write(certificates)
     except BrokenPipeError:
         raise
@@ -171,12 +172,6 @@ def checked(certificate: Any) -> dict[str, str]:
     except CertificateError as error:
         raise CertificateError(f"{name}: {error}") from error
     return {"name": name, "statement": statement}
-
-
-def lines_of(accepted: Mapping[str, str]) -> str:
-    """An accepted certificate in words: what it states, and that it is accepted."""
-    lines = "\n".join(f"    {line}" for line in accepted["statement"].splitlines())
-    return f"{accepted['name']}:\n{lines}\n{accepted['name']}: accepted"
 
 
 def _refused(text: str) -> NoReturn:

@@ -10,6 +10,7 @@ import os
 import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
 from types import TracebackType
@@ -35,7 +36,6 @@ from longwave.support.processes import (
 from longwave.support.slow_work import give_notice
 from longwave.verify.problem_file import ProblemText, StatedProblem, problem_texts
 from longwave.verify.proof.conditions import ConditionalVerdict, conditional_sentence
-from longwave.verify.proof.near_misses import SECONDS as HINT_SECONDS
 from longwave.verify.proof.near_misses import with_hint
 from longwave.verify.proof.statement_text import read_statement
 from longwave.verify.proof.statement_verdict import (
@@ -55,6 +55,9 @@ LIMIT = 60.0
 """Seconds for a statement unless told."""
 
 LEAST, LONGEST = 0.01, 1e6
+
+HINT_SECONDS = 5.0
+"""Longest search for what would hold in the place of a refuted statement."""
 
 QUIET = 3.0
 """Seconds after which what is left is announced: how long a proof takes nobody knows before."""
@@ -293,16 +296,9 @@ def _decide(
     if verdict.outcome is not Outcome.REFUTED or left <= 0:
         return verdict
     send(verdict)
-    return _hinted(statement, verdict, left)
-
-
-def _hinted(statement: Statement, verdict: StatementVerdict, seconds: float) -> StatementVerdict:
-    """The verdict with a hint if one is found; whatever fails in the search, the verdict stays."""
-    try:
-        with time_limit(seconds, passing=True):
-            return with_hint(statement, verdict, seconds)
-    except (OutOfTime, Exception):
-        return verdict
+    with suppress(OutOfTime, Exception), time_limit(left, passing=True):  # the verdict stays
+        return with_hint(statement, verdict)
+    return verdict
 
 
 def _doing(trace: TracebackType | None) -> str:
@@ -319,7 +315,13 @@ def _doing(trace: TracebackType | None) -> str:
 
 def _print(found: Sequence[Decision], latex: bool) -> None:
     if latex:
-        print("\n\n".join(_sentence(problem.statement, verdict) for problem, verdict in found))
+        sentences = (
+            conditional_sentence(verdict)
+            if isinstance(verdict, ConditionalVerdict)
+            else verified_sentence(problem.statement, verdict)
+            for problem, verdict in found
+        )
+        print("\n\n".join(sentences))
         return
     console = table_console()
     for decision in found:
@@ -328,12 +330,6 @@ def _print(found: Sequence[Decision], latex: bool) -> None:
         print_lines(console, _lines(decision))
     if len(found) != 1:
         print_lines(console, [summary([verdict for _, verdict in found], "statement")])
-
-
-def _sentence(statement: Statement, verdict: StatementVerdict) -> str:
-    if isinstance(verdict, ConditionalVerdict):
-        return conditional_sentence(verdict)
-    return verified_sentence(statement, verdict)
 
 
 def _lines(decision: Decision) -> list[str]:
@@ -347,7 +343,7 @@ def _lines(decision: Decision) -> list[str]:
     expected = "" if decision.is_met else problem.expect
     lines = [f"{verdict.name}: {first}", *more]
     if verdict.witness:
-        lines.append(f"at {', '.join(f'{name} = {v}' for name, v in verdict.witness.items())}")
+        lines.append(f"at {verdict.point}")
     lines += [f"possibly not smooth: {line}" for line in verdict.singularities]
     lines += [verdict.hint] if verdict.hint else []
     lines += [f"expected was {expected}"] if expected else []

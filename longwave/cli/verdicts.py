@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -41,12 +41,10 @@ class TimeLaw:
         >>> round(PROOF.total(["rational_2", "rational_14"]))
         19
         """
-        return sum(self._one(higher_order(name)) for name in names)
-
-    def _one(self, order: int | None) -> float:
-        if order is None:
-            return self.seconds
-        return self.rational * (order / 7) ** self.exponent
+        return sum(
+            self.seconds if order is None else self.rational * (order / 7) ** self.exponent
+            for order in map(higher_order, names)
+        )
 
 
 PROOF = TimeLaw(0.2, 0.15, 7.0)
@@ -87,10 +85,11 @@ def print_verdicts(
     proofs.check()
     work = _verdicts(names, stable, sampling)
     found, complete = finished(tracked(work, len(names), "checking"))
-    proofs.write(_certificates(found))
+    proved = [v.certificate for v in found if isinstance(v, ProofVerdict)]
+    proofs.write([certificate for certificate in proved if certificate is not None])
     noun = "stable form" if stable else "closed form"
-    show = partial(_print, noun=noun)
-    status = print_found(found, complete, show, json_wanted, program, _noun(len(names)))
+    show, asked = partial(_print, noun=noun), _noun(len(names))
+    status = print_found(found, complete, show, json_wanted, program, asked)
     return status or int(not all(verdict.passed for verdict in found))
 
 
@@ -130,11 +129,6 @@ def _verdicts(names: Sequence[str], stable: bool, sampling: Sampling | None) -> 
     if sampling is None:
         return prove_all(names)
     return (check_residual(named_form(name), sampling) for name in names)
-
-
-def _certificates(verdicts: Sequence[Verdict]) -> list[Mapping[str, Any]]:
-    found = [verdict.certificate for verdict in verdicts if isinstance(verdict, ProofVerdict)]
-    return [certificate for certificate in found if certificate is not None]
 
 
 STYLES = {
@@ -184,8 +178,7 @@ def _evidence(verdict: Verdict) -> str:
 
 def _failure(verdict: Verdict) -> str:
     """The line of a form that does not stand, with its witness or reason."""
-    place = ", ".join(f"{name} = {value}" for name, value in (verdict.witness or {}).items())
-    at = f" (witness: {place})" if place else ""
+    at = f" (witness: {verdict.point})" if verdict.witness else ""
     return f"{verdict.name}: {verdict.outcome.value}: {verdict.detail}{at}"
 
 
