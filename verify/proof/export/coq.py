@@ -11,26 +11,7 @@ from functools import reduce as fold
 
 from flint import fmpq
 
-from .terms import (
-    LETTERS,
-    Definition,
-    Powers,
-    Premise,
-    Rate,
-    Relation,
-    SlopeAxiom,
-    Step,
-    Term,
-    Vanishing,
-    WrittenProof,
-    engine_text,
-    name_of,
-    plain,
-    plain_lines,
-    premise_line,
-    premise_lines,
-    spelled,
-)
+from . import terms
 
 PREDICATES = ("less", "at_most", "real", "is_integer", "analytic", "connected")
 """Relations of premises; a denominator is other than 0 in the field itself."""
@@ -48,7 +29,7 @@ def _nested(joined: str) -> Callable[..., str]:
 FORMULAS: dict[str, Callable[..., str]] = {
     "number": lambda value: f"number {_rational(value)}",
     "generator": "g{}".format,
-    **{kind: f"{letter}{{}}".format for kind, letter in LETTERS.items()},
+    **{kind: f"{letter}{{}}".format for kind, letter in terms.LETTERS.items()},
     "minus": "- ({})".format,
     "inverse": "/ ({})".format,
     "power": "power ({}) {}".format,
@@ -73,23 +54,23 @@ CONJUNCTION = _nested("(conj {} {})")
 """Proofs of all, the last of them ``I``."""
 
 
-def coq_script(proof: WrittenProof) -> str:
+def coq_script(proof: terms.WrittenProof) -> str:
     """A self-contained script; Coq prints "accepted" when it has checked the theorem."""
-    comments = (f"(* {line} *)" for line in plain_lines(proof))
-    return "\n".join([*comments, engine_text("engine.v"), *_Theorem(proof).lines()]) + "\n"
+    comments = (f"(* {line} *)" for line in terms.plain_lines(proof))
+    return "\n".join([*comments, terms.engine_text("engine.v"), *_Theorem(proof).lines()]) + "\n"
 
 
-def formula(term: Term) -> str:
+def formula(term: terms.Term) -> str:
     """A term as a formula of the field."""
-    return spelled(term, FORMULAS)
+    return terms.spelled(term, FORMULAS)
 
 
 class _Theorem:
     """The part of a script that is a proof's own."""
 
-    def __init__(self, proof: WrittenProof) -> None:
+    def __init__(self, proof: terms.WrittenProof) -> None:
         self._proof = proof
-        defined = [step.name for step in proof.steps if isinstance(step, Definition)]
+        defined = [step.name for step in proof.steps if isinstance(step, terms.Definition)]
         self._places = {name: place for place, name in enumerate(defined, 1)}
         self._data = {
             **DATA,
@@ -104,11 +85,11 @@ class _Theorem:
         """The variables, assumptions, claims and the proof."""
         proof = self._proof
         steps = [self._step(step) for step in proof.steps]
-        below_data = [spelled(term, DATA) for term in proof.denominators]
+        below_data = [terms.spelled(term, DATA) for term in proof.denominators]
         below = [f"premise_{i}" for i, p in enumerate(proof.premises) if p.relation == "not_zero"]
         generators = [f"g{place}" for place in range(len(proof.meanings))]
-        names = [name_of(name) for name in self._places]
-        free = [name_of(("free", place)) for place in proof.free]
+        names = [terms.name_of(name) for name in self._places]
+        free = [terms.name_of(("free", place)) for place in proof.free]
         return [
             f"Variables {' '.join([*generators, *names, *free])} : F.",
             *self._predicates(),
@@ -133,7 +114,7 @@ class _Theorem:
             "End Soundness.",
             "Print Assumptions proved.",
             "Goal True.",
-            *(f'idtac "{line}".' for line in premise_lines(proof)),
+            *(f'idtac "{line}".' for line in terms.premise_lines(proof)),
             'idtac "accepted". exact I. Qed.',
         ]
 
@@ -146,7 +127,7 @@ class _Theorem:
         """The premises of the theorem, each with its words."""
         lines = []
         for premise in self._proof.premises:
-            lines += [f"  (* {line} *)" for line in plain(premise_line(premise))]
+            lines += [f"  (* {line} *)" for line in terms.plain(terms.premise_line(premise))]
             lines.append(f"  {_proposition(premise)} ->")
         return lines
 
@@ -158,31 +139,31 @@ class _Theorem:
         label = " ".join([name, *(f"premise_{place}" for place in guards)])
         self._labels.append(f"({label})" if guards else label)
 
-    def _step(self, step: Step) -> str:
+    def _step(self, step: terms.Step) -> str:
         """The data of a step; what it assumes or claims is noted as a formula."""
-        written, data = formula(step.term), spelled(step.term, self._data)
+        written, data = formula(step.term), terms.spelled(step.term, self._data)
         match step:
-            case Definition():
+            case terms.Definition():
                 guards = self._proof.guards.get(step.name, ())
-                self._assume(f"{name_of(step.name)} = {written}", guards)
+                self._assume(f"{terms.name_of(step.name)} = {written}", guards)
                 return f"Def {self._places[step.name]} {data} {_powers(step.below)}"
-            case Relation():
+            case terms.Relation():
                 self._assume(f"power g{step.generator} {step.degree} = {written}")
                 return f"Rel {step.generator + 1} {step.degree - 1} {data}"
-            case SlopeAxiom():
+            case terms.SlopeAxiom():
                 self._assume(f"D {step.variable} g{step.generator} = {written}")
                 place = step.generator + 1
                 return f"Slo {step.variable} {place} {data} {_powers(step.below)}"
-            case Rate():
-                self._claims.append(f"D {step.variable} {name_of(step.name)} = {written}")
+            case terms.Rate():
+                self._claims.append(f"D {step.variable} {terms.name_of(step.name)} = {written}")
                 place = self._places[step.name]
                 return f"Rat {step.variable} {place} {data} {_powers(step.below)}"
-            case Vanishing():
+            case terms.Vanishing():
                 self._claims.append(f"{written} = 0")
                 return f"Zer {data}"
 
 
-def _proposition(premise: Premise) -> str:
+def _proposition(premise: terms.Premise) -> str:
     if premise.relation == "not_zero":
         return f"{formula(premise.terms[0])} <> 0"
     return " ".join([premise.relation, *(f"({formula(term)})" for term in premise.terms)])
@@ -192,5 +173,5 @@ def _list(items: list[str]) -> str:
     return f"[{'; '.join(items)}]"
 
 
-def _powers(below: Powers) -> str:
+def _powers(below: terms.Powers) -> str:
     return "None" if below is None else f"(Some {_list([str(n) for n in below])}%nat)"

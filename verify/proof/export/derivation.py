@@ -17,7 +17,7 @@ from longwave.verify.kernel.denominators import Denominators
 from longwave.verify.kernel.further.quotients import long_quotient, shape
 from longwave.verify.kernel.limits import CertificateError
 from longwave.verify.kernel.nodes import number
-from longwave.verify.kernel.ring import Element, Ring
+from longwave.verify.kernel.ring import Element
 from longwave.verify.kernel.statement import Statement, statement_text
 from longwave.verify.kernel.substitution import Substitution
 
@@ -43,7 +43,8 @@ def written_out(certificate: Mapping[str, Any]) -> WrittenProof:
     _Equations(field, statement).note()
     field.note_slopes_of_relations()
     assert isinstance(field.ring, TracedRing)
-    divisors = [place for place in field.ring.divisors if not _is_constant(field.ring, place)]
+    factors = field.ring.factors
+    divisors = [place for place in field.ring.divisors if not factors[place].is_constant()]
     premises = _Premises(field, statement)
     premises.note_denominators(divisors, certificate["proof"]["point"])
     steps = premises.kept_steps()
@@ -57,10 +58,6 @@ def written_out(certificate: Mapping[str, Any]) -> WrittenProof:
         guards=premises.guards,
         steps=[_over(step, value, divisors) for step, value in steps],
     )
-
-
-def _is_constant(ring: Ring, place: int) -> bool:
-    return bool(ring.factors[place].is_constant())
 
 
 class _Premises:

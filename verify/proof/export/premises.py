@@ -62,8 +62,8 @@ class Asker:
 class TracedSigns(Signs):
     """The checker's signs, which note what was asked and holds."""
 
-    def __init__(self, images: Field, positive: Mapping[int, bool]) -> None:
-        super().__init__(images.nodes, images.image, positive, images.hints.signs)
+    def __init__(self, images: Field) -> None:
+        super().__init__(images.nodes, images.image, images.positive, images.hints.signs)
         self.askers = [Asker()]
         self.kept: dict[Question, str] = {}
 
@@ -117,11 +117,11 @@ class TracedSigns(Signs):
 
     def is_between(self, node: int, low: fmpq | None, high: fmpq | None) -> bool:
         """Whether ``node`` is shown to be real and not outside two rational numbers (None: any)."""
-        ends = [
-            None if v is None else self._nodes.rational(int(v.p), int(v.q)) for v in (low, high)
-        ]
-        asked = [] if ends[0] is None else [Question("at_most", (ends[0], node))]
-        asked += [] if ends[1] is None else [Question("at_most", (node, ends[1]))]
+        asked = []
+        for end, is_low in ((low, True), (high, False)):
+            if end is not None:
+                place = self._nodes.rational(int(end.p), int(end.q))
+                asked.append(Question("at_most", (place, node) if is_low else (node, place)))
         asked = asked or [Question("real", (node,))]
         return self._ask(partial(super().is_between, node, low, high), *asked)
 

@@ -5,21 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from .terms import (
-    Definition,
-    Powers,
-    Rate,
-    Relation,
-    SlopeAxiom,
-    Step,
-    Vanishing,
-    WrittenProof,
-    engine_text,
-    name_of,
-    plain_lines,
-    premise_lines,
-    spelled,
-)
+from . import terms
 
 
 @dataclass(frozen=True)
@@ -28,18 +14,18 @@ class Language:
 
     comment: Callable[[str], str]
     engine: str
-    head: Callable[[WrittenProof], list[str]]
+    head: Callable[[terms.WrittenProof], list[str]]
     body: Callable[[list[str]], list[str]]
     say: str
 
 
-def script(proof: WrittenProof, language: Language) -> str:
+def script(proof: terms.WrittenProof, language: Language) -> str:
     """A self-contained script that prints "accepted" or "rejected"."""
     lines = [
-        *(language.comment(line) for line in plain_lines(proof)),
+        *(language.comment(line) for line in terms.plain_lines(proof)),
         *language.head(proof),
-        engine_text(language.engine),
-        *(language.say.format(line) for line in premise_lines(proof)),
+        terms.engine_text(language.engine),
+        *(language.say.format(line) for line in terms.premise_lines(proof)),
         *language.body([_step(step) for step in proof.steps]),
     ]
     return "\n".join(lines) + "\n"
@@ -73,32 +59,29 @@ POLYNOMIAL: dict[str, Callable[..., str]] = {
 """Polynomials in the generators as both systems write them."""
 
 
-def _denominators(proof: WrittenProof) -> str:
-    return ", ".join(spelled(term, POLYNOMIAL) for term in proof.denominators)
+def _denominators(proof: terms.WrittenProof) -> str:
+    return ", ".join(terms.spelled(term, POLYNOMIAL) for term in proof.denominators)
 
 
-def _step(step: Step) -> str:
-    if isinstance(step, Vanishing):
-        return f"vanish({spelled(step.term, CALLS)})"
-    value = _cut(spelled(step.term, CALLS), step.below)
+def _step(step: terms.Step) -> str:
+    if isinstance(step, terms.Vanishing):
+        return f"vanish({terms.spelled(step.term, CALLS)})"
+    value = terms.spelled(step.term, CALLS)
+    value = value if step.below is None else f"cut({value}, {list(step.below)})"
     match step:
-        case Definition():
-            return f'put("{name_of(step.name)}", {value})'
-        case Relation():
+        case terms.Definition():
+            return f'put("{terms.name_of(step.name)}", {value})'
+        case terms.Relation():
             return f"rule({step.generator}, {step.degree}, {value})"
-        case SlopeAxiom():
+        case terms.SlopeAxiom():
             return f"slope({step.variable + 1}, {step.generator}, {value})"
-        case Rate():
-            return f'rate({step.variable + 1}, "{name_of(step.name)}", {value})'
+        case terms.Rate():
+            return f'rate({step.variable + 1}, "{terms.name_of(step.name)}", {value})'
 
 
-def _cut(text: str, below: Powers) -> str:
-    return text if below is None else f"cut({text}, {list(below)})"
-
-
-def _pari_head(proof: WrittenProof) -> list[str]:
+def _pari_head(proof: terms.WrittenProof) -> list[str]:
     count = len(proof.meanings)
-    roots = {step.generator for step in proof.steps if isinstance(step, Relation)}
+    roots = {step.generator for step in proof.steps if isinstance(step, terms.Relation)}
     order = [*sorted(roots, reverse=True), *(i for i in range(count) if i not in roots)]
     size = len(proof.variables)
     return [
@@ -119,7 +102,7 @@ def _pari_body(steps: list[str]) -> list[str]:
     ]
 
 
-def _maxima_head(proof: WrittenProof) -> list[str]:
+def _maxima_head(proof: terms.WrittenProof) -> list[str]:
     names = ", ".join(f"g{i}" for i in range(len(proof.meanings)))
     return [
         "kill(all)$",

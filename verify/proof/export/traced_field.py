@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from functools import cached_property
+from collections.abc import Sequence
+from typing import Any
 
 from flint import fmpq, fmpq_mpoly
 
 from longwave.verify.kernel.derivations import Slopes
-from longwave.verify.kernel.field import Field, Hints
-from longwave.verify.kernel.nodes import Nodes
+from longwave.verify.kernel.field import Field
 from longwave.verify.kernel.ring import Element
 
 from ..text_writer import ATOM, Part, node_text
@@ -84,33 +83,20 @@ class TracedField(Field):
     ring_type = TracedRing
     slopes_type = TracedSlopes
 
-    def __init__(
-        self,
-        nodes: Nodes,
-        count: int,
-        variables: Sequence[int],
-        positive: Mapping[int, bool],
-        hints: Hints,
-    ) -> None:
-        super().__init__(nodes, count, variables, positive, hints)
-        self.signs: TracedSigns = TracedSigns(self, positive)
-        self.words = FormulaWords(nodes)
+    def __init__(self, *given: Any) -> None:
+        super().__init__(*given)
+        self.signs: TracedSigns = TracedSigns(self)
+        self.words = FormulaWords(self.nodes)
         self.free: dict[int, str] = {}
         self.guards: dict[int, list[Question]] = {}
+        self._roots: list[tuple[int, int, TracedElement]] = []
+        self._defined: dict[int, TracedElement] = {}
 
     @property
     def trace(self) -> Trace:
         """The steps."""
         assert isinstance(self.ring, TracedRing)
         return self.ring.trace
-
-    @cached_property
-    def _roots(self) -> list[tuple[int, int, TracedElement]]:
-        return []
-
-    @cached_property
-    def _defined(self) -> dict[int, TracedElement]:
-        return {}
 
     def axis(self, variable: int) -> int:
         """The place of a variable among those of the statement."""
