@@ -22,15 +22,6 @@ class Outcome(enum.StrEnum):
     REFUTED = "REFUTED"
     UNDECIDED = "UNDECIDED"
 
-    @property
-    def passed(self) -> bool:
-        """Whether the closed form stands.
-
-        >>> Outcome.CHECKED.passed, Outcome.UNDECIDED.passed
-        (True, False)
-        """
-        return self in (Outcome.PROVED, Outcome.CHECKED)
-
 
 @dataclass(frozen=True, repr=False)
 class Verdict:
@@ -71,7 +62,7 @@ class Verdict:
     @property
     def passed(self) -> bool:
         """Whether the closed form stands: proved or checked."""
-        return self.outcome.passed
+        return self.outcome in (Outcome.PROVED, Outcome.CHECKED)
 
     @property
     def point(self) -> str:
@@ -116,15 +107,10 @@ class ProofVerdict(Verdict):
                 "certificate must be given with a proof, got none (prove only what is checked)"
             )
 
-    def certificate_text(self) -> str | None:
-        """The certificate as JSON on one line; None where there is none."""
-        return None if self.certificate is None else json.dumps(self.certificate)
-
     @property
     def certificate_bytes(self) -> int | None:
-        """The length of `certificate_text`."""
-        text = self.certificate_text()
-        return None if text is None else len(text)
+        """The length of the certificate as JSON on one line; None where there is none."""
+        return None if self.certificate is None else len(json.dumps(self.certificate))
 
     def json(self) -> dict[str, Any]:
         """The record as plain data, with the certificate's size (it is a file of its own)."""

@@ -36,8 +36,8 @@ def proof_record(name: str) -> ProofRecord:
     PROVED True
     """
     verdict = prove_named(name)
-    text = verdict.certificate_text()
-    accepted, seconds = (None, None) if text is None else _checked(text)
+    found = verdict.certificate
+    accepted, seconds = (None, None) if found is None else _checked(json.dumps(found))
     return ProofRecord(
         verdict.name,
         verdict.method,

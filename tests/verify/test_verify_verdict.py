@@ -12,7 +12,8 @@ def _verdict(outcome: Outcome, **fields: object) -> Verdict:
 
 
 def test_only_proved_and_checked_pass() -> None:
-    passed = {outcome for outcome in Outcome if outcome.passed}
+    said = {"detail": "0.1", "witness": {"xi": "1/3"}}
+    passed = {outcome for outcome in Outcome if _verdict(outcome, **said).passed}
     assert passed == {Outcome.PROVED, Outcome.CHECKED}
 
 

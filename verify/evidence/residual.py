@@ -83,24 +83,6 @@ def scientific(level: float) -> str:
     return f"{10 ** (level - exponent):.1f}e{exponent:+03d}"
 
 
-def checked_digits(digits: Sequence[int]) -> tuple[int, ...]:
-    """``digits`` if they are two or more precisions far enough apart for the fall to be seen.
-
-    Raises ValueError otherwise.
-
-    >>> checked_digits([30, 50])
-    (30, 50)
-    """
-    gaps = [high - low for low, high in itertools.pairwise(digits)]
-    if not gaps or digits[0] < 15 or min(gaps) < MINIMUM_GAP or digits[-1] > MOST_DIGITS:
-        raise ValueError(
-            f"digits must be two or more numbers from 15 to {MOST_DIGITS}, each at least "
-            f"{MINIMUM_GAP} above the one before, got {','.join(map(str, digits)) or 'none'} "
-            "(30,50,100 is usual)"
-        )
-    return tuple(digits)
-
-
 HALF_WIDTH = 4
 """A variable is drawn between plus and minus this; a domain without an end is cut this far beyond
 0 and its other end."""
@@ -162,14 +144,25 @@ class EvaluationError(ValueError):
 
 @dataclass(frozen=True)
 class Sampling:
-    """At how many points, from which seed and at which digits a residual is evaluated."""
+    """At how many points, from which seed and at which digits a residual is evaluated.
+
+    Raises ValueError for digits that are not two or more precisions far enough apart for the fall
+    to be seen, and for points beyond `MOST_POINTS`.
+    """
 
     digits: tuple[int, ...] = DIGITS
     points: int = POINTS
     seed: int = 0
 
     def __post_init__(self) -> None:
-        checked_digits(self.digits)
+        digits = self.digits
+        gaps = [high - low for low, high in itertools.pairwise(digits)]
+        if not gaps or digits[0] < 15 or min(gaps) < MINIMUM_GAP or digits[-1] > MOST_DIGITS:
+            raise ValueError(
+                f"digits must be two or more numbers from 15 to {MOST_DIGITS}, each at least "
+                f"{MINIMUM_GAP} above the one before, got "
+                f"{','.join(map(str, digits)) or 'none'} (30,50,100 is usual)"
+            )
         if not 1 <= self.points <= MOST_POINTS:
             raise ValueError(
                 f"points must satisfy 1 <= points <= {MOST_POINTS}, got {self.points} (24 is usual)"

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from longwave.verify.evidence.residual import Decay, checked_digits
+from longwave.verify.evidence.residual import Decay, Sampling
 
 DIGITS = (30, 50, 100)
 
@@ -36,4 +36,4 @@ def test_exact_zeros_pass_and_do_not_raise_the_bar() -> None:
 @pytest.mark.parametrize("digits", [(), (30,), (50, 30), (30, 30), (30, 34), (5, 50)])
 def test_digits_that_say_nothing_are_refused(digits: tuple[int, ...]) -> None:
     with pytest.raises(ValueError, match="digits must be two or more"):
-        checked_digits(digits)
+        Sampling(digits)
