@@ -206,7 +206,6 @@ def _announce_rest(count: int, seconds: float) -> None:
 def decided(
     problems: Sequence[StatedProblem],
     limit: float = LIMIT,
-    processes: int | None = None,
     hinting: float = HINT_SECONDS,
     late: Callable[[int, float], None] = lambda count, seconds: None,
     workers: Workers | None = None,
@@ -218,7 +217,7 @@ def decided(
     `QUIET` seconds ``late`` is told how many statements are left, and their seconds at most.
     ``workers`` may be those of a cluster.
     """
-    workers = workers or LocalWorkers(processes or os.cpu_count() or 1, apart=True)
+    workers = workers or LocalWorkers(os.cpu_count() or 1, apart=True)
     left, patience = len(problems), time.monotonic() + QUIET
 
     def look(_: object) -> None:

@@ -13,6 +13,7 @@ import pytest
 from longwave.__main__ import main
 from longwave.cli import statements as command
 from longwave.cli.statements import STAGES, decided
+from longwave.support.processes import LocalWorkers
 from longwave.verify.problem_file import FILE_BYTES, StatedProblem, problem_texts
 from longwave.verify.proof import check_certificate, prover
 from longwave.verify.proof.statement_text import read_statement
@@ -339,7 +340,7 @@ def test_four_processes_decide_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
         return whole(statement, tell)
 
     monkeypatch.setattr(command, "answer", waiting)
-    verdicts = dict(decided([problem()] * 4, 2 * PATIENCE, processes=4))
+    verdicts = dict(decided([problem()] * 4, 2 * PATIENCE, workers=LocalWorkers(4, apart=True)))
     assert [verdicts[place].outcome for place in range(4)] == ["PROVED"] * 4
 
 

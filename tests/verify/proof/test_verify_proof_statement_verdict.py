@@ -226,7 +226,7 @@ def test_a_refuted_statement_comes_with_what_holds(
     equation: str, solution: str, parameters: str, words: str
 ) -> None:
     statement = read_statement(equation, solution, parameters)
-    hint = with_hint(statement, decide_statement(statement), 60.0).hint
+    hint = with_hint(statement, decide_statement(statement)).hint
     assert words in hint
     assert bool(hint) == bool(words)
 
@@ -241,11 +241,10 @@ def test_near_misses_are_each_tried_once_and_keep_the_variables() -> None:
         assert formula.free_symbols >= set(statement.variables)
 
 
-def test_a_hint_ends_with_its_time_and_leaves_a_proof_alone() -> None:
+def test_a_hint_leaves_a_proof_alone() -> None:
     wrong = read_statement(KDV, "u = 2*k**2*sech(k*(x + 4*k**2*t))**2", "k: k>0")
     refuted = decide_statement(wrong)
     assert with_hint(wrong, refuted).hint
-    assert with_hint(wrong, refuted, 0.0) is refuted
     right = read_statement(KDV, SOLITON, "k: k>0")
     proved = decide_statement(right)
     assert with_hint(right, proved) is proved
