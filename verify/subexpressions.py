@@ -49,18 +49,33 @@ def _walked(expression: sp.Expr, enters: Callable[[sp.Expr], bool]) -> list[sp.E
     return list(found)
 
 
-def replaced(expression: sp.Expr, target: sp.Expr, replacement: sp.Expr) -> sp.Expr:
-    """``expression`` with ``target`` replaced throughout; each subexpression is visited once."""
-    images = {target: replacement}
+def rebuilt(
+    expression: sp.Expr,
+    made: Callable[[sp.Expr, list[sp.Expr]], sp.Expr],
+    images: dict[sp.Expr, sp.Expr] | None = None,
+) -> sp.Expr:
+    """What is ``made`` of a node and of what was made of its arguments; each node is made once.
+
+    ``images`` has what stands for some nodes.
+    """
+    images = {} if images is None else images
 
     def image(node: sp.Expr) -> sp.Expr:
         if node not in images:
-            arguments = [image(argument) for argument in node.args]
-            same = all(new is old for new, old in zip(arguments, node.args, strict=True))
-            images[node] = node if same else node.func(*arguments)
+            images[node] = made(node, [image(argument) for argument in node.args])
         return images[node]
 
     return image(expression)
+
+
+def replaced(expression: sp.Expr, target: sp.Expr, replacement: sp.Expr) -> sp.Expr:
+    """``expression`` with ``target`` replaced throughout; each subexpression is visited once."""
+
+    def made(node: sp.Expr, arguments: list[sp.Expr]) -> sp.Expr:
+        same = all(new is old for new, old in zip(arguments, node.args, strict=True))
+        return node if same else node.func(*arguments)
+
+    return rebuilt(expression, made, {target: replacement})
 
 
 def abbreviated(expression: sp.Expr, depth: int = DEPTH) -> str:

@@ -37,9 +37,8 @@ def angle_values(expressions: Iterable[sp.Expr], points: Sequence[Point]) -> dic
     nodes = {node for e in expressions for node in distinct_nodes(e)}
     arcs = {node for node in nodes if isinstance(node, ARCS)}
     arcs |= {sp.asin(node.args[0]) for node in nodes if isinstance(node, sp.acos)}
-    left = sorted(
-        filter(_is_arc, arcs), key=lambda arc: (arc.count_ops(), sp.default_sort_key(arc))
-    )
+    arcs = {arc for arc in arcs if isinstance(arc, ARCS)}
+    left = sorted(arcs, key=lambda arc: (arc.count_ops(), sp.default_sort_key(arc)))
     found: dict[sp.Expr, sp.Expr] = {}
     if not 1 < len(left) <= MOST:
         return found
@@ -50,10 +49,6 @@ def angle_values(expressions: Iterable[sp.Expr], points: Sequence[Point]) -> dic
         found[left[pivot]] = sp.Add(*others, factors[-1] * UNIT)
         del left[pivot]
     return found
-
-
-def _is_arc(node: sp.Expr) -> bool:
-    return isinstance(node, ARCS)
 
 
 def _relation(arcs: Sequence[sp.Expr], points: Sequence[Point]) -> list[int] | None:

@@ -224,9 +224,6 @@ HYPERBOLIC = (sp.sinh, sp.cosh, sp.tanh, sp.coth, sp.sech, sp.csch)
 TRIGONOMETRIC = (sp.sin, sp.cos, sp.tan, sp.cot, sp.sec, sp.csc)
 
 
-NO_LOGARITHMS: Mapping[sp.Expr, sp.Expr] = {}
-
-
 class Arguments:
     """The arguments of the exponentials and of the elliptic functions, as integer combinations.
 
@@ -241,9 +238,9 @@ class Arguments:
         self,
         expressions: Iterable[sp.Expr],
         variables: Sequence[sp.Symbol],
-        logarithms: Mapping[sp.Expr, sp.Expr] = NO_LOGARITHMS,
+        logarithms: Mapping[sp.Expr, sp.Expr] | None = None,
     ) -> None:
-        self._logarithms = logarithms
+        self._logarithms = logarithms or {}
         self.dependence = Dependence(variables)
         self.count: Counter[tuple[type, sp.Expr]] = Counter()
         self._exponents: dict[sp.Expr, None] = {}

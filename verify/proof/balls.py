@@ -104,6 +104,7 @@ def variable(shape: JetShape, place: int, value: acb) -> Jet:
     return Jet(shape, (value, *(acb(int(index == unit)) for index in shape.indices[1:])))
 
 
+NUMBERS = {sp.I: lambda: acb(0, 1), sp.pi: acb.pi, sp.E: lambda: acb(1).exp()}
 PERIODIC = (sp.sin, sp.cos, sp.sinh, sp.cosh)
 QUOTIENTS = {
     sp.tan: (sp.sin, sp.cos),
@@ -207,12 +208,8 @@ class BallEvaluator:
     def _jet(self, node: sp.Expr) -> Jet:
         if node.is_Rational:
             return constant(self._shape, exact(node))
-        if node is sp.I:
-            return constant(self._shape, acb(0, 1))
-        if node is sp.pi:
-            return constant(self._shape, acb.pi())
-        if node is sp.E:
-            return constant(self._shape, acb(1).exp())
+        if node in NUMBERS:
+            return constant(self._shape, NUMBERS[node]())
         if node.is_Add or node.is_Mul:
             return reduce(add if node.is_Add else mul, map(self.jet, node.args))
         if node.is_Pow and node.base is sp.S.NegativeOne and node.exp.is_integer:

@@ -281,21 +281,16 @@ class CaseTree:
         rule = Rule(self._constants.all[place], equation)
         if self._dependent[place] and rest.equations:
             return SystemCase((*node.rules, rule), False)
-        put_in = [
-            self._constants.quotient_put_in(e, place, -rows[0], rows[1]) for e in rest.equations
-        ]
-        known = [self._constants.quotient_put_in(e, place, -rows[0], rows[1]) for e in node.nonzero]
+
+        def put_in(polynomial: fmpq_mpoly) -> fmpq_mpoly:
+            return self._constants.quotient_put_in(polynomial, place, -rows[0], rows[1])
+
+        known = [put_in(e) for e in node.nonzero]
         if any(e.is_zero() for e in known):
             return []
         known = [f for e in known for f, _ in e.factor()[1]]
-        rules = [
-            Rule(
-                r.symbol,
-                self._constants.quotient_put_in(r.polynomial, place, -rows[0], rows[1]),
-            )
-            for r in node.rules
-        ]
-        return [_Node(tuple(put_in), (*rules, rule), tuple(known))]
+        rules = (Rule(r.symbol, put_in(r.polynomial)) for r in node.rules)
+        return [_Node(tuple(map(put_in, rest.equations)), (*rules, rule), tuple(known))]
 
     def _is_known(self, polynomial: fmpq_mpoly, node: _Node) -> bool:
         factors = (factor for factor, _ in polynomial.factor()[1])
@@ -312,13 +307,11 @@ class CaseTree:
             return [_Node((*free, *reduced, equation), node.rules, node.nonzero)]
         rows = self._constants.coefficients(equation, place)
         if len(rows) == 3:
-            inner = rows[1] ** 2 - 4 * rows[2] * rows[0]
-            inner = self._constants.reduced(inner)
-            if len(inner) <= SIGNED_TERMS:
-                written = self._constants.written(inner)
-                if self._signs.is_nonpositive(written) and not inner.is_zero():
-                    vertex = 2 * rows[2] * self._constants.context.gens()[place] + rows[1]
-                    return [rest.adding(inner, vertex)]
+            inner = self._constants.reduced(rows[1] ** 2 - 4 * rows[2] * rows[0])
+            written = self._constants.written(inner) if 0 < len(inner) <= SIGNED_TERMS else None
+            if written is not None and self._signs.is_nonpositive(written):
+                vertex = 2 * rows[2] * self._constants.context.gens()[place] + rows[1]
+                return [rest.adding(inner, vertex)]
         rule = Rule(self._constants.all[place], equation)
         if self._dependent[place] and rest.equations:
             return SystemCase((*node.rules, rule), False)
@@ -326,11 +319,8 @@ class CaseTree:
             Rule(r.symbol, self._constants.remainder(r.polynomial, equation, place))
             for r in node.rules
         ]
-        return [_Node(rest.equations, (*rules, rule), self._free(node.nonzero, place))]
-
-    @staticmethod
-    def _free(known: Sequence[fmpq_mpoly], place: int) -> tuple[fmpq_mpoly, ...]:
-        return tuple(e for e in known if not int(e.degrees()[place]))
+        nonzero = tuple(e for e in node.nonzero if not int(e.degrees()[place]))
+        return [_Node(rest.equations, (*rules, rule), nonzero)]
 
     def _unsolved(self, node: _Node, equation: fmpq_mpoly) -> list[_Node]:
         """An equation with functions of its symbols: by its norm if they are roots, or left out."""
@@ -370,16 +360,8 @@ class CaseTree:
             return None
         if not all(isinstance(g, sp.exp) and self._signs.is_real(g.args[0]) for g in used):
             return None
-        sums = [
-            sp.Add(
-                *(
-                    int(n) * g.args[0]
-                    for g, n in zip(self._constants.all, powers, strict=False)
-                    if n
-                )
-            )
-            for powers, _ in terms
-        ]
+        one, other = (dict(zip(self._constants.all, powers, strict=False)) for powers, _ in terms)
+        sums = [sp.Add(*(int(powers[g]) * g.args[0] for g in used)) for powers in (one, other)]
         symbols = sorted(sums[0].free_symbols | sums[1].free_symbols, key=str)
         difference = (sums[0] - sums[1]).as_poly(*symbols)
         if difference is None or not all(c.is_Rational for c in difference.coeffs()):

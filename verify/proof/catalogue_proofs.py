@@ -130,16 +130,15 @@ def form_domains(form: ClosedForm) -> dict[sp.Symbol, Domain]:
     {'k': '0 < k < 1'}
     """
     _check_form(form)
-    domains = {}
-    for parameter in form.parameters:
-        low, high = parameter.lower, parameter.upper
-        domains[parameter.symbol] = Domain(
-            -sp.oo if low is None else low.value,
-            sp.oo if high is None else high.value,
+    return {
+        parameter.symbol: Domain(
+            -sp.oo if (low := parameter.lower) is None else low.value,
+            sp.oo if (high := parameter.upper) is None else high.value,
             low is None or low.is_open,
             high is None or high.is_open,
         )
-    return domains
+        for parameter in form.parameters
+    }
 
 
 def check_certificate(data: Any) -> str:

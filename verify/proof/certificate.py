@@ -243,8 +243,12 @@ class SquareRoots:
         for member in members:
             quotient = quotient / self._images[member]
         parts = [self._places[member] for member in members]
-        for key, power in self._exponents(quotient).items():
-            parts.append(self._made_power(key, power // 2))
+        for (kind, value), power in self._exponents(quotient).items():
+            if kind == "factor":
+                base = self._written(self._field.ring.factors[value])
+            else:
+                base = self._table.place(sp.Integer(value))
+            parts.append(self._table.made("Pow", base, str(power // 2)))
         return self._table.made("Mul", *(parts or [self._table.place(sp.S.One)]))
 
     def _exponents(self, element: Element) -> Counter[Key]:
@@ -256,14 +260,6 @@ class SquareRoots:
             for prime, power in sp.factorint(int(number)).items():
                 found["number", int(prime)] += sign * power
         return found
-
-    def _made_power(self, key: Key, power: int) -> int:
-        kind, value = key
-        if kind == "factor":
-            base = self._written(self._field.ring.factors[value])
-        else:
-            base = self._table.place(sp.Integer(value))
-        return self._table.made("Pow", base, str(power))
 
     def _written(self, polynomial: fmpq_mpoly) -> int:
         """A polynomial in the generators as a node in their meanings."""

@@ -153,9 +153,9 @@ class Certificate(Data):
         body["proof"] = {"formulas": table.texts(), **proof}
         return cls(body | {"digest": digest(body)})
 
-    def restated(self, statement: StatementTexts) -> Certificate:
-        """The same proof of a statement in other words, for the checker to accept or not."""
-        body = {**self, "statement": as_data(statement)}
+    def changed(self, **parts: Data) -> Certificate:
+        """The certificate with another statement or proof, for the checker to accept or not."""
+        body = {**self, **parts}
         return Certificate(body | {"digest": digest(body)})
 
     @property

@@ -11,6 +11,7 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from itertools import count
 from typing import Any
 
 import sympy as sp
@@ -259,7 +260,9 @@ def with_phase(
             rest = argument - slope * phase
             if not slope.is_Rational or slope == 0 or phase in rest.free_symbols:
                 continue
-            variable = sp.Symbol(_fresh(residual), real=True)
+            taken = {symbol.name for symbol in residual.free_symbols}
+            fresh = next(name for n in count() if (name := "phase" + "_" * n) not in taken)
+            variable = sp.Symbol(fresh, real=True)
             image = _expanded(residual.xreplace({phase: (variable - rest) / slope}))
             left = [v for v in statement.variables if v in image.free_symbols]
             if len(left) < len(moving):
@@ -273,14 +276,6 @@ def _expanded(expression: sp.Expr) -> sp.Expr:
         lambda node: isinstance(node, sp.Function),
         lambda node: node.func(*map(sp.expand, node.args)),
     )
-
-
-def _fresh(expression: sp.Expr) -> str:
-    """A name that no symbol has."""
-    name = "phase"
-    while any(symbol.name == name for symbol in expression.free_symbols):
-        name += "_"
-    return name
 
 
 # the verdicts

@@ -13,7 +13,7 @@ from longwave.verify.verdict import Outcome
 
 from .domain_signs import DomainSigns
 from .domains import REAL, Domain, settled_domains
-from .explicit_values import Explicit, Values, put_in, tidy
+from .explicit_values import Explicit, Values, tidy
 from .statement_verdict import StatementVerdict, decide_statement
 from .typed_statement import Statement, typed_case
 
@@ -108,14 +108,14 @@ class ConstantCase:
 def with_values(case: ConstantCase, more: Explicit) -> ConstantCase | None:
     """The case with further values; None where these leave the domains or a formula undefined."""
     old, values = case.statement, more.values
-    known = {s: tidy(put_in(values, v)) for s, v in case.values.items()} | values
-    given = [Restriction(put_in(values, r.value), r.relation) for r in case.restrictions]
+    known = {s: tidy(v.xreplace(values)) for s, v in case.values.items()} | values
+    given = [Restriction(r.value.xreplace(values), r.relation) for r in case.restrictions]
     if any(v.has(*UNDEFINED) for v in (*known.values(), *(r.value for r in given))):
         return None
     domains: dict[sp.Symbol, Domain] = {}
     for symbol, domain in settled_domains(symbols_of(old), old.domains).items():
         value = values.get(symbol, symbol)
-        lower, upper = put_in(values, domain.lower), put_in(values, domain.upper)
+        lower, upper = domain.lower.xreplace(values), domain.upper.xreplace(values)
         if value != symbol or symbol in lower.free_symbols | upper.free_symbols:
             given += [
                 *_reality(value),
@@ -146,9 +146,9 @@ def _put_into(
     statement: Statement, values: Values, domains: Mapping[sp.Symbol, Domain]
 ) -> Statement | None:
     """The statement with values for symbols; None where a formula is not defined."""
-    solutions = {u: put_in(values, f) for u, f in statement.solutions.items()}
-    equations = tuple(put_in(values, e) for e in statement.equations)
-    divisors = tuple(put_in(values, d) for d in statement.divisors)
+    solutions = {u: f.xreplace(values) for u, f in statement.solutions.items()}
+    equations = tuple(e.xreplace(values) for e in statement.equations)
+    divisors = tuple(d.xreplace(values) for d in statement.divisors)
     if any(f.has(*UNDEFINED) for f in (*solutions.values(), *equations, *divisors)):
         return None
     if any(divisor == 0 for divisor in divisors):
@@ -214,7 +214,8 @@ def _needed(given: Sequence[Restriction], statement: Statement) -> tuple[Restric
             elif r.value in bases:
                 waiting.append(Restriction(tidy(bases[r.value]), r.relation))
             elif not _is_implied(r, signs):
-                if r.relation in (">", ">=") and _is_excluded(r, signs):
+                excluded = signs.is_positive(-r.value) and r.relation in (">", ">=")
+                if excluded or (r.relation == ">" and signs.is_nonpositive(r.value)):
                     return None
                 back = {name: p for p, name in roots.items()}
                 kept[Restriction(r.value.xreplace(back), r.relation)] = None
@@ -235,13 +236,6 @@ def _is_implied(restriction: Restriction, signs: DomainSigns) -> bool:
         case "real":
             return signs.is_real(restriction.value)
     return bool(restriction.value.is_integer)
-
-
-def _is_excluded(restriction: Restriction, signs: DomainSigns) -> bool:
-    is_strict = restriction.relation == ">"
-    return signs.is_positive(-restriction.value) or (
-        is_strict and signs.is_nonpositive(restriction.value)
-    )
 
 
 def _simplified(restriction: Restriction, signs: DomainSigns) -> Iterator[Restriction]:
@@ -293,7 +287,7 @@ def _lies_in(case: ConstantCase, other: ConstantCase) -> bool:
         return False
     zeros = [s - value for s, value in other.values.items()]
     zeros += [p for p in other.implicit if p not in case.implicit]
-    return all(sp.simplify(put_in(case.values, zero)) == 0 for zero in zeros)
+    return all(sp.simplify(zero.xreplace(case.values)) == 0 for zero in zeros)
 
 
 def _decided(case: ConstantCase) -> ConstantCase:
@@ -327,7 +321,7 @@ def _explicit(statement: Statement, implicit: Sequence[sp.Expr]) -> Statement | 
                 values = {s: sp.expand(s - polynomial / slope)}
                 domains = {q: d for q, d in statement.domains.items() if not {q, *d.symbols} & {s}}
                 found = _put_into(statement, values, domains)
-                rest = [sp.numer(sp.together(put_in(values, p))) for p in implicit[place + 1 :]]
+                rest = [sp.numer(sp.together(p.xreplace(values))) for p in implicit[place + 1 :]]
                 return found and _explicit(found, [p for p in map(sp.expand, rest) if p != 0])
         return None
     return statement

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
 
@@ -198,8 +198,3 @@ def _divided(value: sp.Expr, factor: sp.Expr, other: sp.Expr) -> sp.Expr:
         return value
     quotient, rest = sp.div(sp.expand(above), factor, function)
     return tidy(quotient * other / below) + tidy(rest / below)
-
-
-def put_in(values: Mapping[sp.Symbol, sp.Expr], expression: sp.Expr) -> sp.Expr:
-    """The expression with values for symbols."""
-    return expression.xreplace(dict(values))

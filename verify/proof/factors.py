@@ -40,9 +40,7 @@ class Quotients:
         nodes = outer_nodes(expression)
         degrees: dict[sp.Expr, int] = {}
         for node in nodes:
-            base, exponent = node.as_base_exp() if node.is_Pow else (node, sp.S.One)
-            if not exponent.is_Rational:
-                base, exponent = node, sp.S.One
+            base, exponent = _rational_power(node)
             if not _is_inner(base):
                 degrees[base] = lcm(degrees.get(base, 1), int(exponent.q))
             elif exponent.q != 1:
@@ -142,9 +140,7 @@ class Quotients:
             for a, b in map(self._quotient, node.args):
                 above, below = above * a, below * b
             return above, below
-        base, exponent = node.as_base_exp() if node.is_Pow else (node, sp.S.One)
-        if not exponent.is_Rational:
-            base, exponent = node, sp.S.One
+        base, exponent = _rational_power(node)
         if base in self._atoms and (exponent.q != 1 or not _is_inner(base)):
             above, below = self._atoms[base], one
             power = int(exponent * self._degrees[base])
@@ -179,6 +175,12 @@ def _quotient_of(left: fmpq_mpoly, right: fmpq_mpoly) -> fmpq_mpoly | None:
     """The quotient of two polynomials where nothing is left."""
     quotient, rest = divmod(left, right)
     return quotient if rest.is_zero() else None
+
+
+def _rational_power(node: sp.Expr) -> tuple[sp.Expr, sp.Rational]:
+    """Base and exponent of a power with a rational one; anything else is one to 1."""
+    base, exponent = node.as_base_exp() if node.is_Pow else (node, sp.S.One)
+    return (base, exponent) if exponent.is_Rational else (node, sp.S.One)
 
 
 def _is_inner(node: sp.Expr) -> bool:

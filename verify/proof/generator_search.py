@@ -160,16 +160,16 @@ class GeneratorSearch:
         for pivot in pivots:
             if isinstance(pivot, sp.Tuple):
                 self.need(pivot[1])
-        places = [self._primitive_place(pivot) for pivot in pivots]
+        places = [
+            self._made("jacobi_epsilon", *map(self._place, pivot))
+            if isinstance(pivot, sp.Tuple)
+            else self._place(pivot)
+            for pivot in pivots
+        ]
         self._writer.registered |= set(places)
         self._done |= {pivot for pivot in pivots if isinstance(pivot, sp.Symbol)}
         self._writer.generators.append(["forms", places, rows])
         return True
-
-    def _primitive_place(self, primitive: sp.Basic) -> int:
-        if isinstance(primitive, sp.Tuple):
-            return self._made("jacobi_epsilon", *map(self._place, primitive))
-        return self._place(primitive)
 
     def _power(self, node: sp.Expr) -> None:
         base, exponent = node.base, node.exp

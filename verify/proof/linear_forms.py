@@ -86,14 +86,14 @@ def with_one_integral(expressions: Sequence[sp.Expr], dependence: Dependence) ->
         return epsilon(z, m) - z * sp.elliptic_e(m) / sp.elliptic_k(m)
 
     def rewritten(expression: sp.Expr) -> sp.Expr:
+        found = expression
         for kind, image in ((jacobi_epsilon, epsilon), (jacobi_zeta, zeta)):
             for node in nodes[expression]:
                 if isinstance(node, kind):
-                    images[expression] = replaced(images[expression], node, image(*node.args))
-        return images[expression]
+                    found = replaced(found, node, image(*node.args))
+        return found
 
-    images = {expression: expression for expression in expressions}
-    return [rewritten(expression) for expression in expressions]
+    return [*map(rewritten, expressions)]
 
 
 def pivot_columns(rows: Sequence[Sequence[acb]]) -> list[int]:

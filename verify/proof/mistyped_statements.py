@@ -115,18 +115,14 @@ def _rewritten(given: Parts, functions: set[str]) -> Parts:
     indexed = {n for n in declared if re.fullmatch(r"[xyztn][1-9]\d*", n) and n[0] in variables}
     called = {*_CALLED.findall(" ".join(given["solution"]))} - declared - {*unknowns}
     spelling = Spelling(functions | called, unknowns, variables, declared - indexed - {*unknowns})
-    equations = [_equation(text, spelling) for text in given["equation"]]
-    solutions = [_solution(text, spelling) for text in given["solution"]]
     parameters, limits = _conditions(given, spelling)
     arbitrary = [f"{name}: function" for name in sorted(called)]
-    parameters = ["; ".join([*filter(None, parameters), *arbitrary])]
-    wanted = [re.sub(r"[\s;,]+", ", ", text.strip()) for text in given["solve"]]
     return {
-        "equation": equations,
-        "solution": solutions,
-        "parameters": parameters,
+        "equation": [_equation(text, spelling) for text in given["equation"]],
+        "solution": [_solution(text, spelling) for text in given["solution"]],
+        "parameters": ["; ".join([*filter(None, parameters), *arbitrary])],
         "domain": limits,
-        "solve": wanted,
+        "solve": [re.sub(r"[\s;,]+", ", ", text.strip()) for text in given["solve"]],
     }
 
 
@@ -172,21 +168,15 @@ def _solution(text: str, spelling: Spelling) -> str:
 
 def _corrected_parts(text: str, spelling: Spelling) -> list[str]:
     """The formulas of a text, each corrected; those of a list in square brackets, too."""
-    text = re.sub(r"^\s*\[(.*)\]\s*$", r"\1", _equals(text), flags=re.DOTALL)
+    text = re.sub(r":=|==|->|→", "=", text)
+    text = re.sub(r"^\s*\[(.*)\]\s*$", r"\1", text, flags=re.DOTALL)
     lines = re.split(r"\n|\band\b", text)
-    return [part for line in lines for part in _separated(corrected(line, spelling))]
-
-
-def _equals(text: str) -> str:
-    return re.sub(r":=|==|->|→", "=", text)
-
-
-def _separated(text: str) -> list[str]:
-    """The formulas of a line: between ``;;``, semicolons and commas outside brackets."""
-    return [part.strip() for part in _split(text, r";;|;|,") if part.strip()]
+    parts = [part for line in lines for part in _split(corrected(line, spelling), r";;|;|,")]
+    return [part.strip() for part in parts if part.strip()]
 
 
 def _split(text: str, separators: str) -> list[str]:
+    """What is between the separators that stand outside brackets."""
     found, depth, start = [], 0, 0
     for match in re.finditer(rf"{separators}|[()\[\]]", text):
         if match[0] in ("(", "[", ")", "]"):
@@ -247,7 +237,7 @@ def _place(
         return named[1]
     conditions, name = [], ""
     if named and not _COMPARED.match(named[2]):
-        name = _renamed(named[1], spelling)
+        name = corrected(named[1], spelling)
         conditions = _domain_of(name, named[2], spelling)
         if not conditions and re.match(r"[A-Za-z]\w*\s*:?=(?!=)", chunk):
             values[name] = corrected(named[2], spelling)
@@ -261,10 +251,6 @@ def _place(
         entries.setdefault(other, []).extend(re.sub(rf"\b{name}\b", other, c) for c in conditions)
     waiting.clear()
     return name
-
-
-def _renamed(name: str, spelling: Spelling) -> str:
-    return corrected(name, spelling)
 
 
 def _domain_of(name: str, text: str, spelling: Spelling) -> list[str]:

@@ -134,7 +134,8 @@ def solution_problem(
     unknown = _single_unknown(left)
     real = real_symbols(left.free_symbols | expression.free_symbols)
     left, expression, unknown = (part.xreplace(real) for part in (left, expression, unknown))
-    left = _written_out(left, unknown)
+    products = [d for d in left.atoms(sp.Derivative) if d.expr != unknown and d.has(unknown)]
+    left = left.xreplace({derivative: derivative.doit() for derivative in products})
     steps = {symbol for d in left.atoms(sp.Derivative) for symbol in d.variables}
     if not steps <= set(unknown.args):
         raise ValueError(
@@ -173,12 +174,6 @@ def _single_unknown(left: sp.Expr) -> sp.Expr:
             "(write it with sympy.Function('u')(x, t))"
         )
     return unknown
-
-
-def _written_out(left: sp.Expr, unknown: sp.Expr) -> sp.Expr:
-    """The equation with the derivatives of products and powers of the unknown in jets."""
-    whole = [d for d in left.atoms(sp.Derivative) if d.expr != unknown and d.has(unknown)]
-    return left.xreplace({derivative: derivative.doit() for derivative in whole})
 
 
 def equality_problem(

@@ -26,6 +26,7 @@ import time
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import partial
+from itertools import product
 
 import sympy as sp
 from flint import fmpq, fmpq_mpoly, fmpz
@@ -136,11 +137,8 @@ def rational_certificate(order: int, A: fmpq_mpoly, B: fmpq_mpoly) -> Certificat
 
 def nonzero_residual(A: fmpq_mpoly, B: fmpq_mpoly) -> dict[str, str] | None:
     """Small integers x and t at which the residual of the formula with A and B is not 0."""
-    for t in range(-WITNESS, WITNESS + 1):
-        for x in range(-WITNESS, WITNESS + 1):
-            if residual_at(A, B, x, t) != 0:
-                return {"x": str(x), "t": str(t)}
-    return None
+    points = product(range(-WITNESS, WITNESS + 1), repeat=2)
+    return next(({"x": str(x), "t": str(t)} for t, x in points if residual_at(A, B, x, t)), None)
 
 
 def residual_at(A: fmpq_mpoly, B: fmpq_mpoly, x: int, t: int) -> fmpq:
@@ -222,8 +220,8 @@ def rational_facts(order: int, free: tuple[int, ...] = ()) -> RationalFacts:
     return RationalFacts(
         order,
         family.free,
-        peak=sign * as_fraction(N(*origin) / D(*origin)),
-        background=sign * as_fraction(limit(N, leading, top)),
+        peak=sign * Fraction(str(N(*origin) / D(*origin))),
+        background=sign * Fraction(str(limit(N, leading, top))),
         degree=top,
         reduced=_is_reduced(N, D),
         symmetric=all(reflected(part) == part for part in (N, D)),
@@ -266,11 +264,6 @@ def reflected(polynomial: fmpq_mpoly) -> fmpq_mpoly:
     """``polynomial`` with the sign of every generator changed."""
     terms = {e: c * (-1) ** (int(sum(e)) % 2) for e, c in polynomial.terms()}
     return polynomial.context().from_dict(terms)
-
-
-def as_fraction(value: fmpq) -> Fraction:
-    """A rational number of python-flint as Python's."""
-    return Fraction(int(value.p), int(value.q))
 
 
 def _is_reduced(N: fmpq_mpoly, D: fmpq_mpoly) -> bool:

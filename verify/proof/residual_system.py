@@ -157,9 +157,6 @@ class _Coefficients:
 
     # independence
 
-    def _vector_of(self, argument: sp.Expr) -> Vector | None:
-        return argument_vector(argument, self._dependence)
-
     def _judge(self, present: set[sp.Expr]) -> None:
         """Say what is known of the independence of the moving generators."""
         triples = dict[sp.Expr, dict[sp.Expr, None]]()
@@ -184,7 +181,7 @@ class _Coefficients:
     def _judge_form(self, form: sp.Expr, present: set[sp.Expr]) -> None:
         """One linear form beside variables is one more variable, unless it is made of them."""
         others = [g for g in present if g in self._meanings.forms and g != form]
-        vector = self._vector_of(form)
+        vector = argument_vector(form, self._dependence)
         rest = [c for (v, _), c in vector.items() if v not in present] if vector else []
         if others or not rest:
             self._system.unknown[str(form)[:LENGTH]] = None
@@ -192,7 +189,7 @@ class _Coefficients:
             self._system.degenerate.append(list(rest))
 
     def _judge_exponent(self, exponent: sp.Expr) -> None:
-        vector = self._vector_of(exponent)
+        vector = argument_vector(exponent, self._dependence)
         if vector is None:
             self._system.unknown[str(sp.exp(exponent))[:LENGTH]] = None
         elif any(is_imaginary and v.is_integer for v, is_imaginary in vector):
@@ -219,7 +216,7 @@ class _Coefficients:
         for direction in directions:
             total: Vector = {}
             for g, n in direction:
-                for key, value in (self._vector_of(g.args[0]) or {}).items():
+                for key, value in (argument_vector(g.args[0], self._dependence) or {}).items():
                     total[key] = total.get(key, sp.S.Zero) + n * value
             self._system.degenerate.append([sp.expand(value) for value in total.values()])
 
@@ -228,22 +225,18 @@ class _Coefficients:
         columns = list(dict.fromkeys(key for vector in vectors for key in vector))
         if len(vectors) < 2:
             return
-        if len(vectors) > min(len(columns), LARGEST_MINOR):
-            self._system.left_out[f"a combination of {listed} with integers is constant"] = None
-            return
-        table = sp.Matrix([[vector.get(key, 0) for key in columns] for vector in vectors])
-        rows = list(range(len(vectors)))
-        minors = [
-            sp.expand(table.extract(rows, list(chosen)).det())
-            for chosen in combinations(range(len(columns)), len(vectors))
-        ]
+        minors: list[Terms | sp.Expr] = []
+        if len(vectors) <= LARGEST_MINOR:
+            table = sp.Matrix([[vector.get(key, 0) for key in columns] for vector in vectors])
+            chosen = combinations(range(len(columns)), len(vectors))
+            minors = [sp.expand(table[:, list(place)].det()) for place in chosen]
         if any(minors):
-            self._system.degenerate.append(list(minors))
+            self._system.degenerate.append(minors)
         else:
             self._system.left_out[f"a combination of {listed} with integers is constant"] = None
 
     def _judge_elliptic(self, m: sp.Expr, arguments: Sequence[sp.Expr]) -> None:
-        vectors = [self._vector_of(z) for z in arguments]
+        vectors = [argument_vector(z, self._dependence) for z in arguments]
         for z, vector in zip(arguments, vectors, strict=True):
             if vector is None or any(is_imaginary for _, is_imaginary in vector):
                 self._system.unknown[f"elliptic functions of {z}"] = None

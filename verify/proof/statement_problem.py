@@ -18,6 +18,7 @@ from sympy.core.function import AppliedUndef
 
 from longwave.derive.algebra.bounded_building import without_sizes
 from longwave.derive.algebra.formula_printing import formula_as_text
+from longwave.verify.subexpressions import rebuilt
 
 from . import typed_statement
 from .balls import ball_value, residual_ball
@@ -78,12 +79,13 @@ class StatementProblem(Problem):
         if isinstance(node, AppliedUndef):
             yield residual_of(self.statement, node)
             return
-        inner = [node.expr] if isinstance(node, sp.Derivative) else node.args
         size = node.is_Pow and isinstance(node.base, sp.Abs) and node.exp.is_even
-        for part in node.base.args if size else inner:
+        inner = [node.expr] if isinstance(node, sp.Derivative) else node.args
+        inner = node.base.args if size else inner
+        for part in inner:
             yield from self._parts(part)
         if size or isinstance(node, CONJUGATES):
-            for part in node.base.args if size else inner:
+            for part in inner:
                 yield from (found.xreplace({sp.I: -sp.I}) for found in self._parts(part))
         plain = node.is_Add or node.is_Mul or (node.is_Pow and node.exp.is_Integer)
         if not (plain or size or isinstance(node, (sp.Derivative, sp.conjugate))):
@@ -137,26 +139,19 @@ def with_exponentials(expression: sp.Expr) -> sp.Expr:
     """
     if not any(_is_symbolic(power) for power in expression.atoms(sp.Pow)):
         return expression
-    images: dict[sp.Expr, sp.Expr] = {}
 
-    def image(node: sp.Expr) -> sp.Expr:
-        if node not in images:
-            arguments = [image(argument) for argument in node.args]
-            if node.is_Pow and _is_symbolic(node):
-                base, exponent = arguments
-                turn = sp.S.One
-                if exponent.is_integer and base.is_negative:
-                    turn, base = (-1) ** exponent, -base
-                logarithm = sp.log(base, evaluate=False)
-                images[node] = turn * sp.exp(exponent * logarithm, evaluate=False)
-            elif not arguments or arguments == list(node.args):
-                images[node] = node
-            else:
-                options = {"evaluate": False} if node.is_Function else {}
-                images[node] = node.func(*arguments, **options)
-        return images[node]
+    def made(node: sp.Expr, arguments: list[sp.Expr]) -> sp.Expr:
+        if node.is_Pow and _is_symbolic(node):
+            base, exponent = arguments
+            turn = sp.S.One
+            if exponent.is_integer and base.is_negative:
+                turn, base = (-1) ** exponent, -base
+            return turn * sp.exp(exponent * sp.log(base, evaluate=False), evaluate=False)
+        if arguments == list(node.args):
+            return node
+        return node.func(*arguments, **{"evaluate": False} if node.is_Function else {})
 
-    return image(expression)
+    return rebuilt(expression, made)
 
 
 def _is_symbolic(power: sp.Pow) -> bool:
@@ -174,24 +169,16 @@ def residual_of(statement: Statement, equation: sp.Expr) -> sp.Expr:
     0
     """
     formulas = {unknown.func: (unknown.args, f) for unknown, f in statement.solutions.items()}
-    images: dict[sp.Expr, sp.Expr] = {}
 
-    def image(node: sp.Expr) -> sp.Expr:
-        if node not in images:
-            images[node] = made(node)
-        return images[node]
-
-    def made(node: sp.Expr) -> sp.Expr:
+    def made(node: sp.Expr, inner: list[sp.Expr]) -> sp.Expr:
         if isinstance(node, sp.Derivative):
-            found = sp.diff(without_sizes(image(node.expr)), *node.variables)
+            found = sp.diff(without_sizes(inner[0]), *node.variables)
             if found.has(sp.Derivative, sp.Subs):
                 raise ValueError(f"derivatives must be known, got {formula_as_text(found)[:80]}")
             return found
         if isinstance(node, AppliedUndef):
             arguments, formula = formulas[node.func]
             return formula.subs(dict(zip(arguments, node.args, strict=True)), simultaneous=True)
-        if not node.args:
-            return node
-        return node.func(*map(image, node.args))
+        return node.func(*inner) if inner else node
 
-    return image(equation)
+    return rebuilt(equation, made)

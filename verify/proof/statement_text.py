@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 
 import sympy as sp
@@ -131,16 +131,17 @@ class _Reading:
     definitions: dict[str, FormulaTree] = field(default_factory=dict)
 
     def statement(self) -> Statement:
-        for part in (*self.equations, *self.solutions, *self.entries, *self.limits):
+        listed = (self.equations, self.solutions, self.entries, self.limits)
+        for part in itertools.chain(*listed):
             if len(part.words) > 1 and part.words[0].kind == "end":
                 raise part.error("expected a formula, got the end")
-        for parts in (self.equations, self.solutions, self.entries, self.limits):
+        for parts in listed:
             if len(parts) > PARTS:
                 words = f"expected at most {PARTS} parts, got {len(parts)}"
                 raise parts[PARTS].error(words)
         for entry in self.entries:
             self._declare(entry)
-        letters, indexed = self._letters(), self.known.indexed()
+        letters, indexed = self.known.letters(self.names), self.known.indexed()
         for name, entry in self.declared.items():
             if meant := self._misread(name, declared=True):
                 words = f"expected a name of its own, got '{name}' (it reads as {meant})"
@@ -156,13 +157,8 @@ class _Reading:
             if symbol in wanted[:place]:
                 raise self.asked[place].error(f"expected each parameter once, got {symbol} again")
         divisors = tuple(self.divisors)
-        texts = StatementTexts(
-            tuple(self.variables),
-            *(
-                tuple(part.written for part in parts)
-                for parts in (self.equations, self.solutions, self.entries, self.limits)
-            ),
-        )
+        typed = (tuple(part.written for part in parts) for parts in listed)
+        texts = StatementTexts(tuple(self.variables), *typed)
         trees = StatementTrees(
             texts.variables, tuple(self.left_sides), self.formulas, self.definitions
         )
@@ -176,9 +172,6 @@ class _Reading:
         self.used |= parser.used
         self.divisors |= dict.fromkeys(d for d in builder.divisors if d.args)
         return found
-
-    def _letters(self) -> list[str]:
-        return self.known.letters(self.names)
 
     # parameters and domains
 
@@ -259,11 +252,8 @@ class _Reading:
         real = {plain[letter]: self.variables[letter] for letter in letters}
         for letter, domain in found.items():
             domain &= _whole(letter)
-            ends = domain.lower.xreplace(real), domain.upper.xreplace(real)
-            self._keep(
-                self.variables[letter],
-                Domain(*ends, domain.lower_open, domain.upper_open, domain.nonzero, domain.integer),
-            )
+            lower, upper = domain.lower.xreplace(real), domain.upper.xreplace(real)
+            self._keep(self.variables[letter], replace(domain, lower=lower, upper=upper))
 
     def _subject(self, part: TextPart, letters: Sequence[str]) -> str:
         """The variable that an inequality is of: the first that is one side of its own."""
@@ -300,18 +290,12 @@ class _Reading:
             unknown |= word.kind == "name" and base in indexed
             if unknown and base not in self.fields:
                 raise part.error(f"expected a solution of the unknown {base}, got none", place)
-            if word.kind == "name" and base in self.fields and part.label == "equation":
-                self._check_index(part, place, base in indexed)
+            named = word.kind == "name" and base in self.fields and part.label == "equation"
+            if named and base in indexed and part.words[place + 1].text != "[":
+                raise part.error(f"expected '[' behind the lattice field {word}", place + 1)
         if SITE in self.variables and not indexed:
             part = self.equations[0]
             raise part.error("expected a lattice field such as u[n], got n without one")
-
-    def _check_index(self, part: TextPart, place: int, indexed: bool) -> None:
-        has = part.words[place + 1].text == "["
-        if indexed and not has:
-            raise part.error(
-                f"expected '[' behind the lattice field {part.words[place]}", place + 1
-            )
 
     def _check_unknown(self, part: TextPart, name: str) -> None:
         if name in self.known.reserved or name in CONSTANTS or name in FUNCTIONS or "_" in name:
@@ -378,7 +362,7 @@ class _Reading:
     def _misread(self, name: str, *, declared: bool = False) -> str | None:
         """What to write for a name that reads as something of an unknown or a variable."""
         unknowns = [part.words[0].text for part in self.solutions]
-        spelling = Spelling(FUNCTIONS, unknowns, self._letters(), self.names)
+        spelling = Spelling(FUNCTIONS, unknowns, self.known.letters(self.names), self.names)
         return misread(name, spelling, declared=declared)
 
     def _wanted(self, part: TextPart) -> sp.Symbol:

@@ -26,7 +26,7 @@ from longwave.verify.verdict import Outcome, ProofVerdict
 
 from . import prover
 from .balls import ball_value
-from .certificate_writer import Certificate
+from .certificate_writer import Certificate, as_data
 from .domain_signs import singularities
 from .domains import REAL, Domains
 from .samples import sample
@@ -162,7 +162,7 @@ def _as_typed(
     certificate, reason = verdict.certificate, ""
     if isinstance(certificate, Certificate):
         one = replace(statement.texts, equations=statement.texts.equations[number - 1 : number])
-        restated = certificate.restated(one)
+        restated = certificate.changed(statement=as_data(one))
         try:
             check_certificate(restated)
         except NO_VERDICT as error:

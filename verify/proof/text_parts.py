@@ -144,17 +144,13 @@ def symbol_of(name: str, domain: Domain) -> sp.Symbol:
 
 def _between(sides: Sequence[sp.Expr], signs: Sequence[str], place: int) -> Domain:
     """The domain of the side at ``place`` of a chain of inequalities."""
-    ascending = signs[0][0] == "<"
+    if signs[0][0] == ">":
+        sides, signs, place = sides[::-1], signs[::-1], len(signs) - place
     lower, upper, lower_open, upper_open = -sp.oo, sp.oo, True, True
-    for other, sign in ((place - 1, place - 1), (place + 1, place)):
-        if not 0 <= other < len(sides):
-            continue
-        is_lower = (other < place) == ascending
-        is_open = "=" not in signs[sign]
-        if is_lower:
-            lower, lower_open = sides[other], is_open
-        else:
-            upper, upper_open = sides[other], is_open
+    if place > 0:
+        lower, lower_open = sides[place - 1], "=" not in signs[place - 1]
+    if place < len(signs):
+        upper, upper_open = sides[place + 1], "=" not in signs[place]
     return Domain(lower, upper, lower_open, upper_open)
 
 

@@ -36,7 +36,6 @@ from longwave.derive.algebra.formula_tree import (
     formula_text,
     mapped,
 )
-from longwave.verify.kernel.limits import digest
 from longwave.verify.verdict import ProofVerdict
 
 from .balls import ball_value
@@ -99,8 +98,7 @@ def _certificate(
     equal = _equal_parts(parts, problem) if kept else {}
     found = make_certificate(problem, unsplit=kept, values=equal)
     parts = [part for part in parts if part.plain not in equal]
-    body = {**found, "proof": _with_values(found["proof"], parts, problem)}
-    return Certificate(body | {"digest": digest(body)})
+    return found.changed(proof=_with_values(found["proof"], parts, problem))
 
 
 def typed_parts(
