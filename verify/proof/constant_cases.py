@@ -214,7 +214,7 @@ def _needed(given: Sequence[Restriction], statement: Statement) -> tuple[Restric
             elif r.value in bases:
                 waiting.append(Restriction(tidy(bases[r.value]), r.relation))
             elif not _is_implied(r, signs):
-                excluded = signs.is_positive(-r.value) and r.relation in (">", ">=")
+                excluded = r.relation in (">", ">=") and signs.is_positive(-r.value)
                 if excluded or (r.relation == ">" and signs.is_nonpositive(r.value)):
                     return None
                 back = {name: p for p, name in roots.items()}
