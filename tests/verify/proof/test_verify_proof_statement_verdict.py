@@ -18,6 +18,7 @@ from longwave.verify.proof.statement_verdict import (
     verified_sentence,
 )
 from longwave.verify.proof.text_prover import prove
+from longwave.verify.published import chosen
 
 KDV, MKDV = "u_t + 6*u*u_x + u_xxx", "u_t + 6*u**2*u_x + u_xxx"
 SOLITON = "u = 2*k**2*sech(k*(x - 4*k**2*t))**2"
@@ -229,6 +230,14 @@ def test_a_refuted_statement_comes_with_what_holds(
     hint = with_hint(statement, decide_statement(statement)).hint
     assert words in hint
     assert bool(hint) == bool(words)
+
+
+def test_what_substitution_does_not_prove_is_proved_by_its_residual() -> None:
+    """Catches: the third way of deciding an equation left out."""
+    (text,) = chosen(["gross_neveu_soliton"])
+    verdict = decide_statement(text.problem().statement)
+    assert verdict.outcome == "PROVED", verdict.detail
+    assert len(verdict.certificates) == 2
 
 
 def test_near_misses_are_each_tried_once_and_keep_the_variables() -> None:
