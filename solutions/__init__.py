@@ -13,18 +13,11 @@ from longwave.support.lazy_exports import lazy_exports
 if TYPE_CHECKING:
     from longwave.solutions.catalogue import CATALOGUE, closed_form
     from longwave.solutions.data_store import kept_data
-    from longwave.solutions.forms.rational import rational, rational_tau
+    from longwave.solutions.equation import DEFOCUSING_MKDV, FOCUSING_MKDV, Equation
+    from longwave.solutions.forms.rational import rational
+    from longwave.solutions.forms.tau_polynomials import rational_tau
     from longwave.solutions.numeric_wave import NumericWave, Side, WaveValues
-    from longwave.solutions.record import (
-        DEFOCUSING_MKDV,
-        FOCUSING_MKDV,
-        Bound,
-        ClosedForm,
-        Equation,
-        FarFields,
-        Parameter,
-        Reference,
-    )
+    from longwave.solutions.record import Bound, ClosedForm, FarFields, Parameter, Reference
     from longwave.solutions.wave import Wave
     from longwave.solutions.wave_store import kept_wave
 
@@ -53,9 +46,10 @@ __getattr__, __dir__ = lazy_exports(
     __name__,
     {
         "longwave.solutions.catalogue": "CATALOGUE closed_form",
-        "longwave.solutions.record": "DEFOCUSING_MKDV FOCUSING_MKDV Bound ClosedForm Equation "
-        "FarFields Parameter Reference",
-        "longwave.solutions.forms.rational": "rational rational_tau",
+        "longwave.solutions.equation": "DEFOCUSING_MKDV FOCUSING_MKDV Equation",
+        "longwave.solutions.record": "Bound ClosedForm FarFields Parameter Reference",
+        "longwave.solutions.forms.rational": "rational",
+        "longwave.solutions.forms.tau_polynomials": "rational_tau",
         "longwave.solutions.data_store": "kept_data",
         "longwave.solutions.wave_store": "kept_wave",
         "longwave.solutions.numeric_wave": "NumericWave Side WaveValues",

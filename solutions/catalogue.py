@@ -10,8 +10,6 @@ from typing import TYPE_CHECKING, overload
 if TYPE_CHECKING:
     from longwave.solutions.record import ClosedForm
 
-__all__ = ["CATALOGUE", "Catalogue", "closed_form"]
-
 _MODULES: Mapping[str, str] = {
     "rational_1": "rational",
     "rational_2": "rational",

@@ -13,8 +13,6 @@ from typing import Any, TypeVar, cast
 from longwave.solutions.catalogue import CATALOGUE
 from longwave.support.compiled.kernel_folder import CacheFolder, cache_folder
 
-__all__ = ["DataStore", "kept_data", "open_store"]
-
 MOST_FILES, SPARE_FILES = 512, 128
 """Files that stay in a folder; the oldest go first, when there are so many more: to look for them
 takes as long as a small run. A wave has up to five, of 1 to 40 kB."""

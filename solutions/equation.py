@@ -12,22 +12,6 @@ from longwave.derive.normal_form import NORMAL_EQUATIONS
 from longwave.solutions.symbols import s, tau, xi, zeta
 from longwave.support.user_files import shown
 
-__all__ = [
-    "DEFOCUSING_GARDNER",
-    "DEFOCUSING_MKDV",
-    "DEFOCUSING_NLS",
-    "FOCUSING_GARDNER",
-    "FOCUSING_MKDV",
-    "FOCUSING_NLS",
-    "KAWAHARA",
-    "KDV",
-    "KP",
-    "KP_1",
-    "MODIFIED_KAWAHARA",
-    "NLS",
-    "Equation",
-]
-
 
 class _LeftSide(NamedTuple):
     """The left-hand side of a normal form at U with the signs s and r.

@@ -16,17 +16,6 @@ from longwave.solutions.run.machine import add_row, scale_rows
 if TYPE_CHECKING:
     from longwave.solutions.run.evaluator import Evaluator, PointEvaluator
 
-__all__ = [
-    "NumericWave",
-    "Part",
-    "PlanarValues",
-    "Rates",
-    "Side",
-    "WaveConstants",
-    "WaveValues",
-    "settle_rows",
-]
-
 Array = NDArray[np.float64]
 Side = Literal["left", "right"]
 Part = Literal["wave", "formula", "background", "left", "right", "potential"]

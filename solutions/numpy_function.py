@@ -23,8 +23,6 @@ from longwave.solutions.record import ClosedForm
 from longwave.solutions.run.doubledouble import Array
 from longwave.solutions.run.program import jacobi_program
 
-__all__ = ["numpy_function", "numpy_module"]
-
 _CONTEXT = mpmath.MPContext()
 
 

@@ -14,8 +14,6 @@ from numpy.typing import ArrayLike, NDArray
 from longwave.support.compiled.cores import usable_cores
 from longwave.support.user_files import shown
 
-__all__ = ["check_points", "evaluate_points"]
-
 Array = NDArray[np.float64]
 
 CHUNK = 4096

@@ -5,8 +5,6 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["integral_from_zero"]
-
 Array = NDArray[np.float64]
 
 NODES = 16

@@ -11,18 +11,7 @@ from typing import Any
 import sympy as sp
 
 from longwave.derive.algebra.exact_numbers import exact_number, instance
-from longwave.solutions.equation import DEFOCUSING_MKDV, FOCUSING_MKDV, Equation
-
-__all__ = [
-    "DEFOCUSING_MKDV",
-    "FOCUSING_MKDV",
-    "Bound",
-    "ClosedForm",
-    "Equation",
-    "FarFields",
-    "Parameter",
-    "Reference",
-]
+from longwave.solutions.equation import Equation
 
 COMPARISON_DIGITS = 60
 

@@ -9,20 +9,6 @@
 
 import sympy as sp
 
-__all__ = [
-    "X_0",
-    "A",
-    "alpha",
-    "complementary_modulus",
-    "k",
-    "kappa",
-    "s",
-    "shift_symbol",
-    "tau",
-    "xi",
-    "zeta",
-]
-
 xi = sp.Symbol("xi", real=True)
 tau = sp.Symbol("tau", real=True)
 zeta = sp.Symbol("zeta", real=True)

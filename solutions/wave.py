@@ -18,7 +18,6 @@ from longwave.solutions.numeric_wave import (
     Rates,
     Side,
     WaveConstants,
-    WaveValues,
 )
 from longwave.solutions.record import ClosedForm
 from longwave.solutions.run.doubledouble import split
@@ -26,8 +25,6 @@ from longwave.solutions.run.evaluator import Evaluator, PointEvaluator
 from longwave.solutions.run.linear_phase import Variables, long_number
 from longwave.solutions.run.reference_evaluation import check_digits, evaluate_mp, exact_point
 from longwave.solutions.symbols import s
-
-__all__ = ["Side", "Wave", "WaveValues"]
 
 SETTLED_DIGITS = 40
 

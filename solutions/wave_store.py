@@ -12,8 +12,6 @@ from longwave.solutions.run.linear_phase import Variables
 if TYPE_CHECKING:
     from longwave.solutions.wave import Wave
 
-__all__ = ["kept_wave"]
-
 
 def kept_wave(maker: str, key: str, make: Callable[[], "Wave"]) -> NumericWave:
     """The wave that ``make`` makes, a function of the module ``maker``, as ``key`` says.

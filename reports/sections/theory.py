@@ -15,7 +15,7 @@ from longwave.reports.formulas.printing import equation_latex, latex
 from longwave.reports.latex import block, domain_latex, escape, greek, scientific, table
 from longwave.reports.paper import cited
 from longwave.solutions import CATALOGUE, ClosedForm
-from longwave.solutions.record import Equation
+from longwave.solutions.equation import Equation
 
 if TYPE_CHECKING:
     from longwave.reports.studies.proofs import ProofRecord

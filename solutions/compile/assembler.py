@@ -9,8 +9,6 @@ import sympy as sp
 
 from longwave.solutions.run.bytecode import Bytecode, Code, Operation
 
-__all__ = ["Assembler"]
-
 _FUNCTIONS = {
     sp.log: Operation.LOGARITHM,
     sp.exp: Operation.EXPONENTIAL,

@@ -23,8 +23,6 @@ from longwave.solutions.record import ClosedForm
 from longwave.solutions.run.program import Program
 from longwave.support.compiled.kernel_folder import cache_folder
 
-__all__ = ["compile_program", "kept_program"]
-
 Parameters = tuple[sp.Symbol, ...]
 
 

@@ -2,8 +2,6 @@
 
 import sympy as sp
 
-__all__ = ["complex_parts"]
-
 Parts = tuple[sp.Expr, sp.Expr]
 
 

@@ -21,8 +21,6 @@ from longwave.solutions.functions import (
 )
 from longwave.solutions.symbols import tau, xi, zeta
 
-__all__ = ["JacobiCall", "Lowering", "Phase"]
-
 JACOBI_FUNCTIONS: tuple[type[sp.Function], ...] = (
     jacobi_sn,
     jacobi_cn,

@@ -15,8 +15,6 @@ from longwave.solutions.compile.lowering import Lowering
 from longwave.solutions.functions.multiprecision import MpmathFormula
 from longwave.solutions.symbols import xi, zeta
 
-__all__ = ["Tape", "UnknownDerivativeError", "tape_of"]
-
 _ALONG = sp.Dummy("along")
 """The direction in which the carrier phase, that of the first Jacobi call, stays fixed:
 ``d/dtau - drift d/dxi``. Most derivatives in it vanish identically."""

@@ -4,16 +4,9 @@ from collections.abc import Sequence
 
 import sympy as sp
 
-from longwave.solutions.record import (
-    FOCUSING_MKDV,
-    Bound,
-    ClosedForm,
-    Parameter,
-    Reference,
-)
+from longwave.solutions.equation import FOCUSING_MKDV
+from longwave.solutions.record import Bound, ClosedForm, Parameter, Reference
 from longwave.solutions.symbols import X_0, A, tau, xi
-
-__all__ = ["breather", "double_pole", "two_soliton", "without_cancellation"]
 
 _A_1 = sp.Symbol("A_1", positive=True)
 _A_2 = sp.Symbol("A_2", positive=True)

@@ -7,33 +7,10 @@ which take phase and wave from here.
 
 import sympy as sp
 
+from longwave.solutions.equation import DEFOCUSING_MKDV, FOCUSING_MKDV, Equation
 from longwave.solutions.functions import jacobi_cn, jacobi_dn, jacobi_sn, jacobi_zeta
-from longwave.solutions.record import (
-    DEFOCUSING_MKDV,
-    FOCUSING_MKDV,
-    Bound,
-    ClosedForm,
-    Equation,
-    FarFields,
-    Parameter,
-    Reference,
-)
+from longwave.solutions.record import Bound, ClosedForm, FarFields, Parameter, Reference
 from longwave.solutions.symbols import k, tau, xi
-
-__all__ = [
-    "CN_PHASE",
-    "CN_WAVE",
-    "DN_PHASE",
-    "DN_WAVE",
-    "QUARTER_PERIOD",
-    "SN_PHASE",
-    "SN_WAVE",
-    "modulus",
-    "shifted_area",
-    "wave_cn",
-    "wave_dn",
-    "wave_sn",
-]
 
 QUARTER_PERIOD: sp.Expr = sp.elliptic_k(k**2)
 

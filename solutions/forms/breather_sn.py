@@ -8,6 +8,7 @@ the logarithm of one theta quotient, which shifts the phase eta.
 
 import sympy as sp
 
+from longwave.solutions.equation import DEFOCUSING_MKDV
 from longwave.solutions.forms.bare_waves import QUARTER_PERIOD, SN_PHASE, SN_WAVE, modulus
 from longwave.solutions.functions import (
     jacobi_cn,
@@ -17,17 +18,8 @@ from longwave.solutions.functions import (
     jacobi_theta,
     jacobi_zeta,
 )
-from longwave.solutions.record import (
-    DEFOCUSING_MKDV,
-    Bound,
-    ClosedForm,
-    FarFields,
-    Parameter,
-    Reference,
-)
+from longwave.solutions.record import Bound, ClosedForm, FarFields, Parameter, Reference
 from longwave.solutions.symbols import X_0, alpha, k, tau, xi
-
-__all__ = ["breather_sn", "inverse_width", "speed"]
 
 _m = k**2
 _sn, _cn, _dn = (f(alpha, _m) for f in (jacobi_sn, jacobi_cn, jacobi_dn))

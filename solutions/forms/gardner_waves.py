@@ -16,15 +16,6 @@ from longwave.solutions.forms.solitons import by_sech, by_tanh
 from longwave.solutions.record import Bound, ClosedForm, FarFields, Parameter, Reference
 from longwave.solutions.symbols import A, kappa, tau, xi
 
-__all__ = [
-    "gardner_kink",
-    "gardner_negative_soliton",
-    "gardner_soliton",
-    "gardner_table_soliton",
-    "kawahara_soliton",
-    "modified_kawahara_soliton",
-]
-
 _PHASE: sp.Expr = kappa * (xi - kappa**2 * tau)
 _SOURCE = Reference("J. W. Miles, Tellus 31 (1979) 456")
 

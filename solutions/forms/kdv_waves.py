@@ -9,8 +9,6 @@ from longwave.solutions.functions import jacobi_cn
 from longwave.solutions.record import Bound, ClosedForm, FarFields, Parameter, Reference
 from longwave.solutions.symbols import X_0, k, kappa, tau, xi
 
-__all__ = ["kdv_cnoidal", "kdv_soliton", "kdv_two_soliton"]
-
 _level = sp.Symbol("U_0", real=True)
 _rates = sp.symbols("kappa_1 kappa_2", positive=True)
 

@@ -6,8 +6,6 @@ from longwave.solutions.equation import KP, KP_1
 from longwave.solutions.record import Bound, ClosedForm, Parameter, Reference
 from longwave.solutions.symbols import kappa, s, tau, xi, zeta
 
-__all__ = ["kp_line_soliton", "kp_lump"]
-
 _q = sp.Symbol("q", real=True)
 
 

@@ -11,8 +11,6 @@ from longwave.solutions.forms.nls_waves import AMPLITUDE, plane_wave
 from longwave.solutions.record import Bound, ClosedForm, FarFields, Parameter, Reference
 from longwave.solutions.symbols import A, tau, xi
 
-__all__ = ["nls_akhmediev", "nls_kuznetsov_ma", "nls_peregrine", "nls_rogue_2"]
-
 _x: sp.Expr = A * xi
 _t: sp.Expr = A**2 * tau
 _BACKGROUND: sp.Expr = A * plane_wave(2 * A**2)

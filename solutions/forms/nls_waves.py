@@ -8,16 +8,6 @@ from longwave.solutions.functions import jacobi_cn, jacobi_dn
 from longwave.solutions.record import Bound, ClosedForm, FarFields, Parameter, Reference
 from longwave.solutions.symbols import A, k, kappa, s, tau, xi
 
-__all__ = [
-    "AMPLITUDE",
-    "nls_bright",
-    "nls_cn",
-    "nls_dark",
-    "nls_dn",
-    "nls_plane",
-    "plane_wave",
-]
-
 AMPLITUDE = Parameter(A, lower=Bound(sp.S.Zero, "the zero solution"), default=sp.S.One)
 
 _speed, _wavenumber = sp.symbols("v q", real=True)

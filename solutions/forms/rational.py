@@ -12,19 +12,10 @@ from typing import Any
 import sympy as sp
 from flint import fmpq_mpoly
 
+from longwave.solutions.equation import FOCUSING_MKDV
 from longwave.solutions.forms.tau_polynomials import SPACE_TIME, RationalTau, rational_tau
-from longwave.solutions.record import FOCUSING_MKDV, ClosedForm, FarFields, Parameter, Reference
+from longwave.solutions.record import ClosedForm, FarFields, Parameter, Reference
 from longwave.solutions.symbols import shift_symbol, tau, xi
-
-__all__ = [
-    "CO_MOVING",
-    "horner_form",
-    "rational",
-    "rational_1",
-    "rational_2",
-    "rational_3",
-    "rational_tau",
-]
 
 CO_MOVING: sp.Expr = xi - 6 * tau
 

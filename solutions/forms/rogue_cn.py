@@ -10,6 +10,7 @@ Likewise theta is evaluated without the poles of its integral, which cancel iden
 
 import sympy as sp
 
+from longwave.solutions.equation import FOCUSING_MKDV
 from longwave.solutions.forms.bare_waves import (
     CN_PHASE,
     CN_WAVE,
@@ -18,10 +19,8 @@ from longwave.solutions.forms.bare_waves import (
     shifted_area,
 )
 from longwave.solutions.functions import jacobi_cn, jacobi_dn, jacobi_epsilon, jacobi_sn
-from longwave.solutions.record import FOCUSING_MKDV, ClosedForm, FarFields, Reference
+from longwave.solutions.record import ClosedForm, FarFields, Reference
 from longwave.solutions.symbols import complementary_modulus, k, tau, xi
-
-__all__ = ["integral", "integrand", "rogue_cn", "theta"]
 
 _y, _slope, _kp = sp.symbols("y slope k_prime", real=True)
 _theta_re, _theta_im = sp.symbols("theta_re theta_im", real=True)

@@ -9,6 +9,7 @@ from collections.abc import Callable
 
 import sympy as sp
 
+from longwave.solutions.equation import FOCUSING_MKDV
 from longwave.solutions.forms.bare_waves import (
     DN_PHASE,
     DN_WAVE,
@@ -17,10 +18,8 @@ from longwave.solutions.forms.bare_waves import (
     shifted_area,
 )
 from longwave.solutions.functions import jacobi_cn, jacobi_dn, jacobi_epsilon, jacobi_sn
-from longwave.solutions.record import FOCUSING_MKDV, ClosedForm, FarFields, Reference
+from longwave.solutions.record import ClosedForm, FarFields, Reference
 from longwave.solutions.symbols import complementary_modulus, k, tau, xi
-
-__all__ = ["integral", "integrand", "soliton_dn", "theta"]
 
 _y, _slope, _theta, _cos, _sin = sp.symbols("y slope theta cos_f sin_f", real=True)
 _FUNCTIONS = (jacobi_sn, jacobi_cn, jacobi_dn, jacobi_epsilon)

@@ -6,18 +6,9 @@ Where a wave stands on a constant, its denominator is ``a + b cosh(phase)``; div
 
 import sympy as sp
 
-from longwave.solutions.record import (
-    DEFOCUSING_MKDV,
-    FOCUSING_MKDV,
-    Bound,
-    ClosedForm,
-    FarFields,
-    Parameter,
-    Reference,
-)
+from longwave.solutions.equation import DEFOCUSING_MKDV, FOCUSING_MKDV
+from longwave.solutions.record import Bound, ClosedForm, FarFields, Parameter, Reference
 from longwave.solutions.symbols import A, kappa, tau, xi
-
-__all__ = ["by_sech", "by_tanh", "kink", "kink_antikink", "soliton_background", "soliton_sech"]
 
 
 def by_tanh(total: sp.Expr, phase: sp.Expr) -> sp.Expr:

@@ -19,8 +19,6 @@ from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
 
 from longwave.solutions.symbols import shift_symbol
 
-__all__ = ["SPACE_TIME", "RationalTau", "rational_tau"]
-
 
 @dataclass(frozen=True)
 class GaussianPolynomial:

@@ -11,8 +11,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Bytecode", "Code", "Operation", "Value", "allocate"]
-
 
 class Operation(IntEnum):
     """What an instruction does with registers ``a``, ``b`` and the constant ``c``."""

@@ -40,17 +40,6 @@ from longwave.solutions.run.doubledouble import (
 )
 from longwave.support.compiled.jit import njit
 
-__all__ = [
-    "SCRATCH",
-    "decay_of",
-    "exponential",
-    "logarithm",
-    "sech",
-    "sine_or_cosine",
-    "start_logarithm",
-    "tanh",
-]
-
 SCRATCH = 7
 
 _TERMS = 14

@@ -26,8 +26,6 @@ from longwave.solutions.run.taylor_program import Series, jacobi_series, taylor_
 if TYPE_CHECKING:
     from sympy import Expr
 
-__all__ = ["Evaluator", "PointEvaluator"]
-
 
 class PointEvaluator(Protocol):
     """What a wave asks of an evaluator: phases, and values with their derivatives."""

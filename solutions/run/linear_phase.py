@@ -22,8 +22,6 @@ from longwave.support.compiled.jit import njit
 if TYPE_CHECKING:
     from sympy import Expr
 
-__all__ = ["CONSTANT_DIGITS", "LONG", "LinearPhase", "Variables", "as_pairs", "long_number"]
-
 Array = NDArray[np.float64]
 
 OF_TERMS = 2.0**-150

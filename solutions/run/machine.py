@@ -38,8 +38,6 @@ from longwave.solutions.run.elementary import (
 )
 from longwave.support.compiled.jit import njit
 
-__all__ = ["add_row", "run_pairs", "scale_rows"]
-
 
 @njit()
 def _binary(operation: int, x: Array, y: Array, z: Array) -> None:

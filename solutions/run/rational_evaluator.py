@@ -19,8 +19,6 @@ if TYPE_CHECKING:
 
     from longwave.solutions.forms.tau_polynomials import RationalTau
 
-__all__ = ["RationalEvaluator"]
-
 Array = NDArray[np.float64]
 
 

@@ -15,8 +15,6 @@ from longwave.solutions.run.bounded import BLOCK, UNIT, Bounded
 from longwave.solutions.run.doubledouble import Pair, add, add_loosely, multiply, scale
 from longwave.support.compiled.jit import njit
 
-__all__ = ["rational_loop", "scales_of", "workspace"]
-
 Array = NDArray[np.float64]
 Space = tuple[Array, Array, Array, Array, Array, Array, Array, Array, Array]
 

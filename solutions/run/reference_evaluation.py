@@ -13,8 +13,6 @@ from longwave.solutions.functions.multiprecision import MpmathFormula
 from longwave.solutions.symbols import tau, xi, zeta
 from longwave.support.user_files import shown
 
-__all__ = ["check_digits", "evaluate_mp", "exact_point"]
-
 GUARD_DIGITS = 30
 MOST_DIGITS = 100_000
 LARGEST = sp.Integer(10) ** 1000

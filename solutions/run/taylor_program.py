@@ -17,8 +17,6 @@ from longwave.solutions.run.bytecode import Bytecode, Code, Operation, Value
 from longwave.solutions.run.doubledouble import Array, split
 from longwave.solutions.run.linear_phase import LONG
 
-__all__ = ["jacobi_series", "taylor_bytecode"]
-
 Series = list[Any]
 """Coefficients of a series: `Value`s and long numbers."""
 

@@ -21,7 +21,8 @@ import mpmath
 import sympy as sp
 
 from longwave.solutions.compile.tape import Tape, UnknownDerivativeError
-from longwave.solutions.record import ClosedForm, Equation
+from longwave.solutions.equation import Equation
+from longwave.solutions.record import ClosedForm
 from longwave.verify.proof import form_domains
 from longwave.verify.proof.domains import Domain, Point, in_order
 from longwave.verify.proof.samples import rational_near

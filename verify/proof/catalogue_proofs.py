@@ -23,7 +23,8 @@ import sympy as sp
 from longwave.derive import mkdv_normal_form, mkdv_reduction
 from longwave.derive.symbols import K2, K4, T, X, c
 from longwave.solutions.catalogue import CATALOGUE, closed_form
-from longwave.solutions.forms.rational import rational, rational_tau
+from longwave.solutions.forms.rational import rational
+from longwave.solutions.forms.tau_polynomials import rational_tau
 from longwave.solutions.record import ClosedForm
 from longwave.support.user_files import shown
 from longwave.verify.kernel import CertificateError

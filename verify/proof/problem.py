@@ -11,7 +11,7 @@ import sympy as sp
 from flint import acb
 from sympy.core.function import AppliedUndef
 
-from longwave.solutions.record import Equation
+from longwave.solutions.equation import Equation
 from longwave.support.user_files import shown
 
 from .balls import ball_value, residual_ball

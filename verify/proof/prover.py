@@ -12,7 +12,7 @@ from typing import Any
 
 import sympy as sp
 
-from longwave.solutions.record import Equation
+from longwave.solutions.equation import Equation
 from longwave.verify.kernel import check_certificate
 from longwave.verify.verdict import Outcome, ProofVerdict
 

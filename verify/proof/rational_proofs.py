@@ -31,9 +31,8 @@ from itertools import product
 import sympy as sp
 from flint import fmpq, fmpq_mpoly, fmpz
 
-from longwave.solutions.forms.rational import rational_tau
-from longwave.solutions.forms.tau_polynomials import RationalTau
-from longwave.solutions.record import FOCUSING_MKDV
+from longwave.solutions.equation import FOCUSING_MKDV
+from longwave.solutions.forms.tau_polynomials import RationalTau, rational_tau
 from longwave.solutions.symbols import tau, xi
 from longwave.verify.kernel import CertificateError, check_certificate
 from longwave.verify.verdict import Outcome, ProofVerdict

@@ -73,7 +73,7 @@ import longwave
 import sympy as sp
 from longwave.solutions import ClosedForm, FarFields, Parameter, Reference
 from longwave.solutions.record import Bound
-from longwave.solutions.record import DEFOCUSING_MKDV
+from longwave.solutions.equation import DEFOCUSING_MKDV
 from longwave.solutions.symbols import A, tau, xi
 
 kink = A * sp.tanh(A * (xi + 2 * A**2 * tau))

@@ -6,8 +6,9 @@ import pytest
 import sympy as sp
 
 from longwave.solutions.catalogue import CATALOGUE, closed_form
+from longwave.solutions.equation import FOCUSING_MKDV
 from longwave.solutions.functions import jacobi_sn
-from longwave.solutions.record import FOCUSING_MKDV, ClosedForm
+from longwave.solutions.record import ClosedForm
 from longwave.solutions.symbols import k, s, tau, xi
 from longwave.verify.evidence.residual import Sampling, check_residual
 from longwave.verify.verdict import Outcome

@@ -4,7 +4,7 @@ import pytest
 import sympy as sp
 
 from longwave.solutions import closed_form, rational
-from longwave.solutions.forms.rational import rational_tau
+from longwave.solutions.forms.tau_polynomials import rational_tau
 from longwave.verify.proof import prove_equal, rational_facts
 from longwave.verify.proof.rational_proofs import coefficient_in_x, leading_in_x, limit, reflected
 from longwave.verify.verdict import Outcome

@@ -8,7 +8,7 @@ import sympy as sp
 from longwave.derive import mkdv_normal_form, mkdv_reduction
 from longwave.derive.symbols import K2, K4, T, X, c
 from longwave.solutions import closed_form, rational
-from longwave.solutions.record import DEFOCUSING_MKDV
+from longwave.solutions.equation import DEFOCUSING_MKDV
 from longwave.solutions.symbols import tau, xi
 from longwave.verify.proof import prove_form
 from longwave.verify.proof.catalogue_proofs import a, lab_frame

@@ -5,8 +5,8 @@ from collections.abc import Callable
 import pytest
 from flint import fmpq_mpoly
 
-from longwave.solutions.forms.rational import rational, rational_tau
-from longwave.solutions.forms.tau_polynomials import RationalTau
+from longwave.solutions.forms.rational import rational
+from longwave.solutions.forms.tau_polynomials import RationalTau, rational_tau
 from longwave.verify.proof import CertificateError, check_certificate, prove, prove_rational
 from longwave.verify.proof.rational_proofs import (
     SPACE,
