@@ -13,90 +13,63 @@ from typing import TYPE_CHECKING
 from longwave.support.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
-    from longwave.derive.balances import find_scaling
-    from longwave.derive.carrier import EnvelopeError
-    from longwave.derive.carrier_envelope import Envelope, EnvelopeNumbers, envelope, modulation_map
-    from longwave.derive.carrier_numbers import (
-        CarrierFields,
-        CarrierTerm,
-        CarrierTerms,
-        carrier_fields,
-    )
-    from longwave.derive.checks import Check, checks_of_envelope, checks_of_reduction
-    from longwave.derive.dispersion import Dispersion, dispersion_relation
-    from longwave.derive.equations import Coefficients, Condition, EvolutionEquation, OrderEquation
-    from longwave.derive.lattice import Bond, Lattice, Stencil, on_site, spring
-    from longwave.derive.lattice_file import lattice_of, read_lattice
-    from longwave.derive.models.lattices import LATTICES
-    from longwave.derive.models.mkdv import (
-        initial_velocity,
-        initial_velocity_latex,
-        mkdv_normal_form,
-        mkdv_reduction,
-    )
-    from longwave.derive.multiscale import ReductionError, reduce
-    from longwave.derive.normal_form import NormalForm
-    from longwave.derive.reduction import Reduction
-    from longwave.derive.scaling import Scaling, SlowVariable
+    from longwave.derive.balances import find_scaling as find_scaling
+    from longwave.derive.carrier import EnvelopeError as EnvelopeError
+    from longwave.derive.carrier_envelope import Envelope as Envelope
+    from longwave.derive.carrier_envelope import EnvelopeNumbers as EnvelopeNumbers
+    from longwave.derive.carrier_envelope import envelope as envelope
+    from longwave.derive.carrier_envelope import modulation_map as modulation_map
+    from longwave.derive.carrier_numbers import CarrierFields as CarrierFields
+    from longwave.derive.carrier_numbers import CarrierTerm as CarrierTerm
+    from longwave.derive.carrier_numbers import CarrierTerms as CarrierTerms
+    from longwave.derive.carrier_numbers import carrier_fields as carrier_fields
+    from longwave.derive.checks import Check as Check
+    from longwave.derive.checks import checks_of_envelope as checks_of_envelope
+    from longwave.derive.checks import checks_of_reduction as checks_of_reduction
+    from longwave.derive.dispersion import Dispersion as Dispersion
+    from longwave.derive.dispersion import dispersion_relation as dispersion_relation
+    from longwave.derive.equations import Coefficients as Coefficients
+    from longwave.derive.equations import Condition as Condition
+    from longwave.derive.equations import EvolutionEquation as EvolutionEquation
+    from longwave.derive.equations import OrderEquation as OrderEquation
+    from longwave.derive.lattice import Bond as Bond
+    from longwave.derive.lattice import Lattice as Lattice
+    from longwave.derive.lattice import Stencil as Stencil
+    from longwave.derive.lattice import on_site as on_site
+    from longwave.derive.lattice import spring as spring
+    from longwave.derive.lattice_file import lattice_of as lattice_of
+    from longwave.derive.lattice_file import read_lattice as read_lattice
+    from longwave.derive.models.lattices import LATTICES as LATTICES
+    from longwave.derive.models.mkdv import initial_velocity as initial_velocity
+    from longwave.derive.models.mkdv import initial_velocity_latex as initial_velocity_latex
+    from longwave.derive.models.mkdv import mkdv_normal_form as mkdv_normal_form
+    from longwave.derive.models.mkdv import mkdv_reduction as mkdv_reduction
+    from longwave.derive.multiscale import ReductionError as ReductionError
+    from longwave.derive.multiscale import reduce as reduce
+    from longwave.derive.normal_form import NormalForm as NormalForm
+    from longwave.derive.reduction import Reduction as Reduction
+    from longwave.derive.scaling import Scaling as Scaling
+    from longwave.derive.scaling import SlowVariable as SlowVariable
 
-__all__ = [
-    "LATTICES",
-    "Bond",
-    "CarrierFields",
-    "CarrierTerm",
-    "CarrierTerms",
-    "Check",
-    "Coefficients",
-    "Condition",
-    "Dispersion",
-    "Envelope",
-    "EnvelopeError",
-    "EnvelopeNumbers",
-    "EvolutionEquation",
-    "Lattice",
-    "NormalForm",
-    "OrderEquation",
-    "Reduction",
-    "ReductionError",
-    "Scaling",
-    "SlowVariable",
-    "Stencil",
-    "carrier_fields",
-    "checks_of_envelope",
-    "checks_of_reduction",
-    "dispersion_relation",
-    "envelope",
-    "find_scaling",
-    "initial_velocity",
-    "initial_velocity_latex",
-    "lattice_of",
-    "mkdv_normal_form",
+_NOUNS = {
+    "longwave.derive.balances": "find_scaling",
+    "longwave.derive.carrier": "EnvelopeError",
+    "longwave.derive.checks": "Check checks_of_envelope checks_of_reduction",
+    "longwave.derive.dispersion": "Dispersion dispersion_relation",
+    "longwave.derive.carrier_envelope": "Envelope EnvelopeNumbers envelope modulation_map",
+    "longwave.derive.carrier_numbers": "CarrierFields CarrierTerm CarrierTerms carrier_fields",
+    "longwave.derive.equations": "Coefficients Condition EvolutionEquation OrderEquation",
+    "longwave.derive.lattice": "Bond Lattice Stencil on_site spring",
+    "longwave.derive.lattice_file": "lattice_of read_lattice",
+    "longwave.derive.models.lattices": "LATTICES",
+    "longwave.derive.models.mkdv": "initial_velocity initial_velocity_latex mkdv_normal_form "
     "mkdv_reduction",
-    "modulation_map",
-    "on_site",
-    "read_lattice",
-    "reduce",
-    "spring",
-]
+    "longwave.derive.multiscale": "ReductionError reduce",
+    "longwave.derive.normal_form": "NormalForm",
+    "longwave.derive.reduction": "Reduction",
+    "longwave.derive.scaling": "Scaling SlowVariable",
+}
 
-__getattr__, __dir__ = lazy_exports(
-    __name__,
-    {
-        "longwave.derive.balances": "find_scaling",
-        "longwave.derive.carrier": "EnvelopeError",
-        "longwave.derive.checks": "Check checks_of_envelope checks_of_reduction",
-        "longwave.derive.dispersion": "Dispersion dispersion_relation",
-        "longwave.derive.carrier_envelope": "Envelope EnvelopeNumbers envelope modulation_map",
-        "longwave.derive.carrier_numbers": "CarrierFields CarrierTerm CarrierTerms carrier_fields",
-        "longwave.derive.equations": "Coefficients Condition EvolutionEquation OrderEquation",
-        "longwave.derive.lattice": "Bond Lattice Stencil on_site spring",
-        "longwave.derive.lattice_file": "lattice_of read_lattice",
-        "longwave.derive.models.lattices": "LATTICES",
-        "longwave.derive.models.mkdv": "initial_velocity initial_velocity_latex mkdv_normal_form "
-        "mkdv_reduction",
-        "longwave.derive.multiscale": "ReductionError reduce",
-        "longwave.derive.normal_form": "NormalForm",
-        "longwave.derive.reduction": "Reduction",
-        "longwave.derive.scaling": "Scaling SlowVariable",
-    },
-)
+__all__ = [*sorted(" ".join(_NOUNS.values()).split())]
+
+__getattr__, __dir__ = lazy_exports(__name__, _NOUNS)

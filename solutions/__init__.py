@@ -11,48 +11,37 @@ from typing import TYPE_CHECKING
 from longwave.support.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
-    from longwave.solutions.catalogue import CATALOGUE, closed_form
-    from longwave.solutions.data_store import kept_data
-    from longwave.solutions.equation import DEFOCUSING_MKDV, FOCUSING_MKDV, Equation
-    from longwave.solutions.forms.rational import rational
-    from longwave.solutions.forms.tau_polynomials import rational_tau
-    from longwave.solutions.numeric_wave import NumericWave, Side, WaveValues
-    from longwave.solutions.record import Bound, ClosedForm, FarFields, Parameter, Reference
-    from longwave.solutions.wave import Wave
-    from longwave.solutions.wave_store import kept_wave
+    from longwave.solutions.catalogue import CATALOGUE as CATALOGUE
+    from longwave.solutions.catalogue import closed_form as closed_form
+    from longwave.solutions.data_store import kept_data as kept_data
+    from longwave.solutions.equation import DEFOCUSING_MKDV as DEFOCUSING_MKDV
+    from longwave.solutions.equation import FOCUSING_MKDV as FOCUSING_MKDV
+    from longwave.solutions.equation import Equation as Equation
+    from longwave.solutions.forms.rational import rational as rational
+    from longwave.solutions.forms.tau_polynomials import rational_tau as rational_tau
+    from longwave.solutions.numeric_wave import NumericWave as NumericWave
+    from longwave.solutions.numeric_wave import Side as Side
+    from longwave.solutions.numeric_wave import WaveValues as WaveValues
+    from longwave.solutions.record import Bound as Bound
+    from longwave.solutions.record import ClosedForm as ClosedForm
+    from longwave.solutions.record import FarFields as FarFields
+    from longwave.solutions.record import Parameter as Parameter
+    from longwave.solutions.record import Reference as Reference
+    from longwave.solutions.wave import Wave as Wave
+    from longwave.solutions.wave_store import kept_wave as kept_wave
 
-__all__ = [
-    "CATALOGUE",
-    "DEFOCUSING_MKDV",
-    "FOCUSING_MKDV",
-    "Bound",
-    "ClosedForm",
-    "Equation",
-    "FarFields",
-    "NumericWave",
-    "Parameter",
-    "Reference",
-    "Side",
-    "Wave",
-    "WaveValues",
-    "closed_form",
-    "kept_data",
-    "kept_wave",
-    "rational",
-    "rational_tau",
-]
+_NOUNS = {
+    "longwave.solutions.catalogue": "CATALOGUE closed_form",
+    "longwave.solutions.equation": "DEFOCUSING_MKDV FOCUSING_MKDV Equation",
+    "longwave.solutions.record": "Bound ClosedForm FarFields Parameter Reference",
+    "longwave.solutions.forms.rational": "rational",
+    "longwave.solutions.forms.tau_polynomials": "rational_tau",
+    "longwave.solutions.data_store": "kept_data",
+    "longwave.solutions.wave_store": "kept_wave",
+    "longwave.solutions.numeric_wave": "NumericWave Side WaveValues",
+    "longwave.solutions.wave": "Wave",
+}
 
-__getattr__, __dir__ = lazy_exports(
-    __name__,
-    {
-        "longwave.solutions.catalogue": "CATALOGUE closed_form",
-        "longwave.solutions.equation": "DEFOCUSING_MKDV FOCUSING_MKDV Equation",
-        "longwave.solutions.record": "Bound ClosedForm FarFields Parameter Reference",
-        "longwave.solutions.forms.rational": "rational",
-        "longwave.solutions.forms.tau_polynomials": "rational_tau",
-        "longwave.solutions.data_store": "kept_data",
-        "longwave.solutions.wave_store": "kept_wave",
-        "longwave.solutions.numeric_wave": "NumericWave Side WaveValues",
-        "longwave.solutions.wave": "Wave",
-    },
-)
+__all__ = [*sorted(" ".join(_NOUNS.values()).split())]
+
+__getattr__, __dir__ = lazy_exports(__name__, _NOUNS)

@@ -70,7 +70,8 @@ def is_held(dotted: str) -> bool:
             if source.is_file():
                 rest = ".".join(parts[cut:])
                 text = source.read_text(encoding="utf-8")
-                return not rest or rest in names_in(text) or f'"{rest}"' in text
+                offered = f'"{rest}"' in text or f" as {rest}\n" in text
+                return not rest or rest in names_in(text) or offered
     return False
 
 
