@@ -238,12 +238,17 @@ class Carrier(Expansion):
         """By the phase of each harmonic and, for the letters, Taylor's theorem."""
         if not any(cell):
             return series
-        items = (
-            (o, part.map_terms(lambda m, v: v * self.phase_factor ** (harmonic(m) * cell[0])))
-            for o, part in series.parts.items()
-        )
-        shifted = EpsSeries.collect(self.field, series.limit, items)
-        return super().shifted(shifted, cell)
+        turned = {
+            order: DifferentialPolynomial(
+                self.field,
+                {
+                    m: v * self.phase_factor ** (harmonic(m) * cell[0])
+                    for m, v in part.terms.items()
+                },
+            )
+            for order, part in series.parts.items()
+        }
+        return super().shifted(self._series(turned, series.limit), cell)
 
     def number(self, value: Expr) -> RationalFunction:
         """A constant; the one that the dispersion relation fixes is replaced."""

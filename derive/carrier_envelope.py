@@ -24,7 +24,7 @@ from longwave.derive.lattice import Lattice
 from longwave.derive.normal_form import NormalForm, normal_form_of
 from longwave.derive.output.notation import Displayed, latex_of, text_of
 from longwave.derive.sines import cosine, frequency, in_sines, omega, sine
-from longwave.derive.symbols import k, number_value
+from longwave.derive.symbols import k, values_of
 from longwave.support.user_files import shown
 
 DIGITS = 60
@@ -194,18 +194,12 @@ class Envelope(Displayed):
     def _values(self, constants: Mapping[str, Number]) -> dict[Symbol, Expr]:
         lattice = self.carrier.lattice
         basic = {s for value in dict(lattice.definitions).values() for s in value.free_symbols}
-        names = {str(s): s for s in {*self.lattice.constants, *basic}}
+        names = {str(s): s for s in sorted({*self.lattice.constants, *basic}, key=str)}
         given = {str(symbol): value for symbol, value in self.constants.items()} | {**constants}
-        for name in given:
-            if name not in names:
-                raise ValueError(
-                    f"constants must be among {', '.join(sorted(names))}, got {name} "
-                    f"(those are the constants of {self.lattice.name})"
-                )
-        values = {names[name]: number_value(name, value) for name, value in given.items()}
+        values = values_of(given, names, self.lattice.name)
         for symbol, value in lattice.definitions:
             values[symbol] = value.xreplace(values)
-        used = {*map(str, names.values())} - {str(s) for s, _ in lattice.definitions}
+        used = names.keys() - {str(s) for s, _ in lattice.definitions}
         missing = sorted(used - given.keys())
         if missing:
             raise ValueError(f"{missing[0]} must be given, got none (a number, as {missing[0]}=1)")
@@ -325,14 +319,7 @@ def envelope(
         constants = {**constants, str(FIRST_MASS): lattice.masses[0]}
         lattice = replace(lattice, masses=(FIRST_MASS, *lattice.masses[1:]))
     names = {str(symbol): symbol for symbol in lattice.constants}
-    values = {}
-    for name, value in constants.items():
-        if name not in names:
-            raise ValueError(
-                f"constants must be among {', '.join(names)}, got {name} "
-                f"(those are the constants of {lattice.name})"
-            )
-        values[names[name]] = number_value(name, value)
+    values = values_of(constants, names, lattice.name)
     unknown = [name for name, symbol in names.items() if symbol not in values]
     is_large = len(lattice.fields) >= LARGE_CELL and not lattice.definitions
     if is_large and len(unknown) > 1 and chosen != pi:

@@ -9,25 +9,16 @@ from dataclasses import dataclass, field
 from sympy import Expr, S
 
 from longwave.derive.algebra.jets import DifferentialPolynomial, Monomial
+from longwave.derive.normal_form import equation_of
 from longwave.derive.output.notation import Displayed, Notation, latex_of, terms, text_of
 
-KINDS = {
-    frozenset(terms.split(", ")): name
-    for terms, name in {
-        "Y Y_X, Y_XXX": "KdV",
-        "Y^2 Y_X, Y_XXX": "mKdV",
-        "Y^2 Y_X, Y Y_X, Y_XXX": "Gardner",
-        "Y Y_X, Y_5X": "fifth-order KdV",
-        "Y^2 Y_X, Y_5X": "fifth-order mKdV",
-        "Y Y_X, Y_XXX, Y_5X": "Kawahara",
-        "Y^2 Y_X, Y_XXX, Y_5X": "modified Kawahara",
-        "Y_XXX": "linear",
-        "Y_5X": "linear",
-        "Y Y_X": "Hopf, without dispersion",
-        "Y^2 Y_X": "modified Hopf, without dispersion",
-    }.items()
+WITHOUT_NORMAL_FORM = {
+    "Y_XXX": "linear",
+    "Y_5X": "linear",
+    "Y Y_X": "Hopf, without dispersion",
+    "Y^2 Y_X": "modified Hopf, without dispersion",
 }
-"""Equations by their terms besides Y_T; a term in Y_X alone only shifts the speed."""
+"""Names of equations with one term besides Y_T and Y_X."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -103,8 +94,9 @@ class EvolutionEquation(Displayed):
         """
         names = {self.notation.monomial_text(monomial) for monomial in self.flow.terms}
         if not self.transverse:
-            found = {n for n in names if n != "Y_X"}
-            return KINDS.get(frozenset(found), "unnamed")
+            known = equation_of(names)
+            found = ", ".join(names - {"Y_X"})
+            return known.name if known else WITHOUT_NORMAL_FORM.get(found, "unnamed")
         [(monomial, across)] = self.transverse.terms.items()
         if names - {"Y_XXX"} not in ({"Y Y_X"}, {"Y^2 Y_X"}) or sum(monomial[0]) != 2:
             return "unnamed"

@@ -36,13 +36,6 @@ from longwave.derive.scaling import Scaling
 from longwave.derive.symbols import check_constants, powers_of_eps
 
 
-def coefficient_field(lattice: Lattice, scaling: Scaling) -> RationalFunctions:
-    """The rational functions of the ansatz' and the lattice's constants, over Q."""
-    own = [s for s in scaling.constants if s not in lattice.constants]
-    check_constants((*own, *lattice.constants))
-    return RationalFunctions((*own, *lattice.constants))
-
-
 class Expansion:
     """Long waves of ``lattice`` under ``scaling``, up to the power ``limit`` of eps.
 
@@ -259,7 +252,10 @@ def expand(lattice: Lattice, scaling: Scaling, limit: int) -> Expansion:
         )
     if not lattice.is_polynomial:
         lattice = _polynomial(lattice, scaling, limit)
-    return Expansion(lattice, scaling, limit, coefficient_field(lattice, scaling))
+    own = (symbol for symbol in scaling.constants if symbol not in lattice.constants)
+    constants = (*own, *lattice.constants)
+    check_constants(constants)
+    return Expansion(lattice, scaling, limit, RationalFunctions(constants))
 
 
 def _polynomial(lattice: Lattice, scaling: Scaling, limit: int) -> Lattice:

@@ -18,7 +18,14 @@ from longwave.derive.output.notation import (
     text_of,
     weighted_sum,
 )
-from longwave.derive.symbols import check_constants, constant_value, eps, rational_function, x
+from longwave.derive.symbols import (
+    check_constants,
+    constant_value,
+    eps,
+    rational_function,
+    values_of,
+    x,
+)
 from longwave.support.user_files import shown
 
 Cell = tuple[int, ...]
@@ -172,18 +179,10 @@ class Lattice(Displayed):
         >>> LATTICES["fput"].with_values({"K2": 4, "K3": "eps/2"}).equations()[1]
         'F(x) = 4 x + eps/2 x^2 + K4 x^3'
         """
-        known = {str(symbol): symbol for symbol in self.constants}
-        at: dict[Symbol, Expr] = {}
-        for name, given in values.items():
-            if name not in known:
-                raise ValueError(
-                    f"constants must be among {', '.join(known) or 'none'}, got {shown(name)} "
-                    f"(those are the constants of {self.name})"
-                )
-            value = constant_value(name, given)
-            if known[name].is_positive and value.subs(eps, 0).is_positive is False:
-                raise ValueError(f"{name} must satisfy {name} > 0, got {value} ({self.name})")
-            at[known[name]] = value
+        at = values_of(values, {str(s): s for s in self.constants}, self.name, constant_value)
+        for symbol, value in at.items():
+            if symbol.is_positive and value.subs(eps, 0).is_positive is False:
+                raise ValueError(f"{symbol} must satisfy {symbol} > 0, got {value} ({self.name})")
         return replace(
             self,
             masses=tuple(mass.xreplace(at) for mass in self.masses),

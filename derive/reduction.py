@@ -18,7 +18,7 @@ from longwave.derive.normal_form import NormalForm, equation_of, normal_form_of
 from longwave.derive.output.notation import Notation, latex_of, power_of, text_of
 from longwave.derive.output.report import latex_report, reduction_data, text_report
 from longwave.derive.scaling import Scaling
-from longwave.derive.symbols import eps, number_value
+from longwave.derive.symbols import eps, values_of
 from longwave.support.user_files import shown
 
 
@@ -165,13 +165,7 @@ class Reduction:
         basic = (s for value in defined.values() for s in value.free_symbols)
         known = (*self.lattice.constants, *basic, *own)
         names = {str(s): s for s in sorted({*known} - {*defined}, key=str)}
-        for name in constants:
-            if name not in names:
-                raise ValueError(
-                    f"constants must be among {', '.join(names)}, got {name} "
-                    f"(those are the constants of {self.lattice.name})"
-                )
-        values = {names[name]: number_value(name, value) for name, value in constants.items()}
+        values = values_of(constants, names, self.lattice.name)
         _check_assumptions(values)
         values = self._defined(values)
         self._check_denominators(values)

@@ -10,7 +10,7 @@ is checked here.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 from sympy import Expr, Pow, Symbol, fraction, together
 
@@ -48,12 +48,17 @@ def rational_function(name: str, value: Expr) -> Expr:
     number = exact(name, value)
     above, below = fraction(together(number))
     symbols = number.free_symbols
-    if not (above.is_polynomial(*symbols) and below.is_polynomial(*symbols)) or below.has(eps):
-        raise _no_rational_function(name, number)
-    if any(not atom.is_Rational for atom in number.atoms() - symbols):
-        raise _no_rational_function(name, number)
-    if not all(power.exp.is_Integer for power in number.atoms(Pow)):
-        raise _no_rational_function(name, number)
+    if (
+        not (above.is_polynomial(*symbols) and below.is_polynomial(*symbols))
+        or below.has(eps)
+        or not all(atom.is_Rational for atom in number.atoms() - symbols)
+        or not all(power.exp.is_Integer for power in number.atoms(Pow))
+    ):
+        raise ValueError(
+            f"{name} must be a rational function of symbols and a polynomial in eps, got "
+            f"{shown(number)} (put a symbol in the place of a root, and give its value to "
+            "coefficients)"
+        )
     return number
 
 
@@ -79,11 +84,23 @@ def number_value(name: str, value: Number) -> Expr:
     return found
 
 
-def _no_rational_function(name: str, value: Expr) -> ValueError:
-    return ValueError(
-        f"{name} must be a rational function of symbols and a polynomial in eps, got "
-        f"{shown(value)} (put a symbol in the place of a root, and give its value to coefficients)"
-    )
+def values_of(
+    given: Mapping[str, Number],
+    constants: Mapping[str, Symbol],
+    lattice: str,
+    value: Callable[[str, Number], Expr] = number_value,
+) -> dict[Symbol, Expr]:
+    """The ``value`` of each of the constants that is given, by its symbol.
+
+    Raises ValueError, which names the ``lattice``, for a name that is none of its ``constants``.
+    """
+    for name in given:
+        if name not in constants:
+            raise ValueError(
+                f"constants must be among {', '.join(constants) or 'none'}, got {shown(name)} "
+                f"(those are the constants of {lattice})"
+            )
+    return {constants[name]: value(name, number) for name, number in given.items()}
 
 
 def check_constants(constants: Sequence[Symbol]) -> None:

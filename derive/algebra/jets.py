@@ -92,12 +92,6 @@ class DifferentialPolynomial:
         """Apply ``function`` to every coefficient; terms that become zero are dropped."""
         return self.collect(self.field, ((key, function(v)) for key, v in self.terms.items()))
 
-    def map_terms(
-        self, function: Callable[[Monomial, RationalFunction], RationalFunction]
-    ) -> DifferentialPolynomial:
-        """Apply ``function`` to every term's monomial and coefficient, for its new coefficient."""
-        return self.collect(self.field, ((key, function(key, v)) for key, v in self.terms.items()))
-
     def select(self, keep: Callable[[Monomial], bool]) -> DifferentialPolynomial:
         """The part whose monomials satisfy ``keep``."""
         return DifferentialPolynomial(self.field, {m: v for m, v in self.terms.items() if keep(m)})

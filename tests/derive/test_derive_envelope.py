@@ -192,7 +192,7 @@ WRONG: dict[str, tuple[Any, str]] = {
     "branch name": (lambda: envelope(FPUT, branch="upper"), "branch must be acoustic"),
     "lattice": (lambda: envelope("fput"), "lattice must be a Lattice"),
     "axes": (lambda: envelope(LATTICES["square"]), "lattice must have one axis, got 2"),
-    "constant": (lambda: envelope(FPUT, K5=1), "constants must be among K2, K3, K4, got K5"),
+    "constant": (lambda: envelope(FPUT, K5=1), "constants must be among K2, K3, K4, got 'K5'"),
     "no constant": (lambda: envelope(FPUT).coefficients(1, K2=1), "K3 must be given, got none"),
     "no k": (lambda: envelope(FPUT).coefficients(K2=1, K3=0, K4=1), "k must be given, got none"),
     "unstable": (

@@ -129,7 +129,7 @@ def test_forces_are_expanded_as_far_as_the_orders_ask() -> None:
     at = granular.coefficients(A=2, d=9)
     assert at.c == 3
     assert at.terms["Y Y_X"] == -Rational(1, 12)
-    with pytest.raises(ValueError, match="constants must be among A, d, got F1"):
+    with pytest.raises(ValueError, match="constants must be among A, d, got 'F1'"):
         granular.coefficients(F1=1)
 
 
