@@ -1,27 +1,25 @@
 """The evaluation of a closed form as a program: value and derivatives, of both parts if complex.
 
 The lowered expression (``solutions.compile.lowering``) becomes a tape with derivatives
-(``solutions.compile.tape``), and the tape bytecode for the machine. A program is kept on disk, in
-a folder that follows the sources of what writes it and of the catalogue, under the name of the
-closed form, whose expression need not be made then; for others than the catalogue's, the expression
-is the key.
+(``solutions.compile.tape``), and the tape bytecode for the machine. A program is kept on disk
+(``solutions.data_store``) under the name of the closed form, whose expression need not be made
+then; for others than the catalogue's, the expression is the key.
 """
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import sympy as sp
 
-from longwave.solutions.catalogue import CATALOGUE
 from longwave.solutions.compile.assembler import Assembler
 from longwave.solutions.compile.lowering import Lowering
 from longwave.solutions.compile.tape import tape_of
+from longwave.solutions.data_store import kept_data
 from longwave.solutions.functions.multiprecision import MpmathFormula
 from longwave.solutions.record import ClosedForm
 from longwave.solutions.run.program import Program
-from longwave.support.compiled.kernel_folder import cache_folder
 
 Parameters = tuple[sp.Symbol, ...]
 
@@ -40,12 +38,8 @@ def kept_program(
         key = f"{form.name} {part} {parameters}"
     else:
         key = f"{sp.srepr(tuple(expressions()))} {sp.srepr(parameters)}"
-
-    def text() -> bytes:
-        return compile_program(expressions(), parameters, form.equation.has_across).text().encode()
-
-    name = f"{hashlib.sha256(key.encode()).hexdigest()[:32]}.json"
-    return Program.read(cache_folder(__name__, *CATALOGUE.modules).kept(name, text).decode())
+    across = form.equation.has_across
+    return kept_data(__name__, key, lambda: compile_program(expressions(), parameters, across))
 
 
 def compile_program(
@@ -74,8 +68,9 @@ def compile_program(
     ]
     places = [phase.symbol for phase in phases]
     return Program(
+        phases=len(phases),
         calls=[places.index(call.phase) for call in calls],
         wanted=[[s in used for s in call.symbols] for call in calls],
-        bytecode=bytecode,
+        bytecode=replace(bytecode, pool=()),
         fixed=MpmathFormula.of(parameters, fixed),
     )

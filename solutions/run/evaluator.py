@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from copy import copy
-from dataclasses import replace
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
@@ -50,7 +49,7 @@ class Evaluator:
     """
 
     def __init__(self, program: Program, parameters: Sequence[Expr]) -> None:
-        self._bytecode, self._calls = replace(program.bytecode, pool=()), tuple(program.calls)
+        self._bytecode, self._calls = program.bytecode, tuple(program.calls)
         numbers = program.numbers(parameters)
         self._constants = np.array([split(check_range(c)) for c in numbers.constants]).reshape(
             -1, 2

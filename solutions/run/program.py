@@ -12,7 +12,6 @@ value comes with its bound.  Sources: DLMF 20.2, 20.7(viii), 22.2, 22.16(iii).
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -288,9 +287,11 @@ class Program:
 
     The bytecode's inputs are the phases, then sn, cn, dn, zeta, theta of each call; ``calls`` has
     the place of each call's phase, and ``wanted`` which of the five it reads. ``fixed`` takes the
-    parameters and gives the bytecode's constants, p, q, r, w of each phase, then m of each call.
+    parameters and gives the bytecode's constants, p, q, r, w of each of the ``phases``, then m of
+    each call.
     """
 
+    phases: int
     calls: Sequence[int]
     wanted: Sequence[Sequence[bool]]
     bytecode: Bytecode
@@ -309,7 +310,8 @@ class Program:
             ]
             if all(new == 0 or _agree(old, new) for old, new in zip(before, found, strict=True)):
                 break
-        first, second = len(self.bytecode.pool), len(found) - len(self.calls)
+        second = len(found) - len(self.calls)
+        first = second - 4 * self.phases
         coefficients = zip(*(iter(found[first:second]),) * 4, strict=True)
         return Numbers(found[:first], list(coefficients), found[second:])
 
@@ -317,27 +319,6 @@ class Program:
         with LONG.workdps(digits):
             values = self.fixed(LONG, *map(long_number, parameters))
             return [LONG.convert(value) for value in values]
-
-    def text(self) -> str:
-        """The program as JSON; the constants' names are left out."""
-        code, formula = self.bytecode, self.fixed
-        return json.dumps({
-            "calls": self.calls,
-            "wanted": self.wanted,
-            "bytecode": [code.code.tolist(), code.registers, code.inputs, code.outputs],
-            "constants": len(code.pool),
-            "fixed": [formula.arguments, formula.code, formula.results],
-        })  # fmt: skip
-
-    @classmethod
-    def read(cls, text: str) -> Program:
-        """The program that ``text`` wrote down."""
-        held = json.loads(text)
-        code, registers, inputs, outputs = held["bytecode"]
-        array = np.array(code, dtype=np.int64).reshape(-1, 5)
-        pool = tuple(range(held["constants"]))
-        bytecode = Bytecode(array, registers, inputs, tuple(outputs), pool)
-        return cls(held["calls"], held["wanted"], bytecode, MpmathFormula(*held["fixed"]))
 
 
 def _agree(old: Any, new: Any) -> bool:
