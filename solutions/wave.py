@@ -10,7 +10,7 @@ import sympy as sp
 from longwave.derive.algebra.exact_numbers import exact_number, instance
 from longwave.derive.normal_form import NormalForm
 from longwave.solutions.compile.compiler import kept_program
-from longwave.solutions.compile.complex_parts import complex_parts
+from longwave.solutions.compile.lowering import complex_parts
 from longwave.solutions.numeric_wave import (
     Array,
     NumericWave,
@@ -102,14 +102,10 @@ class Wave(NumericWave):
 
     def __repr__(self) -> str:
         given = "".join(f", {name} = {value}" for name, value in self.parameters.items())
-        names = {name: getattr(self.normal_form, name) for name in ("a", "b", "h", "e", "drift")}
-        usual = {"h": 1, "e": 0, "drift": 0}
-        shown = [name for name in names if name not in usual or names[name] != usual[name]]
-        rates = ", ".join(f"{name} = {names[name]}" for name in shown)
-        scale = "h " if "h" in shown else ""
-        along = "a (X - drift T)" if "drift" in shown else "a X"
-        across = ", e Z" if "e" in shown else ""
-        return f"<Wave {self.form.name}{given}: Y = {scale}U({along}{across}, b T) with {rates}>"
+        scales = {n: value for n, value in self.normal_form.values.items() if n not in "sr"}
+        rates = ", ".join(f"{name} = {value}" for name, value in scales.items())
+        image = self.normal_form.map_text.partition(" = ")[2]
+        return f"<Wave {self.form.name}{given}: Y = {image} with {rates}>"
 
     def _repr_latex_(self) -> str:
         """The formula, as notebooks show it."""

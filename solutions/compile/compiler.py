@@ -63,7 +63,7 @@ def compile_program(
     used = set().union(*(right.free_symbols for _, right in tape.lines))
     fixed = [
         *(entry.xreplace(back) for entry in bytecode.pool),
-        *(c for phase in phases for c in phase.coefficients),
+        *(c for phase in phases for c in phase[1:]),
         *(call.m for call in calls),
     ]
     places = [phase.symbol for phase in phases]

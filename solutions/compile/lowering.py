@@ -7,7 +7,8 @@ All Jacobi functions of one phase become the symbols of one call; sin and cos ar
 m = 0.
 """
 
-from dataclasses import dataclass, field
+from collections.abc import Iterable
+from typing import NamedTuple
 
 import sympy as sp
 
@@ -30,8 +31,7 @@ JACOBI_FUNCTIONS: tuple[type[sp.Function], ...] = (
 )
 
 
-@dataclass(frozen=True)
-class Phase:
+class Phase(NamedTuple):
     """``symbol = p xi + q tau + r + w zeta`` with coefficients in the parameters."""
 
     symbol: sp.Symbol
@@ -40,28 +40,16 @@ class Phase:
     r: sp.Expr
     w: sp.Expr
 
-    @property
-    def coefficients(self) -> tuple[sp.Expr, ...]:
-        """p, q, r and w."""
-        return self.p, self.q, self.r, self.w
 
+class JacobiCall(NamedTuple):
+    """The Jacobi functions of one phase and one parameter m.
 
-@dataclass(frozen=True)
-class JacobiCall:
-    """The Jacobi functions of one phase and one parameter m."""
+    ``symbols`` are sn, cn, dn, zeta, theta, in the order in which they are computed.
+    """
 
     phase: sp.Symbol
     m: sp.Expr
-    sn: sp.Symbol
-    cn: sp.Symbol
-    dn: sp.Symbol
-    zeta: sp.Symbol
-    theta: sp.Symbol
-
-    @property
-    def symbols(self) -> tuple[sp.Symbol, ...]:
-        """sn, cn, dn, zeta, theta, in the order in which they are computed."""
-        return (self.sn, self.cn, self.dn, self.zeta, self.theta)
+    symbols: tuple[sp.Symbol, ...]
 
     def derivatives(self, mean: sp.Expr) -> dict[sp.Symbol, sp.Expr]:
         """Each symbol's derivative with respect to the phase; ``mean`` is E/K."""
@@ -83,27 +71,22 @@ class JacobiCall:
 _AT_PARAMETER_ZERO = {sp.sin: jacobi_sn, sp.cos: jacobi_cn}
 
 
-@dataclass
-class _Sum:
-    """A sum split into ``p xi + q tau + r + w zeta`` and the other terms."""
+MOVING = (xi, tau, zeta)
 
-    p: list[sp.Expr] = field(default_factory=list)
-    q: list[sp.Expr] = field(default_factory=list)
-    r: list[sp.Expr] = field(default_factory=list)
-    w: list[sp.Expr] = field(default_factory=list)
-    rest: list[sp.Expr] = field(default_factory=list)
+Parts = tuple[sp.Expr, sp.Expr]
+"""Real and imaginary part."""
 
-    @property
-    def is_moving(self) -> bool:
-        return bool(self.p or self.q or self.w)
+Terms = dict[sp.Expr | None, list[sp.Expr]]
+"""A sum by its coefficients of xi, tau, 1 and zeta; under None are the other terms."""
 
-    def extend(self, other: "_Sum", factor: sp.Expr) -> None:
-        for mine, theirs in zip(
-            (self.p, self.q, self.r, self.w, self.rest),
-            (other.p, other.q, other.r, other.w, other.rest),
-            strict=True,
-        ):
-            mine.extend(factor * term for term in theirs)
+
+def _total(parts: Iterable[tuple[sp.Expr, Terms]]) -> Terms:
+    """The sum of sums, each times a factor."""
+    total: Terms = {}
+    for factor, terms in parts:
+        for variable, coefficients in terms.items():
+            total.setdefault(variable, []).extend(factor * term for term in coefficients)
+    return total
 
 
 class Lowering:
@@ -149,66 +132,49 @@ class Lowering:
 
     def _lower_sum(self, expression: sp.Expr) -> sp.Expr:
         terms = self._sum(expression)
-        rest = [self.lower(term) for term in terms.rest]
-        if not terms.is_moving:
-            return sp.Add(self.constant(sp.Add(*terms.r)), *rest)
+        rest = [self.lower(term) for term in terms.get(None, ())]
+        if not terms.keys() & MOVING:
+            return sp.Add(self.constant(sp.Add(*terms.get(sp.S.One, ()))), *rest)
         return sp.Add(self._phase(terms), *rest)
 
-    def _phase(self, terms: _Sum) -> sp.Symbol:
+    def _phase(self, terms: Terms) -> sp.Symbol:
         """The symbol of the phase with these summed coefficients."""
-        key = tuple(sp.Add(*part) for part in (terms.p, terms.q, terms.r, terms.w))
+        key = tuple(sp.Add(*terms.get(part, ())) for part in (xi, tau, sp.S.One, zeta))
         if key not in self.phases:
             symbol = sp.Symbol(f"phi_{len(self.phases)}", real=True)
             self.phases[key] = Phase(symbol, *key)
         return self.phases[key].symbol
 
-    def _sum(self, expression: sp.Expr) -> _Sum:
+    def _sum(self, expression: sp.Expr) -> Terms:
         """Split a sum; constant factors are multiplied out where a linear part is inside."""
         if not self._is_varying(expression):
-            return _Sum(r=[expression])
-        if expression == xi:
-            return _Sum(p=[sp.S.One])
-        if expression == tau:
-            return _Sum(q=[sp.S.One])
-        if expression == zeta:
-            return _Sum(w=[sp.S.One])
+            return {sp.S.One: [expression]}
+        if expression in MOVING:
+            return {expression: [sp.S.One]}
         if expression.func is jacobi_epsilon:
-            return self._epsilon(*expression.args)
+            z, m = expression.args
+            mean = sp.elliptic_e(m) / sp.elliptic_k(m)
+            return _total([(sp.S.One, {None: [jacobi_zeta(z, m)]}), (mean, self._sum(z))])
         if expression.is_Add:
-            total = _Sum()
-            for term in expression.args:
-                total.extend(self._sum(term), sp.S.One)
-            return total
+            return _total((sp.S.One, self._sum(term)) for term in expression.args)
         if expression.is_Mul:
-            return self._scaled(expression)
-        return _Sum(rest=[expression])
-
-    def _scaled(self, expression: sp.Expr) -> _Sum:
-        fixed, varying = self._split(expression)
-        if len(varying) == 1:
-            inner = self._sum(varying[0])
-            if inner.is_moving:
-                total = _Sum()
-                total.extend(inner, fixed)
-                return total
-        return _Sum(rest=[expression])
-
-    def _epsilon(self, z: sp.Expr, m: sp.Expr) -> _Sum:
-        total = _Sum(rest=[jacobi_zeta(z, m)])
-        total.extend(self._sum(z), sp.elliptic_e(m) / sp.elliptic_k(m))
-        return total
+            fixed, varying = self._split(expression)
+            inner = self._sum(varying[0]) if len(varying) == 1 else {}
+            if inner.keys() & MOVING:
+                return _total([(fixed, inner)])
+        return {None: [expression]}
 
     def _call(self, z: sp.Expr, m: sp.Expr) -> JacobiCall:
         terms = self._sum(z)
-        if terms.rest:
+        if None in terms:
             raise ValueError(
                 f"arguments of Jacobi functions must be linear in xi, tau, zeta, got {z} "
                 "(give the form an evaluator of its own)"
             )
         phase = self._phase(terms)
         names = ("sn", "cn", "dn", "zeta", "theta")
-        symbols = (sp.Symbol(f"{name}_{phase.name}", real=True) for name in names)
-        return self.calls.setdefault((phase, m), JacobiCall(phase, m, *symbols))
+        symbols = tuple(sp.Symbol(f"{name}_{phase.name}", real=True) for name in names)
+        return self.calls.setdefault((phase, m), JacobiCall(phase, m, symbols))
 
     def _split(self, product: sp.Expr) -> tuple[sp.Expr, list[sp.Expr]]:
         varying = [factor for factor in product.args if self._is_varying(factor)]
@@ -217,7 +183,48 @@ class Lowering:
 
     def _is_varying(self, expression: sp.Expr) -> bool:
         if expression not in self._varies:
-            self._varies[expression] = expression in (xi, tau, zeta) or any(
+            self._varies[expression] = expression in MOVING or any(
                 self._is_varying(argument) for argument in expression.args
             )
         return self._varies[expression]
+
+
+def complex_parts(expression: sp.Expr) -> Parts:
+    """Real and imaginary part of sums, products and powers of real expressions, I and exp(I ...).
+
+    Nothing is expanded or simplified, and every symbol and function without I in it is taken for
+    real. Raises ValueError where I stands in another function or in a divisor.
+
+    >>> x, y = sp.symbols("x y", real=True)
+    >>> complex_parts((1 + 2 * sp.I * x) / (1 + x**2) * sp.exp(sp.I * y))[1]
+    2*x*cos(y)/(x**2 + 1) + sin(y)/(x**2 + 1)
+    """
+    if not expression.has(sp.I):
+        return expression, sp.S.Zero
+    if expression == sp.I:
+        return sp.S.Zero, sp.S.One
+    if expression.is_Add:
+        pairs = [complex_parts(term) for term in expression.args]
+        return sp.Add(*(re for re, _ in pairs)), sp.Add(*(im for _, im in pairs))
+    if expression.is_Mul:
+        return _product(expression)
+    if expression.is_Pow and expression.exp.is_Integer and expression.exp > 0:
+        return _product(sp.Mul(*[expression.base] * int(expression.exp), evaluate=False))
+    if isinstance(expression, sp.exp):
+        growth, angle = complex_parts(expression.args[0])
+        return sp.exp(growth) * sp.cos(angle), sp.exp(growth) * sp.sin(angle)
+    raise ValueError(
+        f"I must stand in sums, products and exponentials alone, got {expression} "
+        "(write the real and the imaginary part)"
+    )
+
+
+def _product(product: sp.Expr) -> Parts:
+    """The real factors stay together; the others are multiplied one by one."""
+    real = sp.Mul(*(factor for factor in product.args if not factor.has(sp.I)))
+    re, im = real, sp.S.Zero
+    for factor in product.args:
+        if factor.has(sp.I):
+            other_re, other_im = complex_parts(factor)
+            re, im = re * other_re - im * other_im, re * other_im + im * other_re
+    return re, im

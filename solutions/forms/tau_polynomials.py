@@ -10,8 +10,8 @@ written as a Schur-type determinant) is::
 over the rationals.
 """
 
+import math
 from dataclasses import dataclass
-from fractions import Fraction
 from functools import lru_cache
 
 import sympy as sp
@@ -81,7 +81,7 @@ def rational_tau(order: int, free: tuple[int, ...] = ()) -> RationalTau:
     context = fmpq_mpoly_ctx.get(names, Ordering.lex)
     coefficients = _generating_coefficients(2 * order, _exponents(context, 2 * order, free))
     f = _determinant(coefficients, order)
-    content = _content(f, order)
+    content = _content(f)
     return RationalTau(order, free, f.re / content, f.im / content)
 
 
@@ -144,17 +144,10 @@ def _determinant(p: list[GaussianPolynomial], order: int) -> GaussianPolynomial:
     return minors[(1 << order) - 1]
 
 
-def _content(f: GaussianPolynomial, order: int) -> fmpq:
+def _content(f: GaussianPolynomial) -> fmpq:
     """The common rational content of both parts, with the sign of A's leading x power."""
-    values = [Fraction(int(c.p), int(c.q)) for part in (f.re, f.im) for c in part.coeffs()]
-    content = values[0]
-    for value in values[1:]:
-        content = _gcd(content, value)
+    values = [c for part in (f.re, f.im) for c in part.coeffs()]
     leading = max(f.re.terms(), key=lambda term: term[0])[1]
-    sign = 1 if leading > 0 else -1
-    return fmpq(sign * content.numerator, content.denominator)
-
-
-def _gcd(left: Fraction, right: Fraction) -> Fraction:
-    numerator = sp.igcd(left.numerator * right.denominator, right.numerator * left.denominator)
-    return Fraction(int(numerator), left.denominator * right.denominator)
+    above = math.gcd(*(int(value.p) for value in values))
+    below = math.lcm(*(int(value.q) for value in values))
+    return fmpq(above if leading > 0 else -above, below)
