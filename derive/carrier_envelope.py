@@ -6,7 +6,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -270,16 +269,6 @@ class Envelope(Displayed):
             for name, value in self.expressions.items()
         ]
         return r",\quad ".join(rows)
-
-    def json(self) -> str:
-        """The coefficients as a JSON document, in plain text."""
-        data = {
-            "lattice": self.lattice.name,
-            "k": None if self.wavenumber is None else text_of(self.wavenumber),
-            "fixed": str(self.carrier.fixed),
-            **{name: text_of(value) for name, value in self.expressions.items()},
-        }
-        return json.dumps(data, indent=2)
 
 
 COEFFICIENT_LATEX = {

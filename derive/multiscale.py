@@ -10,7 +10,7 @@ the steps are taken in Y = W_X, with the X-derivative of the equation.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from sympy import Symbol
 
@@ -65,7 +65,8 @@ class _Solver:
 
     def sound_polynomial(self) -> RationalFunction:
         """P(c) of the lowest order, eliminated from all orders on the way."""
-        order, lowest = next(iter(self.series.parts.items()), (self.lowest_order, self._zero()))
+        order = next(iter(self.series.parts), self.lowest_order)
+        lowest = self.series.at(order)
         if set(lowest.terms) != {(self.second,)}:
             wanted = f"a multiple of {self.notation.monomial_text((self.second,))} alone"
             raise self._refusal(order, f"{wanted} (try a larger amplitude exponent)")
@@ -151,12 +152,8 @@ class _Solver:
             raise self._refusal(self.leading_order, "an X-derivative")
         return flow, across
 
-    def _zero(self) -> DifferentialPolynomial:
-        return DifferentialPolynomial.zero(self.series.field)
-
     def _refusal(self, order: int, needed: str) -> ReductionError:
-        part = self.series.parts.get(order, self._zero())
-        found = OrderEquation(order, part, self.notation).text()
+        found = OrderEquation(order, self.series.at(order), self.notation).text()
         return ReductionError(f"order eps^{order} must be {needed}, got {found}")
 
 
@@ -199,7 +196,7 @@ def reduce(
         sound_polynomial=sound,
         conditions=tuple(solver.conditions),
         pde=EvolutionEquation(flow, solver.notation, across),
-        remainders={} if across else _remainders(solver, flow),
+        remainders={} if across else dict(_on_solutions(solver, {0: flow}).parts),
         corrections=corrections,
         obstruction=obstruction,
         slaved={
@@ -210,38 +207,27 @@ def reduce(
     )
 
 
-def _on_solutions(solver: _Solver, flow: EpsSeries) -> EpsSeries:
-    """The lattice residual on solutions of ``Y_T = flow``."""
+def _on_solutions(solver: _Solver, flows: Mapping[int, DifferentialPolynomial]) -> EpsSeries:
+    """The lattice residual on solutions of ``Y_T = sum eps^k F_k``."""
+    flow = EpsSeries(solver.series.field, solver.series.limit, flows)
     residual = TimeElimination(flow, len(solver.notation.axes)).series(solver.series)
     return solver.conditioned(residual)
-
-
-def _remainders(solver: _Solver, flow: DifferentialPolynomial) -> dict[int, DifferentialPolynomial]:
-    """The remainder of each order on exact solutions of the leading equation."""
-    leading = EpsSeries(flow.field, solver.series.limit, {0: flow})
-    return dict(_on_solutions(solver, leading).parts)
 
 
 def _corrections(
     solver: _Solver, flow: DifferentialPolynomial
 ) -> tuple[dict[int, DifferentialPolynomial], tuple[int, DifferentialPolynomial] | None]:
     """F_k of ``Y_T = sum eps^k F_k``, and the first order whose X-integral does not exist."""
-    limit = solver.series.limit
-    flows = {0: flow}
-    for power in range(1, limit - solver.leading_order + 1):
-        series = _on_solutions(solver, EpsSeries(flow.field, limit, dict(flows)))
-        rest = series.parts.get(solver.leading_order + power)
-        if rest is None:
-            continue
-        correction = ((-1 / solver.factor) * rest).antiderivative()
+    later: dict[int, DifferentialPolynomial] = {}
+    for power in range(1, solver.series.limit - solver.leading_order + 1):
+        series = _on_solutions(solver, {0: flow, **later})
+        rest = (-1 / solver.factor) * series.at(solver.leading_order + power)
+        correction = rest.antiderivative()
         if correction is None:
-            return _later(flows), (power, (-1 / solver.factor) * rest)
-        flows[power] = correction
-    return _later(flows), None
-
-
-def _later(flows: dict[int, DifferentialPolynomial]) -> dict[int, DifferentialPolynomial]:
-    return {power: flow for power, flow in flows.items() if power}
+            return later, (power, rest)
+        if correction:
+            later[power] = correction
+    return later, None
 
 
 def _in_strain(series: EpsSeries) -> EpsSeries:

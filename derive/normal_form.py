@@ -104,70 +104,37 @@ def _nls(dispersion: Expr, cubic: Expr) -> Scales:
     return {"a": S.One, "b": dispersion, "h": sqrt(Abs(ratio)), "s": sign(ratio)}
 
 
+_ROWS: tuple[tuple[str, str, str, Callable[..., Scales]], ...] = (
+    ("KdV", "Y Y_X, Y_XXX", "U_tau + 6 U U_xi + U_xixixi = 0", _kdv),
+    ("mKdV", "Y^2 Y_X, Y_XXX", "U_tau + 6 s U^2 U_xi + U_xixixi = 0", _mkdv),
+    (
+        "Gardner",
+        "Y^2 Y_X, Y Y_X, Y_XXX",
+        "U_tau + 6 U U_xi + 6 s U^2 U_xi + U_xixixi = 0",
+        _gardner,
+    ),
+    ("Kawahara", "Y Y_X, Y_XXX, Y_5X", "U_tau + 6 U U_xi + s U_xixixi - U_5xi = 0", _kawahara),
+    (
+        "modified Kawahara",
+        "Y^2 Y_X, Y_XXX, Y_5X",
+        "U_tau + 6 r U^2 U_xi + s U_xixixi - U_5xi = 0",
+        _modified_kawahara,
+    ),
+    ("fifth-order KdV", "Y Y_X, Y_5X", "U_tau + 6 U U_xi - U_5xi = 0", _fifth_kdv),
+    ("fifth-order mKdV", "Y^2 Y_X, Y_5X", "U_tau + 6 r U^2 U_xi - U_5xi = 0", _fifth_mkdv),
+    ("KP", "Y Y_X, Y_XXX, Y_ZZ", "(U_tau + 6 U U_xi + U_xixixi)_xi + 3 s U_zetazeta = 0", _kp),
+    (
+        "generalised KP",
+        "Y^2 Y_X, Y_XXX, Y_ZZ",
+        "(U_tau + 6 r U^2 U_xi + U_xixixi)_xi + 3 s U_zetazeta = 0",
+        _generalised_kp,
+    ),
+    ("NLS", "A_XX, |A|^2 A", "i U_tau + U_xixi + 2 s |U|^2 U = 0", _nls),
+)
+
 NORMAL_EQUATIONS = {
-    equation.name: equation
-    for equation in (
-        NormalEquation(
-            "KdV",
-            ("Y Y_X", "Y_XXX"),
-            "U_tau + 6 U U_xi + U_xixixi = 0",
-            _kdv,
-        ),
-        NormalEquation(
-            "mKdV",
-            ("Y^2 Y_X", "Y_XXX"),
-            "U_tau + 6 s U^2 U_xi + U_xixixi = 0",
-            _mkdv,
-        ),
-        NormalEquation(
-            "Gardner",
-            ("Y^2 Y_X", "Y Y_X", "Y_XXX"),
-            "U_tau + 6 U U_xi + 6 s U^2 U_xi + U_xixixi = 0",
-            _gardner,
-        ),
-        NormalEquation(
-            "Kawahara",
-            ("Y Y_X", "Y_XXX", "Y_5X"),
-            "U_tau + 6 U U_xi + s U_xixixi - U_5xi = 0",
-            _kawahara,
-        ),
-        NormalEquation(
-            "modified Kawahara",
-            ("Y^2 Y_X", "Y_XXX", "Y_5X"),
-            "U_tau + 6 r U^2 U_xi + s U_xixixi - U_5xi = 0",
-            _modified_kawahara,
-        ),
-        NormalEquation(
-            "fifth-order KdV",
-            ("Y Y_X", "Y_5X"),
-            "U_tau + 6 U U_xi - U_5xi = 0",
-            _fifth_kdv,
-        ),
-        NormalEquation(
-            "fifth-order mKdV",
-            ("Y^2 Y_X", "Y_5X"),
-            "U_tau + 6 r U^2 U_xi - U_5xi = 0",
-            _fifth_mkdv,
-        ),
-        NormalEquation(
-            "KP",
-            ("Y Y_X", "Y_XXX", "Y_ZZ"),
-            "(U_tau + 6 U U_xi + U_xixixi)_xi + 3 s U_zetazeta = 0",
-            _kp,
-        ),
-        NormalEquation(
-            "generalised KP",
-            ("Y^2 Y_X", "Y_XXX", "Y_ZZ"),
-            "(U_tau + 6 r U^2 U_xi + U_xixixi)_xi + 3 s U_zetazeta = 0",
-            _generalised_kp,
-        ),
-        NormalEquation(
-            "NLS",
-            ("A_XX", "|A|^2 A"),
-            "i U_tau + U_xixi + 2 s |U|^2 U = 0",
-            _nls,
-        ),
-    )
+    name: NormalEquation(name, tuple(terms.split(", ")), text, scales)
+    for name, terms, text, scales in _ROWS
 }
 """The equations by name."""
 

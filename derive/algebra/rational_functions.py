@@ -133,17 +133,17 @@ class RationalFunction:
             numer, denom = numer / common, denom / common
         return RationalFunction(self.field, numer, denom)
 
-    def _other(self, value: object) -> RationalFunction | None:
-        if isinstance(value, RationalFunction):
-            return value
-        return self.field(value) if isinstance(value, int) else None
+    def _other(self, value: int | RationalFunction) -> RationalFunction:
+        return self.field(value) if isinstance(value, int) else value
 
     def __bool__(self) -> bool:
         return bool(self.numer)
 
     def __eq__(self, other: object) -> bool:
+        if not isinstance(other, int | RationalFunction):
+            return NotImplemented
         found = self._other(other)
-        return found is not None and self.numer == found.numer and self.denom == found.denom
+        return bool(self.numer == found.numer and self.denom == found.denom)
 
     def __hash__(self) -> int:
         return hash((str(self.numer), str(self.denom)))
@@ -153,8 +153,6 @@ class RationalFunction:
 
     def __add__(self, other: int | RationalFunction) -> RationalFunction:
         found = self._other(other)
-        if found is None:
-            return NotImplemented
         if self.denom == found.denom:
             return self._lowest(self.numer + found.numer, self.denom)
         return self._lowest(
@@ -162,19 +160,16 @@ class RationalFunction:
         )
 
     def __sub__(self, other: int | RationalFunction) -> RationalFunction:
-        found = self._other(other)
-        return NotImplemented if found is None else self + -found
+        return self + -other
 
     def __mul__(self, other: int | RationalFunction) -> RationalFunction:
-        found = self._other(other)
-        if found is None:
+        if not isinstance(other, int | RationalFunction):  # a polynomial or series takes it
             return NotImplemented
+        found = self._other(other)
         return self._lowest(self.numer * found.numer, self.denom * found.denom)
 
     def __truediv__(self, other: int | RationalFunction) -> RationalFunction:
         found = self._other(other)
-        if found is None:
-            return NotImplemented
         if not found:
             raise ZeroDivisionError("the divisor must not be 0, got 0")
         return self._lowest(self.numer * found.denom, self.denom * found.numer)

@@ -13,9 +13,10 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 
 from longwave.derive.algebra.foreign_characters import GREEK, ascii_text
-from longwave.derive.algebra.foreign_functions import ALIASES, CALLS, Rule
 from longwave.derive.algebra.typing_rules import (
+    ALIASES,
     BRACES,
+    CALLS,
     DERIVATIVES,
     END,
     LATEX,
@@ -23,6 +24,7 @@ from longwave.derive.algebra.typing_rules import (
     SPELLED_NUMBERS,
     TIDY,
     VARIABLES,
+    Rule,
 )
 
 LONGEST_CORRECTED = 400

@@ -63,37 +63,30 @@ def cell(name: str, title: str, masses: tuple[Expr, ...], forces: tuple[Expr, ..
     return Lattice(name, title, ("u", "v", "w")[:count], masses, bonds)
 
 
-FPUT_STRAIN = Lattice(
-    name="fput_strain",
-    title="FPUT lattice in the strain y_n = u_{n+1} - u_n",
-    fields=("y",),
-    masses=(ONE,),
-    bonds=(NEAREST,),
-)
+def strain(name: str, title: str, *bonds: Bond) -> Lattice:
+    """A chain of unit masses in its strain."""
+    return Lattice(name, title, ("y",), (ONE,), bonds)
+
+
+FPUT_STRAIN = strain("fput_strain", "FPUT lattice in the strain y_n = u_{n+1} - u_n", NEAREST)
 """The lattice of the paper's eqs. (2) and (3), in the strain: the paper's eq. (4)."""
 
 _ALL = (
     FPUT_STRAIN,
-    Lattice(
+    strain(
         "next_nearest",
         "FPUT lattice with springs between next-nearest neighbours, in the strain",
-        ("y",),
-        (ONE,),
-        (NEAREST, NEXT_NEAREST),
+        *(NEAREST, NEXT_NEAREST),
     ),
-    Lattice(
+    strain(
         "next_nearest_degenerate",
         "FPUT lattice with springs L2 = -K2/16 between next-nearest neighbours, in the strain",
-        ("y",),
-        (ONE,),
-        degenerate(K3, K4, L3, L4),
+        *degenerate(K3, K4, L3, L4),
     ),
-    Lattice(
+    strain(
         "next_nearest_degenerate_odd",
         "cubic FPUT lattice, next-nearest springs L2 = -K2/16, in the strain",
-        ("y",),
-        (ONE,),
-        degenerate(Integer(0), K4, Integer(0), L4),
+        *degenerate(Integer(0), K4, Integer(0), L4),
     ),
     chain("fput", "FPUT lattice in the displacement", FORCE),
     chain("alpha_fput", "alpha-FPUT lattice in the displacement", cubic(K2, K3)),

@@ -1,6 +1,5 @@
 """Envelope equations against closed forms found without this program, and against themselves."""
 
-import json
 import math
 from dataclasses import replace
 from itertools import pairwise
@@ -217,9 +216,7 @@ def test_what_has_no_envelope_is_refused_in_one_line(name: str) -> None:
 def test_outputs(strain: Envelope) -> None:
     assert strain.text().startswith("fput_strain: i A_T + p A_XX + q |A|^2 A = 0, p = -omega/8")
     assert r"i A_T + p A_{XX}" in strain.latex()
-    data = json.loads(strain.json())
-    assert data["p"] == "-omega/8"
-    assert data["fixed"] == "K2"
+    assert str(strain.carrier.fixed) == "K2"
     assert "Envelope(fput_strain" in repr(strain)
 
 
