@@ -19,11 +19,7 @@ from functools import cached_property
 from sympy import Expr, Symbol
 
 from longwave.derive.algebra.jets import DifferentialPolynomial, Jet, Monomial
-from longwave.derive.algebra.rational_functions import (
-    Exponents,
-    RationalFunction,
-    RationalFunctions,
-)
+from longwave.derive.algebra.rational_functions import RationalFunction, RationalFunctions, Terms
 from longwave.derive.algebra.series import EpsSeries
 from longwave.derive.algebra.small_matrices import Column, combined, determinant
 from longwave.derive.expansion import Expansion
@@ -43,7 +39,6 @@ LAST = 4
 """The power of eps at which G_1 is found."""
 
 Rows = list[DifferentialPolynomial]
-Terms = list[tuple[Exponents, int]]
 
 
 class EnvelopeError(ValueError):

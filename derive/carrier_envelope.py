@@ -368,15 +368,14 @@ def _branch(branch: str | int, lattice: Lattice) -> int:
 
 def _frequency(carrier: Carrier, at: Mapping[str, mpmath.mpc], number: int) -> mpmath.mpf:
     """omega of the branch at a wavenumber, from the determinant, a polynomial in omega^2."""
-    relation: dict[int, mpmath.mpf] = {}
-    names = [str(symbol) for symbol in carrier.field.symbols]
-    for (turns, power, *rest), value in carrier.relation.terms():
-        factors = [at[name] ** e for name, e in zip(names[2:], rest, strict=True) if e]
-        term = (-1) ** (power // 2) * value * at[str(z)] ** turns * mpmath.fprod(factors)
-        relation[power // 2] = relation.get(power // 2, 0) + term
-    highest = max(relation)
-    phase = mpmath.conj(relation[highest]) / abs(relation[highest])
-    polynomial = [(relation.get(i, mpmath.mpf(0)) * phase).real for i in range(highest, -1, -1)]
+    powers = carrier.relation.powers_of(w).items()
+    parts: dict[int, Any] = {power: evaluated(part, at) for power, part in powers}
+    highest = max(parts)
+    phase = mpmath.conj(parts[highest]) / abs(parts[highest])
+    polynomial = [
+        (parts.get(power, mpmath.mpf(0)) * phase * (-1) ** ((highest - power) // 2)).real
+        for power in range(highest, -1, -2)
+    ]
     at_k = f"k = {mpmath.nstr(mpmath.arg(at[str(z)]), 8)}"
     try:
         roots = sorted(mpmath.polyroots(polynomial, maxsteps=200, extraprec=200), key=mpmath.re)

@@ -17,6 +17,7 @@ from longwave.derive.algebra.jets import DifferentialPolynomial
 from longwave.derive.carrier_envelope import Envelope
 from longwave.derive.lattice import Bond, Lattice
 from longwave.derive.reduction import Reduction
+from longwave.derive.scaling import SlowVariable
 from longwave.derive.symbols import eps
 
 DIGITS = 60
@@ -134,10 +135,14 @@ class _Point:
         """The slow variables at a cell and a time."""
         found = []
         for variable in self.scaling.space:
-            steps = zip(variable.direction, cell, strict=True)
-            along = mpmath.fsum(self._number(d) * s for d, s in steps)
-            found.append(small**variable.exponent * (along - self._number(variable.speed) * time))
+            gone = self._along(variable, cell) - self._number(variable.speed) * time
+            found.append(small**variable.exponent * gone)
         return [*found, small**self.scaling.time * time]
+
+    def _along(self, variable: SlowVariable, cell: Sequence[int]) -> Any:
+        """The way to a cell in the direction of a slow variable."""
+        steps = zip(variable.direction, cell, strict=True)
+        return mpmath.fsum(self._number(d) * s for d, s in steps)
 
     def polynomial(self, part: DifferentialPolynomial, at: Sequence[Any]) -> Any:
         """A polynomial in the jets of the manufactured wave, at the slow variables."""
@@ -215,7 +220,11 @@ class _Point:
             for end in bond.action:
                 for part in bond.stretch:
                     steps = [i + j for i, j in zip(end.shift, part.shift, strict=True)]
-                    phase = self._phase_factor(rates, steps, small)
+                    turns = (
+                        rate * small**variable.exponent * self._along(variable, steps)
+                        for rate, variable in zip(rates, self.scaling.space, strict=False)
+                    )
+                    phase = mpmath.exp(mpmath.fsum(turns))
                     matrix[end.field, part.field] -= end.weight * part.weight * slope * phase
         sign = (-1) ** (self.row + self.column)
         below = mpmath.mpf(1)
@@ -232,16 +241,6 @@ class _Point:
             if len(monomial) == 1
         )
         return whole - linear
-
-    def _phase_factor(self, rates: Sequence[Any], steps: Sequence[int], small: Any) -> Any:
-        """The factor of the plane wave under a shift."""
-        total = mpmath.mpf(0)
-        for rate, variable in zip(rates, self.scaling.space, strict=False):
-            along = mpmath.fsum(
-                self._number(d) * s for d, s in zip(variable.direction, steps, strict=True)
-            )
-            total += rate * small**variable.exponent * along
-        return mpmath.exp(total)
 
 
 def _has_static_law(reduction: Reduction) -> bool:

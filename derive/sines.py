@@ -63,16 +63,13 @@ class _Product:
             turns = [exponents[0] for exponents, _ in terms]
             middle = max(turns) + min(turns)
             self.turns += middle * times
-            self._add(_turned(field, terms, middle), times)
-
-    def _add(self, part: Complex, times: int) -> None:
-        real, imaginary = part
-        if real and imaginary:
-            for _ in range(times):
-                self.rest = _times(self.rest, part)
-            return
-        self.quarters += times if imaginary else 0
-        self.pure *= (imaginary or real).factored() ** times
+            part = real, imaginary = _turned(field, terms, middle)
+            if real and imaginary:
+                for _ in range(times):
+                    self.rest = _times(self.rest, part)
+                continue
+            self.quarters += times if imaginary else 0
+            self.pure *= (imaginary or real).factored() ** times
 
 
 def _turned(

@@ -13,10 +13,8 @@ from functools import reduce as fold
 from sympy import Symbol
 
 from longwave.derive.algebra.jets import Jet
-from longwave.derive.algebra.rational_functions import Exponents, RationalFunction
+from longwave.derive.algebra.rational_functions import RationalFunction, Terms
 from longwave.derive.algebra.series import EpsSeries
-
-Terms = list[tuple[Exponents, int]]
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,8 @@ from flint import fmpq_mpoly_ctx, fmpz_mpoly, fmpz_mpoly_ctx
 from sympy import Expr, Integer, Rational, Symbol
 
 Exponents = tuple[int, ...]
+Terms = list[tuple[Exponents, int]]
+"""Of a polynomial: exponents of the symbols, and the coefficient."""
 
 
 def _factored(polynomial: fmpz_mpoly) -> tuple[int, list[tuple[fmpz_mpoly, int]]]:
@@ -208,9 +210,7 @@ class RationalFunction:
         one = self.field.one.numer
         return [RationalFunction(self.field, part, one) for part, _ in _factored(polynomial)[1]]
 
-    def factored_terms(
-        self, *, below: bool = False
-    ) -> list[tuple[list[tuple[Exponents, int]], int]]:
+    def factored_terms(self, *, below: bool = False) -> list[tuple[Terms, int]]:
         """The terms of each irreducible factor with its power, a number first."""
         polynomial = self.denom if below else self.numer
         content, parts = _factored(polynomial)
@@ -235,7 +235,7 @@ class RationalFunction:
         above, below = (part.derivative(place) for part in (self.numer, self.denom))
         return self._lowest(above * self.denom - self.numer * below, self.denom**2)
 
-    def terms(self, *, below: bool = False) -> list[tuple[Exponents, int]]:
+    def terms(self, *, below: bool = False) -> Terms:
         """Exponents and coefficients of the numerator or of what is ``below`` the line."""
         polynomial = self.denom if below else self.numer
         return [(tuple(map(int, e)), int(value)) for e, value in polynomial.terms()]
@@ -273,7 +273,7 @@ class RationalFunction:
     def powers_of(self, symbol: Symbol) -> dict[int, RationalFunction]:
         """The coefficients of a symbol's powers in the numerator."""
         place = self.field.symbols.index(symbol)
-        parts: dict[int, list[tuple[Exponents, int]]] = {}
+        parts: dict[int, Terms] = {}
         for exponents, value in self.terms():
             others = (*exponents[:place], 0, *exponents[place + 1 :])
             parts.setdefault(exponents[place], []).append((others, value))

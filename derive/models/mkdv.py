@@ -7,13 +7,12 @@ from functools import lru_cache
 from sympy import Expr, Symbol
 
 from longwave.derive.algebra.exact_numbers import Number, exact
-from longwave.derive.algebra.jets import DifferentialPolynomial
 from longwave.derive.algebra.series import EpsSeries
 from longwave.derive.expansion import expand
 from longwave.derive.models.lattices import FPUT_STRAIN
 from longwave.derive.multiscale import reduce
 from longwave.derive.normal_form import NormalForm
-from longwave.derive.output.notation import Notation
+from longwave.derive.output.notation import Notation, signed_sum
 from longwave.derive.reduction import Reduction
 from longwave.derive.scaling import Scaling
 from longwave.derive.symbols import eps
@@ -63,8 +62,12 @@ def initial_velocity() -> Expr:
     >>> initial_velocity()
     Y_T*eps**4 - Y_X*c*eps**2
     """
-    orders = _velocity().parts.items()
-    return sum((eps**order * _expression(part) for order, part in orders), start=eps * 0)
+    terms = (
+        eps**order * number.as_expr() * Symbol(f"Y_{Notation().subscript(jet)}")
+        for order, part in _velocity().parts.items()
+        for [jet], number in part.terms.items()
+    )
+    return sum(terms, start=eps * 0)
 
 
 def initial_velocity_latex() -> str:
@@ -73,18 +76,10 @@ def initial_velocity_latex() -> str:
     >>> print(initial_velocity_latex())
     s = \epsilon^{4} Y_{T} - \epsilon^{2} c Y_{X}
     """
-    result = ""
-    for order, part in sorted(_velocity().parts.items(), reverse=True):
-        body = Notation().latex(part)
-        sign = " - " if body.startswith("-") else " + "
-        factor = rf"\epsilon^{{{order}}} {body.removeprefix('-')}"
-        result += f"{sign}{factor}" if result else f"{sign.strip(' +')}{factor}"
+    orders = sorted(_velocity().parts.items(), reverse=True)
+    bodies = ((order, Notation().latex(part)) for order, part in orders)
+    result = signed_sum(
+        (body.startswith("-"), rf"\epsilon^{{{order}}} {body.removeprefix('-')}")
+        for order, body in bodies
+    )
     return f"s = {result}"
-
-
-def _expression(polynomial: DifferentialPolynomial) -> Expr:
-    notation = Notation()
-    total: Expr = eps * 0
-    for [jet], coefficient in polynomial.terms.items():
-        total += coefficient.as_expr() * Symbol(f"Y_{notation.subscript(jet)}")
-    return total

@@ -91,14 +91,14 @@ class Notation:
 
     def text(self, polynomial: DifferentialPolynomial) -> str:
         """One line of plain text, ``0`` for the zero polynomial."""
-        return _joined(
+        return signed_sum(
             (term.negative, _product(text_of(term.size), self._text_monomial(term)))
             for term in terms(polynomial)
         )
 
     def latex(self, polynomial: DifferentialPolynomial) -> str:
         """LaTeX without delimiters, ``0`` for the zero polynomial."""
-        return _joined(
+        return signed_sum(
             (term.negative, _latex_product(term, self._latex_monomial(term)))
             for term in terms(polynomial)
         )
@@ -182,7 +182,8 @@ def latex_of(expression: Expr) -> str:
     return str(_LatexPrinter().doprint(expression))
 
 
-def _joined(signed: Iterable[tuple[bool, str]]) -> str:
+def signed_sum(signed: Iterable[tuple[bool, str]]) -> str:
+    """Bodies with whether each is negative, in text as in LaTeX; ``0`` for none."""
     result = ""
     for negative, body in signed:
         if result:
@@ -198,7 +199,7 @@ def weighted_sum(parts: Iterable[tuple[int, str]]) -> str:
     >>> weighted_sum([(-2, "x"), (1, "y"), (-1, "z")])
     '-2 x + y - z'
     """
-    return _joined(
+    return signed_sum(
         (weight < 0, body if abs(weight) == 1 else f"{abs(weight)} {body}")
         for weight, body in parts
     )

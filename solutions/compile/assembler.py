@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import sympy as sp
 
-from longwave.solutions.run.bytecode import Bytecode, Code, Operation
+from longwave.solutions.run.bytecode import Code, Operation
 
 _FUNCTIONS = {
     sp.log: Operation.LOGARITHM,
@@ -17,7 +17,7 @@ _FUNCTIONS = {
 }
 
 
-class Assembler:
+class Assembler(Code):
     """Instructions on numbered values; the inputs are the first values.
 
     >>> x, c = sp.symbols("x c")
@@ -28,7 +28,7 @@ class Assembler:
     """
 
     def __init__(self, inputs: Sequence[sp.Symbol]) -> None:
-        self._code = Code(len(inputs))
+        super().__init__(len(inputs))
         self._values: dict[sp.Expr, int] = {symbol: i for i, symbol in enumerate(inputs)}
         self._fixed: dict[sp.Expr, sp.Expr] = {}
 
@@ -49,13 +49,9 @@ class Assembler:
             self._values[expression] = self._compile(expression)
         return self._values[expression]
 
-    def assemble(self, outputs: Sequence[int]) -> Bytecode:
-        """The code for these values."""
-        return self._code.assemble(outputs)
-
     def _compile(self, expression: sp.Expr) -> int:
         if self._is_constant(expression):
-            return self._code.with_constant(Operation.CONSTANT, expression)
+            return self.with_constant(Operation.CONSTANT, expression)
         if expression.is_Add:
             return self._sum(expression)
         if expression.is_Mul:
@@ -63,7 +59,7 @@ class Assembler:
         if expression.is_Pow:
             return self._power(expression.base, expression.exp)
         if expression.func in _FUNCTIONS:
-            return self._code.emit(_FUNCTIONS[expression.func], self._value(expression.args[0]))
+            return self.emit(_FUNCTIONS[expression.func], self._value(expression.args[0]))
         raise ValueError(
             f"functions must be among those with an instruction, got {expression.func.__name__} "
             "(add one to longwave.solutions.compile.assembler)"
@@ -75,14 +71,14 @@ class Assembler:
         for term in terms[1:]:
             other, other_negative = self._signed(term)
             if negative == other_negative:
-                total = self._code.emit(Operation.ADD, *sorted((total, other)))
+                total = self.emit(Operation.ADD, *sorted((total, other)))
             else:
                 first, second = (other, total) if negative else (total, other)
-                total, negative = self._code.emit(Operation.SUBTRACT, first, second), False
+                total, negative = self.emit(Operation.SUBTRACT, first, second), False
         if constant == 0:
             return self._times(total, sp.S.NegativeOne) if negative else total
         operation = Operation.FROM_CONSTANT if negative else Operation.ADD_CONSTANT
-        return self._code.with_constant(operation, constant, total)
+        return self.with_constant(operation, constant, total)
 
     def _signed(self, term: sp.Expr) -> tuple[int, bool]:
         negative = bool(term.as_coeff_Mul()[0].is_negative)
@@ -93,7 +89,7 @@ class Assembler:
         numbers = sorted(self._value(factor) for factor in factors)
         total = numbers[0]
         for number in numbers[1:]:
-            total = self._code.emit(Operation.MULTIPLY, *sorted((total, number)))
+            total = self.emit(Operation.MULTIPLY, *sorted((total, number)))
         return total if constant == 1 else self._times(total, constant)
 
     def _power(self, base: sp.Expr, exponent: sp.Expr) -> int:
@@ -102,9 +98,9 @@ class Assembler:
                 f"exponents must be multiples of 1/2, got {exponent} (write it with exp and log)"
             )
         if exponent < 0:
-            return self._code.emit(Operation.RECIPROCAL, self._value(base**-exponent))
+            return self.emit(Operation.RECIPROCAL, self._value(base**-exponent))
         if not exponent.is_Integer:
-            root = self._code.emit(Operation.SQUARE_ROOT, self._value(base))
+            root = self.emit(Operation.SQUARE_ROOT, self._value(base))
             return self._integer_power(root, int(2 * exponent))
         return self._integer_power(self._value(base), int(exponent))
 
@@ -112,10 +108,10 @@ class Assembler:
         if exponent == 1:
             return base
         half = self._integer_power(base, exponent // 2)
-        square = self._code.emit(Operation.MULTIPLY, half)
+        square = self.emit(Operation.MULTIPLY, half)
         if exponent % 2 == 0:
             return square
-        return self._code.emit(Operation.MULTIPLY, *sorted((base, square)))
+        return self.emit(Operation.MULTIPLY, *sorted((base, square)))
 
     def _split(self, expression: sp.Expr) -> tuple[sp.Expr, list[sp.Expr]]:
         """The constant part of a sum or product, and the other arguments."""
@@ -129,7 +125,7 @@ class Assembler:
     def _times(self, value: int, constant: sp.Expr) -> int:
         exact = constant.is_Rational and _is_power_of_two(constant)
         operation = Operation.SCALE if exact else Operation.MULTIPLY_CONSTANT
-        return self._code.with_constant(operation, constant, value)
+        return self.with_constant(operation, constant, value)
 
 
 def _is_power_of_two(number: sp.Rational) -> bool:

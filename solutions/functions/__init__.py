@@ -9,25 +9,15 @@ from typing import TYPE_CHECKING
 from longwave.support.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
-    from longwave.solutions.functions.jacobi import (
-        jacobi_cn,
-        jacobi_dn,
-        jacobi_epsilon,
-        jacobi_eta,
-        jacobi_sn,
-        jacobi_theta,
-        jacobi_zeta,
-    )
+    from longwave.solutions.functions.jacobi import jacobi_cn as jacobi_cn
+    from longwave.solutions.functions.jacobi import jacobi_dn as jacobi_dn
+    from longwave.solutions.functions.jacobi import jacobi_epsilon as jacobi_epsilon
+    from longwave.solutions.functions.jacobi import jacobi_eta as jacobi_eta
+    from longwave.solutions.functions.jacobi import jacobi_sn as jacobi_sn
+    from longwave.solutions.functions.jacobi import jacobi_theta as jacobi_theta
+    from longwave.solutions.functions.jacobi import jacobi_zeta as jacobi_zeta
 
-__all__ = [
-    "jacobi_cn",
-    "jacobi_dn",
-    "jacobi_epsilon",
-    "jacobi_eta",
-    "jacobi_sn",
-    "jacobi_theta",
-    "jacobi_zeta",
-]
+__all__ = [f"jacobi_{name}" for name in ("cn", "dn", "epsilon", "eta", "sn", "theta", "zeta")]
 
 __getattr__, __dir__ = lazy_exports(
     __name__, {"longwave.solutions.functions.jacobi": " ".join(__all__)}
