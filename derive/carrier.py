@@ -98,7 +98,7 @@ class Carrier(Expansion):
         """Find all parts up to G_1."""
         for order in (2, 3, LAST):
             if order > 2 and not self.is_pinned:
-                self.detuning = self.detuning or self._detuning()
+                self.detuning = self.detuning or self._flow_at(3).coefficient(A, MEAN_LETTER)
                 self._solve_mean(order)
             self._solve_carrier(order)
             if order < LAST:
@@ -128,10 +128,6 @@ class Carrier(Expansion):
             series.replaced(lambda jet: later.derivative(0, jet[0]) if jet[1] == MEAN else None)
             for series in (self.mean, *self.parts)
         )
-
-    def _detuning(self) -> RationalFunction:
-        """The coefficient of S A in ``A_T = G_0``, while the mean is free."""
-        return self._flow_at(3).coefficient(A, MEAN_LETTER)
 
     def _flow_at(self, order: int) -> DifferentialPolynomial:
         """The part of ``A_T``, and of ``-v A_X``, that balances harmonic 1 at this order."""

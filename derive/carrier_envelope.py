@@ -16,7 +16,6 @@ from sympy import Expr, I, S, Symbol, cos, pi, simplify, sin, sqrt
 
 from longwave.derive.algebra.exact_numbers import Number, instance, parse_rational
 from longwave.derive.algebra.formula_expression import exact_value
-from longwave.derive.algebra.jets import DifferentialPolynomial
 from longwave.derive.algebra.rational_functions import RationalFunction
 from longwave.derive.carrier import Carrier, EnvelopeError, w, z
 from longwave.derive.lattice import Lattice
@@ -104,12 +103,10 @@ class Envelope(Displayed):
     @cached_property
     def parts(self) -> Mapping[str, RationalFunction]:
         """The coefficients as rational functions of z and w; p and q times i."""
-        found, field = self.carrier, self.carrier.field
+        found = self.carrier
         A, B, A_X, B_X, A_XX, A_XXX = (0, 0), (0, 1), (1, 0), (1, 1), (2, 0), (3, 0)
-        nothing = DifferentialPolynomial.zero(field)
-        first, second = (found.flow.parts.get(power, nothing) for power in (0, 1))
-        index = next(i for i, share in enumerate(found.carried[0]) if share)
-        squared = found.parts[index].parts.get(2, nothing)
+        first, second = (found.flow.at(power) for power in (0, 1))
+        squared = found.parts[found.carried[0].index(1)].at(2)
         mean = found.means[0] if found.means else squared
         for part, known in (
             (first, {(A_XX,), (A, A, B)}),
@@ -192,17 +189,15 @@ class Envelope(Displayed):
 
     def _values(self, constants: Mapping[str, Number]) -> dict[Symbol, Expr]:
         lattice = self.carrier.lattice
-        basic = {s for value in dict(lattice.definitions).values() for s in value.free_symbols}
-        names = {str(s): s for s in sorted({*self.lattice.constants, *basic}, key=str)}
+        known = {*self.lattice.constants, *lattice.basic_constants}
+        names = {str(s): s for s in sorted(known, key=str)}
         given = {str(symbol): value for symbol, value in self.constants.items()} | {**constants}
         values = values_of(given, names, self.lattice.name)
-        for symbol, value in lattice.definitions:
-            values[symbol] = value.xreplace(values)
         used = names.keys() - {str(s) for s, _ in lattice.definitions}
         missing = sorted(used - given.keys())
         if missing:
             raise ValueError(f"{missing[0]} must be given, got none (a number, as {missing[0]}=1)")
-        return values
+        return values | lattice.with_defined(values)
 
     def point(
         self, k: Number | None, branch: str | int | None, constants: Mapping[str, Number]

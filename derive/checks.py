@@ -119,8 +119,7 @@ class _Point:
         self.values = numbers(reduction.pde.flow.field.symbols)
         self.shares = {name: self._number(e.as_expr()) for name, (e, _) in reduction.slaved.items()}
         self.left = [self._number(value.as_expr()) for value in reduction.left]
-        self.row = next(i for i, value in enumerate(self.left) if value)
-        self.column = next(i for i, share in enumerate(self.shares.values()) if share)
+        self.row, self.column = self.left.index(1), [*self.shares.values()].index(1)
         axes = len(self.scaling.axes)
         self.rates = [
             [Rational(3 + i, 7 + 2 * j) * (-1) ** (i * j) for j in range(axes)] for i in (0, 1)
@@ -254,8 +253,7 @@ def _has_static_law(reduction: Reduction) -> bool:
 def _static(reduction: Reduction) -> Check:
     """The speed of long waves on a uniform strain, and the nonlinear terms without dispersion."""
     basic = _admissible(reduction)
-    defined = {symbol: value.xreplace(basic) for symbol, value in reduction.lattice.definitions}
-    values = {**basic, **defined}
+    values = reduction.lattice.with_defined(basic)
     found = reduction.coefficients(**{str(symbol): value for symbol, value in basic.items()})
     terms = {"Y_X": 0, "Y Y_X": 1, "Y^2 Y_X": 2}
     shifts = {terms[name]: value for name, value in found.terms.items() if name in terms}
@@ -273,9 +271,7 @@ def _static(reduction: Reduction) -> Check:
 
 def _admissible(reduction: Reduction) -> dict[Symbol, Expr]:
     """Numbers for the constants that meet the conditions, the last symbol of each solved for."""
-    definitions = dict(reduction.lattice.definitions)
-    inner = {s for value in definitions.values() for s in value.free_symbols}
-    constants = sorted({*reduction.lattice.constants, *inner} - {*definitions}, key=str)
+    constants, definitions = reduction.lattice.basic_constants, dict(reduction.lattice.definitions)
     chosen: dict[Symbol, Expr] = dict(numbers(constants))
     for condition in reduction.conditions:
         speed = {reduction.scaling.frame_symbol: sqrt(reduction.speed_squared)}

@@ -94,7 +94,8 @@ def dispersion_relation(lattice: Lattice = FPUT_STRAIN) -> Dispersion:
                 f"{weights[shift]} and {weights[-shift]} (the force must be reciprocal)"
             )
         if shift > 0:
-            squared += 4 * weights[shift] * _squared_sine(shift)
+            squared_sine = (1 - chebyshevt(shift, 1 - 2 * HALF_SINE**2)) / 2  # of shift k/2
+            squared += 4 * weights[shift] * expand(squared_sine)
     actual = {HALF_SINE: sin(k / 2)}
     tied = -expand(sum(weights.values()))
     if tied != 0:
@@ -117,11 +118,6 @@ def _weights(lattice: Lattice) -> dict[int, Expr]:
                 [shift] = (i + j for i, j in zip(entry.shift, part.shift, strict=True))
                 weights[shift] += entry.weight * part.weight * slope
     return weights
-
-
-def _squared_sine(multiple: int) -> Expr:
-    """sin^2(multiple k/2) as a polynomial in sin(k/2)."""
-    return expand((1 - chebyshevt(multiple, 1 - 2 * HALF_SINE**2)) / 2)
 
 
 def long_wave_of_reduction(reduction: Reduction) -> Expr:

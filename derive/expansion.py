@@ -214,17 +214,13 @@ class Expansion:
         With the null vectors of a ``wave`` one field has no such part, and one row is left out.
         Raises ZeroDivisionError where the harmonic is another wave of the lattice.
         """
-        column, row = (_leading_index(v) for v in wave) if wave else (None, None)
+        column, row = (vector.index(1) for vector in wave) if wave else (None, None)
         part = without(self.matrix(j), row, column)
         others = [values for i, values in enumerate(rows) if i != row]
         fields = [index for index in range(len(rows)) if index != column]
         nothing = DifferentialPolynomial.zero(self.field)
         for index, weights in zip(fields, inverse(part) if part else [], strict=True):
             yield index, -combined(weights, others, nothing)
-
-
-def _leading_index(vector: Column) -> int:
-    return next(i for i, value in enumerate(vector) if value)
 
 
 def expand(lattice: Lattice, scaling: Scaling, limit: int) -> Expansion:

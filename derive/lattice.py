@@ -169,6 +169,17 @@ class Lattice(Displayed):
             found |= expression.free_symbols
         return tuple(sorted(found - {x, eps}, key=str))
 
+    @property
+    def basic_constants(self) -> tuple[Symbol, ...]:
+        """The constants, by name, with those of definitions in the place of what they define."""
+        defined = dict(self.definitions)
+        inner = (symbol for value in defined.values() for symbol in value.free_symbols)
+        return tuple(sorted({*self.constants, *inner} - {*defined}, key=str))
+
+    def with_defined(self, values: Mapping[Symbol, Expr]) -> dict[Symbol, Expr]:
+        """The values, with those of the symbols that are defined by other constants."""
+        return {**{symbol: value.xreplace(values) for symbol, value in self.definitions}, **values}
+
     def with_values(self, values: Mapping[str, Number]) -> Lattice:
         """The lattice with numbers, or polynomials in eps, in the places of constants.
 

@@ -256,17 +256,17 @@ def normal_form_of(
     >>> normal_form_of(S(2), {"Y Y_X": S(3), "Y_XXX": S(1)})
     NormalForm(a=1, b=1, s=1, c=2, equation=KdV, h=2)
     """
-    terms = {term: value for term, value in coefficients.items() if not _vanishes(value)}
+    terms = {
+        term: value
+        for term, value in coefficients.items()
+        if not (value.equals(0) if value.is_number else value.is_zero)
+    }
     drift = terms.pop("Y_X", S.Zero)
     entry = equation_of(terms)
     if entry is None:
         raise ValueError(_refusal(terms, [term for term in coefficients if term not in terms]))
     scales = {"s": S.One, **entry.scales(*(terms[term] for term in entry.terms))}
     return NormalForm(c=c, equation=entry.name, drift=drift, digits=digits, **scales)
-
-
-def _vanishes(value: Expr) -> bool:
-    return bool(value.equals(0) if value.is_number else value.is_zero)
 
 
 def _refusal(left: Mapping[str, Expr], vanished: Sequence[str]) -> str:

@@ -101,11 +101,6 @@ class Reduction:
         """The values, and the frame's symbol as the positive root of c^2 there."""
         return {**values, self.scaling.frame_symbol: sqrt(self.speed_squared.xreplace(values))}
 
-    def _defined(self, values: Mapping[Symbol, Expr]) -> dict[Symbol, Expr]:
-        """The values, with those of the symbols that the lattice defines by other constants."""
-        definitions = self.lattice.definitions
-        return {**{symbol: value.xreplace(values) for symbol, value in definitions}, **values}
-
     def values(self, constants: Mapping[str, Number]) -> dict[Symbol, Expr]:
         """The value of every symbol that coefficients have, the frame's speed among them.
 
@@ -161,13 +156,10 @@ class Reduction:
 
     def _checked(self, constants: Mapping[str, Number]) -> dict[Symbol, Expr]:
         own = (s for s in self.scaling.constants if s != self.scaling.frame_symbol)
-        defined = dict(self.lattice.definitions)
-        basic = (s for value in defined.values() for s in value.free_symbols)
-        known = (*self.lattice.constants, *basic, *own)
-        names = {str(s): s for s in sorted({*known} - {*defined}, key=str)}
+        names = {str(s): s for s in sorted({*self.lattice.basic_constants, *own}, key=str)}
         values = values_of(constants, names, self.lattice.name)
         _check_assumptions(values)
-        values = self._defined(values)
+        values = self.lattice.with_defined(values)
         self._check_denominators(values)
         self._check_speed(values)
         for condition in self.conditions:

@@ -88,7 +88,10 @@ class Parameter:
         self, bound: Bound, exact: sp.Expr, values: Mapping[str, object], side: int
     ) -> None:
         end = bound.value.subs(
-            {symbol: exact_number(symbol.name, values[symbol.name]) for symbol in _symbols(bound)}
+            {
+                symbol: exact_number(symbol.name, values[symbol.name])
+                for symbol in sorted(bound.value.free_symbols, key=str)
+            }
         )
         distance = sp.N(side * (exact - end), COMPARISON_DIGITS)
         if distance > 0 or (distance == 0 and not bound.is_open):
@@ -103,10 +106,6 @@ class Parameter:
 
 def _sign(bound: Bound) -> str:
     return "<" if bound.is_open else "<="
-
-
-def _symbols(bound: Bound) -> list[sp.Symbol]:
-    return sorted(bound.value.free_symbols, key=str)
 
 
 @dataclass(frozen=True)

@@ -148,7 +148,8 @@ def derivative(expression: sp.Expr, variables: Sequence[sp.Symbol]) -> sp.Expr:
     found = without_sizes(expression)
     for step, variable in enumerate(variables):
         most = MOST_NODES if step < FREE else NODES
-        if not found.is_Derivative and _nodes(found, most) > most:
+        nodes = islice(sp.preorder_traversal(found), most + 1)
+        if not found.is_Derivative and sum(1 for _ in nodes) > most:
             raise TooLarge(f"derivatives must have at most {most} parts on the way")
         found = sp.diff(found, variable)
     return found
@@ -263,8 +264,3 @@ def _expanded(node: sp.Expr) -> int:
     elif node.args:
         count = max(_expanded(argument) for argument in node.args)
     return min(count, EXPANDED + 1)
-
-
-def _nodes(expression: sp.Expr, most: int) -> int:
-    """The number of parts of the tree; ``most`` + 1 for more."""
-    return sum(1 for _ in islice(sp.preorder_traversal(expression), most + 1))

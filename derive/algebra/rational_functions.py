@@ -242,16 +242,11 @@ class RationalFunction:
 
     def as_expr(self) -> Expr:
         """The quotient in SymPy."""
-        above, below = (
-            sum(
-                (
-                    _product(self.field.symbols, exponents, value)
-                    for exponents, value in self.terms(below=line)
-                ),
-                Integer(0),
-            )
-            for line in (False, True)
-        )
+        above, below = Integer(0), Integer(0)
+        for exponents, value in self.terms():
+            above += _product(self.field.symbols, exponents, value)
+        for exponents, value in self.terms(below=True):
+            below += _product(self.field.symbols, exponents, value)
         return above / below
 
     def factored(self) -> Expr:

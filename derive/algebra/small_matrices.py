@@ -26,11 +26,10 @@ def inverse(matrix: Matrix) -> list[Column]:
     whole, count = determinant(matrix), len(matrix)
     if count == 1:
         return [[1 / whole]]
-    return [[_cofactor(matrix, i, j) / whole for i in range(count)] for j in range(count)]
-
-
-def _cofactor(matrix: Matrix, row: int, column: int) -> Any:
-    return determinant(without(matrix, row, column)) * (-1) ** (row + column)
+    return [
+        [determinant(without(matrix, i, j)) * (-1) ** (i + j) / whole for i in range(count)]
+        for j in range(count)
+    ]
 
 
 def without(matrix: Matrix, row: int | None, column: int | None) -> list[Column]:

@@ -119,7 +119,11 @@ def _data(
     }
     if numbers is None or form is None:
         return {**data, **{name: text_of(found.expressions[name]) for name in names}}
-    values = {n: _plain(v) for n, v in asdict(numbers).items() if n in ("omega", *names)}
+    values = {
+        n: [v.real, v.imag] if isinstance(v, complex) else v
+        for n, v in asdict(numbers).items()
+        if n in ("omega", *names)
+    }
     return {**data, "numbers": values, "normal_form": {**form_data(form), "digits": form.digits}}
 
 
@@ -219,10 +223,6 @@ def _carrier(text: str) -> Expr | None:
         return wavenumber(value)
     except ValueError as error:
         raise ValueError(f"--envelope: {error}") from None
-
-
-def _plain(value: complex) -> float | list[float]:
-    return [value.real, value.imag] if isinstance(value, complex) else value
 
 
 def _rounded(value: complex) -> str:

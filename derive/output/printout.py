@@ -59,7 +59,9 @@ def print_derivation(options: DeriveOptions) -> int:
 
             lines = list(carrier_lines(lattice, options))
         else:
-            _check_carrier_options(options)
+            for option, given in (("--branch", options.branch), ("--map", options.points)):
+                if given is not None:
+                    raise ValueError(f"{option} must come with --envelope, got {given!r} alone")
             lines = list(_reduction_lines(lattice, options))
     except (ValueError, OSError) as error:
         return fail(error)
@@ -98,7 +100,8 @@ def _reduction_lines(lattice: Lattice, options: DeriveOptions) -> Iterator[str]:
     elif options.form == "latex":
         yield reduction.latex(**values)
         if is_paper:
-            yield _linear_latex(reduction)
+            rows = (*dispersion_relation(reduction.lattice).latex(), initial_velocity_latex())
+            yield aligned([("", row) for row in rows])
     else:
         yield reduction.text()
         if is_paper:
@@ -236,12 +239,6 @@ def _check_cost(lattice: Lattice, further: int) -> None:
     check_and_announce(f"derivation of {lattice.name}", seconds, cheaper=CHEAPER_ORDER)
 
 
-def _check_carrier_options(options: DeriveOptions) -> None:
-    for option, given in (("--branch", options.branch), ("--map", options.points)):
-        if given is not None:
-            raise ValueError(f"{option} must come with --envelope, got {given!r} alone")
-
-
 def count(option: str, text: str, most: int) -> int:
     """The number of an option; ValueError unless it is one up to ``most``."""
     if not (text.isascii() and text.isdigit() and len(text) < 4 and int(text) <= most):
@@ -261,11 +258,6 @@ def _linear_lines(reduction: Reduction) -> Iterator[str]:
     agrees = agrees_with_reduction(reduction.lattice, reduction)
     yield f"  same as the reduced equation's linear part to k^3: {'yes' if agrees else 'NO'}"
     yield f"initial velocity: s = {text_of(initial_velocity())}"
-
-
-def _linear_latex(reduction: Reduction) -> str:
-    rows = [*dispersion_relation(reduction.lattice).latex(), initial_velocity_latex()]
-    return aligned([("", row) for row in rows])
 
 
 def _number_lines(reduction: Reduction, values: Mapping[str, Expr]) -> Iterator[str]:

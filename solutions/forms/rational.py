@@ -4,9 +4,8 @@
 ``solutions.forms.tau_polynomials`` and ``x = xi - 6 tau``.
 """
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from importlib import import_module
 from typing import Any
 
 import sympy as sp
@@ -53,24 +52,15 @@ def rational(order: int, free: Iterable[int] = ()) -> ClosedForm:
         far_fields=FarFields(level, level),
         reference=Reference("ankiewicz2018rogue", "standard mKdV"),
         stabilise=lambda: horner_form(order, shifts),
-        evaluator=rational_evaluator(order, shifts),
+        evaluator=lambda values: _evaluator(family, values),
     )
     return form.found_by(rational, order, shifts)
 
 
-def rational_evaluator(
-    order: int, free: tuple[int, ...] = ()
-) -> Callable[[Mapping[sp.Symbol, sp.Expr]], Any]:
-    """What makes a solution's evaluator from exact values of its shifts.
+def _evaluator(family: RationalTau, shifts: Mapping[sp.Symbol, sp.Expr]) -> Any:
+    from longwave.solutions.run.rational_evaluator import RationalEvaluator  # needs a compiler
 
-    It is imported at first use, so that reading the formulas needs no compiler.
-    """
-
-    def evaluator(shifts: Mapping[sp.Symbol, sp.Expr]) -> Any:
-        module = import_module("longwave.solutions.run.rational_evaluator")
-        return module.RationalEvaluator(rational_tau(order, free), shifts)
-
-    return evaluator
+    return RationalEvaluator(family, shifts)
 
 
 def _parts(family: RationalTau) -> list[fmpq_mpoly]:
