@@ -7,7 +7,7 @@ more than 0.3 s they gave 0.2 to 7 times what it took.
 
 from __future__ import annotations
 
-from longwave.derive.lattice import Lattice
+from longwave.derive.lattice import Lattice, Stencil
 
 PLAIN = 0.15
 """Seconds for a lattice with one field, through any order that is allowed, for each bond."""
@@ -62,12 +62,9 @@ def envelope_seconds(lattice: Lattice, at_pi: bool, given: int = 0) -> float:
 
 def _reach(lattice: Lattice) -> int:
     """The cells that the longest bond reaches."""
-    shifts = [[entry.shift[0] for entry in bond.stretch] for bond in lattice.bonds]
-    action = [[entry.shift[0] for entry in bond.action] for bond in lattice.bonds]
-    return max(
-        1,
-        *(
-            (max(one) - min(one) + max(two) - min(two)) // 2
-            for one, two in zip(shifts, action, strict=True)
-        ),
-    )
+
+    def span(entries: tuple[Stencil, ...]) -> int:
+        shifts = [entry.shift[0] for entry in entries]
+        return max(shifts) - min(shifts)
+
+    return max(1, *((span(bond.stretch) + span(bond.action)) // 2 for bond in lattice.bonds))

@@ -60,15 +60,11 @@ class SlowVariable:
         '-2 n + c t'
         """
         parts: list[tuple[int, str]] = []
-        for step, axis in zip(self.direction, "nml", strict=False):
+        for step, axis in (*zip(self.direction, "nml", strict=False), (-self.speed, "t")):
             backwards = step.could_extract_minus_sign()
             size = -step if backwards else step
             name = axis if size == 1 else f"{bracketed(size, printed)} {axis}"
             parts += [(-1 if backwards else 1, name)] if step else []
-        if self.speed != 0:
-            backwards = self.speed.could_extract_minus_sign()
-            size = -self.speed if backwards else self.speed
-            parts.append((1 if backwards else -1, f"{bracketed(size, printed)} t"))
         return weighted_sum(parts)
 
 

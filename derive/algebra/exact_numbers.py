@@ -62,7 +62,14 @@ def exact(name: str, value: Number) -> Expr:
     if isinstance(value, str):
         return parse_rational(name, value)
     if isinstance(value, Expr) and not value.is_Float:
-        _check_expression(name, value)
+        if value.has(Float):
+            raise ValueError(
+                f"{name} must be exact, got {shown(value)} with a float in it (write "
+                "Rational(1, 10) for 0.1)"
+            )
+        unreal = value.is_real is False or value.has(nan, oo, -oo, zoo, I)
+        if unreal or not value.is_commutative or isinstance(value, MatrixExpr):
+            raise _not_real(name, value)
         return value
     if isinstance(value, bool):
         raise _not_real(name, value)
@@ -75,17 +82,6 @@ def exact(name: str, value: Number) -> Expr:
     if isinstance(value, (Real, Float)):
         return parse_rational(name, _decimal(name, value))
     raise _not_real(name, value)
-
-
-def _check_expression(name: str, value: Expr) -> None:
-    if value.has(Float):
-        raise ValueError(
-            f"{name} must be exact, got {shown(value)} with a float in it (write Rational(1, 10) "
-            "for 0.1)"
-        )
-    unreal = value.is_real is False or value.has(nan, oo, -oo, zoo, I)
-    if unreal or not value.is_commutative or isinstance(value, MatrixExpr):
-        raise _not_real(name, value)
 
 
 def _decimal(name: str, value: Any) -> str:

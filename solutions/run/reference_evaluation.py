@@ -46,11 +46,14 @@ def evaluate_mp(
     until two results agree: the printed forms cancel near the ends of their parameters' domains.
     """
     context, formula = _formula(expression, tuple(parameters))
+    along, later, moving, across = variables
+    x, t, *z = point
+    exact = along * x + moving * t, later * t, across * z[0] if z else sp.S.Zero
     guard, before = GUARD_DIGITS, None
     while True:
         with context.workdps(digits + guard):
             given = [_convert(context, number) for number in parameters.values()]
-            place = [_convert(context, number) for number in _place(variables, point)]
+            place = [_convert(context, number) for number in exact]
             if highest is None:
                 values = _with_differences(context, formula, place, len(point), given)
             else:
@@ -64,13 +67,6 @@ def evaluate_mp(
             with context.workdps(digits):
                 return tuple(+value for value in found)
         guard, before = 2 * guard, found
-
-
-def _place(variables: tuple[sp.Expr, ...], point: Sequence[sp.Expr]) -> list[sp.Expr]:
-    """xi, tau and zeta."""
-    along, later, drift, across = variables
-    x, t, *z = point
-    return [along * x + drift * t, later * t, across * z[0] if z else sp.S.Zero]
 
 
 def _with_differences(
