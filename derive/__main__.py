@@ -51,15 +51,7 @@ def derive(
     sets: tuple[str, ...],
     latex: bool,
     json_wanted: bool,
-    background: str | None,
-    amplitude: str | None,
-    time: str | None,
-    orders: str | None,
-    carrier: str | None,
-    branch: str | None,
-    points: str | None,
-    direction: str | None,
-    **constants: str | None,
+    **options: str | None,
 ) -> int:
     """Derive the long-wave or envelope equation of a lattice.
 
@@ -73,7 +65,7 @@ def derive(
     models = words[1:] if check else words
     if len(models) > 1:
         raise click.UsageError(f"MODEL must be one, got {' '.join(models)} (derive them in turn)")
-    given = {name: text for name, text in constants.items() if text is not None}
+    given = {name: text for name in CONSTANTS if (text := options.pop(name)) is not None}
     for part in (part for text in sets for part in text.split(",")):
         name, sign, value = part.partition("=")
         if not sign:
@@ -85,16 +77,9 @@ def derive(
         DeriveOptions(
             model=models[0] if models else None,
             constants=given,
-            background=background,
-            amplitude=amplitude,
-            time=time,
-            orders=orders,
-            carrier=carrier,
-            branch=branch,
-            points=points,
-            direction=direction,
             form="json" if json_wanted else "latex" if latex else "text",
             check=check,
+            **options,
         )
     )
 

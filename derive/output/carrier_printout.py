@@ -174,7 +174,7 @@ def _map_lines(
     lattice: Lattice, options: DeriveOptions, chosen: Expr | None, branch: str | int, values: Values
 ) -> Iterator[str]:
     """p, q and the growth rate at equally spaced wavenumbers up to pi."""
-    points = count("--map", options.points or "", MOST_POINTS)
+    points = count("--map", options.points, MOST_POINTS)
     if chosen is not None or not points:
         raise ValueError(
             f"--map must be 1 or more, with --envelope k, got --map {points} with --envelope "

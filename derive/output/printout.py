@@ -169,16 +169,12 @@ class _Ansatz:
         constants: Mapping[str, Expr],
     ) -> _Ansatz:
         """The ansatz that the options state, with constants put in."""
-
-        def number(option: str, text: str | None, most: int) -> int | None:
-            return None if text is None else count(option, text, most)
-
         return cls(
             *about_mean(lattice, options.background or 0, constants),
             space,
-            number("--amplitude", options.amplitude, 8),
-            number("--time", options.time, 9),
-            number("--order", options.orders, MOST_ORDERS),
+            count("--amplitude", options.amplitude, 8),
+            count("--time", options.time, 9),
+            count("--order", options.orders, MOST_ORDERS),
         )
 
     @property
@@ -239,8 +235,10 @@ def _check_cost(lattice: Lattice, further: int) -> None:
     check_and_announce(f"derivation of {lattice.name}", seconds, cheaper=CHEAPER_ORDER)
 
 
-def count(option: str, text: str, most: int) -> int:
-    """The number of an option; ValueError unless it is one up to ``most``."""
+def count(option: str, text: str | None, most: int) -> int | None:
+    """The number of an option, None for none; ValueError unless it is one up to ``most``."""
+    if text is None:
+        return None
     if not (text.isascii() and text.isdigit() and len(text) < 4 and int(text) <= most):
         raise ValueError(
             f"{option} must be an integer <= {most}, got {text!r} (leave it for the default)"
