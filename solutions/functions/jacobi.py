@@ -115,7 +115,9 @@ class JacobiFunction(Function):
         return rf"{self.latex_symbol}{power}\left({printer._print(z)}{second}\right)"
 
     def _numpycode(self, printer: Any) -> str:
-        name = printer._module_format(f"longwave.solutions.numpy_function.{self.func.__name__}")
+        name = printer._module_format(
+            f"longwave.solutions.functions.numpy_values.{self.func.__name__}"
+        )
         return f"{name}({', '.join(printer._print(x) for x in self.args)})"
 
 

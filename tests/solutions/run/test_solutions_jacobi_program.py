@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from mpmath import MPContext
 
-from longwave.solutions import numpy_function as numpy_functions
 from longwave.solutions.functions import multiprecision as mp
+from longwave.solutions.functions import numpy_values as numpy_functions
 from longwave.solutions.run.doubledouble import Array
 from longwave.solutions.run.program import JacobiProgram, jacobi_program
 
