@@ -10,7 +10,15 @@ from sympy import Expr, S
 
 from longwave.derive.algebra.jets import DifferentialPolynomial, Monomial
 from longwave.derive.normal_form import equation_of
-from longwave.derive.output.notation import Displayed, Notation, latex_of, terms, text_of
+from longwave.derive.output.notation import (
+    Displayed,
+    Notation,
+    Printed,
+    derived,
+    latex_of,
+    terms,
+    text_of,
+)
 
 WITHOUT_NORMAL_FORM = {
     "Y_XXX": "linear",
@@ -38,13 +46,9 @@ class OrderEquation(Displayed):
         first = terms(self.polynomial)[:1]
         return -self.polynomial if first and first[0].negative else self.polynomial
 
-    def text(self) -> str:
+    def written(self, printed: Printed) -> str:
         """``2 c Y_XT + K4 (Y^3)_XX + ... = 0``."""
-        return f"{self.notation.text(self._printed)} = 0"
-
-    def latex(self) -> str:
-        """The equation in LaTeX, without delimiters."""
-        return f"{self.notation.latex(self._printed)} = 0"
+        return f"{self.notation.written(self._printed, printed)} = 0"
 
 
 @dataclass(frozen=True, repr=False)
@@ -92,7 +96,7 @@ class EvolutionEquation(Displayed):
 
         Where no sign is known by the symbols' assumptions a KP equation is "KP-I or KP-II".
         """
-        names = {self.notation.monomial_text(monomial) for monomial in self.flow.terms}
+        names = {self.notation.monomial(monomial) for monomial in self.flow.terms}
         if not self.transverse:
             known = equation_of(names)
             found = ", ".join(names - {"Y_X"})
@@ -127,26 +131,15 @@ class EvolutionEquation(Displayed):
         jet = (3, *(0,) * (len(self.notation.axes) - 1))
         return self.polynomial.coefficient(jet).as_expr()
 
-    def text(self) -> str:
-        """The equation in plain text."""
-        along = self.notation.text(self.polynomial)
+    def written(self, printed: Printed) -> str:
+        """``Y_T + 6 Y Y_X + Y_XXX = 0``."""
+        along = self.notation.written(self.polynomial, printed)
         if self.transverse:
-            along = (
-                f"({along})_{self.notation.axes[0]}{_signed(self.notation.text(self.transverse))}"
-            )
+            across = self.notation.written(self.transverse, printed)
+            sign = "-" if across.startswith("-") else "+"
+            outer = derived(along, self.notation.axes[0], printed)
+            along = f"{outer} {sign} {across.removeprefix('-')}"
         return f"{along} = 0"
-
-    def latex(self) -> str:
-        """The equation in LaTeX, without delimiters."""
-        along = self.notation.latex(self.polynomial)
-        if self.transverse:
-            outer = rf"\left({along}\right)_{{{self.notation.axes[0]}}}"
-            along = f"{outer}{_signed(self.notation.latex(self.transverse))}"
-        return f"{along} = 0"
-
-
-def _signed(term: str) -> str:
-    return f" - {term[1:]}" if term.startswith("-") else f" + {term}"
 
 
 @dataclass(frozen=True)

@@ -68,7 +68,7 @@ class _Solver:
         order = next(iter(self.series.parts), self.lowest_order)
         lowest = self.series.at(order)
         if set(lowest.terms) != {(self.second,)}:
-            wanted = f"a multiple of {self.notation.monomial_text((self.second,))} alone"
+            wanted = f"a multiple of {self.notation.monomial((self.second,))} alone"
             raise self._refusal(order, f"{wanted} (try a larger amplitude exponent)")
         polynomial = lowest.coefficient(self.second)
         self._eliminate(order, polynomial)
@@ -140,7 +140,7 @@ class _Solver:
         """F and B of the evolution equation ``(Y_T - F)_X + B = 0``; B is linear, without X."""
         part = self.series.parts.get(self.leading_order)
         timed = [m for m in part.terms if any(jet[-1] for jet in m)] if part else []
-        wanted = self.notation.monomial_text((self.mixed,))
+        wanted = self.notation.monomial((self.mixed,))
         if timed != [(self.mixed,)] or part is None:
             raise self._refusal(self.leading_order, f"linear in {wanted}")
         self.factor = part.coefficient(self.mixed)

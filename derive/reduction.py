@@ -122,7 +122,7 @@ class Reduction:
         flow = sorted(self.pde.flow.terms.items(), key=lambda item: (-len(item[0]), item[0]))
         terms = [*((m, -value) for m, value in flow), *self.pde.transverse.terms.items()]
         found = [
-            (self.notation.monomial_text(monomial), monomial, value.factored().xreplace(at))
+            (self.notation.monomial(monomial), monomial, value.factored().xreplace(at))
             for monomial, value in terms
         ]
         return Coefficients(
@@ -152,7 +152,7 @@ class Reduction:
 
     def _term(self, monomial: Monomial) -> str:
         """A term's name in normal forms."""
-        return Notation(("X", *"ZVW"[: len(self.notation.axes) - 2], "T")).monomial_text(monomial)
+        return Notation(("X", *"ZVW"[: len(self.notation.axes) - 2], "T")).monomial(monomial)
 
     def _checked(self, constants: Mapping[str, Number]) -> dict[Symbol, Expr]:
         own = (s for s in self.scaling.constants if s != self.scaling.frame_symbol)

@@ -6,7 +6,7 @@ of a single monomial is written as one, ``K3 (Y^2)_XX`` rather than ``2 K3 Y Y_X
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 from typing import TypeAlias
@@ -24,6 +24,38 @@ Printed: TypeAlias = Callable[[Expr], str]
 """How a constant is written: `text_of` or `latex_of`."""
 
 LATEX_NAMES = {"ybar": r"\overline{y}", "eps": r"\epsilon"}
+
+
+class _TextPrinter(StrPrinter):
+    """Sums in their natural order, ``c^2 - K2``."""
+
+    def _print_Add(self, expr: Expr, order: str | None = None) -> str:
+        return str(super()._print_Add(expr, order="none"))
+
+
+class _LatexPrinter(LatexPrinter):
+    """Sums in their natural order, symbols under the project's names."""
+
+    def _print_Symbol(self, expr: Expr, style: str = "plain") -> str:
+        return LATEX_NAMES.get(str(expr)) or str(super()._print_Symbol(expr, style))
+
+    def _print_Add(self, expr: Expr, order: str | None = None) -> str:
+        return str(super()._print_Add(expr, order="none"))
+
+
+def text_of(expression: Expr) -> str:
+    """A constant in plain text.
+
+    >>> from longwave.derive.symbols import K4, c
+    >>> text_of(3 * K4 / (2 * c))
+    '3 K4/(2 c)'
+    """
+    return str(_TextPrinter().doprint(expression)).replace("**", "^").replace("*", " ")
+
+
+def latex_of(expression: Expr) -> str:
+    """A constant in LaTeX, with the project's names."""
+    return str(_LatexPrinter().doprint(expression))
 
 
 @dataclass(frozen=True)
@@ -91,95 +123,56 @@ class Notation:
 
     def text(self, polynomial: DifferentialPolynomial) -> str:
         """One line of plain text, ``0`` for the zero polynomial."""
-        return signed_sum(
-            (term.negative, _product(text_of(term.size), self._text_monomial(term)))
-            for term in terms(polynomial)
-        )
+        return self.written(polynomial, text_of)
 
     def latex(self, polynomial: DifferentialPolynomial) -> str:
         """LaTeX without delimiters, ``0`` for the zero polynomial."""
+        return self.written(polynomial, latex_of)
+
+    def written(self, polynomial: DifferentialPolynomial, printed: Printed) -> str:
+        """The same, in text or in LaTeX."""
         return signed_sum(
-            (term.negative, _latex_product(term, self._latex_monomial(term)))
+            (term.negative, _product(term.size, self._under(term, printed), printed))
             for term in terms(polynomial)
         )
 
-    def monomial_text(self, monomial: Monomial) -> str:
-        """A product of jets in plain text, ``Y^2 Y_X``."""
-        return " ".join(self._factors(monomial, "", ""))
+    def _under(self, term: Term, printed: Printed) -> str:
+        product = self.monomial(term.monomial, printed)
+        outer = self.subscript((term.outer, *(0,) * (len(self.axes) - 1)))
+        return derived(product, outer, printed) if outer else product
 
-    def monomial_latex(self, monomial: Monomial) -> str:
-        """A product of jets in LaTeX."""
-        return " ".join(self._factors(monomial, "{", "}"))
-
-    def _factors(self, monomial: Monomial, opening: str, closing: str) -> Iterator[str]:
+    def monomial(self, monomial: Monomial, printed: Printed = text_of) -> str:
+        """A product of jets, ``Y^2 Y_X``."""
+        opening, closing = ("", "") if printed is text_of else ("{", "}")
+        factors = []
         for jet, repeated in groupby(monomial):
             power = len(list(repeated))
             below = self.subscript(jet)
             name = f"{self.unknown}_{opening}{below}{closing}" if below else self.unknown
-            yield name if power == 1 else f"{name}^{opening}{power}{closing}"
-
-    def _outer(self, term: Term) -> str:
-        return self.subscript((term.outer, *(0,) * (len(self.axes) - 1)))
-
-    def _text_monomial(self, term: Term) -> str:
-        product = self.monomial_text(term.monomial)
-        return f"({product})_{self._outer(term)}" if term.outer else product
-
-    def _latex_monomial(self, term: Term) -> str:
-        product = self.monomial_latex(term.monomial)
-        if not term.outer:
-            return product
-        return rf"\left({product}\right)_{{{self._outer(term)}}}"
+            factors.append(name if power == 1 else f"{name}^{opening}{power}{closing}")
+        return " ".join(factors)
 
 
 class Displayed:
     """Base of records with text and LaTeX: one line as the repr, a formula in notebooks."""
 
+    def written(self, printed: Printed) -> str:
+        """What text and LaTeX are, with its constants as they are printed."""
+        raise NotImplementedError
+
     def text(self) -> str:
         """Plain text in one line."""
-        raise NotImplementedError
+        return self.written(text_of)
 
     def latex(self) -> str:
         """LaTeX without delimiters."""
-        raise NotImplementedError
+        return self.written(latex_of)
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}({self.text()})"
 
     def _repr_latex_(self) -> str:
         return rf"$\displaystyle {self.latex()}$"
-
-
-class _TextPrinter(StrPrinter):
-    """Sums in their natural order, ``c^2 - K2``."""
-
-    def _print_Add(self, expr: Expr, order: str | None = None) -> str:
-        return str(super()._print_Add(expr, order="none"))
-
-
-class _LatexPrinter(LatexPrinter):
-    """Sums in their natural order, symbols under the project's names."""
-
-    def _print_Symbol(self, expr: Expr, style: str = "plain") -> str:
-        return LATEX_NAMES.get(str(expr)) or str(super()._print_Symbol(expr, style))
-
-    def _print_Add(self, expr: Expr, order: str | None = None) -> str:
-        return str(super()._print_Add(expr, order="none"))
-
-
-def text_of(expression: Expr) -> str:
-    """A constant in plain text.
-
-    >>> from longwave.derive.symbols import K4, c
-    >>> text_of(3 * K4 / (2 * c))
-    '3 K4/(2 c)'
-    """
-    return str(_TextPrinter().doprint(expression)).replace("**", "^").replace("*", " ")
-
-
-def latex_of(expression: Expr) -> str:
-    """A constant in LaTeX, with the project's names."""
-    return str(_LatexPrinter().doprint(expression))
 
 
 def signed_sum(signed: Iterable[tuple[bool, str]]) -> str:
@@ -220,18 +213,19 @@ def bracketed(expression: Expr, printed: Printed) -> str:
     return f"({text})" if expression.is_Add else text
 
 
-def _product(number: str, monomial: str) -> str:
+def derived(product: str, below: str, printed: Printed) -> str:
+    """A product in brackets, under derivatives."""
+    return f"({product})_{below}" if printed is text_of else rf"\left({product}\right)_{{{below}}}"
+
+
+def _product(size: Expr, monomial: str, printed: Printed) -> str:
+    number = printed(size)
     if not monomial or number == "1":
         return monomial or number
+    if printed is not text_of:
+        return rf"\left({number}\right) {monomial}" if size.is_Add else f"{number} {monomial}"
     compound = any(mark in number for mark in "/+-")
     return f"({number}) {monomial}" if compound else f"{number} {monomial}"
-
-
-def _latex_product(term: Term, monomial: str) -> str:
-    number = latex_of(term.size)
-    if not monomial or number == "1":
-        return monomial or number
-    return rf"\left({number}\right) {monomial}" if term.size.is_Add else f"{number} {monomial}"
 
 
 def aligned(rows: Sequence[tuple[str, str]]) -> str:

@@ -98,8 +98,9 @@ def latex_report(reduction: Reduction, constants: Mapping[str, Number]) -> str:
     values = reduction.coefficients(**constants)
     rows += [("", f"{latex_of(reduction.scaling.speed)} = {latex_of(values.c)}")]
     if constants:
-        named = ((reduction.notation.monomial_latex(values.monomials[n]), n) for n in values.terms)
-        rows += [(rf"\text{{of }} {name}:", latex_of(values.terms[term])) for name, term in named]
+        for name, value in values.terms.items():
+            term = reduction.notation.monomial(values.monomials[name], latex_of)
+            rows.append((rf"\text{{of }} {term}:", latex_of(value)))
     if reduction.has_normal_form:
         form = reduction.normal_form(**constants)
         rows.append((r"\text{normal form}:", NORMAL_EQUATIONS[form.equation].latex))

@@ -75,7 +75,7 @@ class Row:
 def _with_speed(reduction: Reduction, name: str) -> Expr:
     """The coefficient with c as a symbol."""
     polynomial = reduction.pde.polynomial + reduction.pde.transverse
-    terms = {reduction.notation.monomial_text(m): v for m, v in polynomial.terms.items()}
+    terms = {reduction.notation.monomial(m): v for m, v in polynomial.terms.items()}
     return terms[name].as_expr() if name in terms else Integer(0)
 
 
