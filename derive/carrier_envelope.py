@@ -197,7 +197,7 @@ class Envelope(Displayed):
         missing = sorted(used - given.keys())
         if missing:
             raise ValueError(f"{missing[0]} must be given, got none (a number, as {missing[0]}=1)")
-        return values | lattice.with_defined(values)
+        return lattice.with_defined(values)
 
     def point(
         self, k: Number | None, branch: str | int | None, constants: Mapping[str, Number]
