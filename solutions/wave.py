@@ -11,14 +11,7 @@ from longwave.derive.algebra.exact_numbers import exact_number, instance
 from longwave.derive.normal_form import NormalForm
 from longwave.solutions.compile.compiler import kept_program
 from longwave.solutions.compile.lowering import complex_parts
-from longwave.solutions.numeric_wave import (
-    Array,
-    NumericWave,
-    Part,
-    Rates,
-    Side,
-    WaveConstants,
-)
+from longwave.solutions.numeric_wave import Array, NumericWave, Part, Rates, Side, WaveConstants
 from longwave.solutions.record import ClosedForm
 from longwave.solutions.run.doubledouble import split
 from longwave.solutions.run.evaluator import Evaluator, PointEvaluator

@@ -32,11 +32,7 @@ from longwave.solutions.run.doubledouble import (
     two_prod,
     two_sum,
 )
-from longwave.solutions.run.linear_phase import (
-    CONSTANT_DIGITS,
-    LONG,
-    long_number,
-)
+from longwave.solutions.run.linear_phase import CONSTANT_DIGITS, LONG, long_number
 from longwave.solutions.run.machine import run_pairs
 from longwave.support.compiled.jit import njit
 
