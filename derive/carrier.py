@@ -18,9 +18,8 @@ from functools import cached_property
 
 from sympy import Expr, Symbol
 
-from longwave.derive.algebra.jets import DifferentialPolynomial, Jet, Monomial
+from longwave.derive.algebra.jets import DifferentialPolynomial, EpsSeries, Jet, Monomial
 from longwave.derive.algebra.rational_functions import RationalFunction, RationalFunctions, Terms
-from longwave.derive.algebra.series import EpsSeries
 from longwave.derive.algebra.small_matrices import Column, combined, determinant
 from longwave.derive.expansion import Expansion
 from longwave.derive.lattice import Bond, Cell, Lattice

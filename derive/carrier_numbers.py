@@ -13,9 +13,8 @@ from typing import NamedTuple
 import mpmath
 
 from longwave.derive.algebra.exact_numbers import Number
-from longwave.derive.algebra.jets import Monomial, raised
+from longwave.derive.algebra.jets import EpsSeries, Monomial, raised
 from longwave.derive.algebra.rational_functions import RationalFunction
-from longwave.derive.algebra.series import EpsSeries
 from longwave.derive.carrier import LAST, EnvelopeError, harmonic
 from longwave.derive.carrier_envelope import DIGITS, GUARD, Envelope, evaluated
 

@@ -18,9 +18,8 @@ from functools import cached_property
 from sympy import Expr, S
 
 from longwave.derive.algebra.exact_numbers import instance
-from longwave.derive.algebra.jets import DifferentialPolynomial
+from longwave.derive.algebra.jets import DifferentialPolynomial, EpsSeries, Operator
 from longwave.derive.algebra.rational_functions import RationalFunction, RationalFunctions
-from longwave.derive.algebra.series import EpsSeries, Operator
 from longwave.derive.algebra.small_matrices import (
     Column,
     Matrix,

@@ -21,9 +21,8 @@ from longwave.derive.algebra.elimination import (
     vanishing_factors,
 )
 from longwave.derive.algebra.exact_numbers import instance, integer
-from longwave.derive.algebra.jets import DifferentialPolynomial, Jet, raised
+from longwave.derive.algebra.jets import DifferentialPolynomial, EpsSeries, Jet, raised
 from longwave.derive.algebra.rational_functions import RationalFunction
-from longwave.derive.algebra.series import EpsSeries
 from longwave.derive.equations import Condition, EvolutionEquation, OrderEquation
 from longwave.derive.expansion import Expansion, expand
 from longwave.derive.lattice import Lattice

@@ -9,9 +9,8 @@ from dataclasses import dataclass
 from sympy import Eq, Expr, Symbol, expand, factor, sqrt
 
 from longwave.derive.algebra.exact_numbers import Number
-from longwave.derive.algebra.jets import DifferentialPolynomial, Monomial
+from longwave.derive.algebra.jets import DifferentialPolynomial, EpsSeries, Monomial
 from longwave.derive.algebra.rational_functions import RationalFunction
-from longwave.derive.algebra.series import EpsSeries
 from longwave.derive.equations import Coefficients, Condition, EvolutionEquation, OrderEquation
 from longwave.derive.lattice import Lattice
 from longwave.derive.normal_form import NormalForm, equation_of, normal_form_of

@@ -13,9 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 from sympy import Expr, Symbol
 
-from longwave.derive.algebra.jets import DifferentialPolynomial
+from longwave.derive.algebra.jets import DifferentialPolynomial, EpsSeries
 from longwave.derive.algebra.rational_functions import RationalFunction
-from longwave.derive.algebra.series import EpsSeries
 
 Array = NDArray[np.float64]
 

@@ -18,8 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from longwave.derive import Reduction
 from longwave.derive.algebra.elimination import TimeElimination
 from longwave.derive.algebra.exact_numbers import Number, exact
-from longwave.derive.algebra.jets import DifferentialPolynomial, raised
-from longwave.derive.algebra.series import EpsSeries
+from longwave.derive.algebra.jets import DifferentialPolynomial, EpsSeries, raised
 from longwave.derive.expansion import Expansion
 from longwave.derive.lattice import Lattice
 from longwave.derive.symbols import eps as EPS

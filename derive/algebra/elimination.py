@@ -12,9 +12,8 @@ from functools import reduce as fold
 
 from sympy import Symbol
 
-from longwave.derive.algebra.jets import Jet
+from longwave.derive.algebra.jets import EpsSeries, Jet
 from longwave.derive.algebra.rational_functions import RationalFunction, Terms
-from longwave.derive.algebra.series import EpsSeries
 
 
 @dataclass(frozen=True)

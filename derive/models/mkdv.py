@@ -7,7 +7,7 @@ from functools import lru_cache
 from sympy import Expr, Symbol
 
 from longwave.derive.algebra.exact_numbers import Number, exact
-from longwave.derive.algebra.series import EpsSeries
+from longwave.derive.algebra.jets import EpsSeries
 from longwave.derive.expansion import expand
 from longwave.derive.models.lattices import FPUT_STRAIN
 from longwave.derive.multiscale import reduce

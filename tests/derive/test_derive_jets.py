@@ -5,9 +5,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from longwave.derive import symbols
-from longwave.derive.algebra.jets import DifferentialPolynomial, Monomial, raised
+from longwave.derive.algebra.jets import DifferentialPolynomial, EpsSeries, Monomial, raised
 from longwave.derive.algebra.rational_functions import RationalFunctions
-from longwave.derive.algebra.series import EpsSeries
 
 CONSTANTS = RationalFunctions((symbols.K4,))
 K4 = CONSTANTS(symbols.K4)
