@@ -7,8 +7,9 @@ import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import wraps
 from pathlib import Path
-from typing import Any
+from typing import Any, Concatenate, ParamSpec
 
 import matplotlib as mpl
 import numpy as np
@@ -21,6 +22,7 @@ from longwave.reports.latex import scientific
 from longwave.support.atomic_file import write_atomically
 
 Sites = NDArray[np.float64]
+Shown = ParamSpec("Shown")
 
 TEXT_WIDTH = 6.5
 """Width of the report's text, in inches; figures are drawn at the size at which they are set."""
@@ -76,6 +78,25 @@ class Part:
         return made
 
 
+def part(
+    height: float | Callable[..., float],
+) -> Callable[[Callable[Concatenate[FigureBase, Shown], None]], Callable[Shown, Part]]:
+    """Let the function below, which draws on a figure, return the `Part` that does so.
+
+    The ``height``, in inches, may be a function of what is shown.
+    """
+
+    def declare(draw: Callable[Concatenate[FigureBase, Shown], None]) -> Callable[Shown, Part]:
+        @wraps(draw)
+        def made(*shown: Shown.args, **words: Shown.kwargs) -> Part:
+            inches = height(*shown, **words) if callable(height) else height
+            return Part(inches, lambda figure: draw(figure, *shown, **words))
+
+        return made
+
+    return declare
+
+
 _CHANGING = {".pdf": "CreationDate", ".svg": "Date"}
 """What a picture's metadata would say differently each time, by suffix."""
 
@@ -112,21 +133,15 @@ def _with_numbered_clips(text: str) -> str:
     return text
 
 
-PANEL_HEIGHT = 1.55
-"""Height of one row of panels, in inches."""
-
-
-def snapshot_panels(rows: Sequence[Sequence[xr.Dataset]], wave: str = "") -> Part:
+@part(lambda rows, wave="": 1.55 * len(rows) + 0.35)
+def snapshot_panels(
+    figure: FigureBase, rows: Sequence[Sequence[xr.Dataset]], wave: str = ""
+) -> None:
     """One panel for each of `run_data.snapshots`, one row per run, lettered (A), (B), ... .
 
     ``wave`` is what the legend calls the analytical strain, where the run's own word is not taken.
     Shorter rows end in empty places.
     """
-    height = PANEL_HEIGHT * len(rows) + 0.35
-    return Part(height, lambda figure: _draw_snapshots(figure, rows, wave))
-
-
-def _draw_snapshots(figure: FigureBase, rows: Sequence[Sequence[xr.Dataset]], wave: str) -> None:
     across = max(len(row) for row in rows)
     panels = figure.subplots(len(rows), across, squeeze=False)
     letters = map(chr, range(ord("A"), ord("Z") + 1))
@@ -180,10 +195,6 @@ def spread_limits(arrays: Sequence[Sites]) -> tuple[float, float]:
     return low - margin, high + margin
 
 
-ERROR_HEIGHT = 2.0
-"""Height of a panel of error curves, in inches."""
-
-
 ErrorPanels = Mapping[str, Mapping[str, xr.DataArray]]
 """For each title the relative sup errors over time, by labels that may hold mathematics in dollars.
 
@@ -191,12 +202,9 @@ The coordinate ``own`` is the run's own error in the same units, NaN where it wa
 """
 
 
-def error_panels(panels: ErrorPanels) -> Part:
+@part(2.0)
+def error_panels(figure: FigureBase, panels: ErrorPanels) -> None:
     """One panel of curves for each title, without markers but where there is one point alone."""
-    return Part(ERROR_HEIGHT, lambda figure: _draw_errors(figure, panels))
-
-
-def _draw_errors(figure: FigureBase, panels: ErrorPanels) -> None:
     axes = figure.subplots(1, len(panels), squeeze=False)[0]
     for ax, (title, curves) in zip(axes, panels.items(), strict=True):
         ax.set_title(title, loc="left")
@@ -234,22 +242,16 @@ def _draw_own(ax: Axes, times: Sites, errors: Sites, own: Sites, colour: str) ->
 BARS = 0.5
 """Share of the times at which the own error must be known for it to be a band."""
 
-MAP_HEIGHT = 3.0
-"""Height of a map, in inches."""
-
 LEAST_CELLS = 24
 """Fewest cells of sites that are shown."""
 
 
-def space_time_map(strain: xr.DataArray, half_width: int | None = None) -> Part:
+@part(3.0)
+def space_time_map(figure: FigureBase, strain: xr.DataArray, half_width: int | None = None) -> None:
     """The variable `space_time` of a run; it has a time and, then, the first sites of its cells.
 
     `half_width` is how many sites are shown to either side of c t; `LEAST_CELLS` at least.
     """
-    return Part(MAP_HEIGHT, lambda figure: _draw_map(figure, strain, half_width))
-
-
-def _draw_map(figure: FigureBase, strain: xr.DataArray, half_width: int | None) -> None:
     time, place = (strain[dimension].values for dimension in strain.dims)
     edges = cell_edges(place)
     ax = figure.subplots()
@@ -284,18 +286,12 @@ def cell_edges(starts: NDArray[np.integer]) -> NDArray[np.float64]:
     return np.array([*starts, 1 - starts[0]]) - 0.5
 
 
-CREST_HEIGHT = 2.0
-"""Height of the two panels, in inches."""
-
 LABELS = {"crest_position": "crest at $n - c\\,t$  (sites)", "crest_strain": "$y$ at the crest"}
 
 
-def crest_track(run: xr.Dataset) -> Part:
+@part(2.0)
+def crest_track(figure: FigureBase, run: xr.Dataset) -> None:
     """The crest's position and strain as points: a crest may give way to another one."""
-    return Part(CREST_HEIGHT, lambda figure: _draw_crest(figure, run))
-
-
-def _draw_crest(figure: FigureBase, run: xr.Dataset) -> None:
     for ax, (name, label), look in zip(
         figure.subplots(1, len(LABELS)), LABELS.items(), CURVES, strict=False
     ):
@@ -311,20 +307,13 @@ def _draw_crest(figure: FigureBase, run: xr.Dataset) -> None:
 SPECTRA_ACROSS, MOST_SPECTRA = 3, 6
 """Spectra side by side, and most of them."""
 
-SPECTRUM_HEIGHT = 1.9
-"""Height of a row of spectra, in inches."""
-
 DECADES = 1.0
 """How far below the rounding the axis of amplitudes ends."""
 
 
-def spectrum_panels(found: xr.Dataset) -> Part:
+@part(lambda found: 1.9 * -(-found.sizes["time"] // SPECTRA_ACROSS) + 0.35)
+def spectrum_panels(figure: FigureBase, found: xr.Dataset) -> None:
     """One panel for each time of `run_data.spectra`, all with the same axes."""
-    height = SPECTRUM_HEIGHT * -(-found.sizes["time"] // SPECTRA_ACROSS) + 0.35
-    return Part(height, lambda figure: _draw_spectra(figure, found))
-
-
-def _draw_spectra(figure: FigureBase, found: xr.Dataset) -> None:
     times = found["time"].values
     grid = panel_grid(
         figure, len(times), SPECTRA_ACROSS, "wavenumber  (1/site)", "amplitude of $y$"

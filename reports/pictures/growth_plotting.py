@@ -23,7 +23,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from longwave.reports.pictures.drawing import CURVES, STABLE, WAVENUMBER_TICKS, Part
+from longwave.reports.pictures.drawing import CURVES, STABLE, WAVENUMBER_TICKS, part
 
 if TYPE_CHECKING:
     from longwave.scenes.scene import Scene
@@ -308,12 +308,6 @@ def _value(held: Any) -> Any:
 UNKNOWN = "#a6a6a6"
 """The colour of where plane waves have no NLS equation."""
 
-PANEL_HEIGHT = 2.3
-"""Height in inches of a row's two panels."""
-
-LEGEND_HEIGHT = 0.45
-"""Height in inches of the legend."""
-
 LEGEND_LETTERS = 88
 """In a line of the legend, with four curves side by side."""
 
@@ -328,14 +322,9 @@ class GrowthPanel:
     theory: xr.Dataset | None
 
 
-def growth_map(data: xr.Dataset, most_curves: int) -> Part:
+@part(lambda panels: 2.3 * len(panels) + 0.45)
+def growth_map(figure: FigureBase, panels: Sequence[GrowthPanel]) -> None:
     """A row for each of `growth_panels`: rates over k, and the map of all perturbations."""
-    panels = growth_panels(data, most_curves)
-    height = PANEL_HEIGHT * len(panels) + LEGEND_HEIGHT
-    return Part(height, lambda figure: _draw_growth(figure, panels))
-
-
-def _draw_growth(figure: FigureBase, panels: Sequence[GrowthPanel]) -> None:
     grid = figure.subplots(len(panels), 2, squeeze=False, sharex=True)
     labels = dict.fromkeys(curve.attrs["label"] for panel in panels for curve in panel.curves)
     looks = {label: CURVES[place % len(CURVES)] for place, label in enumerate(labels)}
@@ -471,16 +460,9 @@ def _legend(panels: Sequence[GrowthPanel], looks: Looks) -> list[Line2D | Patch]
     return handles
 
 
-SIZES_HEIGHT = 2.8
-"""Height in inches of `sideband_sizes`."""
-
-
-def sideband_sizes(run: xr.Dataset, verdict: str) -> Part:
+@part(2.8)
+def sideband_sizes(figure: FigureBase, run: xr.Dataset, verdict: str) -> None:
     """The two waves beside a carrier over the slow time, in a logarithm, and in theory."""
-    return Part(SIZES_HEIGHT, lambda figure: _draw_sizes(figure, run, verdict))
-
-
-def _draw_sizes(figure: FigureBase, run: xr.Dataset, verdict: str) -> None:
     ax, slow_times = figure.subplots(), run["slow_time"].values
     look = CURVES[0] | {"linestyle": ""}
     ax.semilogy(slow_times, run["sideband_size"].values, label="lattice", **look)

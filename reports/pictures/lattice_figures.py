@@ -17,8 +17,8 @@ from longwave.reports.pictures.drawing import (
     STABLE,
     TEXT_WIDTH,
     WAVENUMBER_TICKS,
-    Part,
     even_places,
+    part,
 )
 
 if TYPE_CHECKING:
@@ -38,16 +38,9 @@ def even_times(run: xr.Dataset) -> list[int]:
     return even_places(run.sizes["time"], ACROSS)
 
 
-MAPS_HEIGHT = 4.6
-"""Height of two rows of maps, in inches."""
-
-
-def strain_maps(run: xr.Dataset) -> Part:
+@part(4.6)
+def strain_maps(figure: FigureBase, run: xr.Dataset) -> None:
     """Heat maps of a run on two axes: the lattice's strain, and its difference from the theory."""
-    return Part(MAPS_HEIGHT, lambda figure: _draw_maps(figure, run))
-
-
-def _draw_maps(figure: FigureBase, run: xr.Dataset) -> None:
     places = even_times(run)
     panels = figure.subplots(2, len(places), squeeze=False, sharey=True)
     apart = abs(run["strain"] - run["analytic"])

@@ -23,13 +23,10 @@ from matplotlib.ticker import NullFormatter
 from numpy.typing import NDArray
 
 from longwave.reports.latex import greek
-from longwave.reports.pictures.drawing import CURVES, Part, draw_grid, panel_grid, time_edges
+from longwave.reports.pictures.drawing import CURVES, draw_grid, panel_grid, part, time_edges
 
 Array = NDArray[np.float64]
 Cells = NDArray[np.bool_]
-
-CURVE_HEIGHT, HEAT_HEIGHT, WORK_HEIGHT = 3.2, 2.7, 3.0
-"""Height of a panel of curves, a row of heat maps, and panels of work, in inches."""
 
 HEAT_ACROSS = 3
 """Heat maps side by side."""
@@ -131,21 +128,20 @@ class SweptAxis:
             set_ticks([], minor=True)
 
 
+@part(3.2)
 def swept_curves(
-    axis: SweptAxis, curves: Mapping[str, xr.Dataset], joined: bool = True, told: str = ""
-) -> Part:
+    figure: FigureBase,
+    axis: SweptAxis,
+    curves: Mapping[str, xr.Dataset],
+    joined: bool = True,
+    told: str = "",
+) -> None:
     """The curves of each label over a swept dimension, in logarithms where values are wide.
 
     A curve has a ``value``, how far its bars go ``low`` and ``high`` (NaN for none), maybe a
     ``band`` to either side, and where what was run is ``faulty``. Points are ``joined`` by lines
     where the axis has numbers. What is ``told`` stands above.
     """
-    return Part(CURVE_HEIGHT, lambda figure: _draw_curves(figure, axis, curves, joined, told))
-
-
-def _draw_curves(
-    figure: FigureBase, axis: SweptAxis, curves: Mapping[str, xr.Dataset], joined: bool, told: str
-) -> None:
     ax, order, axis = figure.subplots(), axis.order, axis.in_order
     logarithmic = _is_wide(np.concatenate([curve["value"].values for curve in curves.values()]))
     signs, rows = {}, 0
@@ -209,19 +205,19 @@ def _leave_room(ax: Axes, rows: int) -> None:
         ax.axhspan(bottom, top, color=EMPTY, linewidth=0.0, zorder=0.0)
 
 
-def heat_maps(axes: Mapping[str, SweptAxis], maps: Mapping[str, xr.Dataset]) -> Part:
+def _maps_height(axes: Mapping[str, SweptAxis], maps: Mapping[str, xr.Dataset]) -> float:
+    return 2.7 * -(-len(maps) // HEAT_ACROSS) + (0.6 if len(maps) == 1 else 0.0)
+
+
+@part(_maps_height)
+def heat_maps(
+    figure: FigureBase, axes: Mapping[str, SweptAxis], maps: Mapping[str, xr.Dataset]
+) -> None:
     """The maps of each title over two dimensions, with the same axes and the same colours.
 
     A map has a ``value`` of each cell, NaN where there is none, its ``own`` error, NaN where that
     is not known, and says where it is ``faulty``.
     """
-    height = HEAT_HEIGHT * -(-len(maps) // HEAT_ACROSS) + (0.6 if len(maps) == 1 else 0.0)
-    return Part(height, lambda figure: _draw_maps(figure, axes, maps))
-
-
-def _draw_maps(
-    figure: FigureBase, axes: Mapping[str, SweptAxis], maps: Mapping[str, xr.Dataset]
-) -> None:
     grid = panel_grid(figure, len(maps), HEAT_ACROSS, "", "")
     norm = _colours(np.concatenate([cells["value"].values.ravel() for cells in maps.values()]))
     (x, y), across = (axis.in_order for axis in axes.values()), grid.shape[1]
@@ -269,18 +265,16 @@ def _work_columns(labels: Collection[str]) -> int:
     return 2 if longest + len(f": {OF_WAVE}") <= LONGEST_IN_TWO else 1
 
 
-def work_precision(curves: Mapping[str, xr.Dataset], joined: bool = True) -> Part:
+@part(lambda curves, joined=True: 3.0 + 0.4 * len(curves) / _work_columns(curves))
+def work_precision(
+    figure: FigureBase, curves: Mapping[str, xr.Dataset], joined: bool = True
+) -> None:
     """Errors against work, both in logarithms: seconds, and site updates, which repeat exactly.
 
     A curve has ``seconds``, ``updates``, errors that were ``estimated``, those ``achieved`` against
     the wave, and the ``own`` ones of these. Estimates are ``joined``, and where there are none what
     was achieved.
     """
-    height = WORK_HEIGHT + 0.4 * len(curves) / _work_columns(curves)
-    return Part(height, lambda figure: _draw_work_panels(figure, curves, joined))
-
-
-def _draw_work_panels(figure: FigureBase, curves: Mapping[str, xr.Dataset], joined: bool) -> None:
     panels = figure.subplots(1, 2, sharey=True)
     works = {"seconds": "seconds of the run", "updates": "site updates"}
     for number, (label, curve) in enumerate(curves.items()):

@@ -16,7 +16,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from longwave.reports.pictures.drawing import Part
-from longwave.reports.pictures.growth_plotting import growth_map
+from longwave.reports.pictures.growth_plotting import growth_map, growth_panels
 from longwave.reports.pictures.sweep_drawing import (
     SweptAxis,
     heat_maps,
@@ -79,10 +79,10 @@ def sweep_parts(data: xr.Dataset, kind: str | None, at: Choice, variable: str) -
     if kind == WORK_PRECISION:
         return [work_part(data)]
     if kind == GROWTH_MAP:
-        return [growth_map(data, MOST_CURVES)]
+        return [growth_map(growth_panels(data, MOST_CURVES))]
     if "growth_rate" in data and variable == "error":
         with suppress(ValueError):
-            return [growth_map(data, MOST_CURVES)]
+            return [growth_map(growth_panels(data, MOST_CURVES))]
     drawn = [name for name in PULSE if name in data and variable == "error"] + [variable]
     found = [] if data["status"].ndim == 0 else [values_part(data, name) for name in drawn]
     if work_dimension(data) is not None:
