@@ -41,11 +41,12 @@ from longwave.reports.studies.published_verdicts import library_jobs
 from longwave.reports.studies.scene_runs import scene_run_jobs
 from longwave.scenes.scene import Scene
 from longwave.solutions.catalogue import CATALOGUE, closed_form
-from longwave.support.command_line import announce, fail, interrupted
+from longwave.support.command_line import fail
 from longwave.support.console import check_output, plain_console
-from longwave.support.interruption import will_keep
+from longwave.support.interruption import interrupted, will_keep
 from longwave.support.processes import Job, Key, run_jobs
 from longwave.support.request_limits import ExpectedCost, check_request
+from longwave.support.slow_work import announce
 from longwave.verify.evidence.mutations import MutationCount, count_mutants
 from longwave.verify.evidence.residual import check_residual
 from longwave.verify.verdict import Verdict

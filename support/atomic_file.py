@@ -12,8 +12,6 @@ from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
-__all__ = ["draft_path", "write_atomically"]
-
 LONGEST_STEM, LONGEST_SUFFIX = 40, 12
 """Letters of a file's name that its draft's keeps: a name has at most 255 bytes."""
 

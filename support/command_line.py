@@ -12,48 +12,17 @@ from typing import Any, TypeVar
 
 import click
 
-from longwave.support.interruption import (
-    INTERRUPTED,
-    call_it,
-    interrupted,
-    interruptible,
-    was_interrupted,
-)
+from longwave.support.interruption import call_it, interrupted, interruptible, was_interrupted
 from longwave.support.known_names import did_you_mean, one_of
 from longwave.support.request_limits import (
-    LONG,
     USUAL_SECONDS,
     ExpectedCost,
     RequestLimits,
     check_request,
-    duration,
     request_limits,
 )
 from longwave.support.slow_work import SILENT, announce, notice_when_silent
 from longwave.support.user_files import cut, printable
-
-__all__ = [
-    "INTERRUPTED",
-    "LONG",
-    "NO_READER",
-    "WRONG",
-    "CommandGroup",
-    "announce",
-    "called_by",
-    "check_and_announce",
-    "duration",
-    "example",
-    "fail",
-    "force_option",
-    "interrupted",
-    "json_option",
-    "limit_options",
-    "limits_of_each",
-    "listed",
-    "one_line",
-    "path_option",
-    "run_words",
-]
 
 WRONG = 2
 """Exit status after wrong input."""
@@ -109,52 +78,47 @@ def example(line: str) -> str:
     return f"\b\nExample:\n  {line}"
 
 
-def _limit_memory(context: click.Context, _: click.Parameter, given: str | None) -> None:
-    """Let the limit hold for the command; half of the machine's unless one is given."""
-    _hold(context, lambda: request_limits(memory=given))
+def _held(
+    limits: Callable[[str | None], AbstractContextManager[RequestLimits]],
+) -> Callable[[click.Context, click.Parameter, str | None], None]:
+    """An option's callback: the limits that it gives hold while the command runs."""
+
+    def hold(context: click.Context, _: click.Parameter, given: str | None) -> None:
+        try:
+            context.with_resource(limits(given))
+        except ValueError as error:
+            raise click.BadParameter(str(error).partition(" ")[2]) from None
+
+    return hold
 
 
-def _limit_time(context: click.Context, _: click.Parameter, given: str | None) -> None:
-    _hold(context, lambda: request_limits(seconds=USUAL_SECONDS if given is None else given))
+_hold_memory = _held(lambda given: request_limits(memory=given))
+_hold_time = _held(lambda given: request_limits(seconds=USUAL_SECONDS if given is None else given))
 
 
-def _hold(
-    context: click.Context, limits: Callable[[], AbstractContextManager[RequestLimits]]
-) -> None:
-    try:
-        context.with_resource(limits())
-    except ValueError as error:
-        raise click.BadParameter(str(error).partition(" ")[2]) from None
+def limits_of_each(memory: str = "", time: str = "") -> Callable[[Wrapped], Wrapped]:
+    """Give a command `--max-memory` and `--max-time`, which hold while it runs.
+
+    Unless told they are these, of a command that has many runs in turn, or the usual ones.
+    """
+
+    def limited(command: Wrapped) -> Wrapped:
+        for name, metavar, said, own, usual, hold in (
+            ("memory", "SIZE", "more, as 4G", memory, "half of the machine's", _hold_memory),
+            ("time", "TIME", "longer, as 30min", time, "1h", _hold_time),
+        ):
+            said = f"Refuse what takes {said} (default {own or usual})."
+            words: dict[str, Any] = {"default": own or None, "expose_value": False}
+            option = click.option(
+                f"--max-{name}", metavar=metavar, help=said, callback=hold, **words
+            )
+            command = option(command)
+        return command
+
+    return limited
 
 
-def limit_options(command: Wrapped) -> Wrapped:
-    """Give a command `--max-memory` and `--max-time`; both hold while it runs."""
-    return _limit_option(_limit_option(command, *_MEMORY), *_TIME)
-
-
-def limits_of_each(memory: str, time: str) -> Callable[[Wrapped], Wrapped]:
-    """The same with other values unless told, for a command that has many runs in turn."""
-    return lambda command: _limit_option(_limit_option(command, *_MEMORY, memory), *_TIME, time)
-
-
-def _limit_option(
-    command: Wrapped, name: str, metavar: str, said: str, usual: str, hold: Any, own: str = ""
-) -> Wrapped:
-    option = click.option(
-        name,
-        metavar=metavar,
-        default=own or None,
-        help=f"{said} (default {own or usual}).",
-        callback=hold,
-        expose_value=False,
-    )
-    return option(command)
-
-
-_MEMORY = (
-    "--max-memory", "SIZE", "Refuse what takes more, as 4G", "half of the machine's", _limit_memory
-)  # fmt: skip
-_TIME = "--max-time", "TIME", "Refuse what takes longer, as 30min", "1h", _limit_time
+limit_options = limits_of_each()
 
 
 def listed(

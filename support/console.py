@@ -15,7 +15,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn, track
 from rich.text import Text
 
-from longwave.support.command_line import interrupted
+from longwave.support.interruption import interrupted
 from longwave.support.request_limits import Announcer
 from longwave.support.slow_work import announce, count_notice, notice_when_silent
 from longwave.support.user_files import printable, shown

@@ -12,7 +12,7 @@ from rich.table import Table
 from longwave.reports.pictures.drawing import CURVES, TEXT_WIDTH, save, styled
 from longwave.scenes.named_scenes import load_scene
 from longwave.scenes.scene_checks import finite
-from longwave.support.command_line import fail_for_memory, interrupted, listed
+from longwave.support.command_line import fail_for_memory, listed
 from longwave.support.console import (
     check_output,
     picture_path,
@@ -20,6 +20,7 @@ from longwave.support.console import (
     print_lines,
     progress_bar,
 )
+from longwave.support.interruption import interrupted
 
 if TYPE_CHECKING:
     from longwave.scenes.convergence import SceneConvergence

@@ -24,9 +24,9 @@ from longwave.scenes.named_scenes import load_scene
 from longwave.scenes.recorders import Variables
 from longwave.scenes.run_record import RunRecord, UnfinishedRun, error_unit
 from longwave.scenes.scene import Scene
-from longwave.support.command_line import fail, fail_for_memory, interrupted
+from longwave.support.command_line import fail, fail_for_memory
 from longwave.support.console import plain_console, print_lines, progress_bar
-from longwave.support.interruption import keeping
+from longwave.support.interruption import interrupted, keeping
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from longwave.cli.certificates import ProofFile
 from longwave.cli.verdicts import STYLES, summary
 from longwave.derive.algebra.formula_text import FormulaError
-from longwave.support.command_line import duration, fail
+from longwave.support.command_line import fail
 from longwave.support.compiled.source_digest import source_digest
 from longwave.support.console import finished, print_found, print_lines, table_console, tracked
 from longwave.support.dask_cluster import DaskWorkers
@@ -33,6 +33,7 @@ from longwave.support.processes import (
     as_ended,
     time_limit,
 )
+from longwave.support.request_limits import duration
 from longwave.support.slow_work import give_notice
 from longwave.verify.problem_file import ProblemText, StatedProblem, problem_texts
 from longwave.verify.proof.conditions import ConditionalVerdict, conditional_sentence

@@ -18,10 +18,11 @@ from longwave.runs.sweep import SweepState, run_sweep, settled_keys
 from longwave.runs.sweep_cost import SweepCost, expected_sweep_cost
 from longwave.runs.sweep_file import Sweep, load_sweep
 from longwave.runs.sweep_workers import sweep_workers
-from longwave.support.command_line import duration, fail, interrupted
+from longwave.support.command_line import fail
 from longwave.support.console import plain_console, print_lines, progress_bar
+from longwave.support.interruption import interrupted
 from longwave.support.processes import LocalWorkers, Workers
-from longwave.support.request_limits import check_request, current_limits
+from longwave.support.request_limits import check_request, current_limits, duration
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from longwave.lattice.trial import Progress
 from longwave.scenes.scene import Scene
-from longwave.support.command_line import duration, one_line
+from longwave.support.command_line import one_line
 from longwave.support.processes import (
     Call,
     Job,
@@ -32,6 +32,7 @@ from longwave.support.request_limits import (
     OverBudgetError,
     RequestLimits,
     check_request,
+    duration,
     request_limits,
 )
 

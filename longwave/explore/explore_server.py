@@ -11,7 +11,8 @@ import webbrowser
 from contextlib import closing
 from typing import Any
 
-from longwave.support.command_line import fail, interrupted
+from longwave.support.command_line import fail
+from longwave.support.interruption import interrupted
 from longwave.support.request_limits import RequestLimits, current_limits
 from longwave.support.slow_work import count_notice
 

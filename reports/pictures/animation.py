@@ -26,8 +26,9 @@ from longwave.reports.pictures.run_data import check_run, placed
 from longwave.runs.run_file import SWEPT, names_a_run
 from longwave.scenes import scene_run
 from longwave.scenes.scene import Scene
-from longwave.support.command_line import fail, fail_for_memory, interrupted, one_line
+from longwave.support.command_line import fail, fail_for_memory, one_line
 from longwave.support.console import check_output, plain_console, progress_bar
+from longwave.support.interruption import interrupted
 from longwave.support.request_limits import Announcer, ExpectedCost, check_request
 
 Array = NDArray[np.float64]

@@ -48,8 +48,9 @@ from longwave.scenes.named_scenes import load_scene
 from longwave.scenes.observables import MEASURED
 from longwave.scenes.run_record import UnfinishedRun
 from longwave.scenes.scene import Scene
-from longwave.support.command_line import fail, fail_for_memory, interrupted, one_line
+from longwave.support.command_line import fail, fail_for_memory, one_line
 from longwave.support.console import check_output, picture_path, plain_console, progress_bar
+from longwave.support.interruption import interrupted
 from longwave.support.request_limits import Announcer
 from longwave.support.user_files import shown
 

@@ -5,8 +5,6 @@ import os
 from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
 
-__all__ = ["is_worker", "keep_to_one_core", "other_core", "usable_cores"]
-
 _alone = False
 
 

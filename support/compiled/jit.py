@@ -22,8 +22,6 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["Intrinsic", "Kernel", "njit"]
-
 OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": False}
 """What a function does not say: one that is silent of ``fastmath`` takes it from the first kernel
 that calls it, and the last digits of all others would depend on what a process compiled before."""

@@ -27,8 +27,6 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from longwave.support.compiled.source_digest import Files
 
-__all__ = ["CacheFolder", "cache_folder"]
-
 KEPT = 8
 """Versions of a module's folder that a cache keeps; the least lately used ones go first."""
 

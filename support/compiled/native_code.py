@@ -13,8 +13,6 @@ from llvmlite import binding  # type: ignore[import-untyped]
 
 from longwave.support.compiled.kernel_folder import cache_folder
 
-__all__ = ["SUFFIX", "native_functions", "processor"]
-
 SUFFIX = ".object"
 """Of the files of machine code."""
 

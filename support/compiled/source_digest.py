@@ -18,17 +18,6 @@ from importlib.machinery import SourceFileLoader
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
-__all__ = [
-    "Files",
-    "all_sources",
-    "are_older",
-    "compiler_settings",
-    "installed_version",
-    "runs_as_written",
-    "source_digest",
-    "text_digest",
-]
-
 PACKAGE = "longwave"
 """The project's own package; of all others the version counts."""
 
