@@ -20,9 +20,9 @@ from rich.progress import Progress as Bars
 
 from longwave.reports.engine import CompileError, EngineMissingError, compile_pdf, ensure_engine
 from longwave.reports.latex import render, write
-from longwave.reports.lattice_chapter import chapter_figures
 from longwave.reports.paper import SOURCES
 from longwave.reports.pictures.drawing import cost_figure, save, snapshot_panels, styled
+from longwave.reports.pictures.lattice_figures import modulation_figure
 from longwave.reports.pictures.paper_figures import paper_figures
 from longwave.reports.sections import costs, lattice_runs, literature, other_lattices, runs, theory
 from longwave.reports.sections.other_lattices import model_jobs
@@ -33,12 +33,10 @@ from longwave.reports.studies.evaluation_cost import evaluation_cost_jobs
 from longwave.reports.studies.hard_cases import hard_case_jobs
 from longwave.reports.studies.lattice_cost import lattice_cost_jobs
 from longwave.reports.studies.lattice_models import modulation_plane
+from longwave.reports.studies.lattice_runs import rate_jobs, scene_run_jobs
 from longwave.reports.studies.long_runs import LongRun, long_run_jobs, long_runs
-from longwave.reports.studies.measured_rates import rate_jobs
-from longwave.reports.studies.measured_runs import MeasuredRuns, report_scenes, scene_job
-from longwave.reports.studies.proofs import proof_jobs
-from longwave.reports.studies.published_verdicts import library_jobs
-from longwave.reports.studies.scene_runs import scene_run_jobs
+from longwave.reports.studies.measured_runs import SPLIT, MeasuredRuns, report_scenes, scene_job
+from longwave.reports.studies.proofs import library_jobs, proof_jobs
 from longwave.scenes.scene import Scene
 from longwave.solutions.catalogue import CATALOGUE, closed_form
 from longwave.support.command_line import fail
@@ -216,7 +214,9 @@ def report_figures(found: Findings) -> Iterator[tuple[str, Figure]]:
     """Each figure under its name."""
     yield from paper_figures(found.runs.runs)
     yield from study_figures(found)
-    yield from chapter_figures(found)
+    papers, (plane,) = found.runs.runs[SPLIT], found.all("plane")
+    yield from lattice_runs.lattice_figures(found.of("scene"), papers, found.all("rate"))
+    yield "modulation", modulation_figure(*plane)
 
 
 def study_figures(found: Findings) -> Iterator[tuple[str, Figure]]:

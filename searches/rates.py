@@ -10,7 +10,7 @@ fewer than nine of ten are held. About ten minutes.
 import argparse
 import sys
 
-from longwave.reports.studies.measured_rates import rate_jobs
+from longwave.reports.studies.lattice_runs import rate_jobs
 
 HELD = 0.9
 

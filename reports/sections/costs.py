@@ -1,7 +1,5 @@
 """What the report prints of evaluation, costs on the lattice, hard cases and estimates."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections import Counter
@@ -9,7 +7,6 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from itertools import groupby
 from operator import attrgetter
-from typing import TYPE_CHECKING
 
 from longwave.reports.latex import (
     block,
@@ -21,6 +18,10 @@ from longwave.reports.latex import (
     table,
 )
 from longwave.reports.pictures.drawing import CostPanels
+from longwave.reports.studies.estimates import EstimateRow, Judged
+from longwave.reports.studies.evaluation_accuracy import Accuracy
+from longwave.reports.studies.evaluation_cost import EvaluationCost
+from longwave.reports.studies.hard_cases import HardCase
 from longwave.reports.studies.lattice_cost import (
     REDUCTION,
     SPECTRAL,
@@ -30,12 +31,6 @@ from longwave.reports.studies.lattice_cost import (
     fit_law,
     scaling_laws,
 )
-
-if TYPE_CHECKING:
-    from longwave.reports.studies.estimates import EstimateRow, Judged
-    from longwave.reports.studies.evaluation_accuracy import Accuracy
-    from longwave.reports.studies.evaluation_cost import EvaluationCost
-    from longwave.reports.studies.hard_cases import HardCase
 
 TABULATED = ("double-double", "balls, 40 digits", "mpmath, 15 digits", "mpmath, 60 digits")
 """The arithmetics of the table; the figure has them all."""

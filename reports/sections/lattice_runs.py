@@ -1,23 +1,25 @@
-"""What the report prints of runs on other lattices: scenes with their errors, rates over eps."""
+"""What the report shows of runs on other lattices: scenes with their errors, rates over eps."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Iterator, Mapping
 
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
 from sympy import Symbol
 
 from longwave.derive.output.notation import latex_of
 from longwave.derive.symbols import constant_value, ybar
 from longwave.reports.latex import duration, escape, measured, table, title_latex
+from longwave.reports.pictures.drawing import snapshot_panels
+from longwave.reports.pictures.lattice_figures import even_times, rate_figure, strain_maps
+from longwave.reports.pictures.run_data import snapshots
+from longwave.reports.studies.lattice_runs import SceneRun
+from longwave.scenes.convergence import ConvergencePoint, SceneConvergence
+from longwave.scenes.lattice_derivation import declared_lattice
+from longwave.scenes.scene import Scene
 from longwave.scenes.scene_rules import COMPUTED
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-    from longwave.reports.studies.scene_runs import SceneRun
-    from longwave.scenes.convergence import ConvergencePoint, SceneConvergence
-    from longwave.scenes.scene import Scene
 
 
 def scene_table(runs: Mapping[str, SceneRun]) -> str:
@@ -113,8 +115,6 @@ def _wave_title(scene: Scene) -> str:
 
 def rate_title(scene: Scene) -> str:
     """Number, lattice and its numbers, in LaTeX."""
-    from longwave.scenes.lattice_derivation import declared_lattice
-
     lattice = declared_lattice(scene)
     numbers = [*scene.constants]
     numbers += [(str(ybar), scene.background)] if scene.background else []
@@ -136,3 +136,42 @@ def rate_panels(
         curves = panels.setdefault(found.theory or 0, {})
         curves[found.scene.name] = found.points
     return panels
+
+
+ROGUES = ("alpha_beta_rogue", "dimer_rogue")
+"""The scenes beside the paper's, which is the same wave on its own lattice."""
+
+PEREGRINES = ("fput_peregrine", "dimer_peregrine", "granular_peregrine")
+
+ROGUE_CELLS, PEREGRINE_CELLS, NEAR = 120, 180, 16
+"""Cells shown to either side of c t: of rogue waves, of envelopes, and of their carriers."""
+
+
+def lattice_figures(
+    scenes: Mapping[str, SceneRun], papers: xr.Dataset, rates: Iterable[SceneConvergence]
+) -> Iterator[tuple[str, Figure]]:
+    """Each figure under its name, of scenes that ran, and of the paper's own run of their wave."""
+    own = snapshots(papers, ROGUE_CELLS)
+    rogues = [_rogue_row(scenes[name]) for name in ROGUES]
+    yield "lattice_rogues", snapshot_panels([own, *filter(None, rogues)], "theory").figure()
+    peregrines = [_peregrine_row(scenes[name]) for name in PEREGRINES]
+    yield "lattice_peregrines", snapshot_panels(list(filter(None, peregrines)), "theory").figure()
+    for name, scene in scenes.items():
+        if scene.run is not None and is_map(scene):
+            yield f"scene_{name}", strain_maps(scene.run).figure()
+    yield "lattice_rates", rate_figure(rate_panels(rates))
+
+
+def _rogue_row(found: SceneRun) -> list[xr.Dataset]:
+    if found.run is None:
+        return []
+    return snapshots(found.run, ROGUE_CELLS, even_times(found.run))
+
+
+def _peregrine_row(found: SceneRun) -> list[xr.Dataset]:
+    """The wave at its crest, and its carrier there and at the end."""
+    if found.run is None:
+        return []
+    crest = int(np.argmin(np.abs(found.run["time"].values)))
+    wide = snapshots(found.run, PEREGRINE_CELLS, (crest,))
+    return [*wide, *snapshots(found.run, NEAR, (crest, -1))]

@@ -1,19 +1,14 @@
 """What the report prints of the library of published solutions: verdicts, conditions, misprints."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from itertools import groupby
 from statistics import median
-from typing import TYPE_CHECKING
 
 from longwave.reports.latex import block, escape, table
+from longwave.reports.studies.proofs import PublishedVerdict
+from longwave.verify.problem_file import ProblemText
 from longwave.verify.verdict import Outcome
-
-if TYPE_CHECKING:
-    from longwave.reports.studies.published_verdicts import PublishedVerdict
-    from longwave.verify.problem_file import ProblemText
 
 NO_TEXT = r"$^*$"
 """Behind a source of which no text was at hand."""

@@ -1,10 +1,8 @@
 """What the report prints of other lattices: their equations, envelopes and closed forms."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from itertools import groupby
+from operator import itemgetter
 
 import sympy as sp
 
@@ -13,68 +11,40 @@ from longwave.derive.normal_form import NORMAL_EQUATIONS
 from longwave.derive.output.notation import latex_of, terms
 from longwave.derive.symbols import k
 from longwave.reports.latex import domain_latex, escape, scientific, table, title_latex
+from longwave.reports.studies.evaluation_accuracy import Accuracy
 from longwave.reports.studies.lattice_models import (
     ENVELOPES,
     LatticeModel,
     closed_waves,
     lattice_models,
 )
+from longwave.reports.studies.proofs import ProofRecord
 from longwave.solutions import CATALOGUE, closed_form
 from longwave.support.processes import Job, Key
-
-if TYPE_CHECKING:
-    from longwave.reports.studies.evaluation_accuracy import Accuracy
-    from longwave.reports.studies.proofs import ProofRecord
-    from longwave.verify.verdict import Verdict
+from longwave.verify.verdict import Verdict
 
 PAPERS = "mKdV"
 """The equation whose waves have sections of their own."""
 
 
-@dataclass(frozen=True)
-class ModelRow:
-    """One long wave of a lattice, in LaTeX; ``model`` is the lattice in words.
-
-    ``size`` is the power of eps of the strain, ``waves`` are the names of closed forms.
-    """
-
-    model: str
-    kind: str
-    size: int
-    equation: str
-    speed: str
-    needs: str
-    waves: tuple[str, ...]
-
-
-@dataclass(frozen=True)
-class EnvelopeRow:
-    """The envelope equation of a lattice's carriers: wavenumber and coefficients, in LaTeX."""
-
-    model: str
-    wavenumber: str
-    coefficients: tuple[str, ...]
-
-
 def model_jobs() -> dict[Key, Job]:
     """The derivations of the tables, a job a lattice."""
-    models: dict[Key, Job] = {
-        ("model", place): Job(model_rows, (place,), 0.3) for place, _ in enumerate(lattice_models())
+    kinds = (("model", model_rows, lattice_models()), ("envelope", envelope_row, ENVELOPES))
+    return {
+        (kind, place): Job(rows, (place,), 0.3)
+        for kind, rows, cases in kinds
+        for place, _ in enumerate(cases)
     }
-    envelopes: dict[Key, Job] = {
-        ("envelope", place): Job(envelope_row, (place,), 0.3) for place, _ in enumerate(ENVELOPES)
-    }
-    return models | envelopes
 
 
-def model_rows(place: int) -> list[ModelRow]:
-    """The rows of one of `lattice_models`."""
+def model_rows(place: int) -> list[tuple[str, list[str]]]:
+    """The long waves of one of `lattice_models`: the lattice in words, and cells, all in LaTeX."""
     model = list(lattice_models())[place]
-    return [_model_row(model, reduction) for reduction in model.reductions()]
+    return [(_model(model, found), _cells(found)) for found in model.reductions()]
 
 
-def _model_row(model: LatticeModel, reduction: Reduction) -> ModelRow:
-    lattice, scaling = reduction.lattice, reduction.scaling
+def _model(model: LatticeModel, reduction: Reduction) -> str:
+    lattice = reduction.lattice
     title = f"{lattice.title}, {model.case}" if model.case else lattice.title
     used = reduction.pde.latex() + latex_of(reduction.speed_squared)
     equal = [
@@ -82,15 +52,21 @@ def _model_row(model: LatticeModel, reduction: Reduction) -> ModelRow:
         *(pair for pair in lattice.definitions if latex_of(pair[0]) in used),
     ]
     remarks = ", ".join(f"${latex_of(left)} = {latex_of(right)}$" for left, right in equal)
-    return ModelRow(
-        title_latex(title) + (f": {remarks}" if remarks else ""),
-        reduction.pde.kind.replace(" or generalised ", " or "),
-        scaling.amplitude + (scaling.space[0].exponent if reduction.is_displacement else 0),
-        _equation_latex(reduction),
-        latex_of(reduction.speed_squared),
-        ", ".join(f"${condition.latex()}$" for condition in reduction.conditions),
-        closed_waves(reduction),
-    )
+    return title_latex(title) + (f": {remarks}" if remarks else "")
+
+
+def _cells(reduction: Reduction) -> list[str]:
+    """Kind, power of eps of the strain, equation with speed and conditions, closed forms."""
+    scaling, kind = reduction.scaling, reduction.pde.kind.replace(" or generalised ", " or ")
+    size = scaling.amplitude + (scaling.space[0].exponent if reduction.is_displacement else 0)
+    speed = rf"\newline\rule{{0pt}}{{2.7ex}}$c^{{2}} = {latex_of(reduction.speed_squared)}$"
+    needs = ", ".join(f"${condition.latex()}$" for condition in reduction.conditions)
+    return [
+        rf"\nopagebreak\rule{{0pt}}{{2.7ex}}{escape(kind)}",
+        rf"$\epsilon^{{{size}}}$" if size > 1 else r"$\epsilon$",
+        f"${_equation_latex(reduction)}${speed}" + (f"; needs {needs}" if needs else ""),
+        wave_names(closed_waves(reduction)),
+    ]
 
 
 def _equation_latex(reduction: Reduction) -> str:
@@ -117,24 +93,12 @@ def shortest(value: sp.Expr, symbols: Iterable[sp.Symbol]) -> str:
     return min(latex_of(value), latex_of(collected), key=len)
 
 
-def model_table(rows: Iterable[ModelRow]) -> str:
+def model_table(rows: Iterable[tuple[str, list[str]]]) -> str:
     """Each lattice once, in words across the table, with its long waves below."""
-    lines, last = [], ""
-    for found in rows:
-        if found.model != last:
-            lines.append([rf"\multicolumn{{4}}{{L{{160mm}}}}{{\rule{{0pt}}{{3ex}}{found.model}}}"])
-            last = found.model
-        size = rf"$\epsilon^{{{found.size}}}$" if found.size > 1 else r"$\epsilon$"
-        speed = rf"\newline\rule{{0pt}}{{2.7ex}}$c^{{2}} = {found.speed}$"
-        needs = f"; needs {found.needs}" if found.needs else ""
-        lines.append(
-            [
-                rf"\nopagebreak\rule{{0pt}}{{2.7ex}}{escape(found.kind)}",
-                size,
-                f"${found.equation}${speed}{needs}",
-                wave_names(found.waves),
-            ]
-        )
+    lines = []
+    for model, group in groupby(rows, itemgetter(0)):
+        lines.append([rf"\multicolumn{{4}}{{L{{160mm}}}}{{\rule{{0pt}}{{3ex}}{model}}}"])
+        lines += [cells for _, cells in group]
     head = ["kind", "size", "equation, speed, condition", "closed waves"]
     return table("L{19mm}lL{101mm}L{25mm}", head, lines)
 
@@ -159,30 +123,26 @@ COEFFICIENTS = ("v", "p", "q")
 """What a row of envelopes shows."""
 
 
-def envelope_row(place: int) -> EnvelopeRow:
-    """The row of one of `ENVELOPES`, with s and C for sine and cosine of k/2."""
+def envelope_row(place: int) -> list[str]:
+    """Lattice, wavenumber, group velocity, p and q of one of `ENVELOPES`, in LaTeX.
+
+    The letters s and C are sine and cosine of k/2.
+    """
     name, wavenumber = ENVELOPES[place]
     found = envelope(LATTICES[name], k=wavenumber)
     short = {sp.sin(k / 2): sp.Symbol("s"), sp.cos(k / 2): sp.Symbol("C")}
-    return EnvelopeRow(
+    parts = (latex_of(found.expressions[part].subs(short)) for part in COEFFICIENTS)
+    return [
         title_latex(found.lattice.title),
         "$k$" if wavenumber is None else f"${latex_of(wavenumber)}$",
-        tuple(latex_of(found.expressions[part].subs(short)) for part in COEFFICIENTS),
-    )
-
-
-def envelope_table(rows: Iterable[EnvelopeRow]) -> str:
-    """Lattice, wavenumber, group velocity, p and q."""
-    lines = [
-        [
-            found.model,
-            found.wavenumber,
-            *(rf"$\displaystyle {text}$" for text in found.coefficients),
-        ]
-        for found in rows
+        *(rf"$\displaystyle {text}$" for text in parts),
     ]
+
+
+def envelope_table(rows: Iterable[list[str]]) -> str:
+    """The table of each `envelope_row`."""
     head = ["lattice", "at", *(f"${name}$" for name in COEFFICIENTS)]
-    return table("L{44mm}llll", head, lines, gap="0.8ex")
+    return table("L{44mm}llll", head, rows, gap="0.8ex")
 
 
 FURTHER_FORMS = tuple(name for name in CATALOGUE.names if CATALOGUE.equation(name) != PAPERS)

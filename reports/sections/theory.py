@@ -1,10 +1,8 @@
 """What the report prints of the derivation, the closed forms, their proofs and misprints."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import sympy as sp
 
@@ -14,13 +12,11 @@ from longwave.reports.formulas.formula import Formula
 from longwave.reports.formulas.printing import equation_latex, latex
 from longwave.reports.latex import block, domain_latex, escape, greek, scientific, table
 from longwave.reports.paper import cited
+from longwave.reports.studies.proofs import ProofRecord
 from longwave.solutions import CATALOGUE, ClosedForm
 from longwave.solutions.equation import Equation
-
-if TYPE_CHECKING:
-    from longwave.reports.studies.proofs import ProofRecord
-    from longwave.verify.evidence.mutations import MutationCount, Survivor
-    from longwave.verify.verdict import Verdict
+from longwave.verify.evidence.mutations import MutationCount, Survivor
+from longwave.verify.verdict import Verdict
 
 PAPER_FORMS = CATALOGUE.of("mKdV")
 """The closed forms of the paper's equation."""

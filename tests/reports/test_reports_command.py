@@ -10,9 +10,8 @@ from longwave.reports import build
 from longwave.reports.__main__ import main
 from longwave.reports.engine import EngineMissingError
 from longwave.reports.studies.hard_cases import HardCase
-from longwave.reports.studies.proofs import ProofRecord
-from longwave.reports.studies.published_verdicts import PublishedVerdict
-from longwave.reports.studies.scene_runs import SceneRun
+from longwave.reports.studies.lattice_runs import SceneRun
+from longwave.reports.studies.proofs import ProofRecord, PublishedVerdict
 from longwave.scenes.named_scenes import load_scene
 from longwave.support.processes import Key
 from longwave.verify.evidence.mutations import MutationCount, Survivor

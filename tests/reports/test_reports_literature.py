@@ -14,7 +14,7 @@ from longwave.reports.sections.literature import (
     library_counts,
     library_table,
 )
-from longwave.reports.studies.published_verdicts import PublishedVerdict, library_jobs
+from longwave.reports.studies.proofs import PublishedVerdict, library_jobs
 from longwave.verify.published import chosen, published
 from longwave.verify.verdict import Outcome
 

@@ -11,7 +11,6 @@ from sympy import symbols
 
 from longwave.derive import LATTICES, find_scaling
 from longwave.reports.build import TABLES, Findings, all_jobs
-from longwave.reports.lattice_chapter import PEREGRINES, ROGUES
 from longwave.reports.pictures.drawing import STABLE, styled
 from longwave.reports.pictures.lattice_figures import (
     modulation_figure,
@@ -19,7 +18,14 @@ from longwave.reports.pictures.lattice_figures import (
     strain_maps,
 )
 from longwave.reports.pictures.run_data import snapshots
-from longwave.reports.sections.lattice_runs import rate_panels, rate_table, scene_maps, scene_table
+from longwave.reports.sections.lattice_runs import (
+    PEREGRINES,
+    ROGUES,
+    rate_panels,
+    rate_table,
+    scene_maps,
+    scene_table,
+)
 from longwave.reports.sections.other_lattices import (
     FURTHER_FORMS,
     envelope_row,
@@ -31,8 +37,8 @@ from longwave.reports.sections.other_lattices import (
 )
 from longwave.reports.studies.evaluation_accuracy import Accuracy
 from longwave.reports.studies.lattice_models import LatticeModel, lattice_models, modulation_plane
+from longwave.reports.studies.lattice_runs import SceneRun
 from longwave.reports.studies.proofs import ProofRecord
-from longwave.reports.studies.scene_runs import SceneRun
 from longwave.scenes.convergence import ConvergencePoint, FittedRate, SceneConvergence
 from longwave.scenes.named_scenes import lattice_scenes, load_scene
 from longwave.scenes.rate_cases import rate_cases

@@ -1,16 +1,16 @@
-"""The shipped scenes of further lattices, run for a report; what fails says why."""
+"""The shipped scenes of further lattices and the rates at which lattices come near their waves."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
+import xarray as xr
+
+from longwave.scenes.convergence import SceneConvergence
 from longwave.scenes.named_scenes import lattice_scenes, load_scene
+from longwave.scenes.rate_cases import rate_cases
 from longwave.scenes.scene import Scene
 from longwave.support.processes import Job, Key, Progress
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 SECONDS = {"alpha_beta_rogue": 4.0, "dimer_rogue": 6.0}
 """Processor seconds of the long scenes, with rings of 40 000 and 30 000 cells; others `USUAL`."""
@@ -48,4 +48,32 @@ def scene_run_jobs() -> dict[Key, Job]:
     return {
         ("scene", name): Job(scene_run, (name,), SECONDS.get(name, USUAL), tells=True)
         for name in lattice_scenes()
+    }
+
+
+RATE_SECONDS = {"leading": 1.0, "slaved": 3.0, "corrected": 15.0}
+"""About the processor time of a case by the order of its data; a long one takes ``LONGER``."""
+
+LONGER = 10.0
+
+
+def measured_rate(name: str, order: str) -> SceneConvergence:
+    """Measure one of the `rate_cases` with data of an order.
+
+    >>> found = measured_rate("2", "leading")
+    >>> found.equation, found.theory, found.reached
+    ('KdV', 4, True)
+    """
+    return rate_cases()[name].study(order)
+
+
+def rate_jobs(full: bool) -> dict[Key, Job]:
+    """The short cases with their simplest data; if ``full`` all cases, and with the next order."""
+    return {
+        ("rate", (name, order)): Job(
+            measured_rate, (name, order), RATE_SECONDS[order] * (LONGER if case.is_long else 1.0)
+        )
+        for name, case in rate_cases().items()
+        if full or not case.is_long
+        for order in case.orders[: None if full else 1]
     }
