@@ -37,7 +37,8 @@ def write_atomically(
         _check_place(place, force)
         write(draft)
         if durable:
-            _flush(draft)
+            with draft.open("rb+") as stream:
+                os.fsync(stream.fileno())
         if place.exists():
             draft.chmod(stat.S_IMODE(place.stat().st_mode))
         if force:
@@ -75,11 +76,6 @@ def _put_new(draft: Path, place: Path) -> None:
     except OSError:  # a file system without hard links: take the name first
         os.close(os.open(place, os.O_CREAT | os.O_EXCL | os.O_WRONLY))
         draft.replace(place)
-
-
-def _flush(file: Path) -> None:
-    with file.open("rb+") as stream:
-        os.fsync(stream.fileno())
 
 
 def _flush_folder(folder: Path) -> None:

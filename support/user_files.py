@@ -108,7 +108,9 @@ def read_bytes(path: str | Path, what: str, most: int) -> bytes:
         content = sys.stdin.buffer.read(most + 1)
     else:
         # a pipe without a writer would be waited for; what it is can be asked once it is open
-        handle = os.open(_without_zeros(path, what), os.O_RDONLY | getattr(os, "O_NONBLOCK", 0))
+        if "\0" in str(path):
+            raise ValueError(f"{what} must be a file's name, got {shown_path(path)}")
+        handle = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0))
         try:
             _check(os.fstat(handle), path, what, most)
             with open(handle, "rb", closefd=False) as file:
@@ -184,12 +186,6 @@ def _text(content: bytes, path: str | Path, what: str) -> str:
             f"{what} must be a text in UTF-8, got {shown_path(path)} with the byte "
             f"0x{content[error.start]:02x} at {error.start} (save it as UTF-8)"
         ) from None
-
-
-def _without_zeros(path: str | Path, what: str) -> str:
-    if "\0" in str(path):
-        raise ValueError(f"{what} must be a file's name, got {shown_path(path)}")
-    return str(path)
 
 
 def _check(found: os.stat_result, path: str | Path, what: str, most: float) -> None:

@@ -36,9 +36,10 @@ class Finding:
 
 def examine() -> list[Finding]:
     """Every finding; looking installs nothing."""
+    python = f"{platform.python_implementation()} {platform.python_version()}, {sys.executable}"
     return [
         Finding("longwave", metadata.version("longwave")),
-        _python(),
+        Finding("Python", python),
         *_packages(),
         _cores(),
         _vector(),
@@ -46,11 +47,6 @@ def examine() -> list[Finding]:
         _latex(),
         *_extras(),
     ]
-
-
-def _python() -> Finding:
-    found = f"{platform.python_implementation()} {platform.python_version()}, {sys.executable}"
-    return Finding("Python", found)
 
 
 def _packages() -> Iterator[Finding]:

@@ -202,18 +202,10 @@ def _own(*names: str) -> dict[str, str]:
     return {name: f"{{{name}}}" for name in names}
 
 
-def _domains(record: Record) -> str:
-    return ", ".join(parameter["domain"] for parameter in record["parameters"])
-
-
 def _computed(record: Record) -> str:
     if record["tolerance"] is not None:
         return f"to {record['tolerance']:g}"
     return f"{record['scheme']}, step {record['step']:g}"
-
-
-def _what(record: Record) -> str:
-    return record["what"] + (" (on a ring only)" if record["needs_ring"] else "")
 
 
 _KINDS: Mapping[str, _Kind] = {
@@ -224,7 +216,7 @@ _KINDS: Mapping[str, _Kind] = {
             "name": "{name}",
             "wave": "{title}",
             "equation": "{equation}",
-            "parameters": _domains,
+            "parameters": lambda wave: ", ".join(p["domain"] for p in wave["parameters"]),
             "background": "{background}",
             "period in xi": "{period}",
         },
@@ -253,7 +245,14 @@ _KINDS: Mapping[str, _Kind] = {
         _own("name", "title", "scene") | {"varied": "{fields}", "cells": "{cells}"},
         "a sweep of your own is a TOML file: longwave sweep FILE.toml",
     ),
-    "observables": _Kind(observables, {"name": "{name}", "what": _what, "arrays": "{arrays}"}),
+    "observables": _Kind(
+        observables,
+        {
+            "name": "{name}",
+            "what": lambda one: one["what"] + " (on a ring only)" * one["needs_ring"],
+            "arrays": "{arrays}",
+        },
+    ),
 }
 
 

@@ -46,17 +46,15 @@ def ordered_terms(total: sp.Expr) -> list[sp.Expr]:
     >>> ordered_terms(k**2 - 1 + k), ordered_terms(1 - k**2), ordered_terms(tau * k + xi)
     ([k**2, k, -1], [1, -k**2], [xi, k*tau])
     """
-    rank = _phase_rank if is_linear(total) else _degree_rank
-    terms: list[sp.Expr] = sorted(sp.Add.make_args(total), key=rank)
+    terms: list[sp.Expr] = list(sp.Add.make_args(total))
+    if is_linear(total):
+        terms.sort(key=lambda term: (not term.has(xi), not term.has(tau), str(term)))
+    else:
+        terms.sort(key=_degree_rank)
     if len(terms) == 2 and terms[1].is_positive and terms[1].is_number:
         return terms[::-1]
     negative = [bool(term.as_coeff_Mul()[0].is_negative) for term in terms]
     return terms[::-1] if negative[0] and not negative[-1] else terms
-
-
-def ordered_factors(product: sp.Expr) -> list[sp.Expr]:
-    """Return a product's factors as they are printed."""
-    return sorted(sp.Mul.make_args(product), key=_factor_rank)
 
 
 def is_linear(total: sp.Expr) -> bool:
@@ -75,10 +73,6 @@ def is_phase(total: sp.Expr) -> bool:
 def runs_left(argument: sp.Expr) -> bool:
     """Tell whether a sum falls with xi."""
     return bool(argument.is_Add and argument.coeff(xi).is_negative)
-
-
-def _phase_rank(term: sp.Expr) -> tuple[object, ...]:
-    return not term.has(xi), not term.has(tau), str(term)
 
 
 def _degree_rank(term: sp.Expr) -> tuple[object, ...]:
@@ -193,7 +187,9 @@ class _Printer(LatexPrinter):
         if denominator != 1:
             return self._fraction(numerator, denominator)
         coefficient, rest = expr.as_coeff_Mul()
-        texts = [self._factor(factor) for factor in ordered_factors(rest)]
+        texts = [
+            self._factor(factor) for factor in sorted(sp.Mul.make_args(rest), key=_factor_rank)
+        ]
         if coefficient == -1:
             return f"- {_product(texts)}"
         return _product(texts if coefficient == 1 else [self._print(coefficient), *texts])

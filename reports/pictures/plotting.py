@@ -165,16 +165,12 @@ def read_source(source: Source) -> xr.Dataset | Scene:
             f"source must be a run, a scene, or the path or name of one, got {shown(source)} "
             "(such as 'run.nc')"
         )
-    if names_a_run(source):
-        return _read_run(Path(source))
-    return load_scene(str(source))
-
-
-def _read_run(path: Path) -> xr.Dataset:
+    if not names_a_run(source):
+        return load_scene(str(source))
     try:
-        return load_run(path)
+        return load_run(source)
     except OSError as error:
-        reason = f"{path}: {error.strerror}"
+        reason = f"{Path(source)}: {error.strerror}"
         raise ValueError(f"source must be a run, got {reason} ({REMEDY})") from None
 
 

@@ -1,5 +1,7 @@
 """What the report prints of evaluation, costs on the lattice, hard cases and estimates."""
 
+from __future__ import annotations
+
 import math
 import re
 from collections import Counter
@@ -7,6 +9,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from itertools import groupby
 from operator import attrgetter
+from typing import TYPE_CHECKING
 
 from longwave.reports.latex import (
     block,
@@ -18,19 +21,21 @@ from longwave.reports.latex import (
     table,
 )
 from longwave.reports.pictures.drawing import CostPanels
-from longwave.reports.studies.estimates import EstimateRow, Judged
-from longwave.reports.studies.evaluation_accuracy import Accuracy
-from longwave.reports.studies.evaluation_cost import EvaluationCost
-from longwave.reports.studies.hard_cases import HardCase
 from longwave.reports.studies.lattice_cost import (
     REDUCTION,
     SPECTRAL,
     TRUE_ERROR,
     CostPoint,
     ScalingPoint,
-    fit_law,
+    fit_power,
     scaling_laws,
 )
+
+if TYPE_CHECKING:
+    from longwave.reports.studies.estimates import EstimateRow, Judged
+    from longwave.reports.studies.evaluation_accuracy import Accuracy
+    from longwave.reports.studies.evaluation_cost import EvaluationCost
+    from longwave.reports.studies.hard_cases import HardCase
 
 TABULATED = ("double-double", "balls, 40 digits", "mpmath, 15 digits", "mpmath, 60 digits")
 """The arithmetics of the table; the figure has them all."""
@@ -191,7 +196,7 @@ def scaling_table(points: Sequence[ScalingPoint]) -> str:
         rows.append([escape(series), *(_scaled(mine[eps]) for eps in epsilons)])
         variable = r"\epsilon" if series == REDUCTION else r"1/\epsilon"
         law = found.get(series)
-        rows[-1].append("--" if law is None else f"$({variable})^{{{law.exponent:.2f}}}$")
+        rows[-1].append("--" if law is None else f"$({variable})^{{{law:.2f}}}$")
     head = ["", *(rf"$\epsilon={eps:g}$" for eps in epsilons), "law"]
     return table("l" + "r" * len(epsilons) + "l", head, rows)
 
@@ -232,7 +237,7 @@ def rk4_table(points: Iterable[ScalingPoint]) -> str:
 def window_table(points: Sequence[ScalingPoint]) -> str:
     """The window's error by its number of sites, with the fitted exponent."""
     rows = [[f"{point.x:.0f}", scientific(point.value)] for point in points]
-    rows.append(["law", rf"$N^{{{fit_law((p.x, p.value) for p in points).exponent:.1f}}}$"])
+    rows.append(["law", rf"$N^{{{fit_power((p.x, p.value) for p in points):.1f}}}$"])
     return table("rl", ["sites $N$", r"error of $y/\epsilon$"], rows)
 
 

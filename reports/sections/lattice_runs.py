@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
+from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
@@ -16,17 +17,19 @@ from longwave.reports.pictures.drawing import snapshot_panels
 from longwave.reports.pictures.lattice_figures import even_times, rate_figure, strain_maps
 from longwave.reports.pictures.run_data import snapshots
 from longwave.reports.studies.lattice_runs import SceneRun
-from longwave.scenes.convergence import ConvergencePoint, SceneConvergence
-from longwave.scenes.lattice_derivation import declared_lattice
 from longwave.scenes.scene import Scene
 from longwave.scenes.scene_rules import COMPUTED
+
+if TYPE_CHECKING:
+    from longwave.scenes.convergence import ConvergencePoint, SceneConvergence
 
 
 def scene_table(runs: Mapping[str, SceneRun]) -> str:
     """Each scene: wave and equation, size, the largest error after the start, what it took."""
     lines = []
     for name, found in runs.items():
-        lines.append([rf"\multicolumn{{6}}{{l}}{{\rule{{0pt}}{{3ex}}{_scene_words(name, found)}}}"])
+        title = rf"{escape(found.scene.title or name)} (\texttt{{{escape(name)}}})"
+        lines.append([rf"\multicolumn{{6}}{{l}}{{\rule{{0pt}}{{3ex}}{title}}}"])
         if found.run is None:
             lines.append(
                 [rf"\multicolumn{{6}}{{L{{150mm}}}}{{did not run: {escape(found.fault)}}}"]
@@ -35,11 +38,6 @@ def scene_table(runs: Mapping[str, SceneRun]) -> str:
             lines.append(_scene_cells(found, found.run))
     head = ["equation", r"$\epsilon$", r"error$\,/\,\epsilon^p$", "relative error", "cells", "time"]
     return table("L{36mm}llllr", head, lines)
-
-
-def _scene_words(name: str, found: SceneRun) -> str:
-    title = found.scene.title or name
-    return rf"{escape(title)} (\texttt{{{escape(name)}}})"
 
 
 def _scene_cells(found: SceneRun, run: xr.Dataset) -> list[str]:
@@ -90,7 +88,8 @@ def rate_table(rates: Iterable[SceneConvergence]) -> str:
         if words != last:
             lines.append([rf"\multicolumn{{5}}{{L{{160mm}}}}{{\rule{{0pt}}{{3.5ex}}{words}}}"])
             last = words
-        rate = str(found.rate).replace("..", "to")
+        rate, scene = str(found.rate).replace("..", "to"), found.scene
+        wave = "computed soliton" if scene.wave == COMPUTED else scene.form.title
         errors = ", ".join(
             f"{measured(point.error, point.discretisation)} at ${point.eps:g}$"
             for point in found.points
@@ -98,8 +97,8 @@ def rate_table(rates: Iterable[SceneConvergence]) -> str:
         lines += [
             [
                 rf"\nopagebreak {escape(found.equation)}",
-                _wave_title(found.scene),
-                found.scene.order,
+                escape(wave),
+                scene.order,
                 f"${found.theory}$",
                 rate + ("" if found.reached else " (NOT REACHED)"),
             ],
@@ -109,12 +108,10 @@ def rate_table(rates: Iterable[SceneConvergence]) -> str:
     return table("L{36mm}L{44mm}lll", head, lines)
 
 
-def _wave_title(scene: Scene) -> str:
-    return escape("computed soliton" if scene.wave == COMPUTED else scene.form.title)
-
-
 def rate_title(scene: Scene) -> str:
     """Number, lattice and its numbers, in LaTeX."""
+    from longwave.scenes.lattice_derivation import declared_lattice
+
     lattice = declared_lattice(scene)
     numbers = [*scene.constants]
     numbers += [(str(ybar), scene.background)] if scene.background else []

@@ -3,8 +3,10 @@
 The full report has all eps, the split wave and long times.
 """
 
+from __future__ import annotations
+
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
@@ -22,12 +24,14 @@ from longwave.reports.paper import cited
 from longwave.reports.pictures.drawing import CostPanels
 from longwave.reports.pictures.paper_figures import ERROR_FIGURES, SNAPSHOT_FIGURES
 from longwave.reports.pictures.run_data import snapshots
-from longwave.reports.studies.claims import Claim, Measurement
 from longwave.reports.studies.lattice_cost import PeakError, peak_laws
-from longwave.reports.studies.long_runs import LongRun
-from longwave.reports.studies.measured_runs import MeasuredRuns
 from longwave.scenes.named_scenes import load_scene
 from longwave.scenes.scene import Scene
+
+if TYPE_CHECKING:
+    from longwave.reports.studies.claims import Claim, Measurement
+    from longwave.reports.studies.long_runs import LongRun
+    from longwave.reports.studies.measured_runs import MeasuredRuns
 
 SHORT = 16
 """Measurements whose texts are shorter than this stand in one line."""
@@ -148,7 +152,7 @@ def peak_table(points: Iterable[PeakError]) -> str:
         mine = sorted((p for p in found if p.order == order), key=lambda p: -p.eps)
         for place, point in enumerate(mine):
             name = f"$Y_{order}$" if place == 0 else ""
-            power = "--" if law is None else rf"$\epsilon^{{{law.exponent:.2f}}}$"
+            power = "--" if law is None else rf"$\epsilon^{{{law:.2f}}}$"
             rows.append([name, f"${point.eps:g}$", *_peak(point), "" if place else power])
     head = [
         "",

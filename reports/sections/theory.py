@@ -117,7 +117,7 @@ def proof_table(records: Iterable[ProofRecord], residuals: Mapping[str, Verdict]
             rf"\texttt{{{escape(record.name)}}}",
             escape(record.outcome.value),
             METHODS.get(record.method, escape(record.method)),
-            _kilobytes(record.certificate_bytes),
+            DASH if (size := record.certificate_bytes) is None else f"{size / 1000:.1f}",
             f"{record.prove_seconds:.2f}",
             DASH if record.check_seconds is None else f"{record.check_seconds:.2f}",
             _answer(record.accepted),
@@ -202,10 +202,6 @@ def _reason(survivor: Survivor) -> str:
     """Return why it is a solution, its symbols in mathematics."""
     signs = survivor.reason.replace("U to -U", "$U\\to-U$")
     return re.sub(r"another value of (\w+)", r"another value of $\1$", signs)
-
-
-def _kilobytes(size: int | None) -> str:
-    return DASH if size is None else f"{size / 1000:.1f}"
 
 
 def _answer(accepted: bool | None) -> str:

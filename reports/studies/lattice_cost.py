@@ -12,7 +12,6 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from itertools import product
-from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -165,32 +164,24 @@ class ScalingPoint:
     scaled: bool = False
 
 
-class PowerLaw(NamedTuple):
-    """value = factor * x^exponent, fitted to a series."""
+def fit_power(points: Iterable[tuple[float, float]]) -> float:
+    """The exponent of the power law through the points (x, value).
 
-    factor: float
-    exponent: float
-
-
-def fit_law(points: Iterable[tuple[float, float]]) -> PowerLaw:
-    """The power law through the points (x, value).
-
-    >>> fit_law([(1.0, 3.0), (2.0, 12.0)]).exponent
+    >>> fit_power([(1.0, 3.0), (2.0, 12.0)])
     2.0
     """
     x, value = np.log(list(points)).T
-    exponent, level = np.polyfit(x, value, 1)
-    return PowerLaw(float(np.exp(level)), round(float(exponent), 12))
+    return round(float(np.polyfit(x, value, 1)[0]), 12)
 
 
-def scaling_laws(points: Iterable[ScalingPoint]) -> dict[str, PowerLaw]:
-    """The law of each series, fitted where eps is smallest; what a tolerance sets has none."""
+def scaling_laws(points: Iterable[ScalingPoint]) -> dict[str, float]:
+    """The power of each series, fitted where eps is smallest; what a tolerance sets has none."""
     series: dict[str, list[tuple[float, float]]] = {}
     for point in points:
         if point.series != TRUE_ERROR:
             series.setdefault(point.series, []).append((point.x, point.value))
     return {
-        name: fit_law(sorted(found, key=lambda pair: max(pair[0], 1 / pair[0]))[-FITTED:])
+        name: fit_power(sorted(found, key=lambda pair: max(pair[0], 1 / pair[0]))[-FITTED:])
         for name, found in series.items()
     }
 
@@ -324,13 +315,13 @@ def peak_error(order: int, eps: float) -> PeakError:
     return PeakError(order, eps, float(found["error"][-1]), own, seconds, engine)
 
 
-def peak_laws(points: Iterable[PeakError]) -> dict[int, PowerLaw | None]:
+def peak_laws(points: Iterable[PeakError]) -> dict[int, float | None]:
     """For each order the power of eps through its smallest resolved eps; None below two points."""
     orders: dict[int, list[tuple[float, float]]] = {}
     for point in points:
         orders.setdefault(point.order, []).extend([(point.eps, point.value)] * point.resolved)
     return {
-        order: fit_law(sorted(found)[:FITTED]) if len(found) > 1 else None
+        order: fit_power(sorted(found)[:FITTED]) if len(found) > 1 else None
         for order, found in sorted(orders.items())
     }
 

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import xarray as xr
 
-from longwave.scenes.convergence import SceneConvergence
 from longwave.scenes.named_scenes import lattice_scenes, load_scene
 from longwave.scenes.rate_cases import rate_cases
 from longwave.scenes.scene import Scene
 from longwave.support.processes import Job, Key, Progress
+
+if TYPE_CHECKING:
+    from longwave.scenes.convergence import SceneConvergence
 
 SECONDS = {"alpha_beta_rogue": 4.0, "dimer_rogue": 6.0}
 """Processor seconds of the long scenes, with rings of 40 000 and 30 000 cells; others `USUAL`."""

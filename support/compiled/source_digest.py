@@ -110,7 +110,8 @@ def _imported(module: str, path: Path) -> tuple[tuple[str, Path], ...]:
     """The modules of the project, with their files, that a module imports."""
     found = []
     for stem, inner in _imports(path):
-        above = _absolute(stem, _package(module, path))
+        package = module.split(".")[: None if path.name == "__init__.py" else -1]
+        above = _absolute(stem, package)
         names = (f"{above}.{inner}", above) if inner else (above,)
         files = ((name, file) for name in names if (file := _file(name)) is not None)
         found += [*files][:1]
@@ -141,11 +142,6 @@ def _absolute(stem: str, package: list[str]) -> str:
     level = len(stem) - len(name)
     above = package[: len(package) - level + 1] if level else []
     return ".".join([*above, *([name] if name else [])])
-
-
-def _package(module: str, path: Path) -> list[str]:
-    parts = module.split(".")
-    return parts if path.name == "__init__.py" else parts[:-1]
 
 
 @cache

@@ -26,8 +26,7 @@ def test_laws_rest_on_the_smallest_resolved_eps() -> None:
         PeakError(3, 0.025, 0.9, 0.1),
         PeakError(3, 0.0125, fault="it blew up"),
     ]
-    found = peak_laws([*wrong, *sound, PeakError(4, 0.1, 1.0, 1e-9)])
-    powers = {order: law and law.exponent for order, law in found.items()}
+    powers = peak_laws([*wrong, *sound, PeakError(4, 0.1, 1.0, 1e-9)])
     assert powers == {2: pytest.approx(2), 3: pytest.approx(2), 4: None}
 
 
