@@ -96,16 +96,8 @@ def table(columns: str, head: Sequence[str], rows: Iterable[Sequence[str]], gap:
     \end{longtable}
     """
     between = rf" \addlinespace[{gap}]" if gap else ""
-    lines = [
-        rf"\begin{{longtable}}{{{columns}}}",
-        *_head(head),
-        r"\endhead",
-        r"\bottomrule",
-        r"\endfoot",
-        f"{between}\n".join(map(row, rows)),
-        r"\end{longtable}",
-    ]
-    return "\n".join(lines)
+    shown = [r"\endhead", r"\bottomrule", r"\endfoot", f"{between}\n".join(map(row, rows))]
+    return _environment("longtable", columns, head, shown)
 
 
 def block(columns: str, head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
@@ -122,20 +114,13 @@ def block(columns: str, head: Sequence[str], rows: Iterable[Sequence[str]]) -> s
     \end{tabular}
     \end{center}
     """
-    lines = [
-        r"\begin{center}",
-        rf"\begin{{tabular}}{{{columns}}}",
-        *_head(head),
-        *map(row, rows),
-        r"\bottomrule",
-        r"\end{tabular}",
-        r"\end{center}",
-    ]
-    return "\n".join(lines)
+    shown = _environment("tabular", columns, head, [*map(row, rows), r"\bottomrule"])
+    return f"\\begin{{center}}\n{shown}\n\\end{{center}}"
 
 
-def _head(head: Sequence[str]) -> list[str]:
-    return [r"\toprule", row(head), r"\midrule"]
+def _environment(name: str, columns: str, head: Sequence[str], shown: Iterable[str]) -> str:
+    begin = [rf"\begin{{{name}}}{{{columns}}}", r"\toprule", row(head), r"\midrule"]
+    return "\n".join([*begin, *shown, rf"\end{{{name}}}"])
 
 
 def row(cells: Sequence[str]) -> str:

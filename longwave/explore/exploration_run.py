@@ -73,13 +73,9 @@ class WaveTexts(NamedTuple):
     formula: str
 
 
-def wave_texts(scene: Scene) -> WaveTexts:
-    """The texts of a scene's wave."""
-    return _wave_texts(str(scene.wave), tuple(name for name, _ in scene.parameters))
-
-
 @lru_cache(maxsize=64)
-def _wave_texts(wave: str, parameters: tuple[str, ...]) -> WaveTexts:
+def wave_texts(wave: str, parameters: tuple[str, ...]) -> WaveTexts:
+    """The texts of a wave with values of these parameters."""
     from longwave.solutions import closed_form
 
     form = closed_form(wave, parameters)
@@ -201,7 +197,7 @@ def _compared(scene: Scene, progress: Progress | None, announce: Any) -> Compari
         unit=error_unit(told["power"]),
         equation=derived.text(),
         equation_latex=derived.latex(),
-        wave_texts=wave_texts(scene),
+        wave_texts=wave_texts(str(scene.wave), tuple(name for name, _ in scene.parameters)),
         lines=tuple(summary_lines(record, scene)),
         ended=told["blow_up"],
     )

@@ -27,7 +27,7 @@ from longwave.runs.run_file import SWEPT, names_a_run
 from longwave.scenes import scene_run
 from longwave.scenes.scene import Scene
 from longwave.support.command_line import fail, fail_for_memory, one_line
-from longwave.support.console import check_output, plain_console, progress_bar
+from longwave.support.console import check_output, progress_bar
 from longwave.support.interruption import interrupted
 from longwave.support.request_limits import Announcer, ExpectedCost, check_request
 
@@ -226,10 +226,9 @@ def draw_film(
     Without ``output`` it is an MP4 in the working folder, or a GIF where there is no ffmpeg.
     """
     path = output or default_output(source, ".mp4" if has_ffmpeg() else ".gif")
-    errors = plain_console(stderr=True, soft_wrap=True)
     try:
         check_output(path, "run.gif", force=force)
-        with progress_bar(Path(source).name, f"film of {Path(source).name}", errors) as (bar, tell):
+        with progress_bar(Path(source).name, f"film of {Path(source).name}") as (bar, tell):
             count = animate(source, path, **options, progress=bar, announce=Announcer(tell))
     except KeyboardInterrupt:
         return interrupted(program, f"{path} was not written")

@@ -49,7 +49,7 @@ from longwave.scenes.observables import MEASURED
 from longwave.scenes.run_record import UnfinishedRun
 from longwave.scenes.scene import Scene
 from longwave.support.command_line import fail, fail_for_memory, one_line
-from longwave.support.console import check_output, picture_path, plain_console, progress_bar
+from longwave.support.console import check_output, picture_path, progress_bar
 from longwave.support.interruption import interrupted
 from longwave.support.request_limits import Announcer
 from longwave.support.user_files import shown
@@ -328,11 +328,10 @@ def draw(
     0, 2 for wrong input, 130 after Ctrl-C, which ``program`` tells: what was run is drawn.
     """
     path = default_output(source) if output is None else output
-    errors = plain_console(stderr=True, soft_wrap=True)
     try:
         check_output(path, "run.png", force=force)
         chosen = _choice(at)
-        with progress_bar(Path(source).name, source, errors) as (advance, tell):
+        with progress_bar(Path(source).name, source) as (advance, tell):
             plot(source, path, kind, advance, Announcer(tell), chosen, variable)
     except UnfinishedRun as stop:
         with suppress(ValueError, OSError):
