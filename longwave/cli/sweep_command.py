@@ -61,7 +61,11 @@ def sweep_and_print(
                 check_run_output(output, force=True)
                 _check_overwriting(sweep, Path(output), force)
                 kept = RunStore(Path(store or f"{sweep.name}.store"))
-                _check_apart(Path(output), Path(kept.folder))
+                if Path(output).resolve() == Path(kept.folder).resolve():
+                    raise ValueError(
+                        f"--output must not be the --store, a folder, got {output} for both "
+                        "(take another name)"
+                    )
                 settled = settled_keys(kept)
                 expected = expected_sweep_cost(sweep, kept, settled)
             with sweep_workers(processes, scheduler) as workers:
@@ -85,13 +89,6 @@ def sweep_and_print(
 def _kept(told: SweepState) -> str:
     kept = told.found + told.done
     return f"{kept} of {told.cells} cells are kept; again goes on with the rest"
-
-
-def _check_apart(output: Path, store: Path) -> None:
-    if output.resolve() == store.resolve():
-        raise ValueError(
-            f"--output must not be the --store, a folder, got {output} for both (take another name)"
-        )
 
 
 def _check_overwriting(sweep: Sweep, output: Path, force: bool) -> None:

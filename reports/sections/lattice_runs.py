@@ -148,27 +148,20 @@ def lattice_figures(
     scenes: Mapping[str, SceneRun], papers: xr.Dataset, rates: Iterable[SceneConvergence]
 ) -> Iterator[tuple[str, Figure]]:
     """Each figure under its name, of scenes that ran, and of the paper's own run of their wave."""
+    ran = {name: found.run for name, found in scenes.items() if found.run is not None}
     own = snapshots(papers, ROGUE_CELLS)
-    rogues = [_rogue_row(scenes[name]) for name in ROGUES]
-    yield "lattice_rogues", snapshot_panels([own, *filter(None, rogues)], "theory").figure()
-    peregrines = [_peregrine_row(scenes[name]) for name in PEREGRINES]
-    yield "lattice_peregrines", snapshot_panels(list(filter(None, peregrines)), "theory").figure()
-    for name, scene in scenes.items():
-        if scene.run is not None and is_map(scene):
-            yield f"scene_{name}", strain_maps(scene.run).figure()
+    rogues = [snapshots(ran[n], ROGUE_CELLS, even_times(ran[n])) for n in ROGUES if n in ran]
+    yield "lattice_rogues", snapshot_panels([own, *rogues], "theory").figure()
+    peregrines = [_peregrine_row(ran[name]) for name in PEREGRINES if name in ran]
+    yield "lattice_peregrines", snapshot_panels(peregrines, "theory").figure()
+    for name, run in ran.items():
+        if is_map(scenes[name]):
+            yield f"scene_{name}", strain_maps(run).figure()
     yield "lattice_rates", rate_figure(rate_panels(rates))
 
 
-def _rogue_row(found: SceneRun) -> list[xr.Dataset]:
-    if found.run is None:
-        return []
-    return snapshots(found.run, ROGUE_CELLS, even_times(found.run))
-
-
-def _peregrine_row(found: SceneRun) -> list[xr.Dataset]:
+def _peregrine_row(run: xr.Dataset) -> list[xr.Dataset]:
     """The wave at its crest, and its carrier there and at the end."""
-    if found.run is None:
-        return []
-    crest = int(np.argmin(np.abs(found.run["time"].values)))
-    wide = snapshots(found.run, PEREGRINE_CELLS, (crest,))
-    return [*wide, *snapshots(found.run, NEAR, (crest, -1))]
+    crest = int(np.argmin(np.abs(run["time"].values)))
+    wide = snapshots(run, PEREGRINE_CELLS, (crest,))
+    return [*wide, *snapshots(run, NEAR, (crest, -1))]

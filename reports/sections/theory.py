@@ -120,7 +120,7 @@ def proof_table(records: Iterable[ProofRecord], residuals: Mapping[str, Verdict]
             DASH if (size := record.certificate_bytes) is None else f"{size / 1000:.1f}",
             f"{record.prove_seconds:.2f}",
             DASH if record.check_seconds is None else f"{record.check_seconds:.2f}",
-            _answer(record.accepted),
+            {None: DASH, True: "accepted", False: "REJECTED"}[record.accepted],
             _residual(residuals.get(record.name)),
         ]
         for record in records
@@ -202,10 +202,6 @@ def _reason(survivor: Survivor) -> str:
     """Return why it is a solution, its symbols in mathematics."""
     signs = survivor.reason.replace("U to -U", "$U\\to-U$")
     return re.sub(r"another value of (\w+)", r"another value of $\1$", signs)
-
-
-def _answer(accepted: bool | None) -> str:
-    return DASH if accepted is None else "accepted" if accepted else "REJECTED"
 
 
 def _residual(verdict: Verdict | None) -> str:
