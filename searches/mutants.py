@@ -202,9 +202,9 @@ class Copy:
             ["git", "ls-files"], cwd=HOUSE, check=True, capture_output=True, text=True
         )
         for name in kept.stdout.splitlines():
-            if (HOUSE / name).is_file():
+            if (HOUSE / name).exists():
                 (folder / name).parent.mkdir(parents=True, exist_ok=True)
-                shutil.copy2(HOUSE / name, folder / name)
+                shutil.copy2(HOUSE / name, folder / name, follow_symlinks=False)
 
     def survives(self, mutant: Mutant | None) -> bool:
         """Whether the tests pass with a mutant (None: with no change)."""
