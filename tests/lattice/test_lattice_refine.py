@@ -23,14 +23,14 @@ from longwave.lattice.trial import (
 
 
 class Breaking:
-    """A value that is off by step^2, and no value where the step is longer than ``longest``."""
+    """A value that is off by step^2; none if the step is longer than ``longest``, or ``among``."""
 
     kinds: tuple[Kind, ...] = ("step",)
     threads, order, decay, safety, unstable, amplifies_rounding = 1, 2, 1.0, 2.0, 1, False
     most_work = math.inf
 
-    def __init__(self, longest: float) -> None:
-        self.longest = longest
+    def __init__(self, longest: float, among: tuple[float, float] = (0.0, 0.0)) -> None:
+        self.longest, self.among = longest, among
 
     def first(self) -> Choices:
         return Choices(1.0, 10.0, causal=True)
@@ -39,7 +39,9 @@ class Breaking:
         return self
 
     def run(self, choices: Choices, shown: bool, progress: Progress) -> Trial:
-        values = np.array([choices.step**2]) if choices.step <= self.longest else None
+        low, high = self.among
+        breaks = choices.step > self.longest or low < choices.step < high
+        values = None if breaks else np.array([choices.step**2])
         return Trial(choices, values, 1.0, 0.0, 0.0, None, shown)
 
     def control(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
@@ -66,3 +68,9 @@ def test_a_blow_up_that_outlives_three_pairs_of_runs_is_the_lattice_s_own(
     assert math.isinf(found.error) is own
     assert (found.trial.values is None) is own
     assert own or abs(found.trial.values[0]) <= found.error <= 1e-2  # type: ignore[index]
+
+
+def test_blow_ups_with_a_run_between_them_are_not_the_lattice_s_own() -> None:
+    """Its steps are 1, 0.2, 0.04, about 0.01, of which the third alone comes to an end."""
+    found = refine(Breaking(0.05, among=(0.003, 0.025)), 1e-4)
+    assert found.error <= 1e-4
