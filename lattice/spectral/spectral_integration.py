@@ -223,7 +223,7 @@ class FieldRingEngine(SpectralRingSearch):
     def _first_choices(self) -> Choices:
         """A step by the rates at which what is not exact varies; shorter if waves are too short."""
         T = self._duration
-        ring = self._ring(Choices(T or 1.0, 1.0), math.inf)
+        ring = self._ring(Choices(T, 1.0), math.inf)
         moving, still = ring.typical_rates()
         slopes = ring_slopes(self._lattice, ring.start)
         bent = self._lattice.highest_frequency([float(np.ptp(part)) for part in slopes])
