@@ -133,6 +133,8 @@ def test_every_function_of_the_grammar_is_read() -> None:
         (("u_t", "u = k*x", "k: 1>0"), 4, "expected inequalities of k, as in 0<k<1"),
         (("u_t", "u = k*x", "k: whole"), 4, "expected a known name, got 'whole'"),
         (("u_t", "u = k*x", "k: I<k"), 4, "expected real bounds, got a complex one"),
+        (("u_t", "u = k*x", "k: k!=1"), 4, "expected k!=0 alone"),
+        (("u_t", "u = k*x", "k: k!=0<1"), 4, "expected k!=0 alone"),
         (("u_t", "u = k*x", "k > 0"), 3, "expected ': domain' or '= expression' behind k, got '>'"),
         (("u_t", "u = k*x", "k = k"), 5, "expected a known name, got 'k'"),
         (("u_t", "u = x", "x: x>0"), 1, "got the independent variable x"),
@@ -164,6 +166,12 @@ def test_what_is_wrong_is_named_and_pointed_at(
 def test_a_domain_without_points_is_refused_where_only_sampling_shows_it() -> None:
     with pytest.raises(FormulaError, match="must hold rational points"):
         read_statement("u_t", "u = a*b*x", "a: a>1; b: a<b<1/a")
+
+
+def test_a_name_that_is_declared_may_look_like_a_product() -> None:
+    assert domains(read_statement("u_t", "u = ax*x", "ax: real")) == {}
+    with pytest.raises(FormulaError, match=r"write a\*x"):
+        read_statement("u_t", "u = ax*x")
 
 
 def test_words_for_domains_are_no_parameters_by_accident() -> None:
