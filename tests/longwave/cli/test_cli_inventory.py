@@ -16,6 +16,7 @@ from longwave.runs.sweep_file import shipped_sweeps
 from longwave.scenes.named_scenes import (
     further_scenes,
     lattice_scenes,
+    load_scene,
     rational_family_scenes,
     shipped_scenes,
 )
@@ -60,6 +61,14 @@ def test_waves_have_domains_and_backgrounds(capsys: Output) -> None:
     assert found["rogue_cn"]["parameters"] == [{"name": "k", "domain": "0 < k < 1"}]
     assert found["rational_2"]["background"] == "1"
     assert found["kink_antikink"]["background"] == "A"
+
+
+def test_lattice_scenes_are_listed_as_their_files_state_them(capsys: Output) -> None:
+    assert main(["list", "lattice-scenes", "--json"]) == 0
+    for record in json.loads(capsys.readouterr().out):
+        scene = load_scene(record["name"])
+        assert (record["lattice"], record["eps"]) == (scene.lattice, scene.eps)
+        assert (record["carrier"] or "") == scene.carrier
 
 
 def test_markup_is_printed_as_text(capsys: Output) -> None:
