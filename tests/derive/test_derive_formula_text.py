@@ -2,13 +2,22 @@
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import pytest
 import sympy as sp
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
-from longwave.derive.algebra.bounded_building import BITS, TooLarge, applied, power, product, total
+from longwave.derive.algebra.bounded_building import (
+    BITS,
+    TooLarge,
+    applied,
+    power,
+    product,
+    total,
+    without_sizes,
+)
 from longwave.derive.algebra.formula_expression import read_formula
 from longwave.derive.algebra.formula_printing import formula_as_text
 from longwave.derive.algebra.formula_text import (
@@ -248,3 +257,11 @@ def test_a_printed_expression_is_read_back_as_the_same_object(expression: sp.Exp
     )
     text = formula_as_text(expression)
     assert read_formula(text, GRAMMAR) == expression, text
+
+
+@pytest.mark.parametrize("size", [sp.Abs, sp.sign, sp.re, sp.im])
+def test_sizes_by_conjugates_have_the_same_values(size: Any) -> None:
+    u, value = sp.Function("u")(sp.Symbol("x", real=True)), 3 + 4 * sp.I
+    found = without_sizes(size(u))
+    assert not found.has(size)
+    assert complex(found.subs(u, value)) == pytest.approx(complex(size(value)))
