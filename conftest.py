@@ -1,10 +1,24 @@
 """What pytest looks for where."""
 
+import gc
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from _pytest.doctest import DoctestModule
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection() -> Iterator[None]:
+    """Look for no garbage while all that is made stays, and afterwards never look through it.
+
+    The modules, the tests and their parameters are some millions of objects.
+    """
+    gc.disable()
+    found = yield
+    gc.freeze()
+    gc.enable()
+    return found
 
 
 @pytest.hookimpl(wrapper=True)

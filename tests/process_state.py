@@ -13,6 +13,8 @@ import numpy as np
 
 LIMITS = ("RLIMIT_AS", "RLIMIT_CORE", "RLIMIT_CPU", "RLIMIT_FSIZE", "RLIMIT_NOFILE", "RLIMIT_STACK")
 
+SIGNALS = {number.name: number for number in signal.Signals}
+
 State = Mapping[str, object]
 
 
@@ -30,7 +32,7 @@ ALWAYS: Mapping[str, Callable[[], object]] = {
     "recursion limit": sys.getrecursionlimit,
     "digits of an integer": sys.get_int_max_str_digits,
     "exception hooks": lambda: (sys.excepthook, threading.excepthook),
-    "signal handlers": lambda: {n.name: signal.getsignal(n) for n in signal.Signals},
+    "signal handlers": lambda: {name: signal.getsignal(n) for name, n in SIGNALS.items()},
     "limits": lambda: {name: resource.getrlimit(getattr(resource, name)) for name in LIMITS},
     "locale": lambda: locale.setlocale(locale.LC_ALL),
     "NumPy's floating-point traps": np.geterr,
@@ -40,7 +42,7 @@ ALWAYS: Mapping[str, Callable[[], object]] = {
 OF_MODULES: Mapping[str, tuple[str, Callable[[Any], object]]] = {
     "mpmath's precision": ("mpmath", lambda module: (module.mp.prec, module.iv.prec)),
     "usable cores": ("longwave.support.compiled.cores", lambda module: module.usable_cores()),
-    "Matplotlib's settings": ("matplotlib", lambda module: dict.copy(module.rcParams)),
+    "Matplotlib's settings": ("matplotlib", lambda module: dict(dict.items(module.rcParams))),
     "open figures": ("matplotlib._pylab_helpers", lambda module: list(module.Gcf.figs)),
 }
 """What is looked at where the module was imported before the test. Warning filters are not here:
