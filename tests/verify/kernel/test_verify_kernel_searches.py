@@ -50,12 +50,12 @@ def test_the_search_sees_the_ball_of_a_constant_parity(monkeypatch: pytest.Monke
         return found**2 if self._nodes.all[node][0] == "parity" else found
 
     monkeypatch.setattr(Balls, "_ball", ball)
-    assert kernel_attacks.search("signs", 6000, 0)[1]
+    assert kernel_attacks.search("signs", 100, 4)[1]
 
 
 def test_the_search_sees_a_name_that_reads_as_a_derivative(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Scope, "_refuse_likeness", lambda self, name: None)
-    assert kernel_attacks.search("reading", 1500, 0)[1]
+    assert kernel_attacks.search("reading", 100, 10)[1]
 
 
 def test_the_search_sees_that_a_sign_is_squared_to_one(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -67,7 +67,7 @@ def test_the_search_sees_that_a_sign_is_squared_to_one(monkeypatch: pytest.Monke
         return right(self, base, exponent)
 
     monkeypatch.setattr(TextReader, "power", power)
-    assert kernel_attacks.search("reading", 1500, 6)[1]
+    assert kernel_attacks.search("reading", 100, 9)[1]
 
 
 def test_the_search_sees_trees_without_their_shifts(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -79,12 +79,12 @@ def test_the_search_sees_trees_without_their_shifts(monkeypatch: pytest.MonkeyPa
 
     monkeypatch.setattr(TypedBalls, "_need", lambda self, f, tops: need(self, here(f), tops))
     monkeypatch.setattr(TypedPlace, "_value", lambda self, f: value(self, here(f)))
-    assert kernel_attacks.search("reading", 1500, 0)[1]
+    assert kernel_attacks.search("reading", 100, 9)[1]
 
 
 def test_the_search_sees_a_root_of_any_real_value(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Signs, "not_negative", Signs.is_real)
-    assert kernel_attacks.search("signs", 1500, 0)[1]
+    assert kernel_attacks.search("signs", 100, 7)[1]
 
 
 @pytest.mark.parametrize(
