@@ -8,13 +8,10 @@ from typing import Any
 
 import pytest
 
-from longwave.solutions import closed_form
 from longwave.solutions.forms.rational import rational_tau
 from longwave.verify.kernel import CertificateError, check_certificate
 from longwave.verify.kernel.__main__ import main
 from longwave.verify.kernel.limits import digest
-from longwave.verify.proof import prove_form
-from longwave.verify.proof.catalogue_proofs import NAMES, higher_order
 from longwave.verify.proof.rational_proofs import bilinear_certificate, prove_rational
 from longwave.verify.proof.statement_verdict import StatementVerdict
 from longwave.verify.proof.text_prover import prove
@@ -102,16 +99,6 @@ def test_a_rule_proves_what_is_true_and_nothing_beside_it(rule: tuple[str, ...])
         for added in (f" + 1e-40*{variable}", f" + 1e-40*{unknown}*{variable}"):
             with pytest.raises(CertificateError, match="the residual is not 0"):
                 check_certificate(with_equation(data, added))
-
-
-@pytest.mark.parametrize("name", [n for n in NAMES if higher_order(n) is None])
-def test_a_form_of_the_catalogue_is_accepted_and_with_a_changed_equation_refused(name: str) -> None:
-    certificate = prove_form(closed_form(name)).certificate
-    assert certificate is not None
-    data = json.loads(json.dumps(certificate))
-    variable = data["statement"]["variables"][0]
-    with pytest.raises(CertificateError, match="the residual is not 0"):
-        check_certificate(with_equation(data, f" + 1e-40*{variable}"))
 
 
 def test_a_long_quotient_is_put_in_at_more_values_than_its_degree() -> None:
