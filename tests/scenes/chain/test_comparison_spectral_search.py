@@ -76,7 +76,7 @@ def test_tolerance_is_met(name: str, tolerance: float) -> None:
     _check(name, tolerance)
 
 
-@pytest.mark.parametrize("name", ["rogue_cn", "wave_cn"])
+@pytest.mark.parametrize("name", ["rogue_cn", pytest.param("wave_cn", marks=pytest.mark.slow)])
 def test_engines_agree_to_1e_8(name: str) -> None:
     _check(name, 1e-8)
 
