@@ -12,7 +12,6 @@ import pytest
 
 from longwave.solutions import closed_form
 from longwave.verify.proof import prove_form
-from longwave.verify.proof.catalogue_proofs import NAMES, prove_named
 from longwave.verify.proof.text_prover import prove
 from tests.test_house import lines_of_code
 
@@ -103,13 +102,6 @@ def test_the_folder_alone_refuses(tmp_path: Path, text: str, status: int, words:
     done = alone(tmp_path, text)
     assert (done.returncode, done.stdout) == (status, "")
     assert words in done.stderr
-
-
-def test_the_core_alone_is_enough_for_the_catalogue(tmp_path: Path) -> None:
-    certificates = [prove_named(name).certificate for name in NAMES]
-    done = alone(tmp_path, json.dumps([c for c in certificates if c]), "further")
-    assert done.returncode == 0, done.stderr
-    assert done.stdout.count("accepted\n") == sum(map(bool, certificates)) > 30
 
 
 def test_the_core_alone_refuses_what_goes_further(tmp_path: Path) -> None:
