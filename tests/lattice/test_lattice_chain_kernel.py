@@ -71,7 +71,7 @@ def rounded(lattice: NumericLattice, f: Array) -> float:
     return float(found / min(lattice.masses))
 
 
-@settings(max_examples=40, deadline=None, derandomize=True)
+@settings(max_examples=20, deadline=None, derandomize=True)
 @given(st.integers(0, 10**6), st.integers(1, 140))
 def test_forces_are_the_declared_ones(seed: int, size: int) -> None:
     random = np.random.default_rng(seed)
