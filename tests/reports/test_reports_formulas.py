@@ -4,14 +4,19 @@ The chain is closed: the LaTeX is read back to the tidied rows, these equal the 
 rational functions, and the stated rows put together are the formula itself.
 """
 
+import re
 from collections.abc import Callable
 from functools import cache
 
 import pytest
 import sympy as sp
 
+from longwave.reports.build import TABLES, source
 from longwave.reports.formulas.formula import Formula, broken
 from longwave.reports.formulas.printing import LINE, is_wide, latex, nesting, tidied, width
+from longwave.reports.sections import theory
+from longwave.reports.sections.theory import solution_table
+from longwave.reports.studies.measured_runs import report_scenes
 from longwave.solutions import CATALOGUE, ClosedForm
 from longwave.solutions.functions import jacobi_dn, jacobi_sn
 from longwave.solutions.symbols import k, tau, xi
@@ -29,9 +34,11 @@ def dn(z: sp.Expr) -> sp.Expr:
 forms = pytest.mark.parametrize("form", CATALOGUE.of("mKdV"), ids=lambda form: form.name)
 
 
-@cache
+made = cache(Formula)
+
+
 def formula(form: ClosedForm) -> Formula:
-    return Formula(form.expression)
+    return made(form.expression)
 
 
 def is_zero(expression: sp.Expr) -> bool:
@@ -73,6 +80,25 @@ def test_rows_fit_the_line_without_nested_fractions(form: ClosedForm) -> None:
     for row in (tidied(row) for row in found.stated.rows):
         assert all(width(term) <= LINE for term in sp.Add.make_args(row))
         assert nesting(latex(row)) <= 1
+
+
+@pytest.fixture
+def report(monkeypatch: pytest.MonkeyPatch) -> str:
+    """The report's source, of formulas that are made once for all tests."""
+    monkeypatch.setattr(theory, "Formula", made)
+    tables = dict.fromkeys(TABLES, "") | {"solution_table": solution_table()}
+    return source(tables, report_scenes(), full=False)
+
+
+def test_the_source_has_every_form_and_is_balanced(report: str) -> None:
+    for form in CATALOGUE.of("mKdV"):
+        assert rf"\hyperref[form:{form.name}]" in report
+        assert rf"\label{{form:{form.name}}}" in report
+    begun = re.findall(r"\\begin\{(\w+\*?)\}", report)
+    ended = re.findall(r"\\end\{(\w+\*?)\}", report)
+    assert sorted(begun) == sorted(ended)
+    plain = re.sub(r"\\[{}]", "", report)
+    assert plain.count("{") == plain.count("}")
 
 
 def test_a_parameter_called_like_a_part_is_told_from_it() -> None:
