@@ -251,7 +251,7 @@ class CellRingEngine(StepSearch):
         shape = (self._times.size, *self.state.arrays[0].shape)
         f, v = np.empty(shape), np.empty(shape)
         rows = {t: row for row, t in enumerate(self._times.tolist())}
-        for state in stepper.through(list(rows)):
+        for state in stepper.stops(list(rows)):
             if state.t in rows:
                 f[rows[state.t]], v[rows[state.t]] = state.at(state.sites)
             progress((state.t - self._stops[0]) / (self._stops[-1] - self._stops[0] or 1.0))

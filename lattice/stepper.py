@@ -77,7 +77,7 @@ class Stepper:
         self.ranges = self.dynamics.ranges(state)
         self.blow_up: BlowUp | None = self._find_blow_up()
 
-    def through(self, times: Sequence[float]) -> Iterator[State]:
+    def stops(self, times: Sequence[float]) -> Iterator[State]:
         """Yield the state at every stop on the way through the increasing ``times``.
 
         Each of the ``times`` is a stop, hit exactly, as is each move of the domain; between them

@@ -385,7 +385,7 @@ class SidebandEngine(StepSearch):
             return stepper.memory() | {"measured": measured}
 
         wanted = self._times[len(measured) :].tolist()
-        for state in stepper.through(wanted) if wanted else ():
+        for state in stepper.stops(wanted) if wanted else ():
             if state.t in wanted:
                 measured.append(self._sidebands(state))
             progress(state.t / self._times[-1])

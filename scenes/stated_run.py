@@ -79,7 +79,7 @@ def record(
         return stepper.memory(arrays) | {"observers": [one.memory() for one in observers]}
 
     try:
-        for state in stepper.through(times) if times else ():
+        for state in stepper.stops(times) if times else ():
             view = stepped.view(state)
             for observer in observers:
                 if observer.moments.due(state.t):

@@ -218,7 +218,7 @@ def _wrong_feed() -> Reading:
         amplitude = float(np.max(np.abs(state.f)))
         window.moving = replace(window.moving, eps=factor * scene.eps)
         run = Stepper(state, stated.table, scene.model.lattice, window, stated.step, amplitude)
-        found.append((sum(1 for _ in run.through([0.0])), run.blow_up))
+        found.append((sum(1 for _ in run.stops([0.0])), run.blow_up))
     (sound_moves, sound_end), (moves, end) = found
     stopped = end is not None and sound_end is None and sound_moves > 1
     return (float(moves + 1) if stopped else math.inf), str(end)

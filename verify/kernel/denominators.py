@@ -65,7 +65,7 @@ class Denominators:
         """Whether a function may have another branch in another part of the domain."""
         match self._field.nodes.all[node]:
             case ("Pow", _, exponent) if exponent.q != 1:
-                return not (self._connected and self._field.signs.is_clean(node))
+                return not (self._connected and self._field.signs.is_analytic(node))
             case ("Abs" | "sign" | "parity", _):
                 return True
         return False
@@ -74,7 +74,7 @@ class Denominators:
         match self._field.nodes.all[node]:
             case ("log", inner):
                 root = self._field.nodes.made("Pow", inner, fmpq(1, 2))
-                return not self._field.signs.is_clean(root)
+                return not self._field.signs.is_analytic(root)
             case (str(name), *_) if name in FUNCTIONS and FUNCTIONS[name].kind in ("arc", "cut"):
                 return not self._field.signs.is_real(node)
         return False

@@ -313,7 +313,7 @@ class Field:
         places = range(len(self.generators), len(self.generators) + len(rows))
         table = []
         for place, (factors, shift) in zip(places, rows, strict=True):
-            if not all(self.signs.is_clean(node) for node in (*factors, shift)):
+            if not all(self.signs.is_analytic(node) for node in (*factors, shift)):
                 raise CertificateError("a linear form must be analytic on the domain")
             pairs = tuple(zip(factors, nodes, strict=True))
             parts = [p if self.nodes.value(f) == 1 else self.nodes.product(f, p) for f, p in pairs]

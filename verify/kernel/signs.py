@@ -193,11 +193,11 @@ class Signs:
         name = self._nodes.all[node][0]
         raise CertificateError(f"the conjugate of {name} does not follow from the domain")
 
-    def is_clean(self, node: int) -> bool:
+    def is_analytic(self, node: int) -> bool:
         """Whether a formula is analytic on the whole domain but for isolated poles."""
-        return all(map(self._is_clean, self._nodes.below([node])))
+        return all(map(self._is_analytic, self._nodes.below([node])))
 
-    def _is_clean(self, node: int) -> bool:
+    def _is_analytic(self, node: int) -> bool:
         name, *arguments = self._nodes.all[node]
         if name in ANALYTIC:
             root = name == "Pow" and arguments[1].q != 1

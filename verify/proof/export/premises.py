@@ -125,9 +125,9 @@ class TracedSigns(Signs):
         asked = asked or [Question("real", (node,))]
         return self._ask(partial(super().is_between, node, low, high), *asked)
 
-    def is_clean(self, node: int) -> bool:
+    def is_analytic(self, node: int) -> bool:
         """Whether a formula is analytic on the whole domain but for isolated poles."""
-        return self._ask(partial(super().is_clean, node), Question("analytic", (node,)))
+        return self._ask(partial(super().is_analytic, node), Question("analytic", (node,)))
 
     def _ask(self, answer: Callable[[], bool], *asked: Question) -> bool:
         asker = self.askers[-1]
