@@ -258,7 +258,14 @@ def _direction(one: Counter[sp.Expr], other: Counter[sp.Expr]) -> frozenset[tupl
 
 
 def argument_vector(argument: sp.Expr, dependence: Dependence) -> Vector | None:
-    """The constant factors of its monomials in the variables; None if it is no such sum."""
+    """The constant factors of its monomials in the variables; None if it is no such sum.
+
+    Real and imaginary parts stand apart (False and True).
+
+    >>> x, a, b = sp.symbols("x a b")
+    >>> argument_vector((a + sp.I * b) * x, Dependence([x]))
+    {(x, False): a, (x, True): b}
+    """
     found: Vector = {}
     for term, number in expanded_terms(argument).items():
         constant, moving = dependence.factors(number * term)
