@@ -22,6 +22,15 @@ class Outcome(enum.StrEnum):
     REFUTED = "REFUTED"
     UNDECIDED = "UNDECIDED"
 
+    @property
+    def passed(self) -> bool:
+        """Whether the closed form stands.
+
+        >>> Outcome.CHECKED.passed, Outcome.UNDECIDED.passed
+        (True, False)
+        """
+        return self in (Outcome.PROVED, Outcome.CHECKED)
+
 
 @dataclass(frozen=True, repr=False)
 class Verdict:
@@ -62,7 +71,7 @@ class Verdict:
     @property
     def passed(self) -> bool:
         """Whether the closed form stands: proved or checked."""
-        return self.outcome in (Outcome.PROVED, Outcome.CHECKED)
+        return self.outcome.passed
 
     @property
     def point(self) -> str:
