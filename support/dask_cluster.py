@@ -105,11 +105,13 @@ def _connected(address: str, needed: str) -> "Client":
     """
     try:
         from distributed import Client
+        from distributed.comm import get_address_host_port
     except ImportError:
         raise ValueError(
             "--scheduler needs dask.distributed, got none (pip install 'longwave[cluster]')"
         ) from None
     try:
+        get_address_host_port(address)  # a client of a wrong one ends late, with a traceback
         client = Client(address, timeout=CONNECTING, set_as_default=False)
     except (OSError, ValueError, TypeError) as error:
         why = " ".join(str(error).split())[:100]

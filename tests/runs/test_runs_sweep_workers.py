@@ -226,6 +226,16 @@ def test_a_cluster_that_does_not_answer_is_told_within_seconds() -> None:
     assert time.monotonic() - begun < 120
 
 
+@pytest.mark.parametrize(("address", "why"), [("nowhere", "missing port"), ("foo://b:1", "scheme")])
+def test_a_client_is_made_of_an_address_alone(
+    address: str, why: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One that is made of something else prints a traceback when it is left."""
+    monkeypatch.delattr("distributed.Client.__init__")
+    with pytest.raises(ValueError, match=f"^--scheduler must be the address .*{why}"):
+        sweep_workers(None, address).__enter__()
+
+
 @pytest.mark.slow
 def test_ctrl_c_keeps_what_is_done_and_ends_the_workers(tmp_path: Path) -> None:
     (tmp_path / "mine.toml").write_text(
