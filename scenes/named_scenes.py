@@ -44,16 +44,25 @@ def lattice_scenes() -> tuple[str, ...]:
     return _names("lattices")
 
 
-def load_scene(text: str | Path) -> Scene:
+def load_scene(text: str | Path, tolerance: float | None = None) -> Scene:
     """The scene in a TOML file, or the shipped one of that name.
 
-    ``-`` is the standard input, a file of a lattice being looked for in the working folder.
+    ``-`` is the standard input, a file of a lattice being looked for in the working folder. A
+    ``tolerance`` is taken in the place of the scene's own, or of its step.
 
     Raises ValueError for a file that cannot be read and a name that is none.
     """
+    if tolerance is not None:
+        return _named(text, {"tolerance": tolerance}).with_tolerance(tolerance)
+    return _named(text, {})
+
+
+def _named(text: str | Path, usual: Mapping[str, Any]) -> Scene:
+    """The scene, of a file that states no step with what is ``usual``."""
     name = str(text)
     if name == STANDARD_INPUT or name.endswith(".toml") or Path(name).is_file():
-        return _of_document(read_document(name), Path(name))
+        document = read_document(name)
+        return _of_document({**({} if "scheme" in document else usual), **document}, Path(name))
     family = rational_family_scenes()
     if name in family:
         return family[name]

@@ -105,7 +105,7 @@ def _connected(address: str, needed: str) -> "Client":
     """
     try:
         from distributed import Client
-        from distributed.comm import get_address_host_port
+        from distributed.comm.addressing import get_address_host_port
     except ImportError:
         raise ValueError(
             "--scheduler needs dask.distributed, got none (pip install 'longwave[cluster]')"

@@ -34,9 +34,7 @@ def measured_convergence(source: str, eps: str | None, tolerance: float | None) 
     if eps is not None:
         usual = "such as 0.1,0.07,0.05"
         values = listed("--eps", eps, lambda part: finite("--eps", float(part)), "numbers", usual)
-    scene = load_scene(source)
-    if tolerance is not None:
-        scene = scene.with_tolerance(tolerance)
+    scene = load_scene(source, tolerance)
     with progress_bar(scene.name, f"{scene.name} at several eps") as bar:
         return scene_convergence(scene, values, *bar)
 

@@ -56,12 +56,12 @@ def run_and_print(
         check_run_output(output, force)
         if names_a_run(source):
             kept = _finished_run(source, {"tolerance": tolerance, "engine": engine, "store": store})
-        found = load_scene(source) if kept is None else scene_of_run(kept)
+        found = load_scene(source, tolerance) if kept is None else scene_of_run(kept)
     except (ValueError, OSError) as error:
         return fail(error)
     checkpoint = OutputCheckpoint(output, store)
     try:
-        scene = _changed(found, tolerance, engine)
+        scene = found if engine is None else found.changed(engine=engine)
         wanted = "" if scene.tolerance is None else f" to {scene.tolerance:g}"
         work = f"{scene.name}{wanted}" if kept is None else f"{source} again"
         with checkpoint.kept(scene):
@@ -118,13 +118,6 @@ def _compare_and_print(source: str, kept: xr.Dataset, made: xr.Dataset) -> int:
     first, *further = found.lines()
     print_lines(plain_console(), [f"{source}: {first}", *further])
     return 0 if found.is_same else 1
-
-
-def _changed(scene: Scene, tolerance: float | None, engine: str | None) -> Scene:
-    """The scene with what the command line says in the place of what the file says."""
-    if tolerance is not None:
-        scene = scene.with_tolerance(tolerance)
-    return scene if engine is None else scene.changed(engine=engine)
 
 
 def _run_with_bar(scene: Scene, store: str | None, work: str) -> RunRecord:

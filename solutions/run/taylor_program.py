@@ -18,7 +18,7 @@ from longwave.solutions.run.doubledouble import Array, split
 from longwave.solutions.run.linear_phase import LONG
 
 Series = list[Any]
-"""Coefficients of a series: `Value`s and long numbers."""
+"""Coefficients of a series, each a `Value` or a long number."""
 
 _BINARY = (Operation.ADD, Operation.SUBTRACT, Operation.MULTIPLY)
 

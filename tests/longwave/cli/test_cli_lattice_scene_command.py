@@ -49,7 +49,9 @@ def test_a_run_is_printed_written_and_drawn(scene: Path, capsys: Output) -> None
     assert main(["plot", str(run), "--kind", "crest", "--output", str(picture), "--force"]) == 0
 
 
-def test_a_tolerance_of_the_command_line_is_kept(scene: Path, capsys: Output) -> None:
+@pytest.mark.parametrize("stated", ["tolerance = 1e-3\n", ""])
+def test_a_tolerance_of_the_command_line_is_kept(stated: str, scene: Path, capsys: Output) -> None:
+    scene.write_text(SCENE.replace("tolerance = 1e-3\n", stated), "utf-8")
     assert main(["run", str(scene), "--tolerance", "1e-7"]) == 0
     assert "of 1e-07 allowed" in capsys.readouterr().out
 
