@@ -3,6 +3,7 @@
 Colours can be told apart by colour-blind readers.
 """
 
+import math
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -16,6 +17,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, FigureBase
+from matplotlib.ticker import NullFormatter
 from numpy.typing import NDArray
 
 from longwave.reports.latex import scientific
@@ -414,8 +416,10 @@ def cost_figure(
         _draw_costs(ax, curves, looks)
         ax.set_title(title, loc="left")
     first = grid[0, 0]
+    shown = first.get_xlim()
+    if math.floor(math.log10(shown[1])) >= math.log10(shown[0]):  # a power of ten, which is told
+        first.xaxis.set_minor_formatter(NullFormatter())
     if x_ticks:
-        shown = first.get_xlim()
         first.set_xticks(x_ticks, [f"{tick:g}" for tick in x_ticks])
         first.set_xticks([], minor=True)
         first.set_xlim(shown)

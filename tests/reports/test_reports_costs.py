@@ -111,3 +111,12 @@ def test_digits_are_linear_and_given_ticks_are_the_only_ones() -> None:
         assert [label.get_text() for label in ax.get_xticklabels()] == ["10", "20", "40", "80"]
         assert list(ax.get_xticks(minor=True)) == []
         assert ax.get_xlim()[1] < 80
+
+
+@pytest.mark.parametrize(("most", "between"), [(7e-2, False), (8e-3, True)])
+def test_labels_between_powers_of_ten_stand_where_there_is_none(most: float, between: bool) -> None:
+    """Side by side they overlap."""
+    figure = cost_figure({"one": {"RK4": [(2e-3, 1e-2), (most, 1e-4)]}}, "seconds", "error")
+    figure.draw_without_rendering()
+    told = [label.get_text() for label in figure.axes[0].get_xticklabels(minor=True)]
+    assert any(told) is between
