@@ -20,6 +20,9 @@ Array = NDArray[np.float64]
 SLOPES = 65
 """Stretches, from the least that was met to the most, at which slopes are looked at."""
 
+LARGEST_SLOPE = 1e290
+"""Beyond it sums of slopes, in units of masses, may be no numbers."""
+
 WIDER = 0.125
 """By which part of itself a range of stretches is widened at either end where it is looked at, so
 that waves that rise a little from stop to stop are not looked at anew each time."""
@@ -118,7 +121,7 @@ class Dynamics:
                 return math.inf
             stretches = np.append(np.linspace(least, most, SLOPES), bond.offset)
             found.append(self.lattice.largest_slope(place, stretches))
-        if not all(map(math.isfinite, found)):
+        if not all(slope < LARGEST_SLOPE for slope in found):
             return math.inf
         return self.lattice.highest_frequency(found)
 

@@ -48,6 +48,12 @@ def test_what_has_blown_up_has_no_frequency_and_no_bound() -> None:
         assert dynamics.highest_frequency(ranges) == np.inf == dynamics.largest(ranges)
 
 
+def test_slopes_whose_sums_are_no_numbers_have_no_frequency() -> None:
+    """3 y^2 = 9.4e307 is a number, four times that is none."""
+    ranges = np.array([(-5.6e153, 5.6e153), (-5.6e153, 5.6e153)])
+    assert Dynamics(Model(1.0, 0.0, 1.0).lattice).highest_frequency(ranges) == np.inf
+
+
 def test_runs_go_side_by_side_where_the_kernel_lets_them() -> None:
     lattices = Model(1, 0, 1).lattice, numbers("dimer"), numbers("square")
     assert {Dynamics(lattice).threads(KAHAN_LI_8) for lattice in lattices} == {2}

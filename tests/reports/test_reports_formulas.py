@@ -5,15 +5,19 @@ rational functions, and the stated rows put together are the formula itself.
 """
 
 import re
+import shutil
 from collections.abc import Callable
 from functools import cache
+from pathlib import Path
 
 import pytest
 import sympy as sp
 
 from longwave.reports.build import TABLES, source
+from longwave.reports.engine import compile_pdf, engine_present
 from longwave.reports.formulas.formula import Formula, broken
 from longwave.reports.formulas.printing import LINE, is_wide, latex, nesting, tidied, width
+from longwave.reports.pictures.paper_figures import ERROR_FIGURES, SNAPSHOT_FIGURES
 from longwave.reports.sections import theory
 from longwave.reports.sections.theory import solution_table
 from longwave.reports.studies.measured_runs import report_scenes
@@ -156,3 +160,21 @@ def test_a_short_formula_is_left_alone() -> None:
     x = sp.Symbol("x")
     assert Formula(x**2 + 1).stated.rows == [x**2 + 1]
     assert not is_wide(x**2 + 1)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not engine_present(), reason="no LaTeX engine on this machine")
+def test_the_source_compiles_without_overfull_lines(tmp_path: Path, report: str) -> None:
+    picture = Path(__file__).parents[2] / "docs" / "rogue_wave.png"
+    (tmp_path / "figures").mkdir()
+    names = [figure.name for figure in (*SNAPSHOT_FIGURES, *ERROR_FIGURES)]
+    names += ["evaluation_costs", "work_precision", "cost_scaling", "modulation"]
+    for name in (*names, "lattice_rogues", "lattice_peregrines", "lattice_rates"):
+        shutil.copy(picture, tmp_path / "figures" / f"{name}.png")
+    tex = tmp_path / "longwave.tex"
+    tex.write_text(re.sub(r"(figures/\w+)\.pdf", r"\1.png", report), encoding="utf-8")
+    assert compile_pdf(tex).read_bytes().startswith(b"%PDF")
+    log = tex.with_suffix(".log").read_text(errors="replace")
+    assert "undefined" not in log.lower()
+    wide = [float(points) for points in re.findall(r"Overfull \\hbox \(([\d.]+)pt", log)]
+    assert [points for points in wide if points > 5] == []

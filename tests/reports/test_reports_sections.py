@@ -1,13 +1,9 @@
 """Sections: every run and order is printed, and what users wrote is escaped."""
 
-import re
-import shutil
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 
-from longwave.reports.engine import compile_pdf, engine_present
 from longwave.reports.paper import SOURCES, cited
 from longwave.reports.pictures.paper_figures import ERROR_FIGURES, SNAPSHOT_FIGURES
 from longwave.reports.sections.costs import accuracy_table
@@ -149,24 +145,6 @@ def test_a_caption_names_the_constants() -> None:
     assert "$k=0.7$" in caption
     assert r"$\alpha=K/2$" in caption
     assert "$K_{4}=-1$" in caption
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(not engine_present(), reason="no LaTeX engine on this machine")
-def test_the_source_compiles_without_overfull_lines(tmp_path: Path, report: str) -> None:
-    picture = Path(__file__).parents[2] / "docs" / "rogue_wave.png"
-    (tmp_path / "figures").mkdir()
-    names = [figure.name for figure in (*SNAPSHOT_FIGURES, *ERROR_FIGURES)]
-    names += ["evaluation_costs", "work_precision", "cost_scaling", "modulation"]
-    for name in (*names, "lattice_rogues", "lattice_peregrines", "lattice_rates"):
-        shutil.copy(picture, tmp_path / "figures" / f"{name}.png")
-    tex = tmp_path / "longwave.tex"
-    tex.write_text(re.sub(r"(figures/\w+)\.pdf", r"\1.png", report), encoding="utf-8")
-    assert compile_pdf(tex).read_bytes().startswith(b"%PDF")
-    log = tex.with_suffix(".log").read_text(errors="replace")
-    assert "undefined" not in log.lower()
-    wide = [float(points) for points in re.findall(r"Overfull \\hbox \(([\d.]+)pt", log)]
-    assert [points for points in wide if points > 5] == []
 
 
 def test_a_parameter_that_is_text_is_no_latex() -> None:

@@ -162,13 +162,13 @@ def test_workers_that_do_not_see_the_store_send_what_they_did(
     """Whether they do or not, and though they come after the sweep has begun."""
     caplog.set_level("INFO", "longwave.store")
     kept: list[bytes] = []
-    keep = sweep._March._keep
+    keep = sweep.write_sealed
 
-    def counted(march: Any, pack: bytes) -> None:
+    def counted(path: Path, pack: bytes, **options: Any) -> None:
         kept.append(pack)
-        keep(march, pack)
+        keep(path, pack, **options)
 
-    monkeypatch.setattr(sweep._March, "_keep", counted)
+    monkeypatch.setattr(sweep, "write_sealed", counted)
     with sweep_workers(None, scheduler) as workers, dask_worker(scheduler):
         assert "the cluster has no workers" in caplog.text
         monkeypatch.chdir(tmp_path)
