@@ -19,7 +19,7 @@ from longwave.support.sealed_file import LOG
 if TYPE_CHECKING:
     from distributed import Client
 
-CONNECTING = 5.0
+CONNECTING = 15.0
 """Seconds in which a scheduler must answer."""
 
 LOOKING = 2.0
