@@ -22,11 +22,12 @@ TINY = 1e-300
 def find_blow_up(
     lattice: NumericLattice, state: State, initial_amplitude: float | None
 ) -> BlowUp | None:
-    """The first criterion that the state meets, None if it is sound; in this order.
+    """The first criterion that the state meets, None if it is sound.
 
-    For a wave, whose largest stretch began with ``initial_amplitude`` (less the bond's offset):
-    waves about the bonds of some cell grow, that is, the lattice made of such cells is unstable; or
-    the largest stretch has grown by more than ``GROWTH``.
+    A number that is not finite; then, for a wave, whose largest stretch began with
+    ``initial_amplitude`` (less the bond's offset): waves about the bonds of some cell grow, that
+    is, the lattice made of such cells is unstable; or the largest stretch has grown by more than
+    ``GROWTH``.
     """
     broken = ~np.all(np.isfinite(state.f) & np.isfinite(state.v), axis=0)
     if broken.any():

@@ -39,11 +39,6 @@ class Dynamics:
         self._kernels: dict[tuple[int, ...], RingKernel] = {}
         self._firm: list[tuple[float, float]] = []
 
-    @property
-    def is_linear(self) -> bool:
-        """Whether every force is proportional to its stretch."""
-        return self.lattice.is_linear
-
     def checked(self, state: State) -> State:
         """The state with arrays of doubles of the lattice's shape."""
         fields, axes = len(self.lattice.fields), self.lattice.dimension

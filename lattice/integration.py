@@ -219,7 +219,7 @@ class CellRingEngine(StepSearch):
     ) -> None:
         self.lattice, self.scheme, self.state = lattice, scheme, state
         self.dynamics = Dynamics(lattice)
-        self.amplifies_rounding = not self.dynamics.is_linear
+        self.amplifies_rounding = not lattice.is_linear
         self.threads = self.dynamics.threads(scheme) if state.size < LARGE else 1
         self._times = times
         ranges = self.dynamics.ranges(state)

@@ -63,27 +63,13 @@ class Model:
         y = np.asarray(y, dtype=np.float64)
         return self.K2 + y * (2.0 * self.K3 + 3.0 * self.K4 * y)
 
-    def least_stiffness(self, least: float, most: float) -> float:
-        """The smallest V''(y) of all strains from ``least`` to ``most``.
-
-        >>> Model(4, 1, 1).least_stiffness(-2.0, 3.0)  # at y = -1/3
-        3.6666666666666665
-        """
-        places = [least, most]
-        if self.K4 > 0.0:
-            places.append(min(max(-self.K3 / (3.0 * self.K4), least), most))
-        return min(self._stiffness(y) for y in places)
-
-    def _stiffness(self, y: float) -> float:
-        return self.K2 + y * (2.0 * self.K3 + 3.0 * self.K4 * y)
-
     def sound_speed(self, ybar: float = 0.0) -> float:
         """Speed (sites per unit time) of long waves on the uniform strain ``ybar``.
 
         >>> Model(4, 0, 1).sound_speed()
         2.0
         """
-        stiffness = self._stiffness(ybar)
+        stiffness = float(self.stiffness(np.array(ybar)))
         if stiffness <= 0:
             raise ValueError(
                 f"K2 + 2 K3 y + 3 K4 y^2 must be positive, got {stiffness:g} at y = {ybar:g} "
