@@ -1,4 +1,4 @@
-"""``python -m verify accuracy``: worst evaluation errors per wave and derivative, as a table.
+"""``longwave verify accuracy``: worst evaluation errors per wave and derivative, as a table.
 
 Exit status: 0 if every error is within the promised bound, 1 if one is not, 2 for bad input.
 """

@@ -1,4 +1,4 @@
-"""``python -m verify recheck``: other systems repeat the proofs of catalogue and library."""
+"""``longwave verify recheck``: other systems repeat the proofs of catalogue and library."""
 
 from __future__ import annotations
 

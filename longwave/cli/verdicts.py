@@ -1,4 +1,4 @@
-"""``python -m verify``: the verdicts on the closed forms, and on their misprints, as tables.
+"""``longwave verify``: the verdicts on the closed forms, and on their misprints, as tables.
 
 A misprint changes one single place: a coefficient, a sign, a term left out, k for k**2.
 """

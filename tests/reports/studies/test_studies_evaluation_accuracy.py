@@ -1,4 +1,4 @@
-"""Evaluation over the stated domain; the dense table is `python -m verify accuracy`."""
+"""Evaluation over the stated domain; the dense table is `longwave verify accuracy`."""
 
 import json
 import math
