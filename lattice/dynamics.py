@@ -11,7 +11,7 @@ from longwave.lattice.blow_up import find_blow_up
 from longwave.lattice.kernels import nystroem, reference
 from longwave.lattice.kernels.ring_kernel import RingKernel
 from longwave.lattice.model import chain_constants
-from longwave.lattice.numeric_lattice import NumericLattice
+from longwave.lattice.numeric_lattice import NumericLattice, value_range
 from longwave.lattice.schemes import DriftKick, Scheme
 from longwave.lattice.state import GROWTH, BlowUp, State
 
@@ -100,9 +100,9 @@ class Dynamics:
     def ranges(self, state: State) -> Array:
         """The ranges of one state."""
         with np.errstate(invalid="ignore", over="ignore"):  # after a blow-up
-            values = [*self.lattice.stretches(state.f), *state.f]
-            ends = [(np.minimum.reduce(x, None), np.maximum.reduce(x, None)) for x in values]
-        return np.array(ends)
+            fields = [value_range(values) for values in state.f]
+            bonds = [bond.stretch_range(state.f, fields) for bond in self.lattice.bonds]
+        return np.array([*bonds, *fields])
 
     def highest_frequency(self, ranges: Array) -> float:
         """The highest frequency of any wave about what is in these ranges; inf if none is.

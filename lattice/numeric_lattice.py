@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
+Range = tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -73,6 +74,24 @@ class NumericBond:
     def is_on_site(self) -> bool:
         """Whether it feels the fields themselves, not their differences alone."""
         return sum(entry.weight for entry in self.stretch) != 0.0
+
+    def stretched(self, f: Array) -> Array:
+        """The stretch in each cell, where these are the fields."""
+        parts = (entry.weight * _shifted(f[entry.field], entry.shift) for entry in self.stretch)
+        total = next(parts)
+        if self.offset:
+            total += self.offset
+        for part in parts:
+            total += part
+        return total
+
+    def stretch_range(self, f: Array, ranges: Sequence[Range]) -> Range:
+        """The least and the largest stretch, where these are the fields and their ranges."""
+        if len(self.stretch) > 1:
+            return value_range(self.stretched(f))
+        [entry] = self.stretch
+        least, most = sorted(entry.weight * end + self.offset for end in ranges[entry.field])
+        return least, most
 
 
 @dataclass(frozen=True)
@@ -146,16 +165,7 @@ class NumericLattice:
 
     def stretches(self, f: Array) -> list[Array]:
         """The stretch of each bond in each cell."""
-        found = []
-        for bond in self.bonds:
-            parts = (entry.weight * _shifted(f[entry.field], entry.shift) for entry in bond.stretch)
-            total = next(parts)
-            if bond.offset:
-                total += bond.offset
-            for part in parts:
-                total += part
-            found.append(total)
-        return found
+        return [bond.stretched(f) for bond in self.bonds]
 
     def acceleration(self, f: Array) -> Array:
         """f'' of every field and cell, by NumPy: what every kernel must give."""
@@ -249,6 +259,11 @@ def zone_wavenumbers(dimension: int, count: int) -> Array:
     axis = np.linspace(0.0, math.pi, count)
     axes = [axis, *[np.linspace(-math.pi, math.pi, 2 * count - 1)] * (dimension - 1)]
     return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, dimension)
+
+
+def value_range(values: Array) -> Range:
+    """The least value and the largest; nan if one of them is."""
+    return float(np.minimum.reduce(values, None)), float(np.maximum.reduce(values, None))
 
 
 def _shifted(values: Array, shift: tuple[int, ...]) -> Array:

@@ -192,20 +192,25 @@ _jit = njit(cache=True, fastmath={"contract"}, error_model="numpy")
 def _chebyshev_sums(coefficients: Array, u: Array) -> Array:
     """Sums of coefficients[:, k] T_k(u), of shape (rows of ``coefficients``, u.size)."""
     found = np.empty((len(coefficients), u.size))
-    _clenshaw(coefficients, u, found)
+    _clenshaw(coefficients, u, found, np.empty_like(u))
     return found
 
 
 @_jit
-def _clenshaw(coefficients: Array, u: Array, found: Array) -> None:
+def _clenshaw(coefficients: Array, u: Array, found: Array, work: Array) -> None:
+    """Clenshaw's sums, all places a term at a time: the processor then takes several at once."""
     rows, terms = coefficients.shape
     for row in range(rows):
-        c = coefficients[row]
+        found[row] = work[:] = 0.0
+        for k in range(terms - 1, 0, -1):
+            c = coefficients[row, k]
+            for i in range(u.size):
+                last = found[row, i]
+                found[row, i] = c + 2.0 * u[i] * last - work[i]
+                work[i] = last
+        c = coefficients[row, 0]
         for i in range(u.size):
-            one, two = 0.0, 0.0
-            for k in range(terms - 1, 0, -1):
-                one, two = c[k] + 2.0 * u[i] * one - two, one
-            found[row, i] = c[0] + u[i] * one - two
+            found[row, i] = c + u[i] * found[row, i] - work[i]
 
 
 @dataclass(frozen=True)
@@ -323,7 +328,7 @@ class Window(Domain):
 
     def _misfit(self, state: State, sites: Sites, feed: Array) -> BlowUp | None:
         """The fault at the first site where feed and lattice differ too much, None if none does."""
-        misses = np.abs(state.at(sites)[0][0] - feed) / self.moving.eps
+        misses = np.abs(state.f[0].take(sites, mode="wrap") - feed) / self.moving.eps
         most = float(misses.max())
         self.mismatch = max(self.mismatch, most)
         if not most > LARGEST_MISFIT:

@@ -9,7 +9,7 @@ round a ring or be cut off by a window.
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache, lru_cache, partial
+from functools import cache, cached_property, lru_cache, partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -131,7 +131,7 @@ class MovingWave:
         """The time from the first to the last."""
         return self.end - self.t0
 
-    @property
+    @cached_property
     def speed(self) -> float:
         """The speed c of long waves."""
         return self.constants.sound_speed()
