@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from longwave.support.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
+    from longwave.lattice.driving import DrivenChain, SiteForce, driven_chain
     from longwave.lattice.integration import Cost, Trajectory, integrate
     from longwave.lattice.model import Model
     from longwave.lattice.scheme_order import check_order
@@ -32,15 +33,18 @@ __all__ = [
     "SCHEMES",
     "Composition",
     "Cost",
+    "DrivenChain",
     "FieldRing",
     "Model",
     "RungeKutta",
     "Scheme",
+    "SiteForce",
     "SpectralTrajectory",
     "Splitting",
     "State",
     "Trajectory",
     "check_order",
+    "driven_chain",
     "integrate",
     "scheme_named",
     "spectral_integrate",
@@ -50,6 +54,7 @@ __all__ = [
 __getattr__, __dir__ = lazy_exports(
     __name__,
     {
+        "longwave.lattice.driving": "DrivenChain SiteForce driven_chain",
         "longwave.lattice.integration": "Cost Trajectory integrate",
         "longwave.lattice.state": "State",
         "longwave.lattice.model": "Model",

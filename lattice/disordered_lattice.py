@@ -27,16 +27,28 @@ class Variation:
     """What differs from cell to cell: the ``masses``, or parts ``c G`` of the bonds' ``forces``.
 
     ``masses`` says what a cell's fields are, None if masses are equal; ``forces`` has an entry for
-    each bond, None where it is the same in all cells. ``bound`` is the largest deviation.
+    each bond, None where it is the same in all cells. ``bound`` is the largest deviation. Each of
+    the ``pulsed`` fields is kicked from outside in some cells, and every drift shrinks the
+    velocities if these are ``damped``.
     """
 
     bound: float
     masses: MassKind | None = None
     forces: tuple[ForceProgram | None, ...] = ()
+    pulsed: tuple[int, ...] = ()
+    damped: bool = False
 
     def rows(self, fields: int) -> int:
         """The deviations of a cell, of a lattice with so many fields."""
-        return fields if self.masses else sum(force is not None for force in self.forces)
+        return self.mass_rows(fields) + sum(force is not None for force in self.forces)
+
+    def added_fields(self, fields: int) -> int:
+        """Fields that hold what differs, behind the lattice's: its rows, and where pulses act."""
+        return self.rows(fields) + len(self.pulsed)
+
+    def mass_rows(self, fields: int) -> int:
+        """Those of masses, which come first."""
+        return fields if self.masses else 0
 
 
 def mass_kind(lattice: NumericLattice) -> MassKind:
@@ -113,11 +125,17 @@ class DisorderedLattice(NumericLattice):
         return self.ordered, self.variation, self.shares
 
     @property
+    def cell_count(self) -> int | None:
+        """The cells of its ring."""
+        return int(self.deviations.shape[1])
+
+    @property
     def shares(self) -> Array:
         """The deviations; of masses, by how much their inverse is larger."""
-        if self.variation.masses:
-            return np.asarray(-self.deviations / (1.0 + self.deviations))
-        return self.deviations
+        masses = self.variation.mass_rows(len(self.fields))
+        found = np.array(self.deviations)
+        found[:masses] = -found[:masses] / (1.0 + found[:masses])
+        return found
 
     @property
     def stays_at_rest(self) -> bool:
@@ -160,7 +178,7 @@ class DisorderedLattice(NumericLattice):
 
     def _varied(self) -> list[tuple[ForceProgram, Array] | None]:
         """The varied part of each bond's force and its deviations in all cells."""
-        rows = iter(self.deviations)
+        rows = iter(self.deviations[self.variation.mass_rows(len(self.fields)) :])
         parts = self.variation.forces or (None,) * len(self.bonds)
         return [None if part is None else (part, next(rows)) for part in parts]
 
@@ -192,7 +210,7 @@ class DisorderedLattice(NumericLattice):
             for entry in _pulls(bond.stretch) if strains else bond.action:
                 total[entry.field] += entry.weight * np.roll(force, -entry.shift[0])
         if self.variation.masses:
-            total *= 1.0 + self.shares
+            total *= 1.0 + self.shares[: len(self.fields)]
         if strains:
             total = np.roll(total, -1, axis=1) - total
         return np.asarray(total / np.array(self.masses)[:, None], dtype=np.float64)
@@ -239,7 +257,9 @@ class DisorderedLattice(NumericLattice):
     def cell_masses(self) -> Array:
         """The mass of each field in each cell, (fields, cells)."""
         masses = np.array(self.masses)[:, None] * np.ones((1, self.deviations.shape[1]))
-        return np.asarray(masses * (1.0 + self.deviations)) if self.variation.masses else masses
+        if not self.variation.masses:
+            return masses
+        return np.asarray(masses * (1.0 + self.deviations[: len(self.fields)]))
 
 
 def _stored(force: ForceProgram, stretch: Array, rest: float) -> Array:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from longwave.lattice.blow_up import find_blow_up
+from longwave.lattice.driving import DrivenChain
 from longwave.lattice.kernels import nystroem, reference
 from longwave.lattice.kernels.ring_kernel import RingKernel
 from longwave.lattice.model import chain_constants
@@ -52,19 +53,24 @@ class Dynamics:
                     f"{axes} axes, got {values.shape} (a chain of one field has (1, cells))"
                 )
             _check_finite(name, values)
-        _, variation, shares = self.lattice.cellwise
-        if variation is not None and found.f.shape[1] != shares.shape[1]:
+        cells = self.lattice.cell_count
+        if cells not in (None, found.f.shape[1]):
             raise ValueError(
-                f"state must have the {shares.shape[1]} cells of the disordered lattice, got "
-                f"{found.f.shape[1]} (each has deviations of its own)"
+                f"state must have the {cells} cells of the lattice, got {found.f.shape[1]} (what "
+                "differs from cell to cell, and its ends, are stated for so many)"
             )
         return found
 
-    def advance(self, scheme: Scheme, f: Array, v: Array, h: float, steps: int) -> None:
-        """Advance fields and velocities in place by ``steps`` steps of length ``h``.
+    def advance(
+        self, scheme: Scheme, f: Array, v: Array, h: float, steps: int, t: float = 0.0
+    ) -> None:
+        """Advance fields and velocities in place by ``steps`` steps of length ``h`` from ``t`` on.
 
         Chains and planes by machine code written for them, if the scheme is a splitting.
         """
+        if self.lattice.is_driven:
+            self._advance_driven(scheme, f, v, h, steps, t)
+            return
         if not isinstance(scheme, DriftKick):
             self._advance_by_stages(scheme, f, v, h, steps)
             return
@@ -73,6 +79,22 @@ class Dynamics:
             self._kernel(f.shape[1:]).advance(f, v, *weights, steps)
         else:
             reference.advance_splitting(self.lattice.acceleration, f, v, *weights, steps)
+
+    def _advance_driven(
+        self, scheme: Scheme, f: Array, v: Array, h: float, steps: int, t: float
+    ) -> None:
+        """With losses and forces at the time of each stage."""
+        chain = self.lattice
+        assert isinstance(chain, DrivenChain)
+        if not isinstance(scheme, DriftKick):
+            raise ValueError(
+                f"scheme must be a splitting with ends, losses or forces, got {scheme.name} (leave "
+                "it out)"
+            )
+        chain.place_walls(f, v, t)
+        drifts, kicks = chain.stage_weights(scheme, v, t, h, steps)
+        self._kernel(f.shape[1:]).advance_stages(f, v, drifts, kicks, len(kicks))
+        chain.place_walls(f, v, t + steps * h)
 
     def _advance_by_stages(self, scheme: Scheme, f: Array, v: Array, h: float, steps: int) -> None:
         """A Nystroem method: of the paper's chain by machine code."""

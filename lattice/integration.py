@@ -138,7 +138,7 @@ def integrate(
     else:
         assert step is not None
         trial, error = _stated(search, step, measure_error)
-    return _outcome(trial, error, moments, begun, scheme)
+    return _outcome(trial, error, moments, begun, search)
 
 
 def _checked(lattice: NumericLattice, state: State) -> State:
@@ -151,7 +151,7 @@ def _checked(lattice: NumericLattice, state: State) -> State:
             raise ValueError(
                 f"{name} must be a {kind.__name__}, got a {type(value).__name__} ({remedy})"
             )
-    return Dynamics(lattice).checked(state)
+    return lattice.held(Dynamics(lattice).checked(state))
 
 
 def _found(engine: CellRingEngine, tolerance: float, times: Array) -> tuple[Trial, float]:
@@ -180,8 +180,11 @@ def _stated(engine: CellRingEngine, step: float, measure_error: bool) -> tuple[T
     return trial, error
 
 
-def _outcome(trial: Trial, error: float, times: Array, begun: float, scheme: Scheme) -> Trajectory:
-    blow_up, steps, positions, velocities = trial.payload
+def _outcome(
+    trial: Trial, error: float, times: Array, begun: float, engine: CellRingEngine
+) -> Trajectory:
+    blow_up, steps, *held = trial.payload
+    f, v = (values[:, :, : engine.lattice.cell_count] for values in held)
     if blow_up is not None:
         raise ValueError(
             f"times must end before the lattice blows up, got {times[-1]:g} ({blow_up}, "
@@ -194,11 +197,11 @@ def _outcome(trial: Trial, error: float, times: Array, begun: float, scheme: Sch
         )
     cost = Cost(
         steps,
-        steps * scheme.stages,
+        steps * engine.scheme.stages,
         trial.seconds,
         perf_counter() - begun,
     )
-    return Trajectory(times, positions, velocities, error, scheme.name, trial.choices.step, cost)
+    return Trajectory(times, f, v, error, engine.scheme.name, trial.choices.step, cost)
 
 
 class CellRingEngine(StepSearch):
@@ -231,7 +234,10 @@ class CellRingEngine(StepSearch):
                 "state must leave the slopes of all forces finite, got a stretch of "
                 f"{float(np.max(np.abs(ranges))):g} (take other units)"
             )
-        self._judged = judged or self._stretches_and_rates(ranges)
+        cells = lattice.cell_count
+        self._judged = self._stretches_and_rates(ranges)
+        if judged is not None:
+            self._judged = lambda f, v, t: judged(f[:, :cells], v[:, :cells], t)
         stops = np.concatenate([[state.t], times])
         super().__init__(scheme.order, LIMIT_SHARE * self._admitted, stops, state.size)
         self.most_work = max(RUNAWAY * self.work(self.first()), LEAST_RUNAWAY)

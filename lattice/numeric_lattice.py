@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from longwave.derive.algebra.exact_numbers import Number
     from longwave.derive.lattice import Bond, Lattice, Stencil
     from longwave.lattice.disordered_lattice import Variation
+    from longwave.lattice.state import State
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -129,6 +130,20 @@ class NumericLattice:
     def cellwise(self) -> tuple[NumericLattice, Variation | None, Array]:
         """What is the same in all cells, what is not, and how much of it a cell has: nothing."""
         return self, None, np.zeros((0, 0))
+
+    @property
+    def cell_count(self) -> int | None:
+        """The cells of its states; None if they may be so many as one likes."""
+        return None
+
+    @property
+    def is_driven(self) -> bool:
+        """Whether stages take weights of their own times (`DrivenChain.stage_weights`): no."""
+        return False
+
+    def held(self, state: State) -> State:
+        """The state with the cells by which the lattice holds its ends: it has none."""
+        return state
 
     @property
     def conserves_energy(self) -> bool:

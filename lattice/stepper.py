@@ -125,7 +125,7 @@ class Stepper:
         state, begin = self.state, self.state.t
         before = [values.copy() for values in state.arrays]
         f, v = state.arrays
-        self.dynamics.advance(self.scheme, f, v, h, steps)
+        self.dynamics.advance(self.scheme, f, v, h, steps, begin)
         state.t = t
         found = self._find_blow_up()
         if found is None:

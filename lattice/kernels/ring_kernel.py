@@ -359,7 +359,7 @@ class _Arc:
 
     def run(self, drifts: Array, kicks: Array, begun: int, stages: int) -> Iterator[Call]:
         """So many stages, their weights in turn from ``begun`` on."""
-        each, period, layout = self._each, kicks.size, self._layout
+        each, period, layout = self._each, len(kicks), self._layout
         whole = stages // each * each
         for done, count, length in ((0, stages // each, each), (whole, 1, stages - whole)):
             if count * length:
@@ -401,9 +401,10 @@ class RingKernel:
     ) -> None:
         """So many stages, ``f += drift v`` and ``v += kick f''``, their weights in turn.
 
-        Positions are ``ahead`` of the velocities before and after.
+        Positions are ``ahead`` of the velocities before and after. Where drifts are damped or
+        fields are kicked from outside, each row of ``kicks`` has the `StagePlan.weights`.
         """
-        between = self._stages_between(kicks.size)
+        between = self._stages_between(len(kicks))
         if between != self._between or not self._arcs:
             self._arcs, self._between = self._made(between), between
             self._scripts.clear()

@@ -240,11 +240,16 @@ class _Stage:
         code: LaneCode,
         flow: StagePlan,
         numbers: Sequence[Any],
-        weights: tuple[Any, Any],
+        drift: Any,
+        weights: Sequence[Any],
         depths: Sequence[int],
     ) -> None:
         self._code, self._flow, self._numbers = code, flow, numbers
-        self._drift, kick = weights
+        kick, *further = weights
+        self._drifts = [drift] * flow.fields
+        self._shrunk = further[flow.damped : 2 * flow.damped]
+        self._drifts[: flow.damped] = further[: flow.damped]
+        self._pulses = further[2 * flow.damped :]
         self._kicks = {
             stream.field: code.builder.fmul(kick, numbers[stream.number])
             for stream in flow.streams
@@ -270,9 +275,14 @@ class _Stage:
         """Go one row up, or one column of a plane, whose rows are ``kept``."""
         code, flow, self._kept = self._code, self._flow, kept
         self._latest = [
-            code.fma(self._drift, v, f) for f, v in zip(positions, velocities, strict=True)
+            code.fma(drift, v, f)
+            for drift, f, v in zip(self._drifts, positions, velocities, strict=True)
         ]
-        self._latest += velocities
+        self._latest += [
+            code.builder.fmul(factor, v)
+            for factor, v in zip(self._shrunk, velocities, strict=False)
+        ]
+        self._latest += velocities[flow.damped :]
         for stream in flow.streams[2 * flow.fields :]:
             values = [self.value(tap, stream.lag) for tap in stream.taps]
             if stream.kind == "force":
@@ -281,6 +291,9 @@ class _Stage:
                 made = code.fma(values[1], values[2], values[0])
             elif stream.kind == "kicked":
                 made = code.fma(self._kicks[stream.field], values[1], values[0])
+            elif stream.kind == "pulsed":
+                assert stream.number is not None
+                made = code.fma(self._pulses[stream.number], values[1], values[0])
             else:
                 made = self._sum(stream.taps, values)
                 if stream.number is not None:
@@ -361,8 +374,8 @@ class _Writer:
         for behind in range(together):
             depths = flow.depths(followed=behind < together - 1)
             place = builder.add(level, _INDEX(behind))
-            weights = code.number(drifts, place), code.number(kicks, place)
-            stages.append(_Stage(code, flow, numbers, weights, depths))
+            drift, weights = code.number(drifts, place), self._weights(code, kicks, place)
+            stages.append(_Stage(code, flow, numbers, drift, weights, depths))
         slots = [slot for stage in stages for kept in stage.slots for slot in kept]
         for row, slot in enumerate(slots):
             builder.store(code.load(carried, _INDEX(row)), slot)
@@ -389,14 +402,21 @@ class _Writer:
         builder.ret_void()
         return function
 
+    def _weights(self, code: LaneCode, kicks: Any, level: Any) -> list[Any]:
+        """What a stage takes beside its drift."""
+        count = self._flow.weights
+        first = code.builder.mul(level, _INDEX(count)) if count > 1 else level
+        places = [code.builder.add(first, _INDEX(more)) for more in range(count)]
+        return [code.number(kicks, place) for place in places]
+
     def _along(self, rows: Rows, columns: int) -> Any:
         """The function of a stage along a plane's rows, from the row ``first`` below ``past``."""
         function, code = self._function("stages_1", _STAGES)
         f, v, carried, drifts, kicks, data, plane, pitch, width, level, first, past = function.args
         flow, builder = self._flow, code.builder
         numbers = [code.number(data, place) for place in range(self._count)]
-        weights = code.number(drifts, level), code.number(kicks, level)
-        stage = _Stage(code, flow, numbers, weights, flow.depths(followed=False))
+        drift, weights = code.number(drifts, level), self._weights(code, kicks, level)
+        stage = _Stage(code, flow, numbers, drift, weights, flow.depths(followed=False))
 
         def begin(place: int, row: Any, behind: int) -> Any:
             """Where a stream's row begins that was formed so many rows ago."""
@@ -585,7 +605,8 @@ class _Writer:
                         begin = builder.gep(data, [builder.mul(plane, _INDEX(field))])
                         copied.store(begin, to, copied.load(begin, at))
             begun = builder.srem(builder.mul(passage, stages), period)
-            weights = [builder.gep(data, [begun]) for data in (drifts, kicks)]
+            at_kicks = builder.mul(begun, _INDEX(self._flow.weights))
+            weights = [builder.gep(drifts, [begun]), builder.gep(kicks, [at_kicks])]
             data = f, v, carried, *weights, numbers, plane, pitch, width
             sizes = {size: builder.mul(pitch, _INDEX(number)) for size, number in kept.items()}
             self._passage(code, groups, data, sizes, rows, stages)

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from longwave.lattice.force_program import ForceProgram
     from longwave.lattice.numeric_lattice import Entry, NumericLattice
 
-Kind = Literal["position", "velocity", "sum", "force", "varied", "kicked"]
+Kind = Literal["position", "velocity", "sum", "force", "varied", "kicked", "pulsed"]
 Polynomial = Mapping[int, float]
 """A stencil: weights by shift."""
 
@@ -90,7 +90,8 @@ class StreamRead(NamedTuple):
 class Stream(NamedTuple):
     """One value a cell: what it is made of, and how far it stays behind the front.
 
-    ``number`` is the place of a sum's offset, or of the factor with which a sum kicks ``field``.
+    ``number`` is the place of a sum's offset, of the factor with which a sum kicks ``field``, or of
+    the pulse that does so from outside.
     ``lowest`` is the furthest cell below its own of which it feels a position.
     """
 
@@ -107,11 +108,20 @@ class StagePlan(NamedTuple):
     """The streams of a stage in the order in which they are formed; hashable.
 
     The positions come first, then the velocities; ``kicked`` are the streams of the new velocities.
+    If it is ``damped``, a drift takes a weight and a factor of the velocity for each of so many
+    fields. There are so many ``pulses``.
     """
 
     fields: int
     streams: tuple[Stream, ...]
     kicked: tuple[int, ...]
+    damped: int = 0
+    pulses: int = 0
+
+    @property
+    def weights(self) -> int:
+        """Numbers of a stage beside its drift: kick, those of damped drifts, pulses."""
+        return 1 + 2 * self.damped + self.pulses
 
     @property
     def skew(self) -> int:
@@ -148,14 +158,14 @@ class StagePlan(NamedTuple):
 
         A function of a force counts once, too.
         """
-        total = self.fields
+        total = self.fields + self.damped
         for stream in self.streams:
             if stream.kind == "sum":
                 scaled = any(tap.weight != 1.0 or tap.number is not None for tap in stream.taps[:1])
                 total += max(len(stream.taps) - 1, 0) + scaled + (stream.number is not None)
             elif stream.kind == "force":
                 total += _operations(stream.law)
-            elif stream.kind in ("varied", "kicked"):
+            elif stream.kind in ("varied", "kicked", "pulsed"):
                 total += 1
         return total
 
@@ -298,9 +308,9 @@ def varied_stage_plan(lattice: NumericLattice, variation: Variation | None) -> V
             "dimensions (rows of cells go up one axis)"
         )
     fields = len(lattice.fields)
-    builder = _Builder(fields + (0 if variation is None else variation.rows(fields)))
+    builder = _Builder(fields + (0 if variation is None else variation.added_fields(fields)))
     acting: list[list[_Part]] = [[] for _ in lattice.fields]
-    units: list[float] = []
+    units = [] if variation is None else [1.0] * variation.mass_rows(fields)
     for place, bond in enumerate(lattice.bonds):
         law, unit = force_formula(bond.force, builder.number)
         if law is None:
@@ -324,9 +334,14 @@ def varied_stage_plan(lattice: NumericLattice, variation: Variation | None) -> V
         builder.kicked(place, parts, mass, None if masses is None else fields + place, masses)
         for place, (parts, mass) in enumerate(zip(acting, lattice.masses, strict=True))
     ]
+    pulsed = variation.pulsed if variation is not None else ()
+    for pulse, place in enumerate(pulsed):
+        taps = [StreamRead(kicked[place]), StreamRead(fields + len(units))]
+        kicked[place] = builder.add("pulsed", taps, 0, field=place, number=pulse)
+        units.append(1.0)
     kicked += range(builder.fields + fields, 2 * builder.fields)
-    flow = StagePlan(builder.fields, tuple(builder.streams), tuple(kicked))
-    units += [1.0] * (builder.fields - fields - len(units))
+    damped = fields if variation is not None and variation.damped else 0
+    flow = StagePlan(builder.fields, tuple(builder.streams), tuple(kicked), damped, len(pulsed))
     return VariedStagePlan(flow, tuple(builder.numbers), tuple(units))
 
 

@@ -183,7 +183,7 @@ def test_what_cannot_be_disordered_is_one_line() -> None:
         disordered(numbers("square"), plane, np.zeros((1, size)))
     chain = varied(numbers("fput"), "mass", 0.1, size)
     state = State(0.0, np.zeros((1, size + 1)), np.zeros((1, size + 1)))
-    with pytest.raises(ValueError, match="state must have the 8 cells of the disordered lattice"):
+    with pytest.raises(ValueError, match="state must have the 8 cells of the lattice, got 9"):
         integrate(chain, state, [1.0], 1e-6)
     ring = FieldRing(0.0, (0.0,), (8.0,), np.zeros((1, size)), np.zeros((1, size)))
     with pytest.raises(ValueError, match="lattice must be the same in all cells, got disorder"):

@@ -1,0 +1,322 @@
+"""A chain as it stands on a bench: with ends, losses at its cells, and forces from outside.
+
+The cells that move are followed by the walls', which are held or moved, on one ring. A drift is the
+exact flow of ``u' = v, v' = -g v``, so a splitting keeps its order with losses; forces from outside
+are taken at the time of each kick.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, fields
+from typing import Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from longwave.lattice.disordered_lattice import DisorderedLattice, Variation
+from longwave.lattice.numeric_lattice import NumericLattice
+from longwave.lattice.schemes import DriftKick
+from longwave.lattice.state import State
+
+Array = NDArray[np.float64]
+TimeFunction = Callable[[Array], Array]
+"""Of an array of times."""
+
+End = Literal["fixed", "free"] | TimeFunction
+"""What is at an end: a wall that is held, nothing, or a wall with a displacement in time."""
+
+
+@dataclass(frozen=True)
+class SiteForce:
+    """The force ``value(t)`` on a field of the cell ``site``."""
+
+    site: int
+    value: TimeFunction
+    field: int = 0
+
+
+@dataclass(frozen=True)
+class _Wall:
+    """The ring's cells that stand for one end, and how they move; None if they are held."""
+
+    places: tuple[int, ...]
+    displacement: TimeFunction | None
+
+
+@dataclass(frozen=True, eq=False)
+class DrivenChain(DisorderedLattice):
+    """A chain of ``cells`` cells with walls, losses and forces; `driven_chain` makes one.
+
+    Its ring has the cells that move, then those of the walls. ``losses`` are the rates g of each
+    field's ``-g v`` in units of its mass.
+    """
+
+    cells: int
+    losses: tuple[float, ...]
+    outer_forces: tuple[SiteForce, ...]
+    walls: tuple[_Wall, ...]
+    free: tuple[tuple[int, int], ...]
+    """Cells of the ring at which there is no wall, and the cell that each goes with."""
+
+    @property
+    def shares(self) -> Array:
+        """By how much inverse masses are larger, what is cut, and where each pulse is felt.
+
+        Walls have no inverse mass: nothing moves them.
+        """
+        found = super().shares
+        found[: self.variation.mass_rows(len(self.fields)), self.cells :] = -1.0
+        felt: list[tuple[int, ...]] = [(force.site,) for force in self.outer_forces]
+        felt += [wall.places for wall in self._moved for _ in self.fields]
+        pulses = np.zeros((len(felt), found.shape[1]))
+        for row, places in zip(pulses, felt, strict=True):
+            row[list(places)] = 1.0
+        return np.concatenate([found, pulses])
+
+    @property
+    def cell_masses(self) -> Array:
+        """The mass of each field in each cell; walls, which take no part in the energy, have 0."""
+        found = super().cell_masses.copy()
+        found[:, self.cells :] = 0.0
+        return found
+
+    @property
+    def cell_count(self) -> int | None:
+        """The cells that move."""
+        return self.cells
+
+    @property
+    def is_driven(self) -> bool:
+        """Whether anything but held walls acts from outside."""
+        return bool(self.variation.damped or self.variation.pulsed or self.free)
+
+    def held(self, state: State) -> State:
+        """The state on the ring: walls are where they are at that time."""
+        more = self.deviations.shape[1] - self.cells
+        f, v = (np.pad(values, ((0, 0), (0, more))) for values in state.arrays)
+        found = State(state.t, f, v, state.left)
+        self.place_walls(found.f, found.v, state.t)
+        return found
+
+    def place_walls(self, f: Array, v: Array, t: float) -> None:
+        """Put the walls' cells where they are at a time, without velocity."""
+        for wall in self.walls:
+            places = list(wall.places)
+            f[:, places] = 0.0 if wall.displacement is None else _at(wall.displacement, t)
+            v[:, places] = 0.0
+        for place, beside in self.free:
+            f[:, place], v[:, place] = f[:, beside], 0.0
+
+    def stage_weights(
+        self, scheme: DriftKick, v: Array, t: float, h: float, steps: int
+    ) -> tuple[Array, Array]:
+        """Drifts, and for each stage its kick, its damped drifts and its pulses.
+
+        A last drift without a kick ends the last step. Walls that move get the velocity with which
+        the first drift takes them to where they are then.
+        """
+        drifts, kicks = _stages(scheme, h, steps)
+        times = t + np.concatenate([[0.0], np.cumsum(drifts)])
+        times[-1] = t + steps * h
+        factors = np.exp(-np.outer(drifts, self.losses))
+        lengths = np.stack([_damped_length(rate, drifts) for rate in self.losses], axis=1)
+        columns = [kicks[:, np.newaxis]]
+        if self.variation.damped:
+            columns += [lengths, factors]
+        else:
+            lengths, factors = drifts[:, np.newaxis] + 0.0 * lengths, np.ones_like(factors)
+        for force in self.outer_forces:
+            share = kicks / self._mass(force)
+            columns.append((share * _values(force.value, times[1:]))[:, np.newaxis])
+        for wall in self._moved:
+            assert wall.displacement is not None
+            path = _values(wall.displacement, times)
+            for field in range(len(self.fields)):
+                speeds = _speeds(path, lengths[:, field])
+                v[field, list(wall.places)] = speeds[0]
+                kicked = np.append(speeds[1:], 0.0) - factors[:, field] * speeds
+                columns.append(kicked[:, np.newaxis])
+        return drifts, np.ascontiguousarray(np.concatenate(columns, axis=1))
+
+    @property
+    def _moved(self) -> list[_Wall]:
+        return [wall for wall in self.walls if wall.displacement is not None]
+
+    def _mass(self, force: SiteForce) -> float:
+        return float(self.cell_masses[force.field, force.site])
+
+    def outside_acceleration(self, f: Array, v: Array, t: float) -> Array:
+        """What losses and forces from outside add to f'' at a time."""
+        found = -np.array(self.losses)[:, np.newaxis] * v
+        for force in self.outer_forces:
+            found[force.field, force.site] += _at(force.value, t) / self._mass(force)
+        return np.asarray(found)
+
+
+def _at(value: TimeFunction, t: float) -> float:
+    return float(_values(value, np.array([t]))[0])
+
+
+def _values(value: TimeFunction, times: Array) -> Array:
+    """A function's values at the times; ValueError where they are no numbers."""
+    found = np.broadcast_to(np.asarray(value(times), dtype=np.float64), times.shape)
+    if not np.isfinite(found).all():
+        t = float(times[~np.isfinite(found)][0])
+        raise ValueError(
+            f"a force or displacement in time must be finite, got {found[~np.isfinite(found)][0]} "
+            f"at t = {t:g} (end earlier or change the formula)"
+        )
+    return found
+
+
+def _stages(scheme: DriftKick, h: float, steps: int) -> tuple[Array, Array]:
+    """Drifts and kicks of all stages; the last drift of a step and the first of the next are one.
+
+    The last stage has no kick.
+    """
+    drifts = np.tile(scheme.drifts[:-1] * h, steps)
+    drifts[scheme.kicks.size :: scheme.kicks.size] += scheme.drifts[-1] * h
+    kicks = np.tile(scheme.kicks * h, steps)
+    return np.append(drifts, scheme.drifts[-1] * h), np.append(kicks, 0.0)
+
+
+def _damped_length(rate: float, drifts: Array) -> Array:
+    """By how much a unit velocity that shrinks at that rate moves a field in each drift."""
+    return drifts if rate == 0.0 else -np.expm1(-rate * drifts) / rate
+
+
+def _speeds(path: Array, lengths: Array) -> Array:
+    """The velocities with which drifts of these lengths go from place to place."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(lengths == 0.0, 0.0, np.diff(path) / lengths)
+
+
+def driven_chain(
+    lattice: NumericLattice,
+    cells: int,
+    *,
+    left: End | None = None,
+    right: End | None = None,
+    losses: Sequence[float] | float = 0.0,
+    forces: Sequence[SiteForce] = (),
+) -> DrivenChain:
+    """A chain of so many cells with ends, losses and forces, for `lattice.integrate`.
+
+    Without ``left`` and ``right`` it is a ring. Walls stand beside the first and the last cell (and
+    hold as many cells as a force reaches). ``losses`` are the factors g of ``-g du/dt`` on each
+    field's cells. The fields are displacements. Raises ValueError in one line.
+
+    >>> from longwave.derive import LATTICES
+    >>> from longwave.lattice.numeric_lattice import numeric_lattice
+    >>> chain = numeric_lattice(LATTICES["beta_fput"], {"K2": 1, "K4": 2})
+    >>> driven_chain(chain, 24, left=lambda t: 0.05 * np.sin(1.3 * t), right="fixed").cells
+    24
+    """
+    rates = _rates(lattice, losses)
+    _check_chain(lattice, cells, left, right)
+    for force in forces:
+        _check_force(lattice, cells, force)
+    ends = _ends(lattice, cells, left, right)
+    count, each = len(lattice.fields), [bool(row.any()) for row in ends.cut]
+    moved = [wall for wall in ends.walls if wall.displacement is not None]
+    variation = Variation(
+        0.0,
+        "displacements" if ends.walls else None,
+        tuple(bond.force if some else None for bond, some in zip(lattice.bonds, each, strict=True)),
+        (*(force.field for force in forces), *(place for _ in moved for place in range(count))),
+        any(rates),
+    )
+    shape = variation.mass_rows(count), ends.cut.shape[1]
+    return DrivenChain(
+        **{item.name: getattr(lattice, item.name) for item in fields(NumericLattice)},
+        variation=variation,
+        deviations=np.concatenate([np.zeros(shape), np.where(ends.cut[each], -1.0, 0.0)]),
+        cells=cells,
+        losses=rates,
+        outer_forces=tuple(forces),
+        walls=ends.walls,
+        free=ends.free,
+    )
+
+
+def _rates(lattice: NumericLattice, losses: Sequence[float] | float) -> tuple[float, ...]:
+    """The rate of each field."""
+    count = len(lattice.fields)
+    given = (losses,) * count if isinstance(losses, int | float) else tuple(losses)
+    if len(given) != count or not all(0.0 <= rate < math.inf for rate in given):
+        raise ValueError(
+            f"losses must be a rate of 0 or more for each field, got {losses} ({lattice.name} has "
+            f"the fields {', '.join(lattice.fields)})"
+        )
+    return tuple(float(loss) / mass for loss, mass in zip(given, lattice.masses, strict=True))
+
+
+def _check_chain(lattice: NumericLattice, cells: int, left: End | None, right: End | None) -> None:
+    if lattice.dimension != 1 or not lattice.conserves_energy:
+        raise ValueError(
+            f"ends, losses and forces must be of a chain of displacements, got {lattice.name} "
+            "(strains have no masses of their own; take the chain in displacements)"
+        )
+    if lattice.cellwise[1] is not None:
+        raise ValueError(
+            f"lattice must be ordered, got {lattice.name} with disorder (leave it out)"
+        )
+    if not isinstance(cells, int) or cells < max(2, lattice.reach):
+        raise ValueError(
+            f"cells must be at least {max(2, lattice.reach)}, got {cells} (so far does a force "
+            f"of {lattice.name} reach)"
+        )
+    for name, end in (("left", left), ("right", right)):
+        if (left is None) != (right is None) or not (
+            end is None or end in ("fixed", "free") or callable(end)
+        ):
+            raise ValueError(
+                f"{name} must be 'fixed', 'free' or a displacement in time, got {end!r} (give both "
+                "ends, or none for a ring)"
+            )
+
+
+def _check_force(lattice: NumericLattice, cells: int, force: SiteForce) -> None:
+    for name, value, size in (
+        ("site", force.site, cells),
+        ("field", force.field, len(lattice.fields)),
+    ):
+        if value not in range(size):
+            raise ValueError(f"{name} of a force must be 0 to {size - 1}, got {value}")
+
+
+class _Ends(NamedTuple):
+    """The walls, the cells that stand for none, and which bonds are ``cut``, (bonds, ring)."""
+
+    walls: tuple[_Wall, ...]
+    free: tuple[tuple[int, int], ...]
+    cut: NDArray[np.bool_]
+
+
+def _ends(lattice: NumericLattice, cells: int, left: End | None, right: End | None) -> _Ends:
+    """Two fixed ends are held by the same cells of the ring, others by cells of their own."""
+    bonds, reach = len(lattice.bonds), lattice.reach
+    if left is None:
+        return _Ends((), (), np.zeros((bonds, cells), dtype=np.bool_))
+    upper = tuple(range(cells, cells + reach))
+    if left == right == "fixed":
+        return _Ends((_Wall(upper, None),), (), np.zeros((bonds, cells + reach), dtype=np.bool_))
+    lower = tuple(range(cells + reach, cells + 2 * reach))
+    walls, free = [], []
+    for places, end, beside in ((lower, left, 0), (upper, right, cells - 1)):
+        if end == "free":
+            free += [(place, beside) for place in places]
+        else:
+            walls.append(_Wall(places, end if callable(end) else None))
+    cut = np.zeros((bonds, cells + 2 * reach), dtype=np.bool_)
+    for place, bond in enumerate(lattice.bonds):
+        for cell in range(-reach, cells + reach):
+            met = [cell + entry.shift[0] for entry in bond.stretch]
+            cut[place, cell] = (
+                not any(0 <= at < cells for at in met)
+                or (left == "free" and min(met) < 0)
+                or (right == "free" and max(met) >= cells)
+            )
+    return _Ends(tuple(walls), tuple(free), cut)

@@ -1,0 +1,226 @@
+"""Catches: an end, a loss or a force that is felt wrongly or late, and a lower order."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
+
+from longwave.derive import LATTICES
+from longwave.lattice import DrivenChain, SiteForce, State, driven_chain, integrate
+from longwave.lattice.numeric_lattice import NumericLattice, numeric_lattice
+from longwave.lattice.schemes import KAHAN_LI_8, REDUCED_PHASE_6, RK4, STOERMER_VERLET, Scheme
+
+Array = NDArray[np.float64]
+
+BETA = numeric_lattice(LATTICES["beta_fput"], {"K2": 1, "K4": 2})
+STRAIN = numeric_lattice(LATTICES["fput_strain"], {"K2": 1, "K3": 0, "K4": 2})
+
+
+def push(t: Array) -> Array:
+    """A force that begins at once."""
+    return 0.3 * np.cos(0.9 * t)
+
+
+def shake(t: Array) -> Array:
+    """A displacement of a wall."""
+    return 0.05 * np.sin(1.3 * t)
+
+
+def chain(name: str) -> NumericLattice:
+    """A lattice of the catalogue whose constants are small whole numbers."""
+    lattice = LATTICES[name]
+    return numeric_lattice(lattice, {str(symbol): 1 for symbol in lattice.constants})
+
+
+def start(lattice: NumericLattice, cells: int) -> State:
+    """Small random displacements and velocities."""
+    f, v = 0.1 * np.random.default_rng(3).standard_normal((2, len(lattice.fields), cells))
+    return State(0.0, f, v)
+
+
+def reference(
+    lattice: NumericLattice, made: DrivenChain, ends: tuple[Any, Any], state: State, t: float
+) -> Array:
+    """The fields at a time, by SciPy, the walls' cells written beside those that move."""
+    shape = state.f.shape
+    rates = np.array(made.losses)[:, None]
+
+    def beside(end: Any, edge: Array, t: float) -> Array:
+        value = edge if end == "free" else 0.0 * edge if end == "fixed" else end(t) + 0.0 * edge
+        return np.repeat(np.asarray(value)[:, None], lattice.reach, axis=1)
+
+    def slope(t: float, held: Array) -> Array:
+        f, v = held.reshape(2, *shape)
+        if ends == (None, None):
+            total = lattice.acceleration(f)
+        else:
+            low, high = beside(ends[0], f[:, 0], t), beside(ends[1], f[:, -1], t)
+            wide = np.concatenate([low, f, high, 0.0 * np.repeat(high, 3, axis=1)], axis=1)
+            total = lattice.acceleration(wide)[:, lattice.reach : lattice.reach + shape[1]]
+        total = total - rates * v
+        for force in made.outer_forces:
+            value = float(force.value(np.array(t)))
+            total[force.field, force.site] += value / lattice.masses[force.field]
+        return np.concatenate([v.ravel(), total.ravel()])
+
+    held = np.concatenate([state.f.ravel(), state.v.ravel()])
+    found = solve_ivp(slope, (0.0, t), held, method="DOP853", rtol=1e-12, atol=1e-13)
+    return np.asarray(found.y[:, -1].reshape(2, *shape)[0])
+
+
+ENDS = [(None, None), ("fixed", "fixed"), ("free", "fixed"), (shake, "fixed"), (shake, shake)]
+
+
+@pytest.mark.parametrize("ends", ENDS, ids=["ring", "held", "free", "shaken", "both"])
+@pytest.mark.parametrize("cells", [9, 64])
+def test_every_effect_is_felt_as_scipy_has_it(ends: tuple[Any, Any], cells: int) -> None:
+    force = SiteForce(3, push)
+    for losses, forces in ((0.0, [force]), (0.03, [force]), (0.1, [])):
+        made = driven_chain(BETA, cells, left=ends[0], right=ends[1], losses=losses, forces=forces)
+        state = start(BETA, cells)
+        run = integrate(made, state, [6.0], tolerance=1e-7)
+        error = np.abs(run.f[0] - reference(BETA, made, ends, state, 6.0)).max()
+        assert run.f.shape == (1, 1, cells)
+        assert error < run.error_estimate <= 1e-7
+
+
+@pytest.mark.parametrize("name", ["mass_dimer", "local_resonators", "toda", "klein_gordon"])
+def test_fields_have_losses_and_walls_of_their_own(name: str) -> None:
+    lattice = chain(name)
+    losses = [0.02 * (place + 1) for place in range(len(lattice.fields))]
+    force = SiteForce(3, push, len(lattice.fields) - 1)
+    for ends in ((None, None), ("fixed", shake)):
+        made = driven_chain(lattice, 40, left=ends[0], right=ends[1], losses=losses, forces=[force])
+        state = start(lattice, 40)
+        run = integrate(made, state, [4.0], tolerance=1e-7)
+        error = np.abs(run.f[0] - reference(lattice, made, ends, state, 4.0)).max()
+        assert error < run.error_estimate <= 1e-7
+
+
+@pytest.mark.parametrize("scheme", [STOERMER_VERLET, REDUCED_PHASE_6, KAHAN_LI_8])
+def test_schemes_keep_their_order(scheme: Scheme) -> None:
+    made = driven_chain(
+        BETA, 40, left=shake, right="fixed", losses=0.2, forces=[SiteForce(3, push)]
+    )
+    state, ends = start(BETA, 40), 8.0
+    exact = integrate(made, state, [ends], tolerance=1e-12).f
+    errors = []
+    for steps in (24, 48) if scheme.order > 2 else (48, 96):
+        run = integrate(made, state, [ends], scheme=scheme, step=ends / steps, measure_error=False)
+        errors.append(np.abs(run.f - exact).max())
+    rate = np.log2(errors[0] / errors[1])
+    assert rate == pytest.approx(scheme.order, abs=0.2)
+
+
+def modal_chain(cells: int, rate: float, site: int, frequency: float, t: float) -> Array:
+    """A linear chain between fixed walls, driven from rest by cos(frequency t) at a site."""
+    n = np.arange(1, cells + 1)
+    shapes = np.sqrt(2.0 / (cells + 1)) * np.sin(np.pi * np.outer(n, n) / (cells + 1))
+    omega = 2.0 * np.sin(np.pi * n / (2 * cells + 2))
+    response = shapes[site] / (omega**2 - frequency**2 + 1j * rate * frequency)
+    steady = response * np.exp(1j * frequency * t)
+    turn = np.sqrt(omega**2 - rate**2 / 4.0)
+    cosine = -response.real
+    sine = (frequency * response.imag + rate / 2.0 * cosine) / turn
+    own = np.exp(-rate * t / 2.0) * (cosine * np.cos(turn * t) + sine * np.sin(turn * t))
+    return np.asarray(shapes @ (steady.real + own))
+
+
+def test_a_linear_driven_chain_is_its_modes() -> None:
+    lattice = numeric_lattice(LATTICES["alpha_fput"], {"K2": 1, "K3": 0})
+    force = SiteForce(5, lambda t: np.cos(0.7 * t))
+    made = driven_chain(lattice, 24, left="fixed", right="fixed", losses=0.05, forces=[force])
+    times = [5.0, 40.0, 150.0]
+    run = integrate(made, State(0.0, *np.zeros((2, 1, 24))), times, tolerance=1e-10)
+    exact = [modal_chain(24, 0.05, 5, 0.7, t) for t in times]
+    assert np.abs(run.f[:, 0] - exact).max() < 1e-10
+
+
+def test_the_first_mode_of_1955_returns() -> None:
+    lattice = numeric_lattice(LATTICES["alpha_fput"], {"K2": 1, "K3": 0.25})
+    made = driven_chain(lattice, 31, left="fixed", right="fixed")
+    n = np.arange(1, 32)
+    mode, period = np.sin(np.pi * n / 32), np.pi / np.sin(np.pi / 64)
+    times = period * np.array([70.0, 145.5, 146.0, 146.5, 147.0, 147.5])
+    run = integrate(made, State(0.0, mode[None], np.zeros((1, 31))), times, tolerance=1e-5)
+    speed = 2.0 * np.sin(np.pi / 64)
+    energy = (run.v[:, 0] @ mode) ** 2 + (speed * run.f[:, 0] @ mode) ** 2
+    share = energy / (speed * mode @ mode) ** 2
+    assert share[0] < 0.5
+    assert share[1:].max() == pytest.approx(0.981, abs=1e-3) == share[3]
+
+
+def energies(made: DrivenChain, run: Any) -> Array:
+    """The energy of the cells that move and of what is stretched beside them, at all times."""
+    return np.array(
+        [
+            made.energy(*made.held(State(t, f, v)).arrays)
+            for t, f, v in zip(run.times, run.f, run.v, strict=True)
+        ]
+    )
+
+
+@pytest.mark.parametrize("end", ["fixed", "free"])
+def test_energy_is_kept_and_goes_where_losses_take_it(end: str) -> None:
+    times, state = np.linspace(0.0, 4.0, 81), start(BETA, 12)
+    kept = driven_chain(BETA, 12, left="free", right=end)
+    lossy = driven_chain(BETA, 12, left="free", right=end, losses=0.3)
+    found = energies(kept, integrate(kept, state, times, tolerance=1e-9))
+    assert np.ptp(found) < 1e-8 * found[0]
+    run = integrate(lossy, state, times, tolerance=1e-9)
+    heat = 0.3 * np.sum(run.v[:, 0] ** 2, axis=1)
+    lost = np.sum((heat[:-2:2] + 4.0 * heat[1:-1:2] + heat[2::2]) * 0.05 / 3.0)
+    found = energies(lossy, run)
+    assert found[0] - found[-1] == pytest.approx(lost, rel=1e-5)
+    assert lost > 0.5 * found[0]
+
+
+def test_a_free_chain_drifts_away_unstretched() -> None:
+    made = driven_chain(BETA, 20, left="free", right="free")
+    run = integrate(made, State(0.0, np.zeros((1, 20)), np.ones((1, 20))), [500.0], 1e-9)
+    np.testing.assert_allclose(run.f, 500.0, rtol=1e-13)
+
+
+REFUSED: list[tuple[Callable[[], object], str]] = [
+    (lambda: driven_chain(BETA, 1, left="fixed", right="fixed"), "cells must be at least 2, got 1"),
+    (lambda: driven_chain(BETA, 8, left="fixed"), "left must be .*give both ends"),
+    (lambda: driven_chain(BETA, 8, left="loose", right="fixed"), "left must be .* got 'loose'"),  # type: ignore[arg-type]
+    (lambda: driven_chain(BETA, 8, losses=-1.0), "losses must be a rate of 0 or more"),
+    (lambda: driven_chain(BETA, 8, losses=[0.1, 0.1]), "losses must be .* the fields u"),
+    (lambda: driven_chain(BETA, 8, forces=[SiteForce(8, push)]), "site of a force must be 0 to 7"),
+    (lambda: driven_chain(BETA, 8, forces=[SiteForce(0, push, 1)]), "field of a force must be"),
+    (
+        lambda: driven_chain(STRAIN, 8),
+        "must be of a chain of displacements, got fput_strain",
+    ),
+    (
+        lambda: integrate(driven_chain(BETA, 8), start(BETA, 9), [1.0], 1e-3),
+        "state must have the 8 cells of the lattice, got 9",
+    ),
+    (
+        lambda: integrate(
+            driven_chain(BETA, 8, losses=0.1), start(BETA, 8), [1.0], step=0.1, scheme=RK4
+        ),
+        "scheme must be a splitting with ends, losses or forces, got rk4",
+    ),
+    (
+        lambda: integrate(
+            driven_chain(BETA, 8, left=lambda t: 1.0 / (t - t), right="free"),
+            start(BETA, 8),
+            [1.0],
+            1e-3,
+        ),
+        "a force or displacement in time must be finite",
+    ),
+]
+
+
+@pytest.mark.parametrize("case", REFUSED, ids=[text for _, text in REFUSED])
+def test_what_is_refused(case: tuple[Callable[[], object], str]) -> None:
+    ask, text = case
+    with np.errstate(all="ignore"), pytest.raises(ValueError, match=text) as caught:
+        ask()
+    assert "\n" not in str(caught.value)
