@@ -35,6 +35,7 @@ from typing import Any
 
 import sympy as sp
 
+from longwave.derive.algebra.contact import contact
 from longwave.derive.algebra.formula_expression import read_formula
 from longwave.derive.algebra.formula_text import Vocabulary
 from longwave.derive.lattice import Bond, Cell, Lattice, Stencil, on_site, spring
@@ -55,7 +56,7 @@ LONGEST_TITLE = 200
 
 SMOOTH = (
     *(sp.exp, sp.log, sp.sqrt, sp.sin, sp.cos, sp.tan, sp.sinh, sp.cosh, sp.tanh, sp.sech),
-    *(sp.atan, sp.asinh),
+    *(sp.atan, sp.asinh, contact),
 )
 FUNCTIONS = {function.__name__: (function, 1) for function in SMOOTH}
 

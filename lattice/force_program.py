@@ -6,6 +6,7 @@ known; no text is ever evaluated.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -22,9 +23,10 @@ Array = NDArray[np.float64]
 Instruction = tuple[str, float]
 """What to do, and the number that "number" and "power" take (0 for the others)."""
 
-UNARY = {
+UNARY: dict[str, Callable[[Array], Array]] = {
     "exp": np.exp, "log": np.log, "sin": np.sin, "cos": np.cos, "tan": np.tan,
     "sinh": np.sinh, "cosh": np.cosh, "tanh": np.tanh, "atan": np.arctan, "asinh": np.arcsinh,
+    "contact": lambda x: np.maximum(x, 0.0), "touching": lambda x: np.heaviside(x, 0.0),
 }  # fmt: skip
 """The functions of one argument that a force may have."""
 
@@ -56,6 +58,11 @@ class ForceProgram:
     def is_linear(self) -> bool:
         """Whether the force is proportional to the stretch."""
         return not self.instructions and not any(self.coefficients[1:])
+
+    @property
+    def may_open(self) -> bool:
+        """Whether it is a contact's, whose slope or its derivative jumps where it opens."""
+        return ("contact", 0.0) in self.instructions
 
     @cached_property
     def _polynomial(self) -> Polynomial:

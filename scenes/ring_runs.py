@@ -538,11 +538,13 @@ def check_rest(lattice: NumericLattice, slopes: Sequence[float]) -> None:
 def stiffest_slopes(ring: CellRing) -> list[float]:
     """The largest slope of each bond's force about the stretches of a state.
 
-    Raises ValueError where a force is not defined.
+    Raises ValueError where a force is not defined, or a contact is open.
     """
     stretches = ring.lattice.stretches(ring.f)
     found = [ring.lattice.steepest(place, x) for place, x in enumerate(stretches)]
-    if not all(map(math.isfinite, found)):
+    pairs = zip(ring.lattice.bonds, ring.lattice.slopes(stretches), strict=True)
+    is_open = any(bond.force.may_open and not slopes.all() for bond, slopes in pairs)
+    if is_open or not all(map(math.isfinite, found)):
         raise ValueError(
             f"eps must leave every bond of {ring.lattice.name} within its force, got a wave that "
             "stretches one beyond what its force is for (take a smaller eps)"

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 from sympy import Expr, Integer, Rational, Symbol, exp
 
+from longwave.derive.algebra.contact import contact
 from longwave.derive.lattice import Bond, Lattice, Stencil, on_site, spring
 from longwave.derive.symbols import K2, K3, K4, x
 
@@ -113,8 +114,8 @@ _ALL = (
     chain("toda", "Toda lattice in the displacement", a * (exp(b * x) - 1)),
     chain(
         "granular",
-        "granular chain under precompression d: Hertz contacts, no gaps",
-        -A * (d - x) ** Rational(3, 2),
+        "granular chain under precompression d: Hertz contacts, which may open",
+        -A * contact(d - x) ** Rational(3, 2),
     ),
     chain(
         "lennard_jones",

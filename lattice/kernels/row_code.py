@@ -128,6 +128,11 @@ class LaneCode:
         """The square root."""
         return self._vector_function("sqrt", value)
 
+    def positive_part(self, value: Any) -> Any:
+        """The value where it is positive, else 0."""
+        none = self.constant(0.0)
+        return self.builder.select(self.builder.fcmp_ordered(">", value, none), value, none)
+
     def _vector_function(self, word: str, *values: Any) -> Any:
         """A function that LLVM knows, of all lanes."""
         suffix = "f64" if self.lanes == 1 else f"v{self.lanes}f64"
@@ -220,6 +225,8 @@ def _run_program(
             stack.append(code.builder.fmul(stack.pop(), stack.pop()))
         elif word == "power":
             stack.append(_power(code, stack.pop(), value))
+        elif word == "contact":
+            stack.append(code.positive_part(stack.pop()))
         else:
             stack.append(code.function(word, stack.pop()))
     return stack.pop()

@@ -8,11 +8,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
+from sympy import Rational
 
+from longwave.derive.symbols import x
 from longwave.lattice import integrate
 from longwave.lattice.blow_up import find_blow_up
 from longwave.lattice.dynamics import Dynamics
-from longwave.lattice.force_program import ForceProgram
+from longwave.lattice.force_program import ForceProgram, force_program
 from longwave.lattice.model import Array, Model
 from longwave.lattice.numeric_lattice import Entry, NumericBond, NumericLattice
 from longwave.lattice.schemes import KAHAN_LI_8, RK4
@@ -137,13 +140,42 @@ def test_what_is_no_state_of_the_lattice_is_refused() -> None:
             integrate(lattice, wrong, 1.0, 1e-3)  # type: ignore[call-overload]
 
 
-def test_grains_that_part_are_told_of() -> None:
-    """Hertz' law ends at no overlap: beyond it the force is no number."""
-    lattice = numbers("granular")
+def torn(name: str) -> NumericLattice:
+    """A chain whose force is no number where its bonds are stretched by more than 1."""
+    smooth = force_program(-((1 - x) ** Rational(3, 2)))
+    lattice = numbers(name)
+    return replace(lattice, bonds=tuple(replace(bond, force=smooth) for bond in lattice.bonds))
+
+
+def test_a_force_that_ends_is_told_of() -> None:
     v = np.zeros((1, 16))
     v[0, 3] = 50.0
     with pytest.raises(ValueError, match="times must end before the lattice blows up"):
-        integrate(lattice, State(0.0, 0 * v, v), 5.0, 1e-6)
+        integrate(torn("granular"), State(0.0, 0 * v, v), 5.0, 1e-6)
+
+
+@pytest.mark.parametrize(("seed", "struck"), [(1, True), (2, True), (3, False), (4, False)])
+def test_grains_that_part_meet_again(seed: int, struck: bool) -> None:
+    """Steps of a high order have a low one where contacts open: the estimate must know."""
+    random, lattice = np.random.default_rng(seed), numbers("granular")
+    v = 2.0 * random.standard_normal((1, 16))
+    if struck:
+        v = np.zeros((1, 16))
+        v[0, 3] = 5.0
+    run = integrate(lattice, State(0.0, 0 * v, v), [4.0], 1e-6)
+
+    def slope(_: float, held: Array) -> Array:
+        f, v = held.reshape(2, 16)
+        force = -(np.maximum(1.0 - np.append(np.diff(f), f[0] - f[-1]), 0.0) ** 1.5)
+        assert force.size == 16
+        return np.concatenate([v, force - np.roll(force, 1)])
+
+    held, tight = np.concatenate([0 * v[0], v[0]]), {"rtol": 1e-11, "atol": 1e-12}
+    found = solve_ivp(slope, (0.0, 4.0), held, method="DOP853", max_step=0.01, **tight)
+    exact = found.y[:16, -1]
+    stretches = [np.append(np.diff(f), f[0] - f[-1]) for f in (run.f[0, 0], exact)]
+    assert stretches[1].max() > 1.0
+    assert np.abs(stretches[0] - stretches[1]).max() < run.error_estimate <= 1e-6
 
 
 def with_forces(lattice: NumericLattice, *forces: ForceProgram) -> NumericLattice:

@@ -1,0 +1,51 @@
+"""A contact that can open: ``contact(x)`` is x where that is positive, else 0."""
+
+from __future__ import annotations
+
+import sympy as sp
+from sympy.core.function import ArgumentIndexError
+
+
+class contact(sp.Function):  # as texts write it
+    """The greater of x and 0: a derivation about a closed contact takes x.
+
+    >>> d = sp.Symbol("d", positive=True)
+    >>> contact(d), contact(-d)
+    (d, 0)
+    """
+
+    is_nonnegative = True
+
+    @classmethod
+    def eval(cls, x: sp.Expr) -> sp.Expr | None:
+        """What it is where the sign of x is known."""
+        if x.is_positive:
+            return x
+        return sp.Integer(0) if x.is_nonpositive else None
+
+    def fdiff(self, argindex: int = 1) -> sp.Expr:
+        """Its derivative."""
+        if argindex != 1:
+            raise ArgumentIndexError(self, argindex)
+        return touching(self.args[0])
+
+    def _latex(self, printer: sp.printing.latex.LatexPrinter, exp: str | None = None) -> str:
+        text = rf"\left({printer.doprint(self.args[0])}\right)_+"
+        return text if exp is None else f"{text}^{{{exp}}}"
+
+
+class touching(sp.Function):
+    """1 where x is positive, else 0."""
+
+    is_nonnegative = True
+
+    @classmethod
+    def eval(cls, x: sp.Expr) -> sp.Expr | None:
+        """What it is where the sign of x is known."""
+        if x.is_positive:
+            return sp.Integer(1)
+        return sp.Integer(0) if x.is_nonpositive else None
+
+    def fdiff(self, argindex: int = 1) -> sp.Expr:
+        """0 on either side of the opening."""
+        return sp.Integer(0)
