@@ -28,6 +28,7 @@ Two axes are ``u[n, m+1]``.  Formulas are read with a whitelist, never evaluated
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -141,6 +142,16 @@ class _Symbols:
             raise ValueError(f"{label} must be text, got {shown(text)} (write it in quotes)")
         words = Vocabulary(FUNCTIONS, {"x": x}, unknown_name=self.symbol)
         return read_formula(text, words, label)
+
+
+def time_formula(label: str, text: object) -> sp.Expr:
+    """A formula in t alone, with x in its place; ValueError in one line for what is none."""
+    if isinstance(text, int | float) and not isinstance(text, bool):
+        return sp.nsimplify(text, rational=True) if math.isfinite(text) else sp.nan
+    if not isinstance(text, str):
+        raise ValueError(f"{label} must be a formula in t, got {shown(text)} (write it in quotes)")
+    smooth = {name: known for name, known in FUNCTIONS.items() if name != contact.__name__}
+    return read_formula(text, Vocabulary(smooth, {"t": x}), label)
 
 
 def _check_keys(table: object, kind: str) -> None:

@@ -130,6 +130,11 @@ def force_program(force: Expr) -> ForceProgram:
     return ForceProgram((), tuple(_instructions(force)), tuple(_instructions(force.diff(x))))
 
 
+def program_of(expression: Expr) -> ForceProgram:
+    """The program of any formula in ``derive.symbols.x``, which need not vanish at 0."""
+    return ForceProgram((), tuple(_instructions(expression)))
+
+
 def _instructions(expression: Any) -> list[Instruction]:
     """The expression in postfix order."""
     from sympy import Add, Mul, Pow, exp

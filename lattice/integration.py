@@ -210,7 +210,8 @@ def _outcome(
 class CellRingEngine(StepSearch):
     """Runs of a ring of sites from a state, for `refine` to judge: only the step varies.
 
-    ``first_frequency`` is the highest of any wave about the state.
+    ``first_frequency`` is the highest of any wave about the state. Positions and velocities are
+    ``kept`` at all of the times, or at those given; what is judged at all.
     """
 
     safety = RING_SAFETY
@@ -222,12 +223,13 @@ class CellRingEngine(StepSearch):
         times: Array,
         scheme: Scheme,
         judged: Judged | None = None,
+        kept: Array | None = None,
     ) -> None:
         self.lattice, self.scheme, self.state = lattice, scheme, state
         self.dynamics = Dynamics(lattice)
         self.amplifies_rounding = not lattice.is_linear
         self.threads = self.dynamics.threads(scheme) if state.size < LARGE else 1
-        self._times = times
+        self._times, self._kept = times, times if kept is None else kept
         ranges = self.dynamics.ranges(state)
         self.first_frequency = self.dynamics.highest_frequency(ranges)
         self._duration = float(times[-1] - state.t) or 1.0
@@ -259,18 +261,19 @@ class CellRingEngine(StepSearch):
         begun = perf_counter()
         start = self._start(choices.nudged)
         stepper = Stepper(start, self.scheme, self.lattice, StillRing(start), choices.step, None)
-        shape = (self._times.size, *self.state.arrays[0].shape)
+        shape = (self._kept.size, *self.state.arrays[0].shape)
         f, v = np.empty(shape), np.empty(shape)
-        rows = {t: row for row, t in enumerate(self._times.tolist())}
-        for state in stepper.stops(list(rows)):
+        rows = {t: row for row, t in enumerate(self._kept.tolist())}
+        moments, judged = set(self._times.tolist()), []
+        for state in stepper.stops(self._times.tolist()):
             if state.t in rows:
                 f[rows[state.t]], v[rows[state.t]] = state.at(state.sites)
+            if state.t in moments:
+                judged.append(np.array(self._judged(*state.arrays, state.t)))
             progress((state.t - self._stops[0]) / (self._stops[-1] - self._stops[0] or 1.0))
         values, longest = None, self._longest_step(stepper.ranges)
         self._admitted = min(self._admitted, longest)
         if stepper.blow_up is None and self._taken(choices.step) <= longest:
-            moments = zip(f, v, self._times.tolist(), strict=True)
-            judged = [np.asarray(self._judged(*moment)) for moment in moments]
             values = np.array(judged) if len(judged) > 1 else judged[0][np.newaxis]
         return Trial(
             choices,

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 from longwave.lattice.model import Model
 from longwave.lattice.state import State
 from longwave.scenes import scene_checks as check
+from longwave.scenes.bench import BENCH_TABLES, Bench, bench_json
 from longwave.scenes.numerics import NUMERICS, Discretisation, Tolerance, numerics_of
 from longwave.scenes.observables import OBSERVABLES, observable_named
 from longwave.scenes.scene_checks import CHAIN, CHAIN_CONSTANTS, Pairs, Value
@@ -53,6 +54,7 @@ ROUNDING = 1e-12
 """Share by which a half-width may be above whole cells for rounding."""
 
 METHODS = {
+    "bench": "longwave.scenes.bench_run",
     "moving_wave": "longwave.scenes.chain.chain_run",
     "ring": "longwave.scenes.lattice_run",
     "sidebands": "longwave.scenes.sideband_growth",
@@ -86,6 +88,10 @@ class Scene:
     stops anyway, or at ``look_points`` equidistant times if that is given. Leading data of a wave
     of the mKdV equation on the paper's chain (`has_moving_wave`) have windows and the spectral
     engine besides, and their parameters may be multiples of the quarter period ("K/2").
+
+    A ``bench`` is a chain with ends, losses and forces that starts without a wave: the JSON of the
+    tables of `scenes.bench`, which `of` takes as keywords, too. What it watches is what has the
+    tolerance.
 
     With the wave "perturbed_plane" the growth rate of a carrier's plane wave is measured
     (`is_growth`): parameters are `PERTURBATION`, times and region are found, and the tolerance is
@@ -125,6 +131,7 @@ class Scene:
     branch: str | int = "acoustic"
     disorder: Stated = ()
     declared: str = ""
+    bench: str = ""
     observables: tuple[str, ...] = None  # type: ignore[assignment] # those that are usual
     curve_points: int = 201
     look_points: int | None = None
@@ -138,9 +145,11 @@ class Scene:
         (tolerance, engine, scheme) stand among the others. ``K2``, ``K3``, ``K4`` stand for the
         constants of the paper's chain; ``times`` for t0 and the snapshots, of which it is one.
         """
-        check.known_fields(given, (*FIELDS, *CHAIN_CONSTANTS, "times", *NUMERICS))
+        check.known_fields(given, (*FIELDS, *CHAIN_CONSTANTS, "times", *NUMERICS, *BENCH_TABLES))
         unsaid = [key for key in SAID_IN_ONE_WAY if given.get(key) is None]
         found = {key: value for key, value in given.items() if key in FIELDS and key not in unsaid}
+        if bench := bench_json(given):
+            found = {"wave": "", "eps": 1.0} | found | {"bench": bench, "observables": ()}
         if "compared" in found:
             found["compared"] = check.whole("compared", found["compared"])
         own = {key: given[key] for key in CHAIN_CONSTANTS if key in given}
@@ -206,6 +215,9 @@ class Scene:
         self._set("background", check.value("background", self.background))
         self._set("disorder", Disorder.of_pairs(self.disorder).pairs if self.disorder else ())
         self._set("declared", _canonical(self.declared))
+        if self.bench:
+            self._check_bench()
+            return
         self._set("curve_points", check.whole("curve_points", self.curve_points))
         if self.look_points is not None:
             self._set("look_points", check.whole("look_points", self.look_points))
@@ -227,6 +239,23 @@ class Scene:
             check_moving_wave(self)
         else:
             check_any_lattice(self)
+
+    def _check_bench(self) -> None:
+        """Refuse what belongs to a wave, and what the tables of a bench do not admit."""
+        for key in WAVE_ALONE:
+            if getattr(self, key) != _USUAL[key] and not (key == "wave" and not self.wave):
+                raise ValueError(
+                    f"{key} must not be given with a chain on a bench, got "
+                    f"{shown(getattr(self, key))} (there is no wave to compare with)"
+                )
+        Bench.of_tables(json.loads(self.bench))
+        if not isinstance(self.numerics, Tolerance) or self.numerics.engine:
+            raise ValueError(
+                "tolerance must be given for a chain on a bench, without an engine, got "
+                f"{self.numerics} (of what is watched, in its own units)"
+            )
+        if len({self.t0, *self.snapshots}) < 2:
+            raise ValueError("times must be given, the first is the start (such as [0, 40])")
 
     def _set(self, name: str, value: object) -> None:
         object.__setattr__(self, name, value)
@@ -324,6 +353,9 @@ class Scene:
         region = f"{2 * self.compared + 1} sites"
         if self.half_width is not None:
             region = f"|X| <= {self.half_width:g}"
+        if self.bench:
+            seen = f"t = {times[0]:g} .. {times[-1]:g}"
+            return f"<Scene {self.name}: {self.lattice} on a bench, {seen}, {self.numerics}>"
         seen = f", {name} = {times[0]:g} .. {times[-1]:g}, {region} compared"
         order = "" if self.order == "leading" else f", {self.order} order"
         return (
@@ -351,7 +383,7 @@ class Scene:
         chosen = (self.order, self.background, self.amplitude, self.time, self.carrier)
         return (
             self.lattice == CHAIN
-            and not (self.declared or self.disorder or self.is_growth)
+            and not (self.declared or self.disorder or self.is_growth or self.bench)
             and chosen == ("leading", 0, None, None, "")
             and not any(isinstance(value, str) for value in values.values())
             and values.get("K3", 0) == 0
@@ -360,12 +392,19 @@ class Scene:
     @property
     def method(self) -> str:
         """How it is run, one of `METHODS`."""
+        if self.bench:
+            return "bench"
         if self.is_growth:
             return "sidebands"
         return "moving_wave" if self.has_moving_wave else "ring"
 
     def check_compared(self) -> None:
-        """Raise ValueError where no wave is compared but a growth rate measured."""
+        """Raise ValueError where no wave is compared but a growth rate measured, or nothing."""
+        if self.bench:
+            raise ValueError(
+                f"scene must have a wave that the lattice is compared with, got {self.name}, a "
+                "chain on a bench (`longwave run` and `sweep` take it)"
+            )
         if self.is_growth:
             raise ValueError(
                 f"wave must be one that a lattice is compared with, got {self.wave}, whose growth "
@@ -521,10 +560,17 @@ class Scene:
         """The keywords of `of`, those apart that say what is usual."""
         given = {key: getattr(self, key) for key in FIELDS} | asdict(self.numerics)
         usual = _USUAL | {"observables": USUAL_OBSERVABLES[self.method]}
+        usual |= {"eps": 1.0, "wave": ""} if self.bench else {}
         for key in said_otherwise([k for k in ("slow_times", "half_width") if given[k]]):
             given.pop(key, None)
         return {key: value for key, value in given.items() if value != usual.get(key, "")}
 
+
+WAVE_ALONE = (
+    *("wave", "parameters", "order", "slow_times", "compared", "half_width", "amplitude", "time"),
+    *("background", "carrier", "branch", "disorder"),
+)
+"""Fields of a wave that is compared."""
 
 FIELDS = tuple(field.name for field in fields(Scene) if field.name != "numerics")
 _USUAL = {field.name: field.default for field in fields(Scene)}

@@ -10,6 +10,8 @@
     [scheme]      name, step
     [domain]      kind, sites
 
+or, in the place of a wave, the tables of a chain on a bench (`bench.py`).
+
 ``lattice`` is a name of the catalogue, the file of a lattice (in the scene's folder), or the
 lattice itself, as a table with the keys of such a file; as a table of K2, K3 and K4 it is the
 paper's chain. ``compared`` may stand in [domain], too. A scene with a tolerance states no step,
@@ -25,6 +27,7 @@ from numbers import Integral, Real
 from pathlib import Path
 from typing import Any
 
+from longwave.scenes.bench import BENCH_TABLES
 from longwave.scenes.scene_checks import CHAIN, CHAIN_CONSTANTS, plain, text
 from longwave.scenes.scene_disorder import Disorder
 from longwave.support.known_names import one_of
@@ -107,7 +110,8 @@ def scene_fields(given: Mapping[str, Any], folder: Path = Path()) -> dict[str, A
     ...
     ValueError: step must be in [scheme], got it at the top of the scene (write it below a line ...)
     """
-    document, known = in_one_spelling(given), (*TOP, *PAIRS, *TABLES, "disorder")
+    document = in_one_spelling(given)
+    known = (*TOP, *PAIRS, *TABLES, "disorder", *BENCH_TABLES)
     for name, fields in TABLES.items():
         for key in sorted(document.keys() & fields.keys() - set(known)):
             raise ValueError(
@@ -115,7 +119,7 @@ def scene_fields(given: Mapping[str, Any], folder: Path = Path()) -> dict[str, A
                 f"[{name}])"
             )
     refuse_unknown(document, known, "")
-    found = {key: document[key] for key in TOP if key in document}
+    found = {key: document[key] for key in (*TOP, *BENCH_TABLES) if key in document}
     found |= _lattice(document.get("lattice"), folder)
     found |= {name: tuple(table(document, name).items()) for name in PAIRS}
     for name, fields in TABLES.items():
@@ -128,6 +132,10 @@ def scene_fields(given: Mapping[str, Any], folder: Path = Path()) -> dict[str, A
         raise ValueError('k in [envelope] must be stated, got nothing (such as k = "pi/2")')
     if "long_wave" in document and "envelope" in document:
         raise ValueError("[long_wave] must not be given with [envelope], got both (leave one)")
+    if "tolerance" not in found and found.keys() & {"chain", "start"}:
+        raise ValueError(
+            "tolerance must be stated, got nothing (of what is watched, such as tolerance = 1e-8)"
+        )
     missing = [where for key, where in STATED.items() if key not in found]
     if missing and "tolerance" not in found:
         raise ValueError(f"{missing[0]} must be stated, got nothing (state it or a tolerance)")
@@ -175,6 +183,7 @@ def document_of(given: Mapping[str, Any]) -> dict[str, Any]:
     if "declared" in given:
         found["lattice"] = {"name": given["lattice"], **json.loads(given["declared"])}
     found |= {name: dict(given[name]) for name in (*PAIRS, "disorder") if name in given}
+    found |= json.loads(given.get("bench", "{}"))
     for name, fields in TABLES.items():
         entries = {k: given[field] for k, field in fields.items() if field in given}
         entries.pop("compared", None)

@@ -33,7 +33,8 @@ COMPUTED = "computed_soliton"
 LARGEST_EPS = 1.0
 """A parameter that is not small is a mistake in its unit."""
 
-USUAL_OBSERVABLES = {
+USUAL_OBSERVABLES: dict[str, tuple[str, ...]] = {
+    "bench": (),
     "moving_wave": ("strain", "error_curve"),
     "ring": ("strain",),
     "sidebands": ("strain",),

@@ -28,7 +28,10 @@ COMPLETION = "_LONGWAVE_COMPLETE"
 """The environment variable by which a shell asks for completions."""
 
 KINDS = ("lattices", "waves", "schemes", "scenes", "lattice-scenes", "sweeps", "observables")
-PICTURES = ("all", "snapshots", "space_time", "spectra", "errors", "crest", "growth")
+PICTURES = (
+    *("all", "snapshots", "space_time", "spectra", "errors", "crest"),
+    *("sensors", "modes", "cells", "growth"),
+)
 SWEEP_PICTURES = ("values", "work_precision", "growth_map")
 SHELLS = ("bash", "zsh", "fish")
 ROOMS = Path(__file__).parents[1]

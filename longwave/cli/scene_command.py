@@ -145,19 +145,27 @@ COLUMNS = {
     "domain_error": "domain / {unit}",
     "sideband_size": "sidebands / carrier",
     "sideband_theory": "in theory",
+    "energy": "energy",
 }
 """The columns of a run's table, of the variables that it has; errors are told in a unit."""
+
+
+MOST_SENSORS = 8
+"""Sensors of which is told what they read."""
 
 
 def print_summary(run: RunRecord, scene: Scene, console: Console) -> None:
     """Print a run's errors, what was derived, its cost, what can be trusted of it, and a blow-up if
     there was one."""
     unit = error_unit(run.attrs.get("power", 1))
-    columns = {name: t.format(unit=unit) for name, t in COLUMNS.items() if name in run.variables}
+    held = {name for name, (over, _, _) in run.variables.items() if over == ("time",)}
+    columns = {name: t.format(unit=unit) for name, t in COLUMNS.items() if name in held}
     print_lines(console, [scene.title or scene.name])
     if columns:
         table = Table("t", *columns.values())
         for t, *row in zip(run.reached, *map(run.values, columns), strict=True):
+            if scene.bench and t not in scene.snapshots:
+                continue
             table.add_row(f"{t:g}", *(f"{value:.3g}" for value in row))
         console.print(table)
     print_lines(console, summary_lines(run, scene))
@@ -173,6 +181,9 @@ def summary_lines(run: RunRecord, scene: Scene) -> Iterator[str]:
     yield _cost(told)
     if "peak" in run.variables:
         yield from _pulse(run)
+    for name in run.variables:
+        if name.startswith("sensor_"):
+            yield from _readings(run, name)
     if "trust_rate" in told:
         yield _trust(told, scene)
     if "unfinished" in told:
@@ -194,6 +205,15 @@ def _pulse(run: RunRecord) -> Iterator[str]:
         yield "no energy is told: the lattice has none, or the wave goes on beyond half_width"
     if "effective_speed" in run.attrs:
         yield f"very long waves: {run.attrs['effective_speed']:.6g} of the ordered lattice's speed"
+
+
+def _readings(run: RunRecord, name: str) -> Iterator[str]:
+    """The largest values that the first sensors read, and when."""
+    for place, site in list(enumerate(run.values("sensor")))[:MOST_SENSORS]:
+        values = run.values(name)[:, place].reshape(len(run.reached), -1)
+        when, part = divmod(int(np.argmax(np.abs(values))), values.shape[1])
+        read = f"{values[when, part]:.6g} at t = {run.reached[when]:g}"
+        yield f"cell {site}: {name.removeprefix('sensor_')} at most {read}"
 
 
 def _trust(found: Mapping[str, Any], scene: Scene) -> str:

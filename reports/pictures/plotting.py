@@ -17,6 +17,11 @@ from matplotlib.figure import Figure
 
 from longwave.lattice.refine import Announce
 from longwave.lattice.trial import Progress
+from longwave.reports.pictures.bench_plotting import (
+    cells_at_times,
+    mode_energies,
+    sensor_readings,
+)
 from longwave.reports.pictures.drawing import (
     MOST_SPECTRA,
     TEXT_WIDTH,
@@ -145,6 +150,8 @@ def _run(
     Where it has observables these are asked for; others are run at their own times and, where
     curves are drawn, between them.
     """
+    if scene.bench:
+        return scene.run(progress, announce)
     if scene.has_moving_wave:
         return run(_for_pictures(scene, kind), progress, announce)
     named = "slow_times" if scene.slow_times else "snapshots"
@@ -297,6 +304,9 @@ PICTURES: Mapping[str, Picture] = {
     "spectra": Picture("strain", ("strain", "analytic"), _spectra),
     "errors": Picture("error_curve", ("error_curve",), _errors),
     "crest": Picture("crest_track", ("crest_position", "crest_strain"), crest_track),
+    "sensors": Picture("", ("sensor",), sensor_readings),
+    "modes": Picture("", ("mode_energy",), mode_energies),
+    "cells": Picture("", ("displacement",), cells_at_times),
     GROWTH: Picture("", ("sideband_size", "sideband_theory", "slow_time"), _sizes),
 }
 """The kinds of pictures, in the order in which they are drawn."""

@@ -1,0 +1,420 @@
+"""A chain on a bench, as a scene's tables say it: ends, a start, losses, forces, what is watched.
+
+    [chain]        sites, left, right: "fixed" (which they are unless said), "free", or a wall that
+                   moves, { displacement = "0.05*sin(1.3*t)" }
+    [start]        rest = true, mode = { number, amplitude }, or impact = { site, velocity }, or a
+                   list of these
+    [losses]       site: the factor g of the force -g du/dt on each cell, or a table of them by field
+    [[force]]      site, value (a formula in t), field (the first unless said)
+    [observables]  sensors = { sites, of, every }, energy = true, mode_energies = [1, 2], state = true
+
+Cells and sensors count from 0, modes from 1. ``of`` are some of `SENSED`; with ``every`` sensors are
+read so often between the scene's times, too.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property, partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from longwave.lattice.driving import DrivenChain, End, SiteForce, TimeFunction, driven_chain
+from longwave.lattice.numeric_lattice import NumericLattice
+from longwave.lattice.state import State
+from longwave.scenes import scene_checks as check
+from longwave.support.known_names import one_of
+from longwave.support.user_files import shown
+
+Array = NDArray[np.float64]
+
+BENCH_TABLES = ("chain", "start", "losses", "force", "observables")
+
+MOST_READINGS = 10**6
+"""Times at which sensors are read."""
+
+KEYS = {
+    "chain": ("sites", "left", "right"),
+    "start": ("rest", "mode", "impact"),
+    "mode": ("number", "amplitude"),
+    "impact": ("site", "velocity", "field"),
+    "losses": ("site",),
+    "force": ("site", "value", "field"),
+    "observables": ("sensors", "energy", "mode_energies", "state"),
+    "sensors": ("sites", "of", "every"),
+}
+"""What may stand in each table."""
+
+
+@dataclass(frozen=True)
+class Sensed:
+    """One thing that sensors read: its unit, what it is, and its values in all cells."""
+
+    units: str
+    long_name: str
+    read: Callable[[DrivenChain, Array, Array], Array]
+
+
+def _strains(chain: DrivenChain, f: Array, _: Array) -> Array:
+    return np.array(chain.stretches(f))
+
+
+def _pulls(chain: DrivenChain, f: Array, _: Array) -> Array:
+    return np.array(chain.forces(f))
+
+
+SENSED = {
+    "displacement": Sensed("lattice units", "displacement of the cell", lambda _, f, v: f),
+    "velocity": Sensed("per lattice time", "velocity of the cell", lambda _, f, v: v),
+    "strain": Sensed("lattice units", "stretch of the bond from the cell to the next", _strains),
+    "force": Sensed("lattice units", "force in the bond from the cell to the next", _pulls),
+}
+
+
+@dataclass(frozen=True)
+class Sensors:
+    """Where, what and how often is read."""
+
+    sites: tuple[int, ...] = ()
+    of: tuple[str, ...] = ("displacement",)
+    every: float = math.inf
+
+
+@dataclass(frozen=True)
+class Impact:
+    """Velocities of single cells at the start."""
+
+    site: int
+    velocity: float
+    field: str = ""
+
+
+@dataclass(frozen=True)
+class Mode:
+    """``u_n = amplitude sin(pi number (n + 1) / (sites + 1))``."""
+
+    number: int
+    amplitude: float
+
+
+@dataclass(frozen=True)
+class Push:
+    """A force on a cell, its value a formula in t."""
+
+    site: int
+    value: str
+    field: str = ""
+
+
+@dataclass(frozen=True)
+class Bench:
+    """What the tables say, checked as far as it can be without the lattice.
+
+    >>> made = Bench.of_tables({"chain": {"sites": 8}, "start": {"rest": True}})
+    >>> made.sites, made.ends
+    (8, ('fixed', 'fixed'))
+    >>> Bench.of_tables({"chain": {"sites": 8, "lef": "free"}})
+    Traceback (most recent call last):
+    ...
+    ValueError: keys in [chain] must be known ones, got lef (one of sites, left, right)
+    """
+
+    sites: int
+    ends: tuple[str | Mapping[str, str], str | Mapping[str, str]]
+    start: tuple[Impact | Mode, ...] = ()
+    losses: float | Mapping[str, float] = 0.0
+    forces: tuple[Push, ...] = ()
+    sensors: Sensors = field(default_factory=Sensors)
+    energy: bool = False
+    modes: tuple[int, ...] = ()
+    state: bool = False
+
+    @classmethod
+    def of_tables(cls, tables: Mapping[str, Any]) -> Bench:
+        """The bench that a scene's tables describe; ValueError in one line."""
+        chain = _table(tables.get("chain", {}), "chain")
+        if "sites" not in chain:
+            raise ValueError("sites in [chain] must be stated, got nothing (such as sites = 24)")
+        watched = _table(tables.get("observables", {}), "observables")
+        losses = _table(tables.get("losses", {}), "losses").get("site", 0.0)
+        modes = watched.get("mode_energies", [])
+        if not isinstance(modes, list | tuple):
+            raise ValueError(
+                f"mode_energies must be a list of numbers of modes, got {shown(modes)} (such as "
+                "[1, 2])"
+            )
+        return cls(
+            check.whole("sites in [chain]", chain["sites"], 2, 1e7),
+            (_end("left", chain), _end("right", chain)),
+            tuple(_start(tables.get("start"))),
+            _losses(losses),
+            tuple(_pushes(tables.get("force", []))),
+            _sensors(_table(watched.get("sensors", {}), "sensors")),
+            _truth("energy", watched.get("energy", False)),
+            tuple(check.whole("mode_energies", number) for number in modes),
+            _truth("state", watched.get("state", not watched)),
+        )
+
+    def chain(self, lattice: NumericLattice) -> DrivenChain:
+        """The chain; ValueError for fields and sites that it does not have."""
+        rates: Sequence[float] | float
+        if isinstance(self.losses, Mapping):
+            for name in self.losses:
+                _field(lattice, name, "losses")
+            rates = [self.losses.get(name, 0.0) for name in lattice.fields]
+        else:
+            rates = self.losses
+        ends = [_wall(name, end) for name, end in zip(("left", "right"), self.ends, strict=True)]
+        forces = [
+            SiteForce(
+                self._site("[[force]]", push.site),
+                time_function("value in [[force]]", push.value),
+                _field(lattice, push.field, "[[force]]"),
+            )
+            for push in self.forces
+        ]
+        return driven_chain(
+            lattice, self.sites, left=ends[0], right=ends[1], losses=rates, forces=forces
+        )
+
+    def _site(self, where: str, site: int) -> int:
+        if site >= self.sites:
+            raise ValueError(
+                f"site in {where} must be 0 to {self.sites - 1}, got {site} (there are "
+                f"{self.sites} cells)"
+            )
+        return site
+
+    def state_of(self, chain: DrivenChain, t: float) -> State:
+        """The cells at the start."""
+        f, v = np.zeros((2, len(chain.fields), self.sites))
+        for part in self.start:
+            if isinstance(part, Impact):
+                place = _field(chain, part.field, "impact")
+                v[place, self._site("impact", part.site)] += part.velocity
+            else:
+                f += part.amplitude * self.shape(part.number)
+        return State(t, f, v)
+
+    def shape(self, number: int) -> Array:
+        """A mode of a chain between fixed walls; ValueError for one that it does not have."""
+        if number > self.sites:
+            raise ValueError(
+                f"modes must be 1 to {self.sites}, got {number} (a chain has as many as cells)"
+            )
+        place = np.arange(1, self.sites + 1)
+        return np.asarray(np.sin(np.pi * number * place / (self.sites + 1)))
+
+    @cached_property
+    def watched(self) -> tuple[Watched, ...]:
+        """All that is observed, in the order of its values."""
+        return tuple(self._watched())
+
+    def _watched(self) -> list[Watched]:
+        places = list(self.sensors.sites)
+        found = []
+        for name in self.sensors.of if places else ():
+            sensed, inner = SENSED[name], "bond" if name in ("strain", "force") else "field"
+            read = partial(_at_places, read=sensed.read, places=places)
+            told = sensed.units, sensed.long_name
+            found.append(Watched(f"sensor_{name}", ("sensor", inner), *told, read))
+        if self.energy:
+            found.append(
+                Watched("energy", (), "lattice units", "energy of chain and bonds", _energy)
+            )
+        if self.modes:
+            what = "energy of the mode of a linear chain"
+            found.append(Watched("mode_energy", ("mode",), "lattice units", what, self._modal))
+        if self.state:
+            cells = list(range(self.sites))
+            for name in ("displacement", "velocity"):
+                sensed = SENSED[name]
+                read = partial(_at_places, read=sensed.read, places=cells)
+                told = sensed.units, sensed.long_name
+                found.append(Watched(name, ("cell", "field"), *told, read))
+        return found
+
+    def _modal(self, chain: DrivenChain, f: Array, v: Array) -> Array:
+        """The energies of modes of displacement and velocity, by the slope of the force at rest."""
+        if len(chain.fields) > 1 or self.ends != ("fixed", "fixed"):
+            raise ValueError(
+                "mode_energies must be of a chain of one field between fixed walls, got "
+                f"{chain.name} with {', '.join(map(str, self.ends))} (leave them out)"
+            )
+        shapes = np.sqrt(2.0 / (self.sites + 1)) * np.array([self.shape(one) for one in self.modes])
+        angle = np.pi * np.array(self.modes) / (self.sites + 1)
+        squares = chain.squared_frequencies(angle[:, None], chain.rest_slopes())[:, 0]
+        f, v = f[0, : self.sites], v[0, : self.sites]
+        return np.asarray(0.5 * chain.masses[0] * ((shapes @ v) ** 2 + squares * (shapes @ f) ** 2))
+
+
+@dataclass(frozen=True)
+class Watched:
+    """One variable of a run: its dimensions beside time, and its values from a state."""
+
+    name: str
+    dimensions: tuple[str, ...]
+    units: str
+    long_name: str
+    read: Callable[[DrivenChain, Array, Array], Array]
+
+
+Reader = Callable[[DrivenChain, Array, Array], Array]
+
+
+def _at_places(
+    chain: DrivenChain, f: Array, v: Array, read: Reader, places: Sequence[int]
+) -> Array:
+    """What is read in some cells, (places, fields or bonds)."""
+    return read(chain, f, v)[:, places].T
+
+
+def _energy(chain: DrivenChain, f: Array, v: Array) -> Array:
+    return np.asarray(chain.energy(f, v))
+
+
+def _field(lattice: NumericLattice, name: str, where: str) -> int:
+    """The place of a field; the first for none."""
+    if name and name not in lattice.fields:
+        raise ValueError(
+            f"field in {where} must be one of {lattice.name}, got {shown(name)} "
+            f"({one_of(name, lattice.fields)})"
+        )
+    return lattice.fields.index(name) if name else 0
+
+
+def _table(given: object, name: str) -> Mapping[str, Any]:
+    """A table with known keys."""
+    if not isinstance(given, Mapping):
+        raise ValueError(f"{name} must be a table, got {shown(given)} (write [{name}])")
+    for key in given:
+        if key not in KEYS[name]:
+            raise ValueError(
+                f"keys in [{name}] must be known ones, got {check.plain(key)} "
+                f"({one_of(key, KEYS[name])})"
+            )
+    return given
+
+
+def _truth(name: str, given: object) -> bool:
+    if not isinstance(given, bool):
+        raise ValueError(f"{name} in [observables] must be true or false, got {shown(given)}")
+    return given
+
+
+def _end(side: str, chain: Mapping[str, Any]) -> str | Mapping[str, str]:
+    """What is at an end."""
+    given = chain.get(side, "fixed")
+    if isinstance(given, Mapping) and set(given) == {"displacement"}:
+        time_function(f"displacement of {side}", given["displacement"])
+        return {"displacement": given["displacement"]}
+    if isinstance(given, str) and given in ("fixed", "free"):
+        return given
+    raise ValueError(
+        f'{side} in [chain] must be "fixed", "free" or {{ displacement = "..." }}, got '
+        f"{shown(given)} (a formula in t)"
+    )
+
+
+def _wall(side: str, given: str | Mapping[str, str]) -> End:
+    if isinstance(given, str):
+        return "free" if given == "free" else "fixed"
+    return time_function(f"displacement of {side}", given["displacement"])
+
+
+def _start(given: object) -> list[Impact | Mode]:
+    """What the cells do at the start."""
+    entries = given if isinstance(given, list | tuple) else [given]
+    found: list[Impact | Mode] = []
+    for entry in entries:
+        if entry is None:
+            raise ValueError(
+                "start must be stated, got nothing (such as rest = true below a line [start])"
+            )
+        for key, value in _table(entry, "start").items():
+            if key == "rest":
+                if value is not True:
+                    raise ValueError(f"rest in [start] must be true, got {shown(value)}")
+                continue
+            for part in value if isinstance(value, list | tuple) else [value]:
+                table = _table(part, key)
+                if key == "mode":
+                    number = check.whole("number of mode", table.get("number", 1))
+                    found.append(Mode(number, check.finite("amplitude", table.get("amplitude"))))
+                else:
+                    site = check.whole("site of impact", table.get("site", 0), 0)
+                    speed = check.finite("velocity of impact", table.get("velocity"))
+                    found.append(Impact(site, speed, str(table.get("field", ""))))
+    return found
+
+
+def _losses(given: object) -> float | Mapping[str, float]:
+    """Rates of 0 or more, of all fields or by field."""
+    rates = given if isinstance(given, Mapping) else {"": given}
+    found = {str(name): check.finite("site in [losses]", rate) for name, rate in rates.items()}
+    for rate in found.values():
+        if rate < 0.0:
+            raise ValueError(f"site in [losses] must be 0 or more, got {rate:g} (a loss)")
+    return found if isinstance(given, Mapping) else found[""]
+
+
+def _pushes(given: object) -> list[Push]:
+    if not isinstance(given, list | tuple):
+        raise ValueError(f"force must be [[force]] tables, got {shown(given)} (write [[force]])")
+    found = []
+    for entry in given:
+        table = _table(entry, "force")
+        for key in ("site", "value"):
+            if key not in table:
+                raise ValueError(f"{key} in [[force]] must be stated, got nothing")
+        time_function("value in [[force]]", table["value"])
+        site = check.whole("site in [[force]]", table["site"], 0)
+        found.append(Push(site, table["value"], str(table.get("field", ""))))
+    return found
+
+
+def _sensors(given: Mapping[str, Any]) -> Sensors:
+    if not given:
+        return Sensors()
+    sites, of = given.get("sites"), given.get("of", ["displacement"])
+    if not isinstance(sites, list | tuple) or not sites:
+        raise ValueError(
+            f"sites of sensors must be a list of cells, got {shown(sites)} (such as [0, 7])"
+        )
+    found = tuple(check.whole("sites of sensors", site, 0) for site in sites)
+    every = check.finite("every of sensors", given["every"]) if "every" in given else math.inf
+    check.positive("every of sensors", every)
+    return Sensors(found, check.names("of in sensors", of, tuple(SENSED)), every)
+
+
+def time_function(label: str, text: object) -> TimeFunction:
+    """A formula in t, read with the whitelist of forces, as a function of an array of times.
+
+    >>> time_function("value", "0.3*cos(0.9*t)")(np.array([0.0]))
+    array([0.3])
+    """
+    from longwave.derive.lattice_file import time_formula
+    from longwave.lattice.force_program import program_of
+
+    return program_of(time_formula(label, text))
+
+
+def bench_json(given: Mapping[str, Any]) -> str:
+    """The bench among a scene's keywords in one spelling, empty if there is none."""
+    said = json.loads(given["bench"]) if given.get("bench") else {}
+    for key in BENCH_TABLES:
+        value = given.get(key)
+        if value is not None and (key != "observables" or isinstance(value, Mapping)):
+            said[key] = value
+    if said and not {"chain", "start"} & said.keys():
+        [first] = list(said)[:1]
+        raise ValueError(
+            f"{first} must be with a chain on a bench, got no [chain] (state its sites, its ends "
+            "and how it starts)"
+        )
+    return json.dumps(said) if said else ""

@@ -1,0 +1,169 @@
+"""Running a chain on a bench to the tolerance of what is watched, and what that is to cost."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import replace
+from time import perf_counter
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from longwave.derive.symbols import number_value
+from longwave.lattice.dynamics import Dynamics
+from longwave.lattice.integration import CellRingEngine
+from longwave.lattice.numeric_lattice import numeric_lattice
+from longwave.lattice.schemes import REDUCED_PHASE_6, scheme_named
+from longwave.scenes.bench import MOST_READINGS, Bench
+from longwave.scenes.lattice_derivation import declared_lattice
+from longwave.scenes.ring_cost import search_cost
+from longwave.scenes.run_record import RunRecord, judged, searched
+from longwave.scenes.scene import Scene
+from longwave.support.request_limits import check_request
+
+if TYPE_CHECKING:
+    from longwave.lattice.driving import DrivenChain
+    from longwave.lattice.refine import Announce
+    from longwave.lattice.state import State
+    from longwave.lattice.trial import Choices, Progress, Trial
+    from longwave.scenes.recorders import Variables
+    from longwave.support.request_limits import ExpectedCost
+
+Array = NDArray[np.float64]
+
+FIRST_STEP = 4.0
+"""A first step, in units of the inverse highest frequency at rest."""
+
+
+def bench_of(scene: Scene) -> Bench:
+    """The scene's bench."""
+    return Bench.of_tables(json.loads(scene.bench))
+
+
+def chain_of(scene: Scene) -> tuple[Bench, DrivenChain]:
+    """The scene's bench, and its chain with numbers."""
+    bench = bench_of(scene)
+    lattice = declared_lattice(scene)
+    values = {name: number_value(name, value) for name, value in scene.constants}
+    return bench, bench.chain(numeric_lattice(lattice, values))
+
+
+def reading_times(scene: Scene, bench: Bench) -> Array:
+    """The scene's times, and those at which sensors are read between them."""
+    begin, end, every = scene.t0, scene.end, bench.sensors.every
+    if not (end - begin) / every <= MOST_READINGS:
+        raise ValueError(
+            f"every of sensors must give at most {MOST_READINGS:g} times, got {every:g} (read "
+            "them less often)"
+        )
+    between = begin + every * np.arange(1, math.floor((end - begin) / every) + 1)
+    wanted = np.union1d(between if math.isfinite(every) else [], scene.snapshots)
+    return np.asarray(wanted[wanted <= end])
+
+
+def scene_cost(scene: Scene) -> ExpectedCost:
+    """What the scene is expected to cost, by its chain's waves at rest."""
+    bench, chain = chain_of(scene)
+    times = reading_times(scene, bench)
+    highest = Dynamics(chain).highest_frequency(np.zeros((len(chain.bonds) + len(chain.fields), 2)))
+    duration = float(times[-1] - scene.t0)
+    steps = max(duration * highest / FIRST_STEP, float(times.size))
+    kept = times.size * max(1, len(bench.watched)) * max(1, len(bench.sensors.sites))
+    return search_cost(chain, bench.sites, steps, REDUCED_PHASE_6.stages, float(kept))
+
+
+def wave_size(scene: Scene, _t: float, _far_field: bool) -> float:
+    """There is no wave: ValueError."""
+    scene.check_compared()
+    return math.nan
+
+
+class BenchEngine(CellRingEngine):
+    """Runs of a chain of which what is watched is compared."""
+
+    def __init__(self, scene: Scene, bench: Bench, chain: DrivenChain) -> None:
+        self.bench, self.chain, self.scene = bench, chain, scene
+        self.times = reading_times(scene, bench)
+        self.sizes: list[tuple[int, ...]] = []
+        scheme = scheme_named(scene.target.scheme) if scene.target.scheme else REDUCED_PHASE_6
+        start = chain.held(bench.state_of(chain, scene.t0))
+        super().__init__(chain, start, self.times, scheme, kept=self.times[:0])
+        self._judged = self.watched_values
+
+    def watched_values(self, f: Array, v: Array, t: float) -> Array:
+        """All that is watched at a time, one after the other."""
+        parts = [one.read(self.chain, f, v) for one in self.bench.watched]
+        self.sizes = [part.shape for part in parts]
+        return np.concatenate([part.ravel() for part in parts])
+
+    def run(self, choices: Choices, shown: bool, progress: Progress = lambda _: None) -> Trial:
+        """A run; its payload is its record."""
+        trial = super().run(choices, shown, progress)
+        blow_up, steps, _, _ = trial.payload
+        told = "" if blow_up is None else str(blow_up)
+        return replace(trial, payload=self._record(trial, steps, told), shown=True)
+
+    def _record(self, trial: Trial, steps: int, blow_up: str) -> RunRecord:
+        variables: Variables = {}
+        if trial.values is not None:
+            splits = np.cumsum([math.prod(size) for size in self.sizes])[:-1]
+            parts = np.split(trial.values, splits, axis=1)
+            for one, size, part in zip(self.bench.watched, self.sizes, parts, strict=True):
+                values = part.reshape(len(part), *size)
+                dimensions = one.dimensions
+                if dimensions[1:] and size[-1] == 1:
+                    values, dimensions = values[..., 0], dimensions[:-1]
+                told = {"units": one.units, "long_name": one.long_name}
+                variables[one.name] = ("time", *dimensions), values, told
+        for name, counted in (("sensor", self.bench.sensors.sites), ("mode", self.bench.modes)):
+            if any(name in found for found, _, _ in variables.values()):
+                told = {
+                    "units": "1",
+                    "long_name": f"number of the {'cell' if name == 'sensor' else name}",
+                }
+                variables[name] = (name,), np.array(counted), told
+        cost = {
+            "engine": "stencil",
+            "scheme": self.scheme.name,
+            "order": self.scheme.order,
+            "steps": steps,
+            "force_evaluations": steps * self.scheme.stages,
+            "sites": self.bench.sites,
+            "seconds": trial.seconds,
+            "blow_up": blow_up,
+        }
+        reached = tuple(self.times.tolist()) if variables else ()
+        return RunRecord(self.scene, (0,), reached, variables, cost)
+
+
+def record_scene(
+    scene: Scene,
+    progress: Progress | None = None,
+    announce: Announce | None = None,
+    restart: State | None = None,
+) -> RunRecord:
+    """Run the chain so that nothing watched is off by more than the tolerance.
+
+    Raises ValueError in one line for what the lattice does not admit, for what would take too long,
+    and for a chain that flies apart.
+    """
+    begun = perf_counter()
+    if restart is not None:
+        raise ValueError(
+            f"a chain on a bench must be run from its start, got a state of {scene.name} (run it)"
+        )
+    cost = scene_cost(scene)
+    check_request(scene.name, cost, "watch it less often, end earlier or take fewer sites")
+    announce = announce or (lambda _: None)
+    announce(cost.seconds)
+    engine = BenchEngine(scene, *chain_of(scene))
+    found = searched(engine, scene, progress or (lambda _: None), announce)
+    record: RunRecord = found.trial.payload
+    if found.trial.values is None:
+        raise ValueError(
+            f"times must end before {scene.lattice} flies apart, got {scene.end:g} "
+            f"({record.attrs['blow_up'] or 'no step follows it'}; end earlier)"
+        )
+    return judged(record, found, scene, begun)
