@@ -161,7 +161,8 @@ def _at(value: TimeFunction, t: float) -> float:
 
 def _values(value: TimeFunction, times: Array) -> Array:
     """A function's values at the times; ValueError where they are no numbers."""
-    found = np.broadcast_to(np.asarray(value(times), dtype=np.float64), times.shape)
+    with np.errstate(all="ignore"):
+        found = np.broadcast_to(np.asarray(value(times), dtype=np.float64), times.shape)
     if not np.isfinite(found).all():
         t = float(times[~np.isfinite(found)][0])
         raise ValueError(

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -39,7 +39,8 @@ class ForceProgram:
     """A force law: a polynomial's ``coefficients`` of x, x^2, ..., or instructions for a stack.
 
     Called with stretches it gives forces; ``slope`` their derivative, ``potential`` their integral
-    from 0.
+    from 0. At the stretch of its ``opening`` a contact opens, where its slope or the derivative of
+    that jumps.
 
     >>> from sympy import exp
     >>> from longwave.derive.symbols import x
@@ -53,16 +54,12 @@ class ForceProgram:
     coefficients: tuple[float, ...] = ()
     instructions: tuple[Instruction, ...] = ()
     slope_instructions: tuple[Instruction, ...] = ()
+    opening: float | None = None
 
     @property
     def is_linear(self) -> bool:
         """Whether the force is proportional to the stretch."""
         return not self.instructions and not any(self.coefficients[1:])
-
-    @property
-    def may_open(self) -> bool:
-        """Whether it is a contact's, whose slope or its derivative jumps where it opens."""
-        return ("contact", 0.0) in self.instructions
 
     @cached_property
     def _polynomial(self) -> Polynomial:
@@ -101,9 +98,25 @@ class ForceProgram:
         """The energy stored at these stretches, 0 at no stretch."""
         if not self.instructions:
             return np.asarray(self._polynomial.integ()(stretch))
-        nodes, weights = legendre.leggauss(QUADRATURE)
+        if self.opening is not None:
+            return self._from_opening(stretch) - self._from_opening(np.zeros(()))
+        nodes, weights = _quadrature()
         parts = (w / 2 * self(stretch * (1 + z) / 2) for z, w in zip(nodes, weights, strict=True))
         return np.asarray(stretch * sum(parts))
+
+    def _from_opening(self, stretch: Array) -> Array:
+        """From where the contact opens, in the root of the distance, in which it is smooth."""
+        assert self.opening is not None
+        nodes, weights = _quadrature()
+        apart, roots = stretch - self.opening, (1 + nodes) / 2
+        forces = self(self.opening + np.multiply.outer(roots**2, apart))
+        return np.asarray(apart * np.tensordot(weights * roots, forces, 1))
+
+
+@cache
+def _quadrature() -> tuple[Array, Array]:
+    """Nodes and weights on -1 .. 1."""
+    return legendre.leggauss(QUADRATURE)
 
 
 def force_program(force: Expr) -> ForceProgram:
@@ -127,7 +140,28 @@ def force_program(force: Expr) -> ForceProgram:
                 f"force must vanish without stretch, got {found[0]:g} (move the zero of x)"
             )
         return ForceProgram(tuple(found[1:]))
-    return ForceProgram((), tuple(_instructions(force)), tuple(_instructions(force.diff(x))))
+    slope = tuple(_instructions(force.diff(x)))
+    return ForceProgram((), tuple(_instructions(force)), slope, _opening(force))
+
+
+def _opening(force: Expr) -> float | None:
+    """The stretch at which the contacts of a force open; None without any."""
+    from sympy import Poly
+
+    from longwave.derive.algebra.contact import contact
+    from longwave.derive.symbols import x
+
+    gaps = [part.args[0] for part in force.atoms(contact)]
+    if not gaps:
+        return None
+    linear = all(gap.is_polynomial(x) and Poly(gap, x).degree() == 1 for gap in gaps)
+    found = {float(-gap.subs(x, 0) / gap.diff(x)) for gap in gaps} if linear else set()
+    if len(found) != 1:
+        raise ValueError(
+            f"contacts of a force must open at one stretch, got {force} (take a bond for each, and "
+            "a gap that is linear in x)"
+        )
+    return found.pop()
 
 
 def program_of(expression: Expr) -> ForceProgram:

@@ -244,7 +244,7 @@ class CellRingEngine(StepSearch):
         if judged is not None:
             self._judged = lambda f, v, t: judged(f[:, :cells], v[:, :cells], t)
         stops = np.concatenate([[state.t], times])
-        opens = any(bond.force.may_open for bond in lattice.bonds)
+        opens = any(bond.force.opening is not None for bond in lattice.bonds)
         order = min(scheme.order, ORDER_AT_OPENINGS) if opens else scheme.order
         super().__init__(order, LIMIT_SHARE * self._admitted, stops, state.size)
         self.most_work = max(RUNAWAY * self.work(self.first()), LEAST_RUNAWAY)

@@ -2,36 +2,31 @@
 
     [chain]        sites, left, right: "fixed" (which they are unless said), "free", or a wall that
                    moves, { displacement = "0.05*sin(1.3*t)" }
-    [start]        rest = true, mode = { number, amplitude }, or impact = { site, velocity }, or a
+    [start]        rest = true, mode = { number, amplitude } or impact = { site, velocity }, or a
                    list of these
-    [losses]       site: the factor g of the force -g du/dt on each cell, or a table of them by field
+    [losses]       site: the factor g of the force -g du/dt on each cell, or such by field
     [[force]]      site, value (a formula in t), field (the first unless said)
-    [observables]  sensors = { sites, of, every }, energy = true, mode_energies = [1, 2], state = true
+    [observables]  sensors = { sites, of }, energy = true, mode_energies = [1, 2], state = true,
+                   every
 
-Cells and sensors count from 0, modes from 1. ``of`` are some of `SENSED`; with ``every`` sensors are
-read so often between the scene's times, too.
+Cells and sensors count from 0, modes from 1. ``of`` are some of `SENSED`. All that is observed is
+read at the scene's times and, if that is given, after ``every`` so many time units.
 """
 
 from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import cached_property, partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import numpy as np
-from numpy.typing import NDArray
-
-from longwave.lattice.driving import DrivenChain, End, SiteForce, TimeFunction, driven_chain
-from longwave.lattice.numeric_lattice import NumericLattice
-from longwave.lattice.state import State
 from longwave.scenes import scene_checks as check
 from longwave.support.known_names import one_of
 from longwave.support.user_files import shown
 
-Array = NDArray[np.float64]
+if TYPE_CHECKING:
+    from longwave.lattice.driving import TimeFunction
 
 BENCH_TABLES = ("chain", "start", "losses", "force", "observables")
 
@@ -45,44 +40,22 @@ KEYS = {
     "impact": ("site", "velocity", "field"),
     "losses": ("site",),
     "force": ("site", "value", "field"),
-    "observables": ("sensors", "energy", "mode_energies", "state"),
+    "observables": ("sensors", "energy", "mode_energies", "state", "every"),
     "sensors": ("sites", "of", "every"),
 }
 """What may stand in each table."""
 
 
-@dataclass(frozen=True)
-class Sensed:
-    """One thing that sensors read: its unit, what it is, and its values in all cells."""
-
-    units: str
-    long_name: str
-    read: Callable[[DrivenChain, Array, Array], Array]
-
-
-def _strains(chain: DrivenChain, f: Array, _: Array) -> Array:
-    return np.array(chain.stretches(f))
-
-
-def _pulls(chain: DrivenChain, f: Array, _: Array) -> Array:
-    return np.array(chain.forces(f))
-
-
-SENSED = {
-    "displacement": Sensed("lattice units", "displacement of the cell", lambda _, f, v: f),
-    "velocity": Sensed("per lattice time", "velocity of the cell", lambda _, f, v: v),
-    "strain": Sensed("lattice units", "stretch of the bond from the cell to the next", _strains),
-    "force": Sensed("lattice units", "force in the bond from the cell to the next", _pulls),
-}
+SENSED = ("displacement", "velocity", "strain", "force")
+"""What sensors read: of the cell, and of the bond from it to the next."""
 
 
 @dataclass(frozen=True)
 class Sensors:
-    """Where, what and how often is read."""
+    """Where and what is read."""
 
     sites: tuple[int, ...] = ()
     of: tuple[str, ...] = ("displacement",)
-    every: float = math.inf
 
 
 @dataclass(frozen=True)
@@ -133,6 +106,17 @@ class Bench:
     energy: bool = False
     modes: tuple[int, ...] = ()
     state: bool = False
+    every: float = math.inf
+
+    def __post_init__(self) -> None:
+        named = [("of [[force]]", push.site) for push in self.forces]
+        named += [("of impact", part.site) for part in self.start if isinstance(part, Impact)]
+        for where, site in [*named, *(("of sensors", site) for site in self.sensors.sites)]:
+            if site >= self.sites:
+                raise ValueError(
+                    f"site {where} must be 0 to {self.sites - 1}, got {site} (there are "
+                    f"{self.sites} cells)"
+                )
 
     @classmethod
     def of_tables(cls, tables: Mapping[str, Any]) -> Bench:
@@ -142,6 +126,7 @@ class Bench:
             raise ValueError("sites in [chain] must be stated, got nothing (such as sites = 24)")
         watched = _table(tables.get("observables", {}), "observables")
         losses = _table(tables.get("losses", {}), "losses").get("site", 0.0)
+        sensors = _table(watched.get("sensors", {}), "sensors")
         modes = watched.get("mode_energies", [])
         if not isinstance(modes, list | tuple):
             raise ValueError(
@@ -154,138 +139,12 @@ class Bench:
             tuple(_start(tables.get("start"))),
             _losses(losses),
             tuple(_pushes(tables.get("force", []))),
-            _sensors(_table(watched.get("sensors", {}), "sensors")),
+            _sensors(sensors),
             _truth("energy", watched.get("energy", False)),
             tuple(check.whole("mode_energies", number) for number in modes),
-            _truth("state", watched.get("state", not watched)),
+            _truth("state", watched.get("state", not set(watched) - {"every"})),
+            _every(watched.get("every", sensors.get("every"))),
         )
-
-    def chain(self, lattice: NumericLattice) -> DrivenChain:
-        """The chain; ValueError for fields and sites that it does not have."""
-        rates: Sequence[float] | float
-        if isinstance(self.losses, Mapping):
-            for name in self.losses:
-                _field(lattice, name, "losses")
-            rates = [self.losses.get(name, 0.0) for name in lattice.fields]
-        else:
-            rates = self.losses
-        ends = [_wall(name, end) for name, end in zip(("left", "right"), self.ends, strict=True)]
-        forces = [
-            SiteForce(
-                self._site("[[force]]", push.site),
-                time_function("value in [[force]]", push.value),
-                _field(lattice, push.field, "[[force]]"),
-            )
-            for push in self.forces
-        ]
-        return driven_chain(
-            lattice, self.sites, left=ends[0], right=ends[1], losses=rates, forces=forces
-        )
-
-    def _site(self, where: str, site: int) -> int:
-        if site >= self.sites:
-            raise ValueError(
-                f"site in {where} must be 0 to {self.sites - 1}, got {site} (there are "
-                f"{self.sites} cells)"
-            )
-        return site
-
-    def state_of(self, chain: DrivenChain, t: float) -> State:
-        """The cells at the start."""
-        f, v = np.zeros((2, len(chain.fields), self.sites))
-        for part in self.start:
-            if isinstance(part, Impact):
-                place = _field(chain, part.field, "impact")
-                v[place, self._site("impact", part.site)] += part.velocity
-            else:
-                f += part.amplitude * self.shape(part.number)
-        return State(t, f, v)
-
-    def shape(self, number: int) -> Array:
-        """A mode of a chain between fixed walls; ValueError for one that it does not have."""
-        if number > self.sites:
-            raise ValueError(
-                f"modes must be 1 to {self.sites}, got {number} (a chain has as many as cells)"
-            )
-        place = np.arange(1, self.sites + 1)
-        return np.asarray(np.sin(np.pi * number * place / (self.sites + 1)))
-
-    @cached_property
-    def watched(self) -> tuple[Watched, ...]:
-        """All that is observed, in the order of its values."""
-        return tuple(self._watched())
-
-    def _watched(self) -> list[Watched]:
-        places = list(self.sensors.sites)
-        found = []
-        for name in self.sensors.of if places else ():
-            sensed, inner = SENSED[name], "bond" if name in ("strain", "force") else "field"
-            read = partial(_at_places, read=sensed.read, places=places)
-            told = sensed.units, sensed.long_name
-            found.append(Watched(f"sensor_{name}", ("sensor", inner), *told, read))
-        if self.energy:
-            found.append(
-                Watched("energy", (), "lattice units", "energy of chain and bonds", _energy)
-            )
-        if self.modes:
-            what = "energy of the mode of a linear chain"
-            found.append(Watched("mode_energy", ("mode",), "lattice units", what, self._modal))
-        if self.state:
-            cells = list(range(self.sites))
-            for name in ("displacement", "velocity"):
-                sensed = SENSED[name]
-                read = partial(_at_places, read=sensed.read, places=cells)
-                told = sensed.units, sensed.long_name
-                found.append(Watched(name, ("cell", "field"), *told, read))
-        return found
-
-    def _modal(self, chain: DrivenChain, f: Array, v: Array) -> Array:
-        """The energies of modes of displacement and velocity, by the slope of the force at rest."""
-        if len(chain.fields) > 1 or self.ends != ("fixed", "fixed"):
-            raise ValueError(
-                "mode_energies must be of a chain of one field between fixed walls, got "
-                f"{chain.name} with {', '.join(map(str, self.ends))} (leave them out)"
-            )
-        shapes = np.sqrt(2.0 / (self.sites + 1)) * np.array([self.shape(one) for one in self.modes])
-        angle = np.pi * np.array(self.modes) / (self.sites + 1)
-        squares = chain.squared_frequencies(angle[:, None], chain.rest_slopes())[:, 0]
-        f, v = f[0, : self.sites], v[0, : self.sites]
-        return np.asarray(0.5 * chain.masses[0] * ((shapes @ v) ** 2 + squares * (shapes @ f) ** 2))
-
-
-@dataclass(frozen=True)
-class Watched:
-    """One variable of a run: its dimensions beside time, and its values from a state."""
-
-    name: str
-    dimensions: tuple[str, ...]
-    units: str
-    long_name: str
-    read: Callable[[DrivenChain, Array, Array], Array]
-
-
-Reader = Callable[[DrivenChain, Array, Array], Array]
-
-
-def _at_places(
-    chain: DrivenChain, f: Array, v: Array, read: Reader, places: Sequence[int]
-) -> Array:
-    """What is read in some cells, (places, fields or bonds)."""
-    return read(chain, f, v)[:, places].T
-
-
-def _energy(chain: DrivenChain, f: Array, v: Array) -> Array:
-    return np.asarray(chain.energy(f, v))
-
-
-def _field(lattice: NumericLattice, name: str, where: str) -> int:
-    """The place of a field; the first for none."""
-    if name and name not in lattice.fields:
-        raise ValueError(
-            f"field in {where} must be one of {lattice.name}, got {shown(name)} "
-            f"({one_of(name, lattice.fields)})"
-        )
-    return lattice.fields.index(name) if name else 0
 
 
 def _table(given: object, name: str) -> Mapping[str, Any]:
@@ -319,12 +178,6 @@ def _end(side: str, chain: Mapping[str, Any]) -> str | Mapping[str, str]:
         f'{side} in [chain] must be "fixed", "free" or {{ displacement = "..." }}, got '
         f"{shown(given)} (a formula in t)"
     )
-
-
-def _wall(side: str, given: str | Mapping[str, str]) -> End:
-    if isinstance(given, str):
-        return "free" if given == "free" else "fixed"
-    return time_function(f"displacement of {side}", given["displacement"])
 
 
 def _start(given: object) -> list[Impact | Mode]:
@@ -387,14 +240,22 @@ def _sensors(given: Mapping[str, Any]) -> Sensors:
             f"sites of sensors must be a list of cells, got {shown(sites)} (such as [0, 7])"
         )
     found = tuple(check.whole("sites of sensors", site, 0) for site in sites)
-    every = check.finite("every of sensors", given["every"]) if "every" in given else math.inf
-    check.positive("every of sensors", every)
-    return Sensors(found, check.names("of in sensors", of, tuple(SENSED)), every)
+    return Sensors(found, check.names("of in sensors", of, SENSED))
+
+
+def _every(given: object) -> float:
+    """The time between readings, infinite if they are not asked for."""
+    if given is None:
+        return math.inf
+    every = check.finite("every", given)
+    check.positive("every", every)
+    return every
 
 
 def time_function(label: str, text: object) -> TimeFunction:
     """A formula in t, read with the whitelist of forces, as a function of an array of times.
 
+    >>> import numpy as np
     >>> time_function("value", "0.3*cos(0.9*t)")(np.array([0.0]))
     array([0.3])
     """

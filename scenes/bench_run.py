@@ -17,6 +17,7 @@ from longwave.lattice.integration import CellRingEngine
 from longwave.lattice.numeric_lattice import numeric_lattice
 from longwave.lattice.schemes import REDUCED_PHASE_6, scheme_named
 from longwave.scenes.bench import MOST_READINGS, Bench
+from longwave.scenes.bench_chain import chain_on_bench, start_on_bench, watched
 from longwave.scenes.lattice_derivation import declared_lattice
 from longwave.scenes.ring_cost import search_cost
 from longwave.scenes.run_record import RunRecord, judged, searched
@@ -47,16 +48,16 @@ def chain_of(scene: Scene) -> tuple[Bench, DrivenChain]:
     bench = bench_of(scene)
     lattice = declared_lattice(scene)
     values = {name: number_value(name, value) for name, value in scene.constants}
-    return bench, bench.chain(numeric_lattice(lattice, values))
+    return bench, chain_on_bench(bench, numeric_lattice(lattice, values))
 
 
 def reading_times(scene: Scene, bench: Bench) -> Array:
     """The scene's times, and those at which sensors are read between them."""
-    begin, end, every = scene.t0, scene.end, bench.sensors.every
+    begin, end, every = scene.t0, scene.end, bench.every
     if not (end - begin) / every <= MOST_READINGS:
         raise ValueError(
-            f"every of sensors must give at most {MOST_READINGS:g} times, got {every:g} (read "
-            "them less often)"
+            f"every in [observables] must give at most {MOST_READINGS:g} times, got "
+            f"{every:g} (read less often)"
         )
     between = begin + every * np.arange(1, math.floor((end - begin) / every) + 1)
     wanted = np.union1d(between if math.isfinite(every) else [], scene.snapshots)
@@ -70,7 +71,7 @@ def scene_cost(scene: Scene) -> ExpectedCost:
     highest = Dynamics(chain).highest_frequency(np.zeros((len(chain.bonds) + len(chain.fields), 2)))
     duration = float(times[-1] - scene.t0)
     steps = max(duration * highest / FIRST_STEP, float(times.size))
-    kept = times.size * max(1, len(bench.watched)) * max(1, len(bench.sensors.sites))
+    kept = times.size * max(1, len(bench.sensors.of)) * max(1, len(bench.sensors.sites))
     return search_cost(chain, bench.sites, steps, REDUCED_PHASE_6.stages, float(kept))
 
 
@@ -86,15 +87,16 @@ class BenchEngine(CellRingEngine):
     def __init__(self, scene: Scene, bench: Bench, chain: DrivenChain) -> None:
         self.bench, self.chain, self.scene = bench, chain, scene
         self.times = reading_times(scene, bench)
+        self.watched = list(watched(bench))
         self.sizes: list[tuple[int, ...]] = []
         scheme = scheme_named(scene.target.scheme) if scene.target.scheme else REDUCED_PHASE_6
-        start = chain.held(bench.state_of(chain, scene.t0))
+        start = chain.held(start_on_bench(bench, chain, scene.t0))
         super().__init__(chain, start, self.times, scheme, kept=self.times[:0])
         self._judged = self.watched_values
 
     def watched_values(self, f: Array, v: Array, t: float) -> Array:
         """All that is watched at a time, one after the other."""
-        parts = [one.read(self.chain, f, v) for one in self.bench.watched]
+        parts = [one.read(self.chain, f, v) for one in self.watched]
         self.sizes = [part.shape for part in parts]
         return np.concatenate([part.ravel() for part in parts])
 
@@ -110,7 +112,7 @@ class BenchEngine(CellRingEngine):
         if trial.values is not None:
             splits = np.cumsum([math.prod(size) for size in self.sizes])[:-1]
             parts = np.split(trial.values, splits, axis=1)
-            for one, size, part in zip(self.bench.watched, self.sizes, parts, strict=True):
+            for one, size, part in zip(self.watched, self.sizes, parts, strict=True):
                 values = part.reshape(len(part), *size)
                 dimensions = one.dimensions
                 if dimensions[1:] and size[-1] == 1:

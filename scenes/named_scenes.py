@@ -17,31 +17,13 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-def shipped_scenes() -> tuple[str, ...]:
-    """Names of the paper's scenes, which come with the package, sorted.
+def shipped_scenes(folder: str = "paper") -> tuple[str, ...]:
+    """Names of the scenes that come with the package, sorted: of the paper, or of a `FOLDERS`.
 
-    >>> "rational_2_eps_0.05" in shipped_scenes()
-    True
+    >>> "rational_2_eps_0.05" in shipped_scenes(), "toda_soliton" in shipped_scenes("lattices")
+    (True, True)
     """
-    return _names("paper")
-
-
-def further_scenes() -> tuple[str, ...]:
-    """Names of the scenes that come with the package and go beyond the paper, sorted.
-
-    >>> "rogue_cn_k_0.5_long" in further_scenes()
-    True
-    """
-    return _names("further")
-
-
-def lattice_scenes() -> tuple[str, ...]:
-    """Names of the scenes on further lattices that come with the package, sorted.
-
-    >>> "toda_soliton" in lattice_scenes()
-    True
-    """
-    return _names("lattices")
+    return _names(folder)
 
 
 def load_scene(text: str | Path, tolerance: float | None = None) -> Scene:
@@ -97,7 +79,10 @@ def _of_document(document: Mapping[str, Any], path: Path) -> Scene:
     return Scene.of_document(document, path)
 
 
-FOLDERS = {name: f"longwave.scenes.shipped.{name}" for name in ("paper", "further", "lattices")}
+KINDS = ("paper", "further", "lattices", "bench")
+"""Scenes of the paper, beyond it, on other lattices, of chains on a bench."""
+
+FOLDERS = {name: f"longwave.scenes.shipped.{name}" for name in KINDS}
 """The packages that hold the files."""
 
 

@@ -7,7 +7,7 @@ from longwave.lattice.schemes import SCHEMES, stability_limit
 from longwave.reports.formulas.printing import latex
 from longwave.reports.latex import domain_latex
 from longwave.reports.pictures.paper_figures import ERROR_FIGURES, SNAPSHOT_FIGURES
-from longwave.scenes.named_scenes import further_scenes, load_scene, shipped_scenes
+from longwave.scenes.named_scenes import load_scene, shipped_scenes
 from longwave.scenes.observables import OBSERVABLES
 from longwave.scenes.scene import Scene
 from longwave.solutions import CATALOGUE, ClosedForm
@@ -89,7 +89,10 @@ def scenes() -> str:
     """The shipped scenes, the paper's first: name, title, wave, eps, times, how it is computed."""
     return table(
         ["scene", "what", "wave", "$\\epsilon$", "times", "computed"],
-        (list(_scene_row(load_scene(name))) for name in (*shipped_scenes(), *further_scenes())),
+        (
+            list(_scene_row(load_scene(name)))
+            for name in (*shipped_scenes(), *shipped_scenes("further"))
+        ),
     )
 
 

@@ -27,7 +27,10 @@ from longwave.support.command_line import (
 COMPLETION = "_LONGWAVE_COMPLETE"
 """The environment variable by which a shell asks for completions."""
 
-KINDS = ("lattices", "waves", "schemes", "scenes", "lattice-scenes", "sweeps", "observables")
+KINDS = (
+    *("lattices", "waves", "schemes", "scenes", "lattice-scenes", "bench-scenes"),
+    *("sweeps", "observables"),
+)
 PICTURES = (
     *("all", "snapshots", "space_time", "spectra", "errors", "crest"),
     *("sensors", "modes", "cells", "growth"),

@@ -101,14 +101,13 @@ def schemes() -> list[Record]:
 def scenes() -> list[Record]:
     """The shipped scenes, the paper's first, then the others and the members of families."""
     from longwave.scenes.named_scenes import (
-        further_scenes,
         load_scene,
         rational_family_scenes,
         shipped_scenes,
     )
 
     found = [("paper", load_scene(name)) for name in shipped_scenes()]
-    found += [("further", load_scene(name)) for name in further_scenes()]
+    found += [("further", load_scene(name)) for name in shipped_scenes("further")]
     found += [("family", scene) for scene in rational_family_scenes().values()]
     return [
         {
@@ -132,7 +131,7 @@ def scenes() -> list[Record]:
 def lattice_scenes() -> list[Record]:
     """The shipped scenes that name a lattice: lattice, equation, wave, eps, order, times."""
     from longwave.scenes.lattice_derivation import equation_of_form
-    from longwave.scenes.named_scenes import lattice_scenes, load_scene
+    from longwave.scenes.named_scenes import load_scene, shipped_scenes
     from longwave.solutions import closed_form
 
     return [
@@ -150,7 +149,25 @@ def lattice_scenes() -> list[Record]:
             "slow_times": list(scene.slow_times),
             "tolerance": scene.tolerance,
         }
-        for scene in map(load_scene, lattice_scenes())
+        for scene in map(load_scene, shipped_scenes("lattices"))
+    ]
+
+
+def bench_scenes() -> list[Record]:
+    """The shipped chains on a bench: lattice, cells, times, tolerance."""
+    from longwave.scenes.bench_run import bench_of
+    from longwave.scenes.named_scenes import load_scene, shipped_scenes
+
+    return [
+        {
+            "name": scene.name,
+            "title": scene.title,
+            "lattice": scene.lattice,
+            "cells": bench_of(scene).sites,
+            "end": scene.end,
+            "tolerance": scene.tolerance,
+        }
+        for scene in map(load_scene, shipped_scenes("bench"))
     ]
 
 
@@ -239,6 +256,12 @@ _KINDS: Mapping[str, _Kind] = {
         _own("name", "title", "lattice", "equation", "wave")
         | {"eps": "{eps:g}", "order": "{order}", "to": "{tolerance:g}"},
         "each is derived anew when it is run; longwave converge NAME fits its rate",
+    ),
+    "bench-scenes": _Kind(
+        bench_scenes,
+        _own("name", "title", "lattice")
+        | {"cells": "{cells}", "until": "{end:g}", "to": "{tolerance:g}"},
+        "a chain of your own is a TOML file: longwave run FILE.toml",
     ),
     "sweeps": _Kind(
         sweeps,

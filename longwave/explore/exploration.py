@@ -12,7 +12,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
-from longwave.scenes.named_scenes import lattice_scenes, load_scene
+from longwave.scenes.named_scenes import load_scene, shipped_scenes
 from longwave.scenes.scene import Scene
 from longwave.scenes.scene_checks import finite, positive
 from longwave.support.known_names import one_of
@@ -104,7 +104,7 @@ def waves_by_equation() -> dict[str, dict[str, str]]:
 
 def examples() -> dict[str, tuple[str, str]]:
     """The shipped scenes that name a lattice: title -> wave and setting."""
-    scenes = map(load_scene, lattice_scenes())
+    scenes = map(load_scene, shipped_scenes("lattices"))
     return {scene.title or scene.name: (scene.wave_name, scene.name) for scene in scenes}
 
 
@@ -121,7 +121,7 @@ def settings(wave: str) -> tuple[WaveSetting, ...]:
         [WaveSetting(CHAIN, "FPUT chain", _chain(form))] if form.equation.normal == "mKdV" else []
     )
     base, constants = OTHER_CONSTANTS.get(wave, ("", {}))
-    for name in lattice_scenes():
+    for name in shipped_scenes("lattices"):
         scene = load_scene(name)
         if name == base:
             scene = scene.changed(constants={**dict(scene.constants), **constants})

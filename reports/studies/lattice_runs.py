@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import xarray as xr
 
-from longwave.scenes.named_scenes import lattice_scenes, load_scene
+from longwave.scenes.named_scenes import load_scene, shipped_scenes
 from longwave.scenes.rate_cases import rate_cases
 from longwave.scenes.scene import Scene
 from longwave.support.processes import Job, Key, Progress
@@ -50,7 +50,7 @@ def scene_run_jobs() -> dict[Key, Job]:
     """A job a scene."""
     return {
         ("scene", name): Job(scene_run, (name,), SECONDS.get(name, USUAL), tells=True)
-        for name in lattice_scenes()
+        for name in shipped_scenes("lattices")
     }
 
 

@@ -40,7 +40,7 @@ from longwave.reports.studies.lattice_models import LatticeModel, lattice_models
 from longwave.reports.studies.lattice_runs import SceneRun
 from longwave.reports.studies.proofs import ProofRecord
 from longwave.scenes.convergence import ConvergencePoint, FittedRate, SceneConvergence
-from longwave.scenes.named_scenes import lattice_scenes, load_scene
+from longwave.scenes.named_scenes import load_scene, shipped_scenes
 from longwave.scenes.rate_cases import rate_cases
 from longwave.solutions import CATALOGUE
 from longwave.support.processes import Key
@@ -218,14 +218,14 @@ def test_tables_of_nothing_are_latex_still() -> None:
 def test_every_case_and_scene_is_a_job() -> None:
     short, full = all_jobs({}, full=False), all_jobs({}, full=True)
     assert short.keys() < full.keys()
-    assert {name for part, name in short if part == "scene"} == set(lattice_scenes())
+    assert {name for part, name in short if part == "scene"} == set(shipped_scenes("lattices"))
     assert {name for part, (name, _) in _rates(full)} == {*rate_cases()}
     corrected = {name for part, (name, order) in _rates(full) if order == "corrected"}
     assert corrected.isdisjoint(("6c", "6d"))
     assert {name for part, (name, _) in _rates(short)} == {
         name for name, case in rate_cases().items() if not case.is_long
     }
-    assert {*ROGUES, *PEREGRINES} <= set(lattice_scenes())
+    assert {*ROGUES, *PEREGRINES} <= set(shipped_scenes("lattices"))
 
 
 def _rates(jobs: Any) -> list[Any]:

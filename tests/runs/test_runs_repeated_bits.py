@@ -12,10 +12,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from longwave.scenes.named_scenes import (
-    lattice_scenes,
     load_scene,
     rational_family_scenes,
     scene_of_toml,
+    shipped_scenes,
 )
 from longwave.scenes.observables import OBSERVABLES
 from longwave.scenes.scene import Scene
@@ -127,7 +127,7 @@ DISORDERS = st.fixed_dictionaries(
 @st.composite
 def ring_scenes(draw: st.DrawFn) -> Scene:
     """Scenes on any lattice, from the catalogue or declared, whatever they may say."""
-    scene = draw(st.sampled_from(lattice_scenes()).map(load_scene))
+    scene = draw(st.sampled_from(shipped_scenes("lattices")).map(load_scene))
     pairs = st.dictionaries(TEXTS, NUMBERS | TEXTS, max_size=3)
     changes: dict[str, Any] = {key: draw(TEXTS) for key in ("name", "title")}
     changes |= {key: draw(pairs) for key in ("constants", "parameters")}
@@ -157,7 +157,7 @@ def test_any_scene_is_read_back_from_its_text(scene: Scene) -> None:
 
 
 @pytest.mark.parametrize(
-    "scene", [*rational_family_scenes().values(), *map(load_scene, lattice_scenes())]
+    "scene", [*rational_family_scenes().values(), *map(load_scene, shipped_scenes("lattices"))]
 )
 def test_every_shipped_scene_is_read_back(scene: Scene, tmp_path: Path) -> None:
     path = tmp_path / "other.toml"

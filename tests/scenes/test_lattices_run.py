@@ -12,7 +12,7 @@ from longwave.scenes import run
 from longwave.scenes.convergence import at_eps, scene_convergence
 from longwave.scenes.lattice_derivation import derivation, lattice_wave, wave_of
 from longwave.scenes.lattice_run import record_scene
-from longwave.scenes.named_scenes import lattice_scenes, load_scene, scene_of_toml
+from longwave.scenes.named_scenes import load_scene, scene_of_toml, shipped_scenes
 from longwave.scenes.scene import Scene
 from longwave.support.request_limits import request_limits
 
@@ -263,7 +263,7 @@ def test_times_and_cells_are_those_of_the_wave_at_every_eps() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", sorted({*lattice_scenes()} - {"dimer_rogue"}))
+@pytest.mark.parametrize("name", sorted({*shipped_scenes("lattices")} - {"dimer_rogue"}))
 def test_a_shipped_scene_runs_and_its_error_falls_with_eps(name: str) -> None:
     scene = load_scene(name)
     first, second = (

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from longwave.scenes.convergence import at_eps
-from longwave.scenes.named_scenes import lattice_scenes, load_scene, scene_of_toml
+from longwave.scenes.named_scenes import load_scene, scene_of_toml, shipped_scenes
 from longwave.scenes.ring_runs import ComparedCells
 from longwave.scenes.scene import Scene
 
@@ -52,7 +52,7 @@ force = "x + x**2"
 """
 
 
-@pytest.mark.parametrize("name", lattice_scenes())
+@pytest.mark.parametrize("name", shipped_scenes("lattices"))
 def test_a_scene_is_what_its_json_says(name: str) -> None:
     scene = load_scene(name)
     assert Scene.from_json(scene.json()) == scene

@@ -13,13 +13,7 @@ from longwave.cli.command_tree import KINDS
 from longwave.derive import LATTICES
 from longwave.lattice.schemes import SCHEMES
 from longwave.runs.sweep_file import shipped_sweeps
-from longwave.scenes.named_scenes import (
-    further_scenes,
-    lattice_scenes,
-    load_scene,
-    rational_family_scenes,
-    shipped_scenes,
-)
+from longwave.scenes.named_scenes import load_scene, rational_family_scenes, shipped_scenes
 from longwave.scenes.observables import OBSERVABLES
 from longwave.solutions import CATALOGUE
 
@@ -28,8 +22,9 @@ NAMES = {
     "lattices": list(LATTICES),
     "waves": [form.name for form in CATALOGUE],
     "schemes": [scheme.name for scheme in SCHEMES],
-    "scenes": [*shipped_scenes(), *further_scenes(), *rational_family_scenes()],
-    "lattice-scenes": list(lattice_scenes()),
+    "scenes": [*shipped_scenes(), *shipped_scenes("further"), *rational_family_scenes()],
+    "lattice-scenes": list(shipped_scenes("lattices")),
+    "bench-scenes": list(shipped_scenes("bench")),
     "sweeps": list(shipped_sweeps()),
     "observables": [*OBSERVABLES],
 }

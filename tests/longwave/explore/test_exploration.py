@@ -30,7 +30,7 @@ from longwave.explore.exploration_run import (
     compare,
 )
 from longwave.scenes.lattice_derivation import derivation
-from longwave.scenes.named_scenes import lattice_scenes, load_scene
+from longwave.scenes.named_scenes import load_scene, shipped_scenes
 from longwave.solutions import CATALOGUE, closed_form
 from longwave.support.request_limits import RequestLimits
 
@@ -49,7 +49,7 @@ def ratio(text: str) -> float:
 def test_every_wave_of_the_catalogue_and_every_lattice_scene_can_be_chosen() -> None:
     waves = [name for group in waves_by_equation().values() for name in group.values()]
     assert sorted(waves) == sorted(CATALOGUE.names)
-    assert {setting for _, setting in examples().values()} == {*lattice_scenes()}
+    assert {setting for _, setting in examples().values()} == {*shipped_scenes("lattices")}
     for wave, setting in examples().values():
         scene, shipped = scene_of_choices(first_choices(wave, setting)), load_scene(setting)
         assert len(scene.slow_times) == FRAMES

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from longwave.scenes.named_scenes import further_scenes, load_scene, rational_family_scenes
+from longwave.scenes.named_scenes import load_scene, rational_family_scenes, shipped_scenes
 from longwave.solutions import closed_form
 
 
@@ -59,5 +59,5 @@ def test_orders_that_there_are_not(name: str) -> None:
 
 
 def test_further_scenes_load_and_leave_their_discretisation_open() -> None:
-    for name in further_scenes():
+    for name in shipped_scenes("further"):
         assert load_scene(name).tolerance == 1e-4

@@ -66,9 +66,11 @@ def calls(monkeypatch: pytest.MonkeyPatch) -> Counter[str]:
     count(np.fft, "rfft")
     advance = Dynamics.advance
 
-    def counting_advance(own: Any, scheme: Scheme, f: Any, v: Any, h: float, steps: int) -> None:
+    def counting_advance(
+        own: Any, scheme: Scheme, f: Any, v: Any, h: float, steps: int, *t: float
+    ) -> None:
         counted["kernel steps"] += steps
-        advance(own, scheme, f, v, h, steps)
+        advance(own, scheme, f, v, h, steps, *t)
 
     monkeypatch.setattr(Dynamics, "advance", counting_advance)
     monkeypatch.setattr(chain_run, "trust_attributes", lambda _: {})

@@ -1,0 +1,162 @@
+"""A bench with its lattice: the chain that is run, how it starts, and what is watched of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from longwave.lattice.driving import DrivenChain, End, SiteForce, driven_chain
+from longwave.lattice.numeric_lattice import NumericLattice
+from longwave.lattice.state import State
+from longwave.scenes.bench import Bench, Impact, time_function
+from longwave.support.known_names import one_of
+from longwave.support.user_files import shown
+
+Array = NDArray[np.float64]
+Reader = Callable[[DrivenChain, Array, Array], Array]
+"""What is read of a chain, its fields and their velocities."""
+
+
+class Reading(NamedTuple):
+    """The unit of what a sensor reads, what it is, what lies in a cell, and its values in all."""
+
+    units: str
+    long_name: str
+    inner: str
+    read: Reader
+
+
+READINGS = {
+    "displacement": Reading("lattice units", "displacement", "field", lambda _, f, v: f),
+    "velocity": Reading("per lattice time", "velocity", "field", lambda _, f, v: v),
+    "strain": Reading(
+        "lattice units",
+        "stretch of the bond to the next cell",
+        "bond",
+        lambda chain, f, v: np.array(chain.stretches(f)),
+    ),
+    "force": Reading(
+        "lattice units",
+        "force in the bond to the next cell",
+        "bond",
+        lambda chain, f, v: np.array(chain.forces(f)),
+    ),
+}
+
+
+def chain_on_bench(bench: Bench, lattice: NumericLattice) -> DrivenChain:
+    """The chain; ValueError for fields that it does not have."""
+    rates: Sequence[float] | float
+    if isinstance(bench.losses, Mapping):
+        for name in bench.losses:
+            _field(lattice, name, "losses")
+        rates = [bench.losses.get(name, 0.0) for name in lattice.fields]
+    else:
+        rates = bench.losses
+    left, right = (
+        _end(side, given) for side, given in zip(("left", "right"), bench.ends, strict=True)
+    )
+    forces = [
+        SiteForce(
+            push.site,
+            time_function("value in [[force]]", push.value),
+            _field(lattice, push.field, "[[force]]"),
+        )
+        for push in bench.forces
+    ]
+    return driven_chain(lattice, bench.sites, left=left, right=right, losses=rates, forces=forces)
+
+
+def _end(side: str, given: str | Mapping[str, str]) -> End:
+    if isinstance(given, str):
+        return "free" if given == "free" else "fixed"
+    return time_function(f"displacement of {side}", given["displacement"])
+
+
+def _field(lattice: NumericLattice, name: str, where: str) -> int:
+    """The place of a field; the first for none."""
+    if name and name not in lattice.fields:
+        raise ValueError(
+            f"field in {where} must be one of {lattice.name}, got {shown(name)} "
+            f"({one_of(name, lattice.fields)})"
+        )
+    return lattice.fields.index(name) if name else 0
+
+
+def start_on_bench(bench: Bench, chain: DrivenChain, t: float) -> State:
+    """The cells at the start."""
+    f, v = np.zeros((2, len(chain.fields), bench.sites))
+    for part in bench.start:
+        if isinstance(part, Impact):
+            v[_field(chain, part.field, "impact"), part.site] += part.velocity
+        else:
+            f += part.amplitude * _mode(bench, part.number)
+    return State(t, f, v)
+
+
+def _mode(bench: Bench, number: int) -> Array:
+    """A mode of a chain between fixed walls; ValueError for one that it does not have."""
+    if number > bench.sites:
+        raise ValueError(
+            f"modes must be 1 to {bench.sites}, got {number} (a chain has as many as cells)"
+        )
+    place = np.arange(1, bench.sites + 1)
+    return np.asarray(np.sin(np.pi * number * place / (bench.sites + 1)))
+
+
+@dataclass(frozen=True)
+class Watched:
+    """One variable of a run: its dimensions beside time, and how it is read."""
+
+    name: str
+    dimensions: tuple[str, ...]
+    units: str
+    long_name: str
+    read: Reader
+
+
+def watched(bench: Bench) -> Iterator[Watched]:
+    """All that is observed, in the order of its values."""
+    for name in bench.sensors.of if bench.sensors.sites else ():
+        yield _in_cells(f"sensor_{name}", "sensor", name, bench.sensors.sites)
+    if bench.energy:
+        yield Watched("energy", (), "lattice units", "energy of chain and bonds", _energy)
+    if bench.modes:
+        what = "energy of the mode of a linear chain"
+        read = partial(_mode_energies, bench=bench)
+        yield Watched("mode_energy", ("mode",), "lattice units", what, read)
+    for name in ("displacement", "velocity") if bench.state else ():
+        yield _in_cells(name, "cell", name, range(bench.sites))
+
+
+def _in_cells(name: str, dimension: str, what: str, places: Sequence[int]) -> Watched:
+    """What is read in some cells, by field or bond."""
+    units, long_name, inner, read = READINGS[what]
+    at = list(places)
+    return Watched(
+        name, (dimension, inner), units, long_name, lambda chain, f, v: read(chain, f, v)[:, at].T
+    )
+
+
+def _energy(chain: DrivenChain, f: Array, v: Array) -> Array:
+    return np.asarray(chain.energy(f, v))
+
+
+def _mode_energies(chain: DrivenChain, f: Array, v: Array, bench: Bench) -> Array:
+    """The energies of modes of displacement and velocity, by the slope of the force at rest."""
+    if len(chain.fields) > 1 or bench.ends != ("fixed", "fixed"):
+        raise ValueError(
+            "mode_energies must be of a chain of one field between fixed walls, got "
+            f"{chain.name} with {', '.join(map(str, bench.ends))} (leave them out)"
+        )
+    shapes = np.array([_mode(bench, number) for number in bench.modes])
+    squares = chain.squared_frequencies(
+        np.pi * np.array(bench.modes)[:, None] / (bench.sites + 1), chain.rest_slopes()
+    )[:, 0]
+    along, moving = shapes @ f[0, : bench.sites], shapes @ v[0, : bench.sites]
+    return np.asarray(chain.masses[0] * (moving**2 + squares * along**2) / (bench.sites + 1))

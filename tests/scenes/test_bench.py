@@ -1,0 +1,196 @@
+"""Catches: a bench that is read otherwise than it is written, a sensor at another cell or time."""
+
+import copy
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from longwave.__main__ import main
+from longwave.runs.run_file import load_run
+from longwave.scenes.bench import Bench, time_function
+from longwave.scenes.bench_run import chain_of
+from longwave.scenes.named_scenes import load_scene, scene_of_toml, shipped_scenes
+from longwave.scenes.scene import Scene
+from longwave.scenes.scene_file import toml_text
+from longwave.scenes.scene_run import resume, run
+from tests.lattice.test_lattice_driving import modal_chain
+
+DRIVEN: dict[str, Any] = {
+    "name": "driven",
+    "lattice": "beta_fput",
+    "constants": {"K2": 1, "K4": 2},
+    "times": [0, 3, 6],
+    "tolerance": 1e-7,
+    "chain": {"sites": 12, "left": {"displacement": "0.05*sin(1.3*t)"}, "right": "free"},
+    "start": {"impact": [{"site": 4, "velocity": 0.1}, {"site": 5, "velocity": -0.2}]},
+    "losses": {"site": 0.03},
+    "force": [{"site": 10, "value": "0.3*cos(9*t/10)"}],
+    "observables": {
+        "sensors": {"sites": [0, 7, 11], "of": ["displacement", "velocity", "strain", "force"]},
+        "energy": True,
+        "state": True,
+        "every": 0.75,
+    },
+}
+
+
+def changed(**tables: Any) -> dict[str, Any]:
+    return copy.deepcopy(DRIVEN) | tables
+
+
+def test_a_scene_is_the_same_in_every_spelling(tmp_path: Path) -> None:
+    scene = Scene.of(**DRIVEN)
+    assert scene.method == "bench"
+    assert Scene.from_json(scene.json()) == scene == scene_of_toml(scene.toml())
+    path = tmp_path / "driven.toml"
+    path.write_text(toml_text(DRIVEN | {"times": [0, 3, 6]}), encoding="utf-8")
+    assert load_scene(path) == scene
+    assert scene.changed(losses={"site": 0.5}) == Scene.of(**changed(losses={"site": 0.5}))
+    assert scene.changed(tolerance=1e-5).bench == scene.bench
+    assert repr(scene) == "<Scene driven: beta_fput on a bench, t = 0 .. 6, to 1e-07>"
+
+
+def test_sensors_read_what_the_cells_do() -> None:
+    found = run(Scene.of(**DRIVEN))
+    assert found.time.values.tolist() == np.arange(0, 6.1, 0.75).tolist()
+    places = list(DRIVEN["observables"]["sensors"]["sites"])
+    for name in ("displacement", "velocity"):
+        np.testing.assert_array_equal(found[f"sensor_{name}"], found[name][:, places])
+    u = found.displacement.values
+    wall = 0.05 * np.sin(1.3 * found.time.values)
+    stretch = found.sensor_strain.values
+    np.testing.assert_allclose(stretch[:, 1], u[:, 8] - u[:, 7], atol=1e-15)
+    force = stretch[:, :2] + 2 * stretch[:, :2] ** 3
+    np.testing.assert_allclose(found.sensor_force[:, :2], force, atol=1e-15)
+    np.testing.assert_array_equal(found.sensor_force[:, 2], 0.0)  # the free end
+    inner = np.diff(u, axis=1, prepend=wall[:, None])
+    energy = np.sum(inner**2 / 2 + inner**4 / 2, axis=1) + np.sum(found.velocity**2, axis=1) / 2
+    np.testing.assert_allclose(found.energy, energy, rtol=1e-12)
+    assert found.attrs["error_estimate"] <= 1e-7
+    at_start = found.velocity[0].values
+    assert at_start.nonzero()[0].tolist() == [4, 5]
+    assert at_start[4:6].tolist() == [0.1, -0.2]
+
+
+def test_the_shipped_driven_chain_is_its_modes() -> None:
+    found = run(load_scene("driven_chain").changed(times=[0, 20, 60]))
+    times, shown = found.time.values, found.sensor_displacement.values
+    exact = [modal_chain(24, 0.05, 5, 0.7, t)[[0, 5, 23]] for t in times[1:]]
+    assert np.abs(shown[1:] - exact).max() < found.attrs["error_estimate"] <= 1e-10
+
+
+def test_mode_energies_are_those_of_a_linear_chain() -> None:
+    scene = load_scene("fput_1955").changed(times=[0, 40], constants={"K2": 1, "K3": 0})
+    found = run(scene.changed(start={"mode": {"number": 3, "amplitude": 2}}))
+    omega = 2.0 * np.sin(3 * np.pi / 64)
+    energies = [0.0, 0.0, 0.5 * omega**2 * 4 * 16, 0.0]
+    np.testing.assert_allclose(found.mode_energy, [energies] * found.time.size, atol=1e-6)
+    np.testing.assert_allclose(found.energy, energies[2], rtol=1e-7)
+
+
+def test_a_struck_hertz_chain_has_a_wave_of_its_speed() -> None:
+    """The speed goes as the fifth root of the velocity, the velocity after some cells as it."""
+    speeds = []
+    for velocity in (0.05, 0.4):
+        scene = load_scene("struck_grains")
+        struck = {"impact": {"site": 0, "velocity": velocity}}
+        watched = {"sensors": {"sites": [12, 24], "of": ["velocity"]}, "every": 0.05}
+        end = 60 * (0.1 / velocity) ** 0.2
+        found = run(
+            scene.changed(start=struck, observables=watched, times=[0, end], tolerance=1e-4)
+        )
+        read = found.sensor_velocity.values
+        first, second = found.time.values[read.argmax(axis=0)]
+        speeds.append(12.0 / (second - first))
+    assert np.log(speeds[1] / speeds[0]) / np.log(8.0) == pytest.approx(0.2, abs=0.004)
+
+
+@pytest.mark.parametrize("name", shipped_scenes("bench"))
+def test_shipped_benches_are_read(name: str) -> None:
+    scene = load_scene(name)
+    bench, chain = chain_of(scene)
+    assert scene.title
+    assert chain.cells == bench.sites
+    assert scene.expected_cost().seconds < 60.0
+
+
+def test_runs_are_kept_told_and_made_again(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "driven.toml").write_text(toml_text(DRIVEN), encoding="utf-8")
+    kept = tmp_path / "run.nc"
+    assert main(["run", str(tmp_path / "driven.toml"), "--output", str(kept)]) == 0
+    told = capsys.readouterr().out
+    assert re.search(r"3 +│ 0\.\d+", told)
+    assert "cell 7: velocity at most" in told
+    assert main(["run", str(kept)]) == 0
+    assert "same bits" in capsys.readouterr().out
+    assert load_run(kept).sizes["time"] == 9
+    assert main(["plot", str(kept), "--output", str(tmp_path / "run.png")]) == 0
+    assert (tmp_path / "run.png").stat().st_size > 10_000
+    capsys.readouterr()
+    assert main(["converge", str(tmp_path / "driven.toml")]) == 2
+    assert "scene must have a wave" in capsys.readouterr().err
+
+
+def test_formulas_in_time_are_read_not_run() -> None:
+    t = np.array([0.0, 0.5])
+    np.testing.assert_allclose(
+        time_function("value", "exp(-t)*sin(2*t)")(t), np.exp(-t) * np.sin(2 * t)
+    )
+    np.testing.assert_array_equal(time_function("value", 2)(t), 2.0)
+    for text in ("x + 1", "K2*t", "contact(t)", "__import__('os')", "t.real", ""):
+        with pytest.raises(ValueError, match="value"):
+            time_function("value", text)
+
+
+REFUSED: list[tuple[dict[str, Any], str]] = [
+    ({"chain": {"left": "free"}}, "sites in [chain] must be stated"),
+    ({"chain": {"sites": 1}}, "sites in [chain] must be a whole number, 2 <="),
+    ({"chain": {"sites": 8, "lefft": "free"}}, "keys in [chain] must be known ones, got lefft"),
+    ({"chain": {"sites": 8, "left": "loose"}}, 'left in [chain] must be "fixed"'),
+    ({"chain": {"sites": 8, "left": {"displacement": "s"}}}, "displacement of left"),
+    ({"start": None}, "start must be stated"),
+    ({"start": {"rest": False}}, "rest in [start] must be true"),
+    ({"start": {"impact": {"site": 99, "velocity": 1}}}, "site of impact must be 0 to 11, got 99"),
+    ({"start": {"impact": {"site": 1}}}, "velocity of impact must be a number"),
+    ({"start": {"mode": {"number": 13, "amplitude": 1}}}, "modes must be 1 to 12, got 13"),
+    ({"losses": {"site": -1}}, "site in [losses] must be 0 or more"),
+    ({"losses": {"bond": 1}}, "keys in [losses] must be known ones, got bond"),
+    ({"losses": {"site": {"w": 1}}}, "field in losses must be one of beta_fput, got 'w'"),
+    ({"force": [{"site": 1}]}, "value in [[force]] must be stated"),
+    ({"force": [{"site": 12, "value": "1"}]}, "site of [[force]] must be 0 to 11, got 12"),
+    ({"force": [{"site": 1, "value": "log(t - 9)"}]}, "in time must be finite, got nan"),
+    ({"observables": {"sensors": {"sites": []}}}, "sites of sensors must be a list of cells"),
+    ({"observables": {"sensors": {"sites": [12]}}}, "site of sensors must be 0 to 11, got 12"),
+    ({"observables": {"mode_energies": [1]}}, "mode_energies must be of a chain of one field"),
+    ({"observables": {"energy": 1}}, "energy in [observables] must be true or false"),
+    ({"observables": {"every": 1e-9}}, "every in [observables] must give at most 1e+06 times"),
+    ({"wave": "kdv_soliton"}, "wave must not be given with a chain on a bench"),
+    ({"half_width": 3}, "half_width must not be given with a chain on a bench"),
+    ({"tolerance": None, "step": 0.1, "domain": "ring", "sites": 8}, "tolerance must be given"),
+    ({"engine": "spectral"}, "tolerance must be given for a chain on a bench, without an engine"),
+    ({"times": [0, 0.0]}, "times must increase"),
+    ({"lattice": "mass_dimer", "constants": {}}, "constant K2 of mass_dimer must be given"),
+    ({"lattice": "fput_strain"}, "must be of a chain of displacements, got fput_strain"),
+    ({"constants": {"K2": 1}}, "constant K4 of beta_fput must be given"),
+]
+
+
+@pytest.mark.parametrize(("tables", "text"), REFUSED, ids=[text for _, text in REFUSED])
+def test_what_is_refused(tables: dict[str, Any], text: str) -> None:
+    with pytest.raises(ValueError, match=re.escape(text)) as caught:
+        run(Scene.of(**changed(**tables)))
+    assert "\n" not in str(caught.value)
+
+
+def test_a_bench_is_run_from_its_start_and_with_a_chain() -> None:
+    with pytest.raises(ValueError, match=r"losses must be with a chain on a bench, got no \[chain"):
+        Scene.of(name="lossy", wave="kdv_soliton", lattice="toda", eps=0.1, losses={"site": 0.1})
+    found = run(Scene.of(**changed(times=[0, 1], observables={"state": True})))
+    with pytest.raises(ValueError, match="run must carry its states"):
+        resume(found)
+    assert Bench.of_tables({"chain": {"sites": 3}, "start": {"rest": True}}).state
