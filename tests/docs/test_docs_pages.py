@@ -23,6 +23,7 @@ PAGES = sorted(
     and path.name != "many-runs.md"  # is one session of a shell, and has a test of its own
 )
 LONG = (
+    "how-to/bench.md",
     "how-to/command-line.md",
     "how-to/derive.md",
     "how-to/disorder.md",
