@@ -28,6 +28,10 @@ End = Literal["fixed", "free"] | TimeFunction
 """What is at an end: a wall that is held, nothing, or a wall with a displacement in time."""
 
 
+LOOKED_AT = 2**17 + 1
+"""Times at which what drives a chain is looked at before it is run. Steps resolve what is seen."""
+
+
 @dataclass(frozen=True)
 class SiteForce:
     """The force ``value(t)`` on a field of the cell ``site``."""
@@ -91,6 +95,18 @@ class DrivenChain(DisorderedLattice):
     def is_driven(self) -> bool:
         """Whether anything but held walls acts from outside."""
         return bool(self.variation.damped or self.variation.pulsed or self.free)
+
+    def driven_within(self, begin: float, end: float) -> float:
+        """The least time in which a force or a wall's displacement changes by all that it does."""
+        times = np.linspace(begin, end, LOOKED_AT)
+        driven = [force.value for force in self.outer_forces]
+        driven += [wall.displacement for wall in self._moved if wall.displacement is not None]
+        found = math.inf
+        for value in driven:
+            values = _values(value, times)
+            steepest = float(np.abs(np.diff(values)).max()) / (times[1] - times[0] or 1.0)
+            found = min(found, float(np.ptp(values)) / steepest if steepest else math.inf)
+        return found
 
     def held(self, state: State) -> State:
         """The state on the ring: walls are where they are at that time."""

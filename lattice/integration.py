@@ -42,6 +42,10 @@ Judged = Callable[[Array, Array, float], ArrayLike]
 LIMIT_SHARE = 0.9
 """Longest step tried, in units of the stability limit at the largest strain."""
 
+DRIVEN_SHARE = 0.5
+"""The same in units of the time in which a force from outside changes by all that it does: two runs
+with longer steps may agree on what neither has seen."""
+
 SLOW = 1e6
 """Waves that take so many times the run's duration do not bound the step."""
 
@@ -246,7 +250,9 @@ class CellRingEngine(StepSearch):
         stops = np.concatenate([[state.t], times])
         opens = any(bond.force.opening is not None for bond in lattice.bonds)
         order = min(scheme.order, ORDER_AT_OPENINGS) if opens else scheme.order
-        super().__init__(order, LIMIT_SHARE * self._admitted, stops, state.size)
+        driven = DRIVEN_SHARE * lattice.driven_within(float(stops[0]), float(stops[-1]))
+        first = min(LIMIT_SHARE * self._admitted, driven)
+        super().__init__(order, first, stops, state.size)
         self.most_work = max(RUNAWAY * self.work(self.first()), LEAST_RUNAWAY)
 
     def _stretches_and_rates(self, ranges: Array) -> Judged:

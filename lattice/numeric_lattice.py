@@ -141,6 +141,10 @@ class NumericLattice:
         """Whether stages take weights of their own times (`DrivenChain.stage_weights`): no."""
         return False
 
+    def driven_within(self, begin: float, end: float) -> float:
+        """The least time in which what drives it changes by all that it does; inf without any."""
+        return math.inf
+
     def held(self, state: State) -> State:
         """The state with the cells by which the lattice holds its ends: it has none."""
         return state

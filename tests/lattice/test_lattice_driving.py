@@ -224,3 +224,19 @@ def test_what_is_refused(case: tuple[Callable[[], object], str]) -> None:
     with np.errstate(all="ignore"), pytest.raises(ValueError, match=text) as caught:
         ask()
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("width", [1.0, 0.03, 0.001])
+def test_a_short_push_is_not_missed(width: float) -> None:
+    """Two runs whose steps are longer than a push agree that there was none."""
+    force = SiteForce(3, lambda t: 0.1 / width * np.exp(-(((t - 5.3) / width) ** 2)))
+    made = driven_chain(BETA, 8, left="free", right="free", forces=[force])
+    run = integrate(made, State(0.0, *np.zeros((2, 1, 8))), [12.0], tolerance=1e-6)
+    assert run.v.sum() == pytest.approx(0.1 * np.sqrt(np.pi), abs=1e-6)
+
+
+def test_a_fast_push_is_followed() -> None:
+    made = driven_chain(BETA, 8, forces=[SiteForce(3, lambda t: 1e3 * np.sin(1e4 * t))])
+    run = integrate(made, State(0.0, *np.zeros((2, 1, 8))), [1.0], tolerance=1e-6)
+    exact = 1e3 * (1.0 - np.cos(1e4)) / 1e4  # what a free mass gets: waves have no time to answer
+    assert run.v.sum() == pytest.approx(exact, abs=1e-6)
