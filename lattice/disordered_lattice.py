@@ -28,15 +28,16 @@ class Variation:
 
     ``masses`` says what a cell's fields are, None if masses are equal; ``forces`` has an entry for
     each bond, None where it is the same in all cells. ``bound`` is the largest deviation. Each of
-    the ``pulsed`` fields is kicked from outside in some cells, and every drift shrinks the
-    velocities if these are ``damped``.
+    the ``pulsed`` fields is kicked from outside in some cells. Every drift shrinks the velocities
+    of ``damped`` fields at these rates, and spreads them if bonds have ``dashpots``.
     """
 
     bound: float
     masses: MassKind | None = None
     forces: tuple[ForceProgram | None, ...] = ()
     pulsed: tuple[int, ...] = ()
-    damped: bool = False
+    damped: tuple[float, ...] = ()
+    dashpots: tuple[float, ...] = ()
 
     def rows(self, fields: int) -> int:
         """The deviations of a cell, of a lattice with so many fields."""

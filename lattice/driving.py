@@ -1,21 +1,22 @@
 """A chain as it stands on a bench: with ends, losses at its cells, and forces from outside.
 
 The cells that move are followed by the walls', which are held or moved, on one ring. A drift is the
-exact flow of ``u' = v, v' = -g v``, so a splitting keeps its order with losses; forces from outside
-are taken at the time of each kick.
+flow of ``u' = v, v' = -G v``, with the losses of cells and dashpots in G: it is linear in v, so a
+splitting of Nystroem's kind keeps its order. Forces from outside are taken at each kick's time.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields, replace
 from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from longwave.lattice.disordered_lattice import DisorderedLattice, Variation
+from longwave.lattice.kernels.streams import TERMS
 from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.lattice.schemes import DriftKick
 from longwave.lattice.state import State
@@ -27,6 +28,10 @@ TimeFunction = Callable[[Array], Array]
 End = Literal["fixed", "free"] | TimeFunction
 """What is at an end: a wall that is held, nothing, or a wall with a displacement in time."""
 
+
+SPREAD_TIME = 0.8
+"""The time, in units of the inverse rate of dashpots, half of which a step may take: the longest
+drift, a quarter of a step, then turns velocities by 0.1 (`kernels.streams.TERMS`)."""
 
 LOOKED_AT = 2**17 + 1
 """Times at which what drives a chain is looked at before it is run. Steps resolve what is seen."""
@@ -47,6 +52,8 @@ class _Wall:
 
     places: tuple[int, ...]
     displacement: TimeFunction | None
+    pull: Array = field(default_factory=lambda: np.zeros((0, 0)))
+    """By how much each field of the ring is accelerated by a unit velocity, through dashpots."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,11 +61,12 @@ class DrivenChain(DisorderedLattice):
     """A chain of ``cells`` cells with walls, losses and forces; `driven_chain` makes one.
 
     Its ring has the cells that move, then those of the walls. ``losses`` are the rates g of each
-    field's ``-g v`` in units of its mass.
+    field's ``-g v`` in units of its mass, ``dashpots`` the factors of each bond's rate of stretch.
     """
 
     cells: int
     losses: tuple[float, ...]
+    dashpots: tuple[float, ...]
     outer_forces: tuple[SiteForce, ...]
     walls: tuple[_Wall, ...]
     free: tuple[tuple[int, int], ...]
@@ -77,7 +85,9 @@ class DrivenChain(DisorderedLattice):
         pulses = np.zeros((len(felt), found.shape[1]))
         for row, places in zip(pulses, felt, strict=True):
             row[list(places)] = 1.0
-        return np.concatenate([found, pulses])
+        return np.concatenate(
+            [found, pulses, *(wall.pull for wall in self._moved if wall.pull.size)]
+        )
 
     @property
     def cell_masses(self) -> Array:
@@ -97,7 +107,10 @@ class DrivenChain(DisorderedLattice):
         return bool(self.variation.damped or self.variation.pulsed or self.free)
 
     def driven_within(self, begin: float, end: float) -> float:
-        """The least time in which a force or a wall's displacement changes by all that it does."""
+        """The least time in which a force or a wall's displacement changes by all that it does.
+
+        Or in which dashpots change velocities as much as the series of a drift takes.
+        """
         times = np.linspace(begin, end, LOOKED_AT)
         driven = [force.value for force in self.outer_forces]
         driven += [wall.displacement for wall in self._moved if wall.displacement is not None]
@@ -106,7 +119,19 @@ class DrivenChain(DisorderedLattice):
             values = _values(value, times)
             steepest = float(np.abs(np.diff(values)).max()) / (times[1] - times[0] or 1.0)
             found = min(found, float(np.ptp(values)) / steepest if steepest else math.inf)
-        return found
+        return min(found, SPREAD_TIME / self._spreading) if self._spreading else found
+
+    @property
+    def _spreading(self) -> float:
+        """A bound of the rates at which dashpots change velocities; 0 without any."""
+        total = np.array(self.losses) if any(self.dashpots) else np.zeros(len(self.fields))
+        for bond, dashpot in zip(self.bonds, self.dashpots, strict=True):
+            stretch = sum(abs(entry.weight) for entry in bond.stretch)
+            for entry in bond.action:
+                total[entry.field] += (
+                    dashpot * stretch * abs(entry.weight) / self.masses[entry.field]
+                )
+        return float(total.max())
 
     def held(self, state: State) -> State:
         """The state on the ring: walls are where they are at that time."""
@@ -139,9 +164,11 @@ class DrivenChain(DisorderedLattice):
         factors = np.exp(-np.outer(drifts, self.losses))
         lengths = np.stack([_damped_length(rate, drifts) for rate in self.losses], axis=1)
         columns = [kicks[:, np.newaxis]]
-        if self.variation.damped:
+        if self.variation.dashpots:
+            columns.append(_series(drifts))
+        elif self.variation.damped:
             columns += [lengths, factors]
-        else:
+        if self.variation.dashpots or not self.variation.damped:
             lengths, factors = drifts[:, np.newaxis] + 0.0 * lengths, np.ones_like(factors)
         for force in self.outer_forces:
             share = kicks / self._mass(force)
@@ -149,11 +176,15 @@ class DrivenChain(DisorderedLattice):
         for wall in self._moved:
             assert wall.displacement is not None
             path = _values(wall.displacement, times)
-            for field in range(len(self.fields)):
-                speeds = _speeds(path, lengths[:, field])
-                v[field, list(wall.places)] = speeds[0]
-                kicked = np.append(speeds[1:], 0.0) - factors[:, field] * speeds
+            for place in range(len(self.fields)):
+                speeds = _speeds(path, lengths[:, place])
+                v[place, list(wall.places)] = speeds[0]
+                kicked = np.append(speeds[1:], 0.0) - factors[:, place] * speeds
                 columns.append(kicked[:, np.newaxis])
+        for wall in self._moved:
+            if wall.pull.size:
+                speeds = kicks * _values(_slope(wall.displacement), times[1:])
+                columns.append(np.repeat(speeds[:, np.newaxis], len(wall.pull), axis=1))
         return drifts, np.ascontiguousarray(np.concatenate(columns, axis=1))
 
     @property
@@ -163,12 +194,16 @@ class DrivenChain(DisorderedLattice):
     def _mass(self, force: SiteForce) -> float:
         return float(self.cell_masses[force.field, force.site])
 
-    def outside_acceleration(self, f: Array, v: Array, t: float) -> Array:
-        """What losses and forces from outside add to f'' at a time."""
-        found = -np.array(self.losses)[:, np.newaxis] * v
-        for force in self.outer_forces:
-            found[force.field, force.site] += _at(force.value, t) / self._mass(force)
-        return np.asarray(found)
+
+def _slope(value: TimeFunction | None) -> TimeFunction:
+    """The velocity of a wall."""
+    found: TimeFunction | None = getattr(value, "slope", None)
+    if found is None:
+        raise ValueError(
+            "displacement of a wall beside dashpots must have a slope, its velocity, got a bare "
+            "function (longwave.scenes.bench.time_function makes one of a formula)"
+        )
+    return found
 
 
 def _at(value: TimeFunction, t: float) -> float:
@@ -204,6 +239,16 @@ def _damped_length(rate: float, drifts: Array) -> Array:
     return drifts if rate == 0.0 else -np.expm1(-rate * drifts) / rate
 
 
+def _series(drifts: Array) -> Array:
+    """What the terms of velocities that spread add to positions, and from the second to velocities.
+
+    (drifts, terms)
+    """
+    powers = np.arange(1, TERMS + 2)
+    series = drifts[:, np.newaxis] ** powers / np.array([math.factorial(p) for p in powers])
+    return np.concatenate([series, series[:, :-1]], axis=1)
+
+
 def _speeds(path: Array, lengths: Array) -> Array:
     """The velocities with which drifts of these lengths go from place to place."""
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -217,13 +262,15 @@ def driven_chain(
     left: End | None = None,
     right: End | None = None,
     losses: Sequence[float] | float = 0.0,
+    dashpots: Sequence[float] | float = 0.0,
     forces: Sequence[SiteForce] = (),
 ) -> DrivenChain:
     """A chain of so many cells with ends, losses and forces, for `lattice.integrate`.
 
     Without ``left`` and ``right`` it is a ring. Walls stand beside the first and the last cell (and
     hold as many cells as a force reaches). ``losses`` are the factors g of ``-g du/dt`` on each
-    field's cells. The fields are displacements. Raises ValueError in one line.
+    field's cells, ``dashpots`` those of the rate of each bond's stretch in a force beside its own.
+    The fields are displacements. Raises ValueError in one line.
 
     >>> from longwave.derive import LATTICES
     >>> from longwave.lattice.numeric_lattice import numeric_lattice
@@ -231,19 +278,28 @@ def driven_chain(
     >>> driven_chain(chain, 24, left=lambda t: 0.05 * np.sin(1.3 * t), right="fixed").cells
     24
     """
-    rates = _rates(lattice, losses)
+    rates = _rates("losses", "field", lattice.fields, losses)
+    names = [f"bond {number}" for number in range(1, len(lattice.bonds) + 1)]
+    pots = _rates("dashpots", "bond", names, dashpots)
     _check_chain(lattice, cells, left, right)
     for force in forces:
         _check_force(lattice, cells, force)
     ends = _ends(lattice, cells, left, right)
+    if any(pots):
+        pulled = [
+            replace(wall, pull=_pull(lattice, pots, ends, wall.places)) for wall in ends.walls
+        ]
+        ends = ends._replace(walls=tuple(pulled))
     count, each = len(lattice.fields), [bool(row.any()) for row in ends.cut]
-    moved = [wall for wall in ends.walls if wall.displacement is not None]
     variation = Variation(
         0.0,
         "displacements" if ends.walls else None,
         tuple(bond.force if some else None for bond, some in zip(lattice.bonds, each, strict=True)),
-        (*(force.field for force in forces), *(place for _ in moved for place in range(count))),
-        any(rates),
+        _pulsed(ends, forces, count),
+        tuple(rate / mass for rate, mass in zip(rates, lattice.masses, strict=True))
+        if any(rates) or any(pots)
+        else (),
+        pots if any(pots) else (),
     )
     shape = variation.mass_rows(count), ends.cut.shape[1]
     return DrivenChain(
@@ -251,23 +307,48 @@ def driven_chain(
         variation=variation,
         deviations=np.concatenate([np.zeros(shape), np.where(ends.cut[each], -1.0, 0.0)]),
         cells=cells,
-        losses=rates,
+        losses=variation.damped or (0.0,) * count,
+        dashpots=pots,
         outer_forces=tuple(forces),
         walls=ends.walls,
         free=ends.free,
     )
 
 
-def _rates(lattice: NumericLattice, losses: Sequence[float] | float) -> tuple[float, ...]:
-    """The rate of each field."""
-    count = len(lattice.fields)
-    given = (losses,) * count if isinstance(losses, int | float) else tuple(losses)
-    if len(given) != count or not all(0.0 <= rate < math.inf for rate in given):
+def _pulsed(ends: _Ends, forces: Sequence[SiteForce], count: int) -> tuple[int, ...]:
+    """The field that each pulse kicks: of forces, of walls that move, of what pulls beside them."""
+    moved = [wall for wall in ends.walls if wall.displacement is not None]
+    times = len(moved) + sum(wall.pull.size > 0 for wall in moved)
+    return (*(force.field for force in forces), *tuple(range(count)) * times)
+
+
+def _rates(
+    name: str, each: str, names: Sequence[str], given: Sequence[float] | float
+) -> tuple[float, ...]:
+    """A rate for each field or bond."""
+    rates = (given,) * len(names) if isinstance(given, int | float) else tuple(given)
+    if len(rates) != len(names) or not all(0.0 <= rate < math.inf for rate in rates):
         raise ValueError(
-            f"losses must be a rate of 0 or more for each field, got {losses} ({lattice.name} has "
-            f"the fields {', '.join(lattice.fields)})"
+            f"{name} must be a rate of 0 or more for each {each}, got {given} (there are "
+            f"{', '.join(names)})"
         )
-    return tuple(float(loss) / mass for loss, mass in zip(given, lattice.masses, strict=True))
+    return tuple(float(rate) for rate in rates)
+
+
+def _pull(
+    lattice: NumericLattice, dashpots: Sequence[float], ends: _Ends, places: Sequence[int]
+) -> Array:
+    """How a unit velocity in some cells of the ring accelerates all others through dashpots."""
+    unit = np.zeros((len(lattice.fields), ends.cut.shape[1]))
+    unit[:, list(places)] = 1.0
+    found = np.zeros_like(unit)
+    for bond, dashpot, cut in zip(lattice.bonds, dashpots, ends.cut, strict=True):
+        pull = np.where(cut, 0.0, dashpot * (bond.stretched(unit) - bond.offset))
+        for entry in bond.action:
+            found[entry.field] += entry.weight * np.roll(pull, -entry.shift[0])
+    for wall in ends.walls:
+        found[:, list(wall.places)] = 0.0
+    return found / np.array(lattice.masses)[:, np.newaxis]
 
 
 def _check_chain(lattice: NumericLattice, cells: int, left: End | None, right: End | None) -> None:

@@ -166,7 +166,10 @@ def _opening(force: Expr) -> float | None:
 
 def program_of(expression: Expr) -> ForceProgram:
     """The program of any formula in ``derive.symbols.x``, which need not vanish at 0."""
-    return ForceProgram((), tuple(_instructions(expression)))
+    from longwave.derive.symbols import x
+
+    slope = tuple(_instructions(expression.diff(x)))
+    return ForceProgram((), tuple(_instructions(expression)), slope)
 
 
 def _instructions(expression: Any) -> list[Instruction]:

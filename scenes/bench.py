@@ -4,7 +4,8 @@
                    moves, { displacement = "0.05*sin(1.3*t)" }
     [start]        rest = true, mode = { number, amplitude } or impact = { site, velocity }, or a
                    list of these
-    [losses]       site: the factor g of the force -g du/dt on each cell, or such by field
+    [losses]       site: the factor g of the force -g du/dt on each cell, or such by field;
+                   bond: that of a dashpot beside each bond, or one for each
     [[force]]      site, value (a formula in t), field (the first unless said)
     [observables]  sensors = { sites, of }, energy = true, mode_energies = [1, 2], state = true,
                    every
@@ -38,7 +39,7 @@ KEYS = {
     "start": ("rest", "mode", "impact"),
     "mode": ("number", "amplitude"),
     "impact": ("site", "velocity", "field"),
-    "losses": ("site",),
+    "losses": ("site", "bond"),
     "force": ("site", "value", "field"),
     "observables": ("sensors", "energy", "mode_energies", "state", "every"),
     "sensors": ("sites", "of", "every"),
@@ -101,6 +102,7 @@ class Bench:
     ends: tuple[str | Mapping[str, str], str | Mapping[str, str]]
     start: tuple[Impact | Mode, ...] = ()
     losses: float | Mapping[str, float] = 0.0
+    dashpots: float | tuple[float, ...] = 0.0
     forces: tuple[Push, ...] = ()
     sensors: Sensors = field(default_factory=Sensors)
     energy: bool = False
@@ -125,7 +127,7 @@ class Bench:
         if "sites" not in chain:
             raise ValueError("sites in [chain] must be stated, got nothing (such as sites = 24)")
         watched = _table(tables.get("observables", {}), "observables")
-        losses = _table(tables.get("losses", {}), "losses").get("site", 0.0)
+        losses = _table(tables.get("losses", {}), "losses")
         sensors = _table(watched.get("sensors", {}), "sensors")
         modes = watched.get("mode_energies", [])
         if not isinstance(modes, list | tuple):
@@ -137,7 +139,8 @@ class Bench:
             check.whole("sites in [chain]", chain["sites"], 2, 1e7),
             (_end("left", chain), _end("right", chain)),
             tuple(_start(tables.get("start"))),
-            _losses(losses),
+            _losses(losses.get("site", 0.0)),
+            _dashpots(losses.get("bond", 0.0)),
             tuple(_pushes(tables.get("force", []))),
             _sensors(sensors),
             _truth("energy", watched.get("energy", False)),
@@ -214,6 +217,16 @@ def _losses(given: object) -> float | Mapping[str, float]:
         if rate < 0.0:
             raise ValueError(f"site in [losses] must be 0 or more, got {rate:g} (a loss)")
     return found if isinstance(given, Mapping) else found[""]
+
+
+def _dashpots(given: object) -> float | tuple[float, ...]:
+    """Rates of 0 or more, of all bonds or of each."""
+    rates = given if isinstance(given, list | tuple) else [given]
+    found = tuple(check.finite("bond in [losses]", rate) for rate in rates)
+    for rate in found:
+        if rate < 0.0:
+            raise ValueError(f"bond in [losses] must be 0 or more, got {rate:g} (a loss)")
+    return found if isinstance(given, list | tuple) else found[0]
 
 
 def _pushes(given: object) -> list[Push]:

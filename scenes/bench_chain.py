@@ -69,7 +69,15 @@ def chain_on_bench(bench: Bench, lattice: NumericLattice) -> DrivenChain:
         )
         for push in bench.forces
     ]
-    return driven_chain(lattice, bench.sites, left=left, right=right, losses=rates, forces=forces)
+    return driven_chain(
+        lattice,
+        bench.sites,
+        left=left,
+        right=right,
+        losses=rates,
+        dashpots=bench.dashpots,
+        forces=forces,
+    )
 
 
 def _end(side: str, given: str | Mapping[str, str]) -> End:

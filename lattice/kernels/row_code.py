@@ -256,7 +256,8 @@ class _Stage:
         self._drifts = [drift] * flow.fields
         self._shrunk = further[flow.damped : 2 * flow.damped]
         self._drifts[: flow.damped] = further[: flow.damped]
-        self._pulses = further[2 * flow.damped :]
+        self._series = further[2 * flow.damped : 2 * flow.damped + flow.series]
+        self._pulses = further[2 * flow.damped + flow.series :]
         self._kicks = {
             stream.field: code.builder.fmul(kick, numbers[stream.number])
             for stream in flow.streams
@@ -282,7 +283,7 @@ class _Stage:
         """Go one row up, or one column of a plane, whose rows are ``kept``."""
         code, flow, self._kept = self._code, self._flow, kept
         self._latest = [
-            code.fma(drift, v, f)
+            f if flow.spread else code.fma(drift, v, f)
             for drift, f, v in zip(self._drifts, positions, velocities, strict=True)
         ]
         self._latest += [
@@ -298,6 +299,8 @@ class _Stage:
                 made = code.fma(values[1], values[2], values[0])
             elif stream.kind == "kicked":
                 made = code.fma(self._kicks[stream.field], values[1], values[0])
+            elif stream.kind == "spread":
+                made = code.fma(self._series[stream.number], values[1], values[0])
             elif stream.kind == "pulsed":
                 assert stream.number is not None
                 made = code.fma(self._pulses[stream.number], values[1], values[0])
@@ -321,7 +324,7 @@ class _Stage:
     def outcome(self, lag: int) -> tuple[list[Any], list[Any]]:
         """Positions and new velocities of the row ``lag`` behind the front."""
         flow = self._flow
-        positions = [self.value(StreamRead(place), lag) for place in range(flow.fields)]
+        positions = [self.value(StreamRead(place), lag) for place in flow.drifted]
         return positions, [self.value(StreamRead(place), lag) for place in flow.kicked]
 
     def latest(self, place: int) -> Any:
@@ -398,9 +401,7 @@ class _Writer:
             for stage in stages:
                 stage.keep() if stage is not stages[-1] else None
             last = builder.sub(row, _INDEX((together - 1) * flow.skew))
-            for data, place in zip(fields, range(flow.fields), strict=True):
-                code.store(data, last, stages[-1].latest(place))
-            for data, place in zip(speeds, flow.kicked, strict=True):
+            for data, place in zip((*fields, *speeds), (*flow.drifted, *flow.kicked), strict=True):
                 behind_front = builder.sub(last, _INDEX(flow.streams[place].lag))
                 code.store(data, behind_front, stages[-1].latest(place))
             stages[-1].keep()

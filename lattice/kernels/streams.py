@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from longwave.lattice.force_program import ForceProgram
     from longwave.lattice.numeric_lattice import Entry, NumericLattice
 
-Kind = Literal["position", "velocity", "sum", "force", "varied", "kicked", "pulsed"]
+Kind = Literal["position", "velocity", "sum", "force", "varied", "kicked", "pulsed", "spread"]
 Polynomial = Mapping[int, float]
 """A stencil: weights by shift."""
 
@@ -41,6 +41,10 @@ MOST = 10**15
 
 SPAN = 2**24
 """What stands for one row in a shift."""
+
+TERMS = 8
+"""Of the series by which velocities spread through dashpots in a drift: what is left out is less
+than rounding where a drift turns them by 0.1, as `lattice.integration` sees to."""
 
 FUNCTIONS = {"passages": 16, "to_rows": 10, "from_rows": 10, "drift": 4}
 """What the machine code of a lattice has, and how many arguments each function takes."""
@@ -90,8 +94,8 @@ class StreamRead(NamedTuple):
 class Stream(NamedTuple):
     """One value a cell: what it is made of, and how far it stays behind the front.
 
-    ``number`` is the place of a sum's offset, of the factor with which a sum kicks ``field``, or of
-    the pulse that does so from outside.
+    ``number`` is the place of a sum's offset, of the factor with which a sum kicks ``field``, of
+    the pulse that does so from outside, or of the weight with which a series takes a term.
     ``lowest`` is the furthest cell below its own of which it feels a position.
     """
 
@@ -109,29 +113,37 @@ class StagePlan(NamedTuple):
 
     The positions come first, then the velocities; ``kicked`` are the streams of the new velocities.
     If it is ``damped``, a drift takes a weight and a factor of the velocity for each of so many
-    fields. There are so many ``pulses``.
+    fields. Where velocities spread, a drift takes a series of so many weights, and the streams of
+    the new positions are those ``spread``. There are so many ``pulses``.
     """
 
     fields: int
     streams: tuple[Stream, ...]
     kicked: tuple[int, ...]
     damped: int = 0
+    series: int = 0
     pulses: int = 0
+    spread: tuple[int, ...] = ()
 
     @property
     def weights(self) -> int:
-        """Numbers of a stage beside its drift: kick, those of damped drifts, pulses."""
-        return 1 + 2 * self.damped + self.pulses
+        """Numbers of a stage beside its drift: kick, those of damped drifts, series, pulses."""
+        return 1 + 2 * self.damped + self.series + self.pulses
+
+    @property
+    def drifted(self) -> tuple[int, ...]:
+        """The streams of the new positions."""
+        return (*self.spread, *range(len(self.spread), self.fields))
 
     @property
     def skew(self) -> int:
         """Cells by which one stage stays behind the stage before: it needs all its values."""
-        return max(self.streams[place].lag for place in self.kicked)
+        return max(self.streams[place].lag for place in (*self.kicked, *self.spread))
 
     @property
     def below(self) -> int:
         """Cells at the lower end that a stage leaves untrue."""
-        return max(0, *(-self.streams[place].lowest for place in self.kicked))
+        return max(0, *(-self.streams[place].lowest for place in (*self.kicked, *self.spread)))
 
     def behind(self, stream: Stream, tap: StreamRead) -> int:
         """How long ago the value was formed that a stream takes there."""
@@ -144,7 +156,7 @@ class StagePlan(NamedTuple):
             for tap in stream.taps:
                 rows, cells = apart(self.behind(stream, tap))
                 kept[tap.stream] = max(kept[tap.stream], 0 if rows else cells)
-        for place in (*range(self.fields), *self.kicked) if followed else ():
+        for place in (*self.drifted, *self.kicked) if followed else ():
             kept[place] = max(kept[place], self.skew - self.streams[place].lag)
         return kept
 
@@ -165,7 +177,7 @@ class StagePlan(NamedTuple):
                 total += max(len(stream.taps) - 1, 0) + scaled + (stream.number is not None)
             elif stream.kind == "force":
                 total += _operations(stream.law)
-            elif stream.kind in ("varied", "kicked", "pulsed"):
+            elif stream.kind in ("varied", "kicked", "pulsed", "spread"):
                 total += 1
         return total
 
@@ -311,6 +323,9 @@ def varied_stage_plan(lattice: NumericLattice, variation: Variation | None) -> V
     builder = _Builder(fields + (0 if variation is None else variation.added_fields(fields)))
     acting: list[list[_Part]] = [[] for _ in lattice.fields]
     units = [] if variation is None else [1.0] * variation.mass_rows(fields)
+    spread: tuple[int, ...] = ()
+    if variation is not None and variation.dashpots:
+        spread = builder.spread(lattice, variation)
     for place, bond in enumerate(lattice.bonds):
         law, unit = force_formula(bond.force, builder.number)
         if law is None:
@@ -340,8 +355,16 @@ def varied_stage_plan(lattice: NumericLattice, variation: Variation | None) -> V
         kicked[place] = builder.add("pulsed", taps, 0, field=place, number=pulse)
         units.append(1.0)
     kicked += range(builder.fields + fields, 2 * builder.fields)
-    damped = fields if variation is not None and variation.damped else 0
-    flow = StagePlan(builder.fields, tuple(builder.streams), tuple(kicked), damped, len(pulsed))
+    damped = fields if variation is not None and variation.damped and not spread else 0
+    flow = StagePlan(
+        builder.fields,
+        tuple(builder.streams),
+        tuple(kicked),
+        damped,
+        2 * TERMS + 1 if spread else 0,
+        len(pulsed),
+        spread,
+    )
     return VariedStagePlan(flow, tuple(builder.numbers), tuple(units))
 
 
@@ -428,6 +451,8 @@ class _Builder:
         for kind in ("position", "velocity"):
             for place in range(self.fields):
                 self.streams.append(Stream(kind, (), 0, 0, place))
+        self.positions = [StreamRead(place) for place in range(self.fields)]
+        self.velocities = [StreamRead(self.fields + place) for place in range(self.fields)]
 
     def number(self, value: float) -> int:
         """The place of that number."""
@@ -447,12 +472,14 @@ class _Builder:
             self.streams.append(made)
         return self.streams.index(made)
 
-    def stretch(self, entries: Sequence[Entry], offset: float) -> StreamRead:
-        """What a bond of a cell is stretched by."""
+    def stretch(
+        self, entries: Sequence[Entry], offset: float, of: Sequence[StreamRead] = ()
+    ) -> StreamRead:
+        """What a bond of a cell is stretched by: the same ``of`` other values than positions."""
         taps = []
-        for place in range(self.fields):
+        for place, read in enumerate(of or self.positions):
             stencil = _merged(entry for entry in entries if entry.field == place)
-            taps += [StreamRead(place, shift, weight) for shift, weight in stencil.items()]
+            taps += [read._replace(shift=shift, weight=weight) for shift, weight in stencil.items()]
         taps.sort(key=lambda tap: tap.weight != 1.0)
         if len(taps) == 1 and taps[0].weight == 1.0 and offset == 0.0:
             return taps[0]
@@ -480,7 +507,7 @@ class _Builder:
         ``share``: the field by which a cell's inverse mass is larger, of what ``masses`` says.
         """
         if not parts:
-            return self.fields + place
+            return self.velocities[place].stream
         unit = parts[0].factor
         scaled = [part._replace(factor=part.factor / unit) for part in parts]
         if share is None:
@@ -494,9 +521,63 @@ class _Builder:
         else:
             pull = self.total(scaled)
             total = StreamRead(self.varied(pull, StreamRead(share), pull))
-        velocity = StreamRead(self.fields + place)
         number = self.number(unit / mass)
-        return self.add("kicked", [velocity, total], 0, field=place, number=number)
+        taps = [self.velocities[place], total]
+        return self.add("kicked", taps, 0, field=place, number=number)
+
+    def spread(self, lattice: NumericLattice, variation: Variation) -> tuple[int, ...]:
+        """Let velocities spread through dashpots in a drift, by the series of an exponential.
+
+        The streams of the new positions.
+        """
+        fields, rates = len(lattice.fields), variation.damped
+        shares = [StreamRead(fields + place) for place in range(variation.mass_rows(fields))]
+        cut = iter(range(fields + len(shares), self.fields))
+        cuts = [
+            StreamRead(next(cut)) if part is not None else None
+            for part in variation.forces or (None,) * len(lattice.bonds)
+        ]
+        terms = [self.velocities[:fields]]
+        for _ in range(TERMS):
+            before = terms[-1] if len(terms) > 1 else self._of_cells(terms[0], shares)
+            parts: list[list[_Part]] = [
+                [_Part(-rate, read.stream, {0: 1.0})] if rate else []
+                for rate, read in zip(rates, before, strict=True)
+            ]
+            for bond, dashpot, gone in zip(lattice.bonds, variation.dashpots, cuts, strict=True):
+                if not dashpot:
+                    continue
+                pull = self.stretch(bond.stretch, 0.0, before)
+                if gone is not None or pull.shift or pull.weight != 1.0:
+                    pull = StreamRead(self.add("sum", [pull]))
+                if gone is not None:
+                    pull = StreamRead(self.varied(pull, gone, pull))
+                for of, mass in enumerate(lattice.masses):
+                    stencil = _merged(entry for entry in bond.action if entry.field == of)
+                    if stencil:
+                        parts[of].append(_Part(dashpot / mass, pull.stream, stencil))
+            sums = [StreamRead(self.add("sum", [self.total(part)])) for part in parts]
+            terms.append(self._of_cells(sums, shares))
+        for place in range(fields):
+            moved, turned = self.positions[place], self.velocities[place]
+            for power, term in enumerate(terms):
+                moved = self._spread(moved, term[place], power)
+                turned = self._spread(turned, term[place], TERMS + power) if power else turned
+            self.positions[place], self.velocities[place] = moved, turned
+        return tuple(read.stream for read in self.positions[:fields])
+
+    def _spread(self, total: StreamRead, term: StreamRead, weight: int) -> StreamRead:
+        """The sum with another term of a series."""
+        return StreamRead(self.add("spread", [total, term], 0, number=weight))
+
+    def _of_cells(
+        self, reads: Sequence[StreamRead], shares: Sequence[StreamRead]
+    ) -> list[StreamRead]:
+        """The values where there is a mass; 0 in walls."""
+        if not shares:
+            return list(reads)
+        pairs = zip(reads, shares, strict=True)
+        return [StreamRead(self.varied(read, share, read)) for read, share in pairs]
 
     def total(self, parts: Sequence[_Part]) -> StreamRead:
         """The sum of the parts, with as few instructions as common divisors of stencils give."""
