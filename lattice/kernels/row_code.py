@@ -300,6 +300,7 @@ class _Stage:
             elif stream.kind == "kicked":
                 made = code.fma(self._kicks[stream.field], values[1], values[0])
             elif stream.kind == "spread":
+                assert stream.number is not None
                 made = code.fma(self._series[stream.number], values[1], values[0])
             elif stream.kind == "pulsed":
                 assert stream.number is not None
