@@ -24,6 +24,7 @@ from longwave.reports.studies.measured_runs import report_scenes
 from longwave.solutions import CATALOGUE, ClosedForm
 from longwave.solutions.functions import jacobi_dn, jacobi_sn
 from longwave.solutions.symbols import k, tau, xi
+from tests.families import family
 from tests.reports.latex_reader import Reader
 
 
@@ -35,7 +36,7 @@ def dn(z: sp.Expr) -> sp.Expr:
     return jacobi_dn(z, k**2)
 
 
-forms = pytest.mark.parametrize("form", CATALOGUE.of("mKdV"), ids=lambda form: form.name)
+forms = pytest.mark.parametrize("form", family(CATALOGUE.of("mKdV"), slow=("rogue_cn",)))
 
 
 made = cache(Formula)

@@ -15,6 +15,7 @@ from longwave.solutions import CATALOGUE, ClosedForm, Wave, closed_form, data_st
 from longwave.solutions.equation import KP, NLS, Equation
 from longwave.solutions.symbols import s, tau, xi, zeta
 from longwave.support.compiled.kernel_folder import CacheFolder
+from tests.families import WAVES, family
 
 OTHERS = [form for form in CATALOGUE if form not in CATALOGUE.of("mKdV")]
 TOLERANCE = 1e-13
@@ -126,7 +127,7 @@ def test_jets_are_those_of_mpmath(form: ClosedForm, draw: Any) -> None:
         assert np.allclose(row, part, rtol=1e-13, atol=1e-15)
 
 
-@pytest.mark.parametrize("name", CATALOGUE.of("mKdV").names)
+@pytest.mark.parametrize("name", family(CATALOGUE.of("mKdV").names, quick=WAVES))
 def test_jets_of_mkdv_waves_too(name: str, draw: Any, normal_forms: Any) -> None:
     form = closed_form(name)
     wave = Wave(form, normal_forms[form.equation.s], **draw(form))

@@ -12,6 +12,7 @@ import sympy as sp
 from longwave.solutions import CATALOGUE, ClosedForm, closed_form, rational
 from longwave.solutions.forms.breather_sn import inverse_width, speed
 from longwave.solutions.symbols import alpha, k, tau, xi
+from tests.families import family
 
 FORMS = (*CATALOGUE.of("mKdV"), rational(4, free=[5, 7]))
 TINY = 1e-40
@@ -142,7 +143,7 @@ def test_a_formula_given_as_a_function_is_made_at_first_use() -> None:
     assert calls == ["made"]
 
 
-@pytest.mark.parametrize("form", CATALOGUE, ids=lambda form: form.name)
+@pytest.mark.parametrize("form", family(CATALOGUE, slow=("rogue_cn",)))
 def test_a_form_shows_itself_in_one_line_and_in_notebooks(form: ClosedForm) -> None:
     assert form.name in repr(form)
     assert "\n" not in repr(form)

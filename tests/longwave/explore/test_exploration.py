@@ -33,6 +33,7 @@ from longwave.scenes.lattice_derivation import derivation
 from longwave.scenes.named_scenes import load_scene, shipped_scenes
 from longwave.solutions import CATALOGUE, closed_form
 from longwave.support.request_limits import RequestLimits
+from tests.families import WAVES, family
 
 LONG = first_choices("rational_3").changed(eps="0.005", tolerance="1e-8")
 SOLITON = first_choices("soliton_sech").changed(begin="0", end="0.1", half_width="8")
@@ -56,7 +57,7 @@ def test_every_wave_of_the_catalogue_and_every_lattice_scene_can_be_chosen() -> 
         assert scene.changed(slow_times=shipped.slow_times) == shipped
 
 
-@pytest.mark.parametrize("wave", CATALOGUE.names)
+@pytest.mark.parametrize("wave", family(CATALOGUE.names, quick=WAVES))
 def test_the_first_choices_of_every_wave_are_admitted(wave: str) -> None:
     assert settings(wave)
     for setting in settings(wave):

@@ -21,9 +21,10 @@ from longwave.reports.studies.evaluation_accuracy import (
 )
 from longwave.solutions import CATALOGUE, Wave
 from longwave.verify.__main__ import main
+from tests.families import WAVES, family
 
 
-@pytest.mark.parametrize("name", wave_names())
+@pytest.mark.parametrize("name", family(wave_names(), quick=(*WAVES, "rational_4")))
 def test_a_few_points_of_every_wave(name: str) -> None:
     """At T = 0 and late, from the whole domain of parameters, K2, K4, eps and sites.
 

@@ -89,7 +89,7 @@ LEFT_GOING = _scene(
 @pytest.mark.parametrize(
     "scene",
     [
-        KINK,
+        pytest.param(KINK, marks=pytest.mark.slow),
         WAVE_CN,
         STEEP,
         pytest.param(LONG, marks=pytest.mark.slow),
@@ -329,9 +329,15 @@ ONCE_DISHONEST = {
 }
 
 
+LONG_TO_JUDGE = (SHORT, WEAK)
+
+
 @pytest.mark.parametrize(
     "scene",
-    [pytest.param(scene, id=why) for why, scene in ONCE_DISHONEST.items()],
+    [
+        pytest.param(scene, id=why, marks=[pytest.mark.slow] * (scene in LONG_TO_JUDGE))
+        for why, scene in ONCE_DISHONEST.items()
+    ],
 )
 def test_the_true_error_is_below_the_estimate(scene: Scene) -> None:
     judged = judge_scene(RandomScene(0, 0, scene, 0))

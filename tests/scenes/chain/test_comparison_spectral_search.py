@@ -81,13 +81,10 @@ def test_engines_agree_to_1e_8(name: str) -> None:
     _check(name, 1e-8)
 
 
-@pytest.mark.parametrize("tolerance", [3e-4, pytest.param(1e-5, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("tolerance", [3e-4, 1e-5])
 @pytest.mark.parametrize(
-    ("name", "eps", "parameters"),
-    [
-        pytest.param("soliton_dn", 0.07, {"k": 0.6}, marks=pytest.mark.slow),
-        ("soliton_sech", 0.17, {}),
-    ],
+    ("name", "eps", "parameters"), [("soliton_dn", 0.07, {"k": 0.6}), ("soliton_sech", 0.17, {})]
 )
 def test_what_all_long_steps_do_alike_is_told(
     name: str,

@@ -12,27 +12,24 @@ from longwave.solutions.record import ClosedForm
 from longwave.solutions.symbols import k, s, tau, xi
 from longwave.verify.evidence.residual import Sampling, check_residual
 from longwave.verify.verdict import Outcome
+from tests.families import WAVES, family
 
 QUICK = Sampling(digits=(30, 50), points=3, seed=5)
 DEAR = ("rogue_cn", "breather_sn", "gardner_soliton")
 """Forms of which a residual takes seconds: in the default suite they are looked at once."""
 
 TRANSCENDENTAL = [form for form in CATALOGUE if not form.name.startswith("rational_")]
-SIGNED = [
-    pytest.param(form, id=form.name, marks=[pytest.mark.slow] * (form.name in DEAR))
-    for form in TRANSCENDENTAL
-    if form.equation.normal not in ("KdV", "KP")
-]
+SIGNED = [form for form in TRANSCENDENTAL if form.equation.normal not in ("KdV", "KP")]
 
 
-@pytest.mark.parametrize("form", CATALOGUE, ids=lambda form: form.name)
+@pytest.mark.parametrize("form", family(CATALOGUE, quick=WAVES))
 def test_every_form_passes_at_three_precisions(form: ClosedForm) -> None:
     verdict = check_residual(form, Sampling(points=2, seed=11))
     assert verdict.outcome is Outcome.CHECKED, verdict.detail
     assert verdict.residual < 1e-95
 
 
-@pytest.mark.parametrize("form", SIGNED)
+@pytest.mark.parametrize("form", family(SIGNED, quick=WAVES, slow=DEAR))
 def test_the_other_sign_of_the_equation_is_refuted(form: ClosedForm) -> None:
     if form.equation.free_sign:
         form = replace(form, expression=form.expression.subs(s, 1))

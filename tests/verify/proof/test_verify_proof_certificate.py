@@ -24,6 +24,7 @@ from longwave.verify.proof import (
 from longwave.verify.proof.catalogue_proofs import form_domains
 from longwave.verify.proof.certificate_writer import FUNCTIONS
 from longwave.verify.verdict import Outcome, ProofVerdict
+from tests.families import family
 
 Data = dict[str, Any]
 X, T = sp.symbols("X T", real=True)
@@ -49,7 +50,7 @@ def redigested(data: Data) -> Data:
     return data | {"digest": digest(data)}
 
 
-@pytest.mark.parametrize("name", CATALOGUE.of("mKdV").names)
+@pytest.mark.parametrize("name", family(CATALOGUE.of("mKdV").names, slow=("rogue_cn",)))
 def test_every_certificate_is_accepted_with_its_statement(name: str) -> None:
     verdict = proved(name)
     assert verdict.outcome is Outcome.PROVED, verdict.detail
