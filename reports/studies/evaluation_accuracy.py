@@ -17,6 +17,7 @@ results agree.
 import random
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -100,6 +101,11 @@ USUAL_EPS = sp.Rational(1, 20)
 Values = tuple[tuple[str, sp.Expr], ...]
 
 
+@cache
+def _rational(order: int, *free: int) -> ClosedForm:
+    return rational(order, free)
+
+
 @dataclass(frozen=True)
 class WaveCase:
     """A wave by its name (``rational_j`` for any j) with exact parameter values.
@@ -120,7 +126,7 @@ class WaveCase:
         if self.name in CATALOGUE.names:
             return closed_form(self.name)
         order = int(self.name.removeprefix("rational_"))
-        return rational(order, [int(name.removeprefix("tau_")) for name, _ in self.parameters])
+        return _rational(order, *(int(name.removeprefix("tau_")) for name, _ in self.parameters))
 
     @property
     def normal_form(self) -> NormalForm:

@@ -240,7 +240,7 @@ def is_settled(expression: sp.Expr) -> bool:
     return all(not node.args or node.func(*node.args) == node for node in nodes)
 
 
-@settings(max_examples=300)
+@settings(max_examples=150)
 @given(st.recursive(LEAVES, _combined, max_leaves=10))
 @example(sp.Abs(x) ** 3)
 @example(sp.E * sp.exp(-x) - sp.E**2)

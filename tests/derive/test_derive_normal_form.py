@@ -7,7 +7,7 @@ from typing import Any
 import mpmath
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from sympy import (
     Float,
@@ -31,6 +31,7 @@ from longwave.derive.symbols import K2, K4, c, eps
 nonzero = st.fractions(min_value=-50, max_value=50, max_denominator=40).filter(bool)
 
 
+@settings(max_examples=25)
 @given(nonzero.map(abs), nonzero)
 def test_normal_form_maps_the_equation(stiffness: Any, cubic: Any) -> None:
     """Put Y = U(a X, b T) in the equation: its coefficients become 1, 6 s, 1."""

@@ -32,11 +32,13 @@ LONG = (
     "how-to/prove-your-own.md",
     "how-to/run-files.md",
     "how-to/scene.md",
+    "how-to/scheme.md",
     "how-to/stores.md",
     "how-to/sweeps.md",
+    "library.md",
     "tutorial.md",
 )
-"""Pages whose commands take 4 to 20 s of a processor."""
+"""Pages whose commands take 2 to 20 s of a processor."""
 
 FLAGS = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
 TARGETS = re.findall(r"^([\w-]+):", (HOUSE / "Makefile").read_text(encoding="utf-8"), re.MULTILINE)

@@ -14,10 +14,14 @@ from longwave.lattice.spectral.evolution import SamplingError, SpectralRing
 from longwave.lattice.spectral.field_ring import FieldRing
 from longwave.lattice.spectral.lattice_ring import LatticeRing
 from longwave.lattice.spectral.normal_modes import normal_modes
+from tests.families import family
 from tests.lattice.random_lattices import reference
 from tests.lattice.test_numeric_lattice import numbers
 
 END = 6.0
+
+TELLING = ("alpha_fput", "fput_strain", "granular", "klein_gordon", "mass_dimer", "square")
+"""Lattices with whatever a lattice may have: strains, a site's force, two masses, two axes."""
 
 
 def rough(chain: NumericLattice, sites: int) -> FieldRing:
@@ -29,7 +33,7 @@ def rough(chain: NumericLattice, sites: int) -> FieldRing:
     return FieldRing(0.0, (0.0,) * axes, (float(sites),) * axes, f, v)
 
 
-@pytest.mark.parametrize("name", sorted(LATTICES))
+@pytest.mark.parametrize("name", family(sorted(LATTICES), quick=TELLING))
 def test_the_ring_is_the_plain_lattice_in_any_frame(name: str) -> None:
     chain = numbers(name)
     state = rough(chain, 6)

@@ -10,6 +10,7 @@ from sympy import Rational, pi
 from longwave.derive import LATTICES, envelope
 from longwave.derive.carrier_envelope import Envelope
 from longwave.scenes.envelope_data import EnvelopeData
+from tests.families import family
 from tests.scenes.envelope_waves import SymbolicWave
 
 CUBIC = {"K2": 1, "K3": Rational(1, 4), "K4": 1}
@@ -55,7 +56,7 @@ def rates(wave: EnvelopeData, t: float) -> tuple[np.ndarray, np.ndarray]:
     return found[0], found[1]
 
 
-@pytest.mark.parametrize("case", sorted(CASES))
+@pytest.mark.parametrize("case", family(sorted(CASES), slow=("optical",)))
 def test_velocities_are_time_derivatives(case: str) -> None:
     """Of slaved data, which have every kind of term: harmonics, means and their integral."""
     t = 0.3 / 0.05**2

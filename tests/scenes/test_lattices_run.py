@@ -15,6 +15,7 @@ from longwave.scenes.lattice_run import record_scene
 from longwave.scenes.named_scenes import load_scene, scene_of_toml, shipped_scenes
 from longwave.scenes.scene import Scene
 from longwave.support.request_limits import request_limits
+from tests.families import family
 
 TODA: dict[str, Any] = {
     "name": "toda",
@@ -136,7 +137,10 @@ def test_small_constants_and_a_mean_are_formulas() -> None:
 
 @pytest.mark.parametrize(
     ("wave", "parameters", "K4"),
-    [("rational_2", {}, 1), ("rogue_cn", {"k": 0.5}, 1), ("soliton_sech", {"A": 1}, 1)],
+    family(
+        [("rational_2", {}, 1), ("rogue_cn", {"k": 0.5}, 1), ("soliton_sech", {"A": 1}, 1)],
+        quick=("rogue_cn",),
+    ),
 )
 def test_errors_of_a_wave_mean_the_same_on_the_chain_and_on_any_lattice(
     wave: str, parameters: dict[str, float], K4: float

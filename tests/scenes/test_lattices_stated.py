@@ -19,6 +19,7 @@ from longwave.scenes.observables import OBSERVABLES
 from longwave.scenes.run_record import UnfinishedRun
 from longwave.scenes.scene import Scene
 from longwave.support.request_limits import request_limits
+from tests.families import family
 
 ASKED = tuple(name for name, entry in OBSERVABLES.items() if entry.seen != "refinement")
 TODA = load_scene("toda_soliton").changed(eps=0.2, curve_points=11)
@@ -149,11 +150,14 @@ def test_a_refined_run_has_the_stops_of_the_run_itself() -> None:
 
 @pytest.mark.parametrize(
     ("name", "quantities"),
-    [
-        ("dimer_peregrine", ["v[n] - u[n]", "u[n+1] - v[n]"]),
-        ("dimer_rogue", ["u[n+1] - u[n]", "v[n+1] - v[n]"]),
-        ("toda_soliton", None),
-    ],
+    family(
+        [
+            ("dimer_peregrine", ["v[n] - u[n]", "u[n+1] - v[n]"]),
+            ("dimer_rogue", ["u[n+1] - u[n]", "v[n+1] - v[n]"]),
+            ("toda_soliton", None),
+        ],
+        quick=("dimer_peregrine",),
+    ),
 )
 def test_quantities_have_labels_also_in_files(
     name: str, quantities: list[str] | None, tmp_path: Path

@@ -263,7 +263,7 @@ def is_true(data: Data) -> bool:
 
 
 def test_forged_certificates_are_rejected() -> None:
-    accepted, total = reject_forgeries(12)
+    accepted, total = reject_forgeries(6)
     assert accepted < total / 2
 
 

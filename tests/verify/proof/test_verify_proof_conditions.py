@@ -57,7 +57,7 @@ ANSWERS = [
         "a, b, c",
         ["a = 1/2; b = 1/2; c = (m + 1)/2", "a = 1/2; b = -1/2; c = (m + 1)/2"],
     ),
-    (
+    pytest.param(
         LADDER,
         "u[n] = a*jacobi_dn(b*n + d, m)*exp(-I*w*t)",
         "m: 0<m<1; b: b>0",
@@ -67,6 +67,7 @@ ANSWERS = [
             "w = 2 - 2*jacobi_dn(b, m)/jacobi_cn(b, m)**2"
             for sign in ("", "-")
         ],
+        marks=pytest.mark.slow,
     ),
     (
         LADDER,
@@ -130,12 +131,13 @@ ANSWERS = [
         "a, b",
         ["a = 2/3; b = 1/9"],
     ),
-    (
+    pytest.param(
         TODA,
         "q[n] = log((1 + exp(2*k*(n-1) - 2*b*t))/(1 + exp(2*k*n - 2*b*t)))",
         "k: k>0; b: b>0",
         "b",
         ["b = sinh(k)"],
+        marks=pytest.mark.slow,
     ),
     ("u_t - u_xx", "u = t**a*exp(-b*x**2/t)", "b: b>0", "a, b", ["a = -1/2; b = 1/4"]),
     (KDV, "u = 2*diff(log(x**3 + a*t), x, x)", "", "a", ["a = 12"]),
