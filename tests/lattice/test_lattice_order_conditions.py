@@ -53,7 +53,7 @@ def off(literal: str, change: str) -> str:
 
 
 @pytest.mark.parametrize("scheme", [SUZUKI_UMENO_8, KAHAN_LI_8], ids=lambda scheme: scheme.name)
-@pytest.mark.parametrize("place", range(7))
+@pytest.mark.parametrize("place", [0, 3, 6])
 def test_one_digit_off_is_refused(scheme: Composition, place: int) -> None:
     """A change of 1e-20 in one weight is far below what an order test by slopes can see."""
     half = list(scheme.half)

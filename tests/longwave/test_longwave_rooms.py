@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from house import HOUSE, ROOMS
+from tests.families import family
 
 USE = "import longwave; print(longwave.closed_form('kink').name, longwave.Verdict.__name__)"
 OWN = f"import {', '.join(ROOMS[:-1])}; print({' + '.join(f'{room}.OWN' for room in ROOMS[:-1])})"
@@ -26,7 +27,7 @@ def python(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
     )
 
 
-@pytest.fixture(params=["{}.py", "{}/__init__.py"])
+@pytest.fixture(params=family(["{}.py", "{}/__init__.py"], quick=("{}.py",)))
 def shadowed(tmp_path: Path, request: pytest.FixtureRequest) -> Path:
     """A working folder with a file, or a package, of every room's name."""
     for room in ROOMS[:-1]:

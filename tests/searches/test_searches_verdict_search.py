@@ -37,8 +37,8 @@ def findings(found: list[Judgement]) -> list[str]:
     return [f"{j.mark}: {j.words}\n{statement(j.seed, j.index).script()}" for j in bad]
 
 
-def test_no_verdict_on_sixty_statements_is_wrong() -> None:
-    assert findings(list(judgements(2, range(60)))) == []
+def test_no_verdict_on_thirty_statements_is_wrong() -> None:
+    assert findings(list(judgements(2, range(30)))) == []
 
 
 @pytest.mark.slow
@@ -107,7 +107,7 @@ def test_a_prover_with_the_words_exchanged_is_caught(monkeypatch: pytest.MonkeyP
         return answer(Outcome.PROVED, certificate={"format": "none"})(given)
 
     monkeypatch.setattr(verdicts, "ask", liar)
-    found = list(judgements(2, range(60)))
+    found = list(judgements(2, range(30)))
     assert {j.mark for j in found} == {Mark.WRONG}
     assert not [j.words for j in found if "against the label" in j.words]
 

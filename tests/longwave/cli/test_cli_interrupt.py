@@ -22,7 +22,7 @@ import pytest
 def test_a_long_request_is_announced_and_ends_on_ctrl_c(
     words: list[str], announced: str, press_ctrl_c: Any
 ) -> None:
-    done = press_ctrl_c(words, 2.0)
+    done = press_ctrl_c(words, 1.0)
     assert done.status == 130
     assert done.announced.startswith(announced)
     assert len(done.errors.splitlines()) == 1, done.errors

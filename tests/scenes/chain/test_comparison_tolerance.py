@@ -254,7 +254,7 @@ def test_a_tolerance_that_no_ring_meets_is_refused_with_the_users_number(
         run(scene)
 
 
-@pytest.mark.parametrize("wave", ["wave_dn", "rational_1"])
+@pytest.mark.parametrize("wave", ["rational_1", pytest.param("wave_dn", marks=pytest.mark.slow)])
 def test_slow_times_and_half_width_are_times_and_sites(wave: str) -> None:
     """Catches: data nudged, or the wave looked at alone, of a scene that is no scene then."""
     parameters = {"k": 0.5} if wave == "wave_dn" else {}

@@ -36,7 +36,7 @@ def test_error_free_transformations(a: float, b: float) -> None:
     assert exact(dd.two_prod(a, b)) == Fraction(a) * Fraction(b)
 
 
-@settings(max_examples=300)
+@settings(max_examples=150)
 @given(a=PAIRS, b=PAIRS, c=FLOATS)
 def test_arithmetic(a: Pair, b: Pair, c: float) -> None:
     assert relative(dd.add(a, b), exact(a) + exact(b)) < 2.0**-103
