@@ -76,7 +76,7 @@ def test_waves_of_no_shipped_scene_solve_the_equation_of_their_lattice(wave: str
         assert derivation(scene)
 
 
-@pytest.mark.parametrize("wave", CATALOGUE.names)
+@pytest.mark.parametrize("wave", family(CATALOGUE.names, quick=WAVES))
 def test_sliders_stay_where_the_catalogue_admits_values(wave: str) -> None:
     values = {name: ratio(text) for name, text in first_choices(wave).parameters.items()}
     for parameter in closed_form(wave).parameters:

@@ -88,6 +88,7 @@ def test_each_way_changes_one_thing() -> None:
     assert found[REDUCTION].value > 0.3
 
 
+@pytest.mark.slow
 def test_what_comes_round_a_small_ring_does_not_end_the_search() -> None:
     """Its change obeys no law of the step: three shorter ones had not helped, a wider ring does."""
     found = run(spectral(problem_scene("periodic"), 1e-6))

@@ -87,6 +87,8 @@ PLANTED = [
     ),
 ]
 
+DEAR = (PLANTED[1], PLANTED[6])
+
 
 def admissible(symbol: sp.Symbol, statement: Statement, draw: random.Random) -> float:
     """A number of moderate size in a domain."""
@@ -109,7 +111,10 @@ def holds_at(case: ConstantCase, numbers: dict[sp.Symbol, float], error: float) 
     return all(abs(a - b) < error * (1 + abs(b)) for a, b in pairs)
 
 
-@pytest.mark.parametrize("planted", PLANTED, ids=lambda planted: planted.equation)
+@pytest.mark.parametrize(
+    "planted",
+    [pytest.param(p, id=p.equation, marks=[pytest.mark.slow] * (p in DEAR)) for p in PLANTED],
+)
 def test_planted_constants_are_found(planted: Planted) -> None:
     draw = random.Random(planted.equation)
     P, Q = (sp.Rational(draw.randint(1, 30), draw.randint(1, 9)) for _ in range(2))
