@@ -10,6 +10,7 @@ from longwave.derive.__main__ import main
 from longwave.derive.output.notation import text_of
 from longwave.scenes.lattice_derivation import derivation
 from longwave.scenes.scene import Scene
+from tests.families import family
 
 Output = pytest.CaptureFixture[str]
 
@@ -43,12 +44,10 @@ def words(lattice: str, constants: dict[str, Any], ansatz: dict[str, Any]) -> li
     return [lattice, "--set", values, *(f"--{name}={value}" for name, value in ansatz.items())]
 
 
-@pytest.mark.parametrize("case", CASES.values(), ids=CASES.keys())
-def test_it_finds_what_a_scene_finds(
-    case: tuple[str, dict[str, Any], dict[str, Any], str], capsys: Output
-) -> None:
+@pytest.mark.parametrize("name", family(CASES, slow=("Kawahara",)))
+def test_it_finds_what_a_scene_finds(name: str, capsys: Output) -> None:
     """Catches: a formula, an ansatz or a background that one of the two reads in another way."""
-    lattice, constants, ansatz, wave = case
+    lattice, constants, ansatz, wave = CASES[name]
     given: dict[str, Any] = {"name": "one", "lattice": lattice, "constants": constants}
     given |= {"wave": wave, "parameters": PARAMETERS.get(wave, {}), "eps": 0.1}
     scene = Scene.of(**given, **ansatz, slow_times=[0, 1], half_width=4, tolerance=1e-3)

@@ -60,9 +60,9 @@ def shortfall(seed: int) -> float | None:
 
 
 def test_estimates_bound_the_error_on_random_models_and_states() -> None:
-    found = [shortfall(seed) for seed in (2878, *range(60))]
+    found = [shortfall(seed) for seed in (2878, *range(30))]
     told = [ratio for ratio in found if ratio is not None]
-    assert len(told) > 45
+    assert len(told) > 22
     assert max(told) <= 1.0
 
 

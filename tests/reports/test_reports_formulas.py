@@ -95,6 +95,7 @@ def report(monkeypatch: pytest.MonkeyPatch) -> str:
     return source(tables, report_scenes(), full=False)
 
 
+@pytest.mark.slow
 def test_the_source_has_every_form_and_is_balanced(report: str) -> None:
     for form in CATALOGUE.of("mKdV"):
         assert rf"\hyperref[form:{form.name}]" in report

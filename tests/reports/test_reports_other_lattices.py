@@ -134,6 +134,7 @@ def test_a_pinned_chain_has_no_long_wave() -> None:
     assert LatticeModel(LATTICES["klein_gordon"]).reductions() == ()
 
 
+@pytest.mark.slow
 def test_a_shorter_coefficient_has_the_same_value() -> None:
     """Catches a replacement that meets only a part of the equation."""
     m, n, h = symbols("m n h")

@@ -26,7 +26,7 @@ from longwave.scenes.scene import Scene
 from longwave.solutions import Wave, closed_form
 from searches.soak_scenes import soak_scene
 
-FAST = {"1": "leading", "4b": "leading", "6c": "slaved"}
+FAST = {"1": "leading", "4b": "leading"}
 """Cases that are measured whenever the tests are run, at three eps."""
 
 

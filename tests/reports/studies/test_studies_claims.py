@@ -103,6 +103,7 @@ def test_the_rk4_variant_changes_scheme_and_step_only() -> None:
     assert replace(variant, numerics=base.numerics, observables=base.observables) == base
 
 
+@pytest.mark.slow
 def test_every_claim_has_a_name_a_statement_and_numbers() -> None:
     found = claims.all_claims(evidence({}))
     assert len({claim.name for claim in found}) == len(found) == 15

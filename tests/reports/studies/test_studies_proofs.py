@@ -10,6 +10,7 @@ from longwave.solutions import closed_form
 from longwave.verify.evidence.mutations import count_mutants, solution_reason
 from longwave.verify.proof import CertificateError
 from longwave.verify.verdict import Outcome
+from tests.families import family
 
 
 def test_a_record_has_the_proof_and_its_check() -> None:
@@ -44,12 +45,15 @@ def test_a_rejected_certificate_is_recorded(monkeypatch: pytest.MonkeyPatch) -> 
 
 @pytest.mark.parametrize(
     ("name", "reasons"),
-    [
-        ("kink", {"symmetry U to -U"}),
-        ("wave_sn", {"symmetry U to -U"}),
-        ("soliton_dn", {"bare wave"}),
-        ("rational_1", {"constant"}),
-    ],
+    family(
+        [
+            ("kink", {"symmetry U to -U"}),
+            ("wave_sn", {"symmetry U to -U"}),
+            ("soliton_dn", {"bare wave"}),
+            ("rational_1", {"constant"}),
+        ],
+        slow=("soliton_dn",),
+    ),
 )
 def test_a_survivor_has_its_reason(name: str, reasons: set[str]) -> None:
     assert {survivor.reason for survivor in count_mutants(closed_form(name)).survivors} == reasons

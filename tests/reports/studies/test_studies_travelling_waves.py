@@ -10,6 +10,7 @@ from longwave.reports.studies import travelling_waves
 from longwave.reports.studies.travelling_waves import fastest_mode, lattice_mode, travelling_wave
 from longwave.scenes.chain.trust import mkdv_rate
 from longwave.solutions import Wave, closed_form
+from tests.families import family
 
 
 @pytest.mark.parametrize(
@@ -89,6 +90,8 @@ def test_the_reduced_equations_rate_is_the_lattices_up_to_eps_squared() -> None:
     assert misses[0] / misses[1] == pytest.approx(4.0, rel=0.1)
 
 
-@pytest.mark.parametrize(("form", "K4"), [("wave_sn", -1), ("wave_dn", 1)])
+@pytest.mark.parametrize(
+    ("form", "K4"), family([("wave_sn", -1), ("wave_dn", 1)], slow=("wave_dn",))
+)
 def test_sn_and_dn_waves_are_stable(form: str, K4: int) -> None:
     assert fastest_mode(travelling_wave(form, 0.7, 27, 1, K4), 8).rate.real < 1e-6

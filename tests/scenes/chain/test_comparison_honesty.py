@@ -91,7 +91,7 @@ LEFT_GOING = _scene(
     [
         pytest.param(KINK, marks=pytest.mark.slow),
         WAVE_CN,
-        STEEP,
+        pytest.param(STEEP, marks=pytest.mark.slow),
         pytest.param(LONG, marks=pytest.mark.slow),
         pytest.param(FAST, marks=pytest.mark.slow),
         pytest.param(FASTER, marks=pytest.mark.slow),

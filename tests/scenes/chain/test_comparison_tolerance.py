@@ -74,6 +74,7 @@ def test_a_short_window_keeps_its_tolerance(
     check(scene.with_tolerance(tolerance), exact)
 
 
+@pytest.mark.slow
 def test_stops_that_shorten_the_steps_do_not_widen_a_ring() -> None:
     """Catches: the time step's error taken for the seam's where a dense curve changes the steps."""
     scene = load_scene("rogue_cn_k_0.5").with_tolerance(1e-9)

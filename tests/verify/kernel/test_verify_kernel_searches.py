@@ -17,7 +17,7 @@ from searches.false_certificates import false_certificates
 from searches.text_balls import CannotJudge, TextBalls
 
 
-@pytest.mark.parametrize(("name", "count"), [("reading", 400), ("signs", 1500)])
+@pytest.mark.parametrize(("name", "count"), [("reading", 200), ("signs", 700)])
 def test_a_search_finds_nothing(name: str, count: int) -> None:
     counts, failures, _ = kernel_attacks.search(name, count, 1)
     assert not failures, failures[0]
