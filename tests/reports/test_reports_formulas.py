@@ -36,7 +36,9 @@ def dn(z: sp.Expr) -> sp.Expr:
     return jacobi_dn(z, k**2)
 
 
-forms = pytest.mark.parametrize("form", family(CATALOGUE.of("mKdV"), slow=("rogue_cn",)))
+forms = pytest.mark.parametrize(
+    "form", family(CATALOGUE.of("mKdV"), slow=("rogue_cn", "rational_3"))
+)
 
 
 made = cache(Formula)

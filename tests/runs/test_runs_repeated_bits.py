@@ -147,7 +147,7 @@ def ring_scenes(draw: st.DrawFn) -> Scene:
     return scene.changed(**changes)
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=50, deadline=None)
 @given(chain_scenes() | ring_scenes())
 def test_any_scene_is_read_back_from_its_text(scene: Scene) -> None:
     found = scene_of_toml(scene.toml())

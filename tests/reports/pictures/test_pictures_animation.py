@@ -75,7 +75,9 @@ def test_a_film_holds_the_runs_numbers_and_says_time_and_error(made: xr.Dataset)
     assert film._ax.get_xlabel() == "$n - c\\,t$  (sites)"
 
 
-@pytest.mark.parametrize("scene", [SCENE, load_scene("toda_soliton")])
+@pytest.mark.parametrize(
+    "scene", [SCENE, pytest.param(load_scene("toda_soliton"), marks=pytest.mark.slow)]
+)
 def test_a_scene_is_run_for_as_many_snapshots_as_the_film_has(
     scene: Scene, made: xr.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -390,7 +390,7 @@ def test_a_file_of_a_sweep_is_drawn(tmp_path: Path, suffix: str, capsys: Any) ->
     assert path.read_bytes() == first
 
 
-@pytest.mark.parametrize("value", family([0.0, -3.0, 1e300, 5e-324], quick=("0.0", "5e-324")))
+@pytest.mark.parametrize("value", family([0.0, -3.0, 1e300, 5e-324], quick=("5e-324",)))
 def test_equal_values_are_drawn(tmp_path: Path, value: float) -> None:
     data = cube().assign(error=xr.full_like(cube()["error"], value))
     for at in ({}, {"wave": "wave_dn"}, {"wave": "wave_dn", "k": 0.1}):

@@ -91,6 +91,7 @@ def test_drawn_cases_reach_the_whole_domain() -> None:
     assert max(moduli) > 1 - 1e-9
 
 
+@pytest.mark.slow
 def test_command_prints_the_table(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["accuracy", "--only", "rational_1", "--drawn", "1", "--jobs", "1", "--json"]) == 0
     (record,) = json.loads(capsys.readouterr().out)

@@ -30,6 +30,7 @@ def test_Y2_error_at_its_crest() -> None:
     assert int(measured.n[0, site]) == 0
 
 
+@pytest.mark.slow
 def test_rk4_step_pollutes_the_figure() -> None:
     measured = run(Y2.changed(scheme="rk4", step=0.25))
     assert float(measured.error[0]) == pytest.approx(0.119, abs=0.0005)

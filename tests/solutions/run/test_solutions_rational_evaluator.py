@@ -13,6 +13,7 @@ from longwave.solutions import Wave, closed_form, rational
 from longwave.solutions.forms.tau_polynomials import rational_tau
 from longwave.solutions.run.linear_phase import LinearPhase
 from longwave.solutions.run.rational_evaluator import RationalEvaluator
+from tests.families import family
 
 
 @pytest.mark.parametrize("order", [1, 2, 3])
@@ -24,7 +25,9 @@ def test_agrees_with_the_printed_forms(order: int, normal_forms: Any) -> None:
         assert np.allclose(one, other, rtol=1e-15, atol=1e-15)
 
 
-@pytest.mark.parametrize(("order", "free"), [(4, ()), (4, (5,)), (6, (5, 7, 11)), (8, ())])
+@pytest.mark.parametrize(
+    ("order", "free"), family([(4, ()), (4, (5,)), (6, (5, 7, 11)), (8, ())], slow=("6",))
+)
 def test_against_sixty_digits(order: int, free: tuple[int, ...], normal_forms: Any) -> None:
     shifts = {f"tau_{index}": Fraction(-7, index) for index in free}
     wave = Wave(rational(order, free), normal_forms[1], **shifts)

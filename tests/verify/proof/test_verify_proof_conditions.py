@@ -83,7 +83,14 @@ ANSWERS = [
         "k, c",
         ["k = sqrt(6)/6; c = 5*sqrt(6)/6"],
     ),
-    (KDV, f"u = 2*diff(log({PHASES}), x, x)", "k: k>0; l: l>k", "A", ["A = (k - l)**2/(k + l)**2"]),
+    pytest.param(
+        KDV,
+        f"u = 2*diff(log({PHASES}), x, x)",
+        "k: k>0; l: l>k",
+        "A",
+        ["A = (k - l)**2/(k + l)**2"],
+        marks=pytest.mark.slow,
+    ),
     (
         KDV,
         "u = a0 + a1*exp(l*(x - c*t))/(1 + exp(l*(x - c*t)))"
