@@ -8,6 +8,7 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any, TypeAlias
 
+from longwave.scenes.bench import KEYS
 from longwave.scenes.named_scenes import load_scene
 from longwave.scenes.observables import OBSERVABLES
 from longwave.scenes.scene import Scene, said_otherwise
@@ -33,6 +34,7 @@ VARIED = {
     **{key: () for key in TOP if key not in LABELS},
     **{name: tuple(keys) for name, keys in TABLES.items()},
     "disorder": tuple(field.name for field in fields(Disorder)),
+    **{name: KEYS[name] for name in ("chain", "start", "losses")},
 }
 """What may vary: fields, and tables with their keys."""
 

@@ -22,6 +22,7 @@ from longwave.scenes.lattice_derivation import declared_lattice
 from longwave.scenes.ring_cost import search_cost
 from longwave.scenes.run_record import RunRecord, judged, searched
 from longwave.scenes.scene import Scene
+from longwave.scenes.scene_checks import MOST_STEPS
 from longwave.support.request_limits import check_request
 
 if TYPE_CHECKING:
@@ -70,7 +71,13 @@ def scene_cost(scene: Scene) -> ExpectedCost:
     times = reading_times(scene, bench)
     highest = Dynamics(chain).highest_frequency(np.zeros((len(chain.bonds) + len(chain.fields), 2)))
     duration = float(times[-1] - scene.t0)
-    steps = max(duration * highest / FIRST_STEP, float(times.size))
+    within = chain.driven_within(scene.t0, scene.end)
+    steps = max(duration * max(highest / FIRST_STEP, 2.0 / within), float(times.size))
+    if steps > MOST_STEPS:
+        raise ValueError(
+            f"losses and what drives a chain must take at most {MOST_STEPS:g} steps, got about "
+            f"{steps:.2g} (they change within {within:.2g}; slow them down or end earlier)"
+        )
     kept = times.size * max(1, len(bench.sensors.of)) * max(1, len(bench.sensors.sites))
     return search_cost(chain, bench.sites, steps, REDUCED_PHASE_6.stages, float(kept))
 

@@ -2,6 +2,7 @@
 
 import copy
 import re
+import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,7 @@ import pytest
 
 from longwave.__main__ import main
 from longwave.runs.run_file import load_run
+from longwave.runs.sweep_scene import changed_document, check_field, make_scene
 from longwave.scenes.bench import Bench, time_function
 from longwave.scenes.bench_run import chain_of
 from longwave.scenes.named_scenes import load_scene, scene_of_toml, shipped_scenes
@@ -51,6 +53,15 @@ def test_a_scene_is_the_same_in_every_spelling(tmp_path: Path) -> None:
     assert scene.changed(losses={"site": 0.5}) == Scene.of(**changed(losses={"site": 0.5}))
     assert scene.changed(tolerance=1e-5).bench == scene.bench
     assert repr(scene) == "<Scene driven: beta_fput on a bench, t = 0 .. 6, to 1e-07>"
+
+
+def test_losses_and_ends_are_swept() -> None:
+    document = tomllib.loads(Scene.of(**DRIVEN).toml())
+    for field, value in (("losses.site", 0.5), ("chain.sites", 16), ("constants.K4", 0)):
+        check_field(field)
+        made = make_scene(changed_document(document, {field: value}), "driven", Path())
+        table, _, key = field.partition(".")
+        assert made == Scene.of(**changed(**{table: DRIVEN[table] | {key: value}}))
 
 
 def test_sensors_read_what_the_cells_do() -> None:
@@ -166,6 +177,7 @@ REFUSED: list[tuple[dict[str, Any], str]] = [
     ({"force": [{"site": 1}]}, "value in [[force]] must be stated"),
     ({"force": [{"site": 12, "value": "1"}]}, "site of [[force]] must be 0 to 11, got 12"),
     ({"force": [{"site": 1, "value": "log(t - 9)"}]}, "in time must be finite, got nan"),
+    ({"losses": {"bond": 1e12}}, "must take at most 1e+10 steps, got about"),
     ({"observables": {"sensors": {"sites": []}}}, "sites of sensors must be a list of cells"),
     ({"observables": {"sensors": {"sites": [12]}}}, "site of sensors must be 0 to 11, got 12"),
     ({"observables": {"mode_energies": [1]}}, "mode_energies must be of a chain of one field"),

@@ -1,0 +1,1 @@
+"""Chains on a bench, one file each."""
