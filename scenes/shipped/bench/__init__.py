@@ -1,1 +1,1 @@
-"""Chains on a bench, one file each."""
+"""Chains on a bench, as TOML files."""
