@@ -1,5 +1,7 @@
 """A chain on a bench, as a scene's tables say it: ends, a start, losses, forces, what is watched.
 
+Its tables::
+
     [chain]        sites, left, right: "fixed" (which they are unless said), "free", or a wall that
                    moves, { displacement = "0.05*sin(1.3*t)" }
     [start]        rest = true, mode = { number, amplitude } or impact = { site, velocity }, or a
