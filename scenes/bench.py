@@ -94,10 +94,10 @@ class Bench:
     >>> made = Bench.of_tables({"chain": {"sites": 8}, "start": {"rest": True}})
     >>> made.sites, made.ends
     (8, ('fixed', 'fixed'))
-    >>> Bench.of_tables({"chain": {"sites": 8, "lef": "free"}})
+    >>> Bench.of_tables({"chain": {"sites": 8, "ends": "free"}})
     Traceback (most recent call last):
     ...
-    ValueError: keys in [chain] must be known ones, got lef (one of sites, left, right)
+    ValueError: keys in [chain] must be known ones, got ends (one of sites, left, right)
     """
 
     sites: int

@@ -244,10 +244,8 @@ def _pictures(data: xr.Dataset, kind: str) -> Sequence[Picture]:
         missing = ", ".join(dict.fromkeys(name for picture in wanted for name in picture.variables))
         asked = ", ".join(dict.fromkeys(p.observable for p in wanted if p.observable))
         held = ", ".join(map(str, data)) or "nothing"
-        raise ValueError(
-            f"source must hold what is drawn ({missing}), got {held} "
-            f"(the scene must ask for {asked})"
-        )
+        remedy = f"the scene must ask for {asked}" if asked else "a chain on a bench watches it"
+        raise ValueError(f"source must hold what is drawn ({missing}), got {held} ({remedy})")
     return found
 
 

@@ -30,14 +30,18 @@ from longwave.derive import (
 )
 from longwave.lattice import (
     SCHEMES,
+    DrivenChain,
     FieldRing,
     Model,
+    SiteForce,
     State,
+    driven_chain,
     integrate,
     spectral_integrate,
 )
 from longwave.lattice.numeric_lattice import NumericLattice, numeric_lattice
 from longwave.lattice.state import BlowUp
+from longwave.scenes.bench import time_function
 from longwave.scenes.lattice_derivation import derivation
 from longwave.scenes.named_scenes import load_scene
 from longwave.scenes.numerics import Discretisation, Tolerance
@@ -120,6 +124,12 @@ def wave(name: str, **parameters: float) -> Wave:
     return made
 
 
+def shaken_chain() -> DrivenChain:
+    wall = time_function("wall", "sin(t)")
+    push = SiteForce(1, time_function("force", "cos(t)"))
+    return driven_chain(toda_chain(), 4, left=wall, right="fixed", dashpots=0.1, forces=[push])
+
+
 def trajectory() -> Any:
     return integrate(Model(1.0, 0.5, 2.0).lattice, START, [0.5], 1e-3)
 
@@ -163,6 +173,8 @@ MADE: Mapping[str, tuple[Callable[[], Any], Callable[[Any], Any] | None]] = {
     "State": (lambda: START, None),
     "FieldRing": (lambda: RING, methodcaller("at", SITES)),
     "NumericLattice": (toda_chain, methodcaller("acceleration", RING.f)),
+    "DrivenChain": (shaken_chain, attrgetter("shares")),
+    "SiteForce": (lambda: shaken_chain().outer_forces[0], attrgetter("value.slope_instructions")),
     "BlowUp": (lambda: BlowUp("grown", 1.0, 3), None),
     "Cost": (lambda: trajectory().cost, None),
     "Trajectory": (trajectory, None),

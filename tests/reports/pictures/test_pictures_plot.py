@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -75,10 +76,33 @@ def test_all_kinds_are_drawn_in_order_with_the_runs_own_numbers(made: xr.Dataset
     assert np.array_equal(np.asarray(mesh.get_array()), made["space_time"].values.T)
 
 
-@pytest.mark.parametrize("kind", [kind for kind in PICTURES if kind != "growth"])
+@pytest.mark.parametrize("kind", [kind for kind, one in PICTURES.items() if one.observable])
 def test_a_kind_is_drawn_alone(made: xr.Dataset, kind: str) -> None:
     held = set(made.data_vars) & set(PICTURES[kind].variables)
     assert labels(plot(made[[*held, "n"]], kind=kind)) == labels(plot(made, kind=kind))
+
+
+def test_a_bench_is_drawn_with_its_own_kinds(made: xr.Dataset) -> None:
+    chain = {"sites": 8}
+    tables: dict[str, Any] = {"chain": chain, "start": {"impact": {"site": 0, "velocity": 0.1}}}
+    common: dict[str, Any] = {"lattice": "beta_fput", "constants": {"K2": 1, "K4": 1}}
+    common |= {"times": [0, 1, 2], "tolerance": 1e-3} | tables
+    sensors = {"sites": [0, 3], "of": ["displacement", "force"]}
+    watched = {"sensors": sensors, "mode_energies": [1, 2], "state": True}
+    run = Scene.of(name="struck", observables=watched, **common).run()
+    named = {"sensors": ["displacement", "force in the bond to the next cell"]}
+    named |= {"modes": ["energy of the mode of a linear chain"], "cells": ["displacement"]}
+    for kind, ylabels in named.items():
+        figure = plot(run, kind=kind)
+        assert labels(figure) == ylabels
+        with pytest.raises(
+            ValueError, match=r"source must hold what is drawn .* \(a chain on a be"
+        ):
+            plot(made, kind=kind)
+    panel = plot(run, kind="sensors").get_axes()[0]
+    np.testing.assert_array_equal(panel.lines[1].get_ydata(), run.sensor_displacement[:, 1])
+    assert [line.get_label() for line in panel.lines] == ["cell 0", "cell 3"]
+    assert labels(plot(run)) == [label for ylabels in named.values() for label in ylabels]
 
 
 def test_what_a_run_lacks_is_left_out(made: xr.Dataset) -> None:
