@@ -72,6 +72,7 @@ def test_an_undeclared_name_that_reads_as_a_derivative_is_no_parameter() -> None
     [
         ("1", "-1"),
         ("1/2", "I"),
+        ("2**-1", "I"),
         ("3/2", "-I"),
         ("1/3", "(1 + I*3**(1/2))/2"),
         ("-2/3", "(-1 - I*3**(1/2))/2"),
@@ -126,6 +127,13 @@ def test_a_witness_of_a_sign_must_be_real() -> None:
     hints = {"values": {root: "-x**2"}, "signs": {"-x**2": "(I*x)**2"}}
     data = certificate("u + x**2", f"u = {root}", ["x", "I"], {"x": "1"}, **hints)
     refused(data, "not shown to be >= 0")
+
+
+def test_a_root_does_not_show_that_it_is_real() -> None:
+    """x is sqrt(x)**2, which is a square of a real number only if x >= 0."""
+    root, signs = "x**(1/2)", {"x": "(x**(1/2))**2"}
+    data = certificate("u - conjugate(u)", f"u = {root}", ["x", root], {"x": "1"}, signs=signs)
+    refused(data, "the conjugate of Pow does not follow from the domain")
 
 
 @pytest.mark.parametrize("domain", ["", "0 < x**2", "0 <= abs(x) - x"])

@@ -74,6 +74,7 @@ VALUES: list[tuple[str, str, str, tuple[str, ...], list[str], Hints]] = [
     ("exp(3*x + y)", "exp(x)**3*exp(y)", "exp(x)*exp(y)", (*ATOMS, "exp(x)", "exp(y)"), [], {}),
     *((f"exp(I*pi*{n}/5)", "-exp(I*pi/5)", "exp(I*pi/5)", (*ATOMS, "pi", "exp(I*pi/5)"), [], {})
       for n in (6, 16, -4)),
+    ("exp(9*I*pi/5)", "1/exp(I*pi/5)", "exp(I*pi/5)", (*ATOMS, "pi", "exp(I*pi/5)"), [], {}),
     ("sqrt((1 + sqrt(I*x))**2)", "1 + sqrt(I*x)", "-1 - sqrt(I*x)", (*ATOMS, "sqrt(I*x)"), [],
      {"values": {"sqrt((1 + sqrt(I*x))**2)": "1 + sqrt(I*x)"}}),
     ("jacobi_dn(elliptic_k(1/4), 1/4)", "sqrt(3/4)", "-sqrt(3/4)",
@@ -114,6 +115,8 @@ def test_a_value(case: tuple[str, str, str, tuple[str, ...], list[str], Hints]) 
         ("log(x*y)", ("x", "y"), [], {"values": {"log(x*y)": "x"}}, "must be a sum of logarithms"),
         ("asin(sin(x))", ("x", "I", "exp(I*x)"), [],
          {"values": {"asin(sin(x))": "x"}, "sums": {"exp(I*x)": {"I*x": "1"}}}, "principal value"),
+        ("acos(cos(x))", ("x", "I", "exp(I*x)"), ["3.2 < x < 4"],
+         {"values": {"acos(cos(x))": "x"}, "sums": {"exp(I*x)": {"I*x": "1"}}}, "principal value"),
         ("atan(tan(2*x))", ("x", "I", "exp(I*x)"), ["-1/2 < x < 1/2"],
          {"values": {"atan(tan(2*x))": "x"},
           "sums": {"exp(I*x)": {"I*x": "1"}, "exp(I*(2*x))": {"I*x": "2"}}}, "another argument"),

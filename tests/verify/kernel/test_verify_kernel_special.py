@@ -65,6 +65,8 @@ TRUE: list[tuple[str, str, str, tuple[str, ...], list[str], Hints]] = [
      [], {}),
     ("u + jacobi_theta_2'(x, 1/3)", "u", "jacobi_theta_2'(-x, 1/3)",
      ("x", "jacobi_theta_2'(x, 1/3)"), [], {}),
+    ("u - jacobi_theta_1'''(x, 1/3)", "u", "jacobi_theta_1'''(-x, 1/3)",
+     ("x", "jacobi_theta_1'''(x, 1/3)"), [], {}),
     ("u - jacobi_theta_3(x, 1/3)", "u", "conjugate(jacobi_theta_3(x, 1/3))",
      ("x", "jacobi_theta_3(x, 1/3)"), [], {}),
     ("u_t + 3*u_x", "u", "f(x - 3*t)", ("x", "t", *towers("x - 3*t", "f", order=1)), [], {}),
