@@ -5,7 +5,9 @@ import pytest
 
 from longwave import derive
 from longwave.lattice.model import Model
+from longwave.lattice.numeric_lattice import numeric_lattice
 from longwave.lattice.spectral.crest_energy import DENSITY, crest_energy_spread
+from longwave.lattice.spectral.field_ring import FieldRing
 from longwave.scenes.chain.moving_wave import MovingWave
 from longwave.scenes.chain.spectral_data import ring_data
 from longwave.solutions import Wave, closed_form
@@ -45,3 +47,15 @@ def test_the_spread_does_not_depend_on_the_sampling() -> None:
 
 def test_long_waves_have_one_energy() -> None:
     assert _spread(0.2)[0] < 1e-12
+
+
+def test_a_mean_strain_is_other_springs() -> None:
+    """Catches: energies of stretches without the mean strain."""
+    x = 120.0 * (np.arange(600) / 600 - 0.5)
+    u = np.exp(-((x / 2.0) ** 2))[None]
+    ring = FieldRing(0.0, (-60.0,), (120.0,), u, 0.5 * x * u)
+    fput, strain = derive.LATTICES["fput"], 0.5
+    strained = numeric_lattice(fput, {"K2": 1, "K3": 1, "K4": 1}, (strain,))
+    stiffer = {"K2": 1 + 2 * strain + 3 * strain**2, "K3": 1 + 3 * strain, "K4": 1}
+    spread = crest_energy_spread(numeric_lattice(fput, stiffer), ring, 0)
+    assert crest_energy_spread(strained, ring, 0) == pytest.approx(spread, rel=1e-6)

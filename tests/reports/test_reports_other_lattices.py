@@ -190,6 +190,7 @@ def test_a_rate_that_is_not_reached_is_seen() -> None:
         in text
     )
     assert text.count("6a:") == 1
+    assert "Gardner soliton" in text
     assert r"leading & $3$ & 3.0 (2.9 to 3.1) \\" in text
     assert r"errors $0.0160000 \pm 0.0000080$ at $0.2$, " in text
     assert "2.2 (2.1 to 2.3) (NOT REACHED)" in text

@@ -3,6 +3,7 @@
 import subprocess
 import sys
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from numba.core.errors import NumbaError
 
 from longwave.solutions.run.linear_phase import _fill
 from longwave.support.compiled.jit import njit
+from longwave.support.compiled.kernel_folder import CacheFolder
 
 HOUSE = Path(__file__).parents[3]
 
@@ -164,3 +166,14 @@ def test_a_kernel_that_is_there_needs_no_numba() -> None:
             [sys.executable, "-c", WARM], capture_output=True, text=True, cwd=HOUSE, check=True
         )
     assert done.stdout.split() == []
+
+
+def test_a_kept_file_is_not_read_for_sources_that_are_young(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Catches: what an earlier source made, read after the source has changed."""
+    CacheFolder(tmp_path).write("name", b"kept")
+    assert CacheFolder(tmp_path).read("name") == b"kept"
+    (tmp_path / "young.py").touch()
+    monkeypatch.setitem(sys.modules, "young", ModuleType("young"))
+    assert CacheFolder(tmp_path, (("young", tmp_path / "young.py"),)).read("name") is None

@@ -146,6 +146,19 @@ def test_a_denominator_that_vanishes_on_a_half_line(domain: str) -> None:
     refused(data, r"a denominator|the point|without jumps")
 
 
+def test_a_formula_must_be_defined_where_only_its_shift_is_needed() -> None:
+    """1/(abs(x) + x) is nothing for -1 < x < 0, and at x + 1 it is 1/(2*(x + 1))."""
+    data = certificate(
+        "2*(x + 1)*u[x + 1] - 1",
+        "u = 1/(abs(x) + x)",
+        ["x", "abs(x)"],
+        {"x": "1"},
+        {"domain": ["x > -1"]},
+        values={"abs(x + 1)": "x + 1"},
+    )
+    refused(data, "a denominator is not shown")
+
+
 def test_a_slope_that_divides_by_a_function_that_is_zero_on_a_part() -> None:
     """u = sqrt(|x| + x + |y| + y) is 0 where x, y < 0, but (|x| - x)(|y| - y) is not."""
     left, right = "(abs(x) + x)", "(abs(y) + y)"
