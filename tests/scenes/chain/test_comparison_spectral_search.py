@@ -8,12 +8,15 @@ import pytest
 
 from longwave import derive
 from longwave.lattice.model import Model
+from longwave.lattice.refine import StoppedSearch
 from longwave.lattice.schemes import scheme_named
 from longwave.lattice.spectral.evolution import SpectralRing
 from longwave.lattice.stepper import advance
+from longwave.scenes.chain import spectral_run
 from longwave.scenes.chain.moving_wave import MovingWave
 from longwave.scenes.chain.spectral_data import ring_data
 from longwave.scenes.chain.spectral_search import solve_on_rings
+from longwave.scenes.named_scenes import load_scene
 from longwave.solutions import Wave, closed_form
 
 SCENES = {
@@ -151,3 +154,13 @@ def test_bad_input() -> None:
         replace(good, times=(-60.0, -90.0))
     with pytest.raises(ValueError, match="tolerance must satisfy"):
         solve_on_rings(good, 0.0)
+
+
+def test_ctrl_c_before_any_ring_is_done_keeps_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    def stopped(*_: object) -> None:
+        raise StoppedSearch(None, None, 0.0)
+
+    monkeypatch.setattr(spectral_run, "solve_on_rings", stopped)
+    scene = load_scene("rogue_cn_k_0.5").with_tolerance(1e-3)
+    with pytest.raises(KeyboardInterrupt, match="before anything was recorded"):
+        spectral_run.run_spectral(scene, 1.0, lambda _: None, lambda _: None)
