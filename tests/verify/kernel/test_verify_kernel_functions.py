@@ -48,6 +48,8 @@ VALUES: list[tuple[str, str, str, tuple[str, ...], list[str], Hints]] = [
      {"sums": {"exp(y*log(x))": {"y*log(x)": "1"}}}),
     ("atan(tan(x))", "x", "-x", (*ATOMS, "exp(I*x)"), ["-1 < x < 1"],
      {"values": {"atan(tan(x))": "x"}, "sums": {"exp(I*x)": {"I*x": "1"}}}),
+    ("acos(cos(x))", "x", "-x", (*ATOMS, "exp(I*x)"), ["0 < x < 3.1"],
+     {"values": {"acos(cos(x))": "x"}, "sums": {"exp(I*x)": {"I*x": "1"}}}),
     ("jacobi_sn(0*x, 1/2)", "0", "1", ATOMS, [], {"sums": {"jacobi_sn(0*x, 1/2)": {"x": "0"}}}),
     ("jacobi_cn(-x, 1/2)", "jacobi_cn(x, 1/2)", "-jacobi_cn(x, 1/2)",
      (*ATOMS, *(f"jacobi_{n}(x, 1/2)" for n in ("cn", "sn", "dn"))), [],
