@@ -8,8 +8,10 @@ import pytest
 
 from longwave.cli.scene_command import summary_lines
 from longwave.scenes import run
+from longwave.scenes.chain import trust as trust_module
 from longwave.scenes.chain.trust import (
     USUAL_TOLERANCE,
+    fastest_rate,
     predictability_time,
     trust_attributes,
     trust_in,
@@ -83,3 +85,14 @@ def test_a_background_too_sharp_is_said_to_be() -> None:
     assert np.isnan(found["trust_rate"])
     assert np.isnan(found["trust_horizon"])
     assert "too far apart" in _line(found)
+
+
+@pytest.mark.parametrize("fastest", [0.013, 0.4, 1.0])
+def test_the_fastest_perturbation_is_found_wherever_in_the_zone_it_is(
+    fastest: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(
+        trust_module, "mkdv_rate", lambda *given: 1.0 - abs(given[4] / np.pi - fastest)
+    )
+    found = fastest_rate(np.cos(np.arange(64) * np.pi / 32), 1.0, 1.0, 1)
+    assert found == pytest.approx(1.0, abs=1e-3)
