@@ -159,8 +159,9 @@ def test_the_peaks_are_exact() -> None:
     assert [item.value for item in found.measurements] == [5, 7, 9, 11, 13, 15, 17]
 
 
-def test_the_waves_do_not_vanish_in_time() -> None:
+def test_the_waves_vanish_in_space_and_not_in_time() -> None:
     """mathematics of the tau functions: extrema at distance 4 from the background remain."""
+    assert claims.localised_in_space(evidence({})).ruling is Ruling.CONFIRMED
     found = claims.localised_in_time(evidence({}))
     assert found.ruling is Ruling.NOT_CONFIRMED
     assert [item.value for item in found.measurements] == pytest.approx([4, 4], abs=0.01)

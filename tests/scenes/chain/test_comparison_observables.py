@@ -207,6 +207,11 @@ def test_the_crest_of_Y2_is_tracked_between_sites(window_scene: Callable[..., Sc
     assert found["crest_position"] == pytest.approx(0.25, abs=5e-3)
     missed = 5.0 * scene.eps - np.max(y)
     assert abs(found["crest_strain"] - 5.0 * scene.eps) < 0.03 * missed
+    later = scene.moving_wave.compared_sites(40.0)
+    view = SiteView(scene.moving_wave, state_of(40.0, later, y))
+    moved = later[0] - sites[0] - scene.moving_wave.speed * 40.0
+    found = observable_named("crest_track").measure(view)
+    assert found["crest_position"] == pytest.approx(0.25 + moved, abs=5e-3)
 
 
 @pytest.mark.parametrize("place", [-1.6, -1.02, -0.99, 0.4, 0.99, 1.02, 1.6])

@@ -38,7 +38,8 @@ def test_sine_and_cosine(rng: np.random.Generator) -> None:
 
 
 def test_tanh_keeps_its_digits_near_zero_and_near_one(rng: np.random.Generator) -> None:
-    numbers = np.concatenate([10.0 ** rng.uniform(-200, 0, 150), rng.uniform(-300, 300, 150)])
+    near, far = 10.0 ** rng.uniform(-200, 0, 150), rng.uniform(-300, 300, 150)
+    numbers = np.concatenate([[0.0], near, far])
     check(Operation.TANH, numbers, ctx.tanh, 2e-31, rng)
 
 

@@ -216,6 +216,17 @@ def test_domains_cut_the_cases() -> None:
     )
 
 
+def test_a_sum_of_squares_vanishes_at_its_vertex() -> None:
+    u = "u = x + x*((a - b)**2 + (b - 1)**2)"
+    assert cases(solved("u_x - 1", u, "a: real; b: real", "a, b")) == [{"a = 1", "b = 1"}]
+
+
+def test_where_a_quadratic_is_positive_is_an_interval() -> None:
+    verdict = solved("u_x - 1", "u = x + x*(a**2 - (1 - k)*(k + 2))", "a: 0<a; k: real", "a")
+    (domain,) = verdict.cases[0].statement.domains.values()
+    assert domain.text("k") == "-2 < k < 1"
+
+
 def test_where_arguments_become_constant_is_a_case_of_its_own() -> None:
     verdict = solved("u_t + u_x", "u = a + b*tanh(k*x - w*t)", "", "w")
     assert "w = k" in verdict.detail
