@@ -18,7 +18,7 @@ import pytest
 
 from longwave.__main__ import main
 from longwave.explore import explore_server
-from longwave.explore.exploration import Scene
+from longwave.explore.exploration import Scene, first_choices
 from longwave.explore.exploration_run import Explorer
 from longwave.scenes.named_scenes import load_scene
 
@@ -98,6 +98,19 @@ def test_style_sheets_come_from_this_server_also_before_the_page_is_written() ->
     }
     assert sheets
     assert all(sheet.startswith(explore_server.LOCAL) for sheet in sheets)
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore::PendingDeprecationWarning")  # panel 1.9 renames name to label
+def test_another_lattice_is_begun_with_its_own_choices() -> None:
+    from longwave.explore.explore_page import ExplorePage
+
+    page = ExplorePage(IdleExplorer())
+    page.wave.value = "kdv_soliton"
+    assert len(page.setting.options) > 1
+    for setting in page.setting.options.values():
+        page.setting.value = setting
+        assert page.choices() == first_choices("kdv_soliton", setting)
 
 
 @dataclass
