@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 from sympy import Expr, Poly, S, Symbol, factorial, nan, oo, simplify, zoo
 
@@ -27,6 +28,9 @@ from longwave.derive.symbols import (
     x,
 )
 from longwave.support.user_files import shown
+
+if TYPE_CHECKING:
+    from longwave.derive.measured import Measured
 
 Cell = tuple[int, ...]
 
@@ -147,7 +151,8 @@ def on_site(force: Expr, field: int = 0, axes: int = 1) -> Bond:
 class Lattice(Displayed):
     """Equations of motion ``mass f'' = sum of bond forces``, one for each field.
 
-    ``definitions`` are symbols that stand for expressions in the lattice's other constants.
+    ``definitions`` are symbols that stand for expressions in the lattice's other constants,
+    ``measured`` the values that constants were found to have, which stay symbols.
 
     >>> from longwave.derive import LATTICES
     >>> LATTICES["fput_strain"].constants
@@ -160,6 +165,7 @@ class Lattice(Displayed):
     masses: tuple[Expr, ...]
     bonds: tuple[Bond, ...]
     definitions: tuple[tuple[Symbol, Expr], ...] = ()
+    measured: Measured | None = None
 
     @property
     def constants(self) -> tuple[Symbol, ...]:

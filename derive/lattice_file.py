@@ -22,6 +22,12 @@
     action = {y = "F[n+1] - 2*F[n] + F[n-1]"}
     force = "K2*x + K3*x**2"
 
+    [constants]                             # where they were measured: numbers, which stay symbols
+    K2 = 1.0
+
+    [covariance]                            # of the errors of these; what is not there is 0
+    K2 = {K2 = 1e-4}
+
 A small constant is written with its power of eps, as in ``force = "K2*x + eps*k3*x**2"``.
 Two axes are ``u[n, m+1]``.  Formulas are read with a whitelist, never evaluated.
 """
@@ -31,6 +37,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -40,6 +47,7 @@ from longwave.derive.algebra.contact import contact
 from longwave.derive.algebra.formula_expression import read_formula
 from longwave.derive.algebra.formula_text import Vocabulary
 from longwave.derive.lattice import Bond, Cell, Lattice, Stencil, on_site, spring
+from longwave.derive.measured import Measured
 from longwave.derive.symbols import eps, x
 from longwave.support.user_files import file_stem, read_toml, shown, shown_path
 
@@ -62,7 +70,8 @@ SMOOTH = (
 FUNCTIONS = {function.__name__: (function, 1) for function in SMOOTH}
 
 _KEYS = {
-    "": {"name", "title", "fields", "masses", "positive", "spring", "site", "bond"},
+    "": {"name", "title", "fields", "masses", "positive", "spring", "site", "bond"}
+    | {"constants", "covariance"},
     "spring": {"between", "force"},
     "site": {"field", "force"},
     "bond": {"stretch", "action", "force"},
@@ -109,7 +118,27 @@ def lattice_of(document: Mapping[str, Any], name: str = "lattice") -> Lattice:
         raise ValueError("bonds must be there, got none (write a [[spring]])")
     called = _title("name", document.get("name", name))
     title = _title("title", document.get("title", called))
-    return Lattice(called, title, tuple(fields), tuple(masses), tuple(bonds))
+    found = Lattice(called, title, tuple(fields), tuple(masses), tuple(bonds))
+    return replace(found, measured=_measured(document, found))
+
+
+def _measured(document: Mapping[str, Any], lattice: Lattice) -> Measured | None:
+    """What the file says of the values of the lattice's constants; None for nothing."""
+    values, rows = (_table(key, document.get(key, {})) for key in ("constants", "covariance"))
+    if not values and not rows:
+        return None
+    lattice.with_values(values)
+    covariance = {name: _table(f"{name} in [covariance]", row) for name, row in rows.items()}
+    return Measured.of(values, covariance)
+
+
+def _table(label: str, found: object) -> Mapping[str, Any]:
+    if not isinstance(found, Mapping) or len(found) > MOST:
+        raise ValueError(
+            f"{label} must be a table by constants' names, at most {MOST}, got {shown(found)} "
+            "(such as {K2 = 1})"
+        )
+    return found
 
 
 def _title(label: str, text: object) -> str:

@@ -23,9 +23,9 @@ from longwave.derive.expected_derivation import CHEAPER_CARRIER, envelope_second
 from longwave.derive.lattice import Lattice
 from longwave.derive.normal_form import NORMAL_EQUATIONS, NormalForm
 from longwave.derive.output.notation import aligned, latex_of, text_of
-from longwave.derive.output.printout import DeriveOptions, count
+from longwave.derive.output.printout import DeriveOptions, count, given_constants
 from longwave.derive.output.report import form_data
-from longwave.derive.symbols import constant_value, eps
+from longwave.derive.symbols import eps
 from longwave.support.command_line import check_and_announce
 from longwave.support.user_files import shown
 
@@ -55,7 +55,7 @@ def carrier_lines(lattice: Lattice, options: DeriveOptions) -> Iterator[str]:
             f"--order must be 3 (the NLS equation) or 4 (its correction) with --envelope, got "
             f"{options.orders!r}"
         )
-    constants = {name: constant_value(name, text) for name, text in options.constants.items()}
+    constants = given_constants(lattice, options)
     lattice = lattice.with_values({n: value for n, value in constants.items() if value.has(eps)})
     values = {name: value for name, value in constants.items() if not value.has(eps)}
     chosen = _carrier(options.carrier or "")

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 from sympy import Expr
@@ -13,6 +14,7 @@ from longwave.derive.balances import about_mean, best_balance, find_scaling
 from longwave.derive.direction import DRIFT, read_direction, slow_variables
 from longwave.derive.dispersion import agrees_with_reduction, dispersion_relation
 from longwave.derive.expected_derivation import CHEAPER_ORDER, reduction_seconds
+from longwave.derive.intervals import Interval, intervals_of_reduction
 from longwave.derive.lattice import Lattice
 from longwave.derive.lattice_file import read_lattice
 from longwave.derive.models.lattices import FPUT_STRAIN, LATTICES
@@ -20,6 +22,7 @@ from longwave.derive.models.mkdv import initial_velocity, initial_velocity_latex
 from longwave.derive.multiscale import FURTHER_ORDERS, ReductionError, reduce
 from longwave.derive.normal_form import NORMAL_EQUATIONS
 from longwave.derive.output.notation import aligned, text_of
+from longwave.derive.output.report import reduction_data
 from longwave.derive.reduction import Reduction
 from longwave.derive.scaling import Scaling, SlowVariable
 from longwave.derive.symbols import constant_value, eps
@@ -28,6 +31,9 @@ from longwave.support.known_names import one_of
 from longwave.support.user_files import STANDARD_INPUT, shown
 
 MOST_ORDERS = 13
+
+LONG_RATIO = 1000
+"""Denominators of measured values beyond it are not printed as such."""
 
 
 @dataclass(frozen=True)
@@ -93,10 +99,14 @@ def _reduction_lines(lattice: Lattice, options: DeriveOptions) -> Iterator[str]:
         yield f"{lattice.name}: {reduction.pde.kind}: {reduction.pde.text()}"
         yield from map(Check.text, checks_of_reduction(reduction))
         return
-    numbers = list(_number_lines(reduction, values))
+    intervals, word = _intervals(lattice, reduction, values, options)
+    numbers = list(_number_lines(reduction, values, intervals, word))
     is_paper = reduction.lattice == FPUT_STRAIN and reduction.scaling == Scaling()
     if options.form == "json":
-        yield reduction.json(**values)
+        data = reduction_data(reduction, values)
+        if intervals:
+            data["intervals"] = {name: asdict(found) for name, found in intervals.items()}
+        yield json.dumps(data, indent=2)
     elif options.form == "latex":
         yield reduction.latex(**values)
         if is_paper:
@@ -121,7 +131,7 @@ def _long_wave(
     Under the usual ansatz constants are symbols, but for those that are small.  Where the values
     refuse it, all are put in beforehand, as a scene does, and what balances then is found.
     """
-    given = {name: constant_value(name, text) for name, text in options.constants.items()}
+    given = given_constants(lattice, options)
     space, along = _space(lattice, options, given)
     small = {name: value for name, value in given.items() if value.has(eps)}
     left = {**{name: value for name, value in given.items() if name not in small}, **along}
@@ -139,6 +149,12 @@ def _long_wave(
     if usual is None:
         raise ValueError(refused)
     return usual, left, ""
+
+
+def given_constants(lattice: Lattice, options: DeriveOptions) -> dict[str, Expr]:
+    """The values of constants: those that the lattice was measured to have, then the options'."""
+    typed = {name: constant_value(name, text) for name, text in options.constants.items()}
+    return {**(dict(lattice.measured.values) if lattice.measured else {}), **typed}
 
 
 def _admitted(reduction: Reduction, values: Mapping[str, Expr]) -> Reduction:
@@ -258,16 +274,53 @@ def _linear_lines(reduction: Reduction) -> Iterator[str]:
     yield f"initial velocity: s = {text_of(initial_velocity())}"
 
 
-def _number_lines(reduction: Reduction, values: Mapping[str, Expr]) -> Iterator[str]:
+def _intervals(
+    lattice: Lattice, reduction: Reduction, values: Mapping[str, Expr], options: DeriveOptions
+) -> tuple[dict[str, Interval], str]:
+    """The intervals of what follows from the lattice's measured constants, and a word on them.
+
+    They are those of numbers alone: a constant without a value has none, and what had to be put in
+    before the expansion is no symbol that could be varied.
+    """
+    if lattice.measured is None:
+        return {}, ""
+    left = {str(symbol) for symbol in reduction.lattice.basic_constants}
+    varied = {name for name, deviation in lattice.measured.deviations.items() if deviation}
+    varied -= options.constants.keys()
+    if fixed := sorted(varied - left):
+        return {}, f"(no intervals: {', '.join(fixed)} had to be put in before the expansion)"
+    if unknown := sorted(left - values.keys()):
+        return {}, f"(no intervals: {', '.join(unknown)} has no value)"
+    exact = {name: v for name, v in values.items() if name not in varied}
+    found = intervals_of_reduction(reduction, lattice.measured.with_exact(exact))
+    return found, "(with standard deviations and 95 % intervals, by the constants' covariance)"
+
+
+def _number_lines(
+    reduction: Reduction, values: Mapping[str, Expr], intervals: Mapping[str, Interval], word: str
+) -> Iterator[str]:
+    def written(name: str, value: Expr) -> str:
+        return intervals[name].text() if name in intervals else text_of(value)
+
     coefficients = reduction.coefficients(**values)
-    given = ", ".join(f"{name} = {value}" for name, value in values.items())
+    shown_value = _decimal if word else str
+    given = ", ".join(f"{name} = {shown_value(value)}" for name, value in values.items())
     yield ""
     yield f"coefficients{' at ' + given if given else ''}:"
-    yield f"  c = {text_of(coefficients.c)}"
-    yield from (f"  of {name}: {text_of(value)}" for name, value in coefficients.terms.items())
+    if word:
+        yield f"  {word}"
+    yield f"  c = {written('c', coefficients.c)}"
+    for name, value in coefficients.terms.items():
+        yield f"  of {name}: {written(name, value)}"
     if reduction.has_normal_form:
         form = reduction.normal_form(**values)
         yield f"normal form {NORMAL_EQUATIONS[form.equation].text}, {form.map_text}:"
-        yield from (f"  {name} = {text_of(value)}" for name, value in form.values.items())
+        yield from (f"  {name} = {written(name, value)}" for name, value in form.values.items())
         if form.name not in (form.equation, reduction.pde.kind):
             yield f"  {form.name}"
+
+
+def _decimal(value: Expr) -> str:
+    """A value, in 6 digits where it is a ratio of long integers."""
+    is_long = value.is_Rational and value.q > LONG_RATIO
+    return f"{float(value):.6g}" if is_long else str(value)
