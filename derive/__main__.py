@@ -11,7 +11,7 @@ from typing import Any
 
 import click
 
-from longwave.support.command_line import example, limit_options, run_words
+from longwave.support.command_line import example, limit_options, named_values, run_words
 
 CONSTANTS = ("K2", "K3", "K4")
 """The constants of the strain FPUT lattice."""
@@ -66,11 +66,7 @@ def derive(
     if len(models) > 1:
         raise click.UsageError(f"MODEL must be one, got {' '.join(models)} (derive them in turn)")
     given = {name: text for name in CONSTANTS if (text := options.pop(name)) is not None}
-    for part in (part for text in sets for part in text.split(",")):
-        name, sign, value = part.partition("=")
-        if not sign:
-            raise click.UsageError(f"--set must be NAME=VALUE, got {part} (such as m1=1,m2=3)")
-        given[name.strip()] = value
+    given |= named_values("--set", sets)
     from longwave.derive.output.printout import DeriveOptions, print_derivation
 
     return print_derivation(

@@ -141,6 +141,15 @@ def _table(label: str, found: object) -> Mapping[str, Any]:
     return found
 
 
+def force_of_text(text: str, label: str) -> sp.Expr:
+    """A force in the stretch x and real constants, as files hold it; ``label`` names it in errors.
+
+    >>> force_of_text("K2*x + g*sinh(x)", "force")
+    K2*x + g*sinh(x)
+    """
+    return _Symbols(set()).formula(label, text)
+
+
 def _title(label: str, text: object) -> str:
     """A name or title, if it is one short line."""
     if not isinstance(text, str) or not text.isprintable() or len(text) > LONGEST_TITLE:

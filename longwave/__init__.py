@@ -24,6 +24,7 @@ _NOUNS = {
     "longwave.reports.pictures.plotting": "plot",
     "longwave.reports.pictures.animation": "animate",
     "longwave.runs.run_file": "load_run save_run",
+    "longwave.scenes.fits.force_fit": "fit_force",
     "longwave.scenes.named_scenes": "load_scene shipped_scenes",
     "longwave.scenes.numerics": "Discretisation Tolerance",
     "longwave.scenes.scene": "Scene",

@@ -137,6 +137,21 @@ def listed(
         ) from None
 
 
+def named_values(name: str, texts: Iterable[str]) -> dict[str, str]:
+    """The values in the texts of an option, by their names.
+
+    >>> named_values("--set", ["m1=1,m2=3"])
+    {'m1': '1', 'm2': '3'}
+    """
+    found = {}
+    for part in (part for text in texts for part in text.split(",")):
+        word, sign, value = part.partition("=")
+        if not sign:
+            raise click.UsageError(f"{name} must be NAME=VALUE, got {part} (such as m1=1,m2=3)")
+        found[word.strip()] = value
+    return found
+
+
 def called_by() -> str:
     """What the running command was called by, as in `longwave verify mutations`."""
     return click.get_current_context().command_path

@@ -21,6 +21,7 @@ from longwave.support.command_line import (
     json_option,
     limit_options,
     limits_of_each,
+    named_values,
     path_option,
 )
 
@@ -97,6 +98,29 @@ def longwave() -> None:
 
 for command in (derive, prove, library, check, verify):
     longwave.add_command(command)
+
+
+@longwave.command(epilog=example("longwave fit force.csv --output chain.toml --plot fit.png"))
+@click.argument("points", metavar="FORCE.csv", type=click.Path())
+@click.option("--law", metavar="FORMULA", help="In the stretch x and constants, or hertz.")
+@click.option("--fix", "fixed", multiple=True, metavar="NAME=VALUE,...", help="Not to be fitted.")
+@click.option("--units", metavar="LENGTH,FORCE", help="Of the columns, as mm,N; made m and N.")
+@path_option("--output", "LATTICE.toml", "Write the lattice, its constants and covariance.")
+@path_option("--plot", "FILE", "Draw the law and the residuals: PNG, PDF or SVG.")
+@force_option
+@json_option
+@limit_options
+def fit(points: str, fixed: tuple[str, ...], **options: Any) -> int:
+    """Fit a force law to measured points.
+
+    FORCE.csv begins with the line stretch,force,deviation; the standard deviations of the forces
+    may be left out. Without --law it is the polynomial K2*x + K3*x**2 + ... with the least AICc.
+    The lattice that is written goes to `longwave derive`, which gives its coefficients with
+    intervals.
+    """
+    from longwave.cli.fit import fit_and_print
+
+    return fit_and_print(points, fixed=named_values("--fix", fixed), **options)
 
 
 @longwave.command(epilog=example("longwave run rational_2_eps_0.05 --tolerance 1e-3"))

@@ -135,6 +135,7 @@ def _extras() -> Iterator[Finding]:
         ("pytest", "dev", "the tests cannot be run", ", or make test"),
         ("sphinx", "docs", "the site cannot be built", ", or make docs"),
         ("panel", "explore", "`longwave explore` has no page", ""),
+        ("pint", "units", "`longwave fit --units` knows no units", ""),
     ):
         version = installed_version(package)
         if version is not None:

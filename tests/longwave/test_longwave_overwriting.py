@@ -9,7 +9,7 @@ import pytest
 from longwave.__main__ import main
 from longwave.cli.command_tree import longwave
 
-WRITING = {"output"}
+WRITING = {"output", "plot"}
 """Options that name what is written."""
 
 UNASKED: dict[tuple[str, str], str] = {}
@@ -36,7 +36,7 @@ def test_every_option_that_writes_a_file_has_force_beside_it() -> None:
         assert writing <= WRITING, words
         assert not writing or "force" in options or (words, *writing) in UNASKED, words
         found |= {words} if writing else set()
-    written = {"run", "sweep", "plot", "animate", "report", "converge"}
+    written = {"run", "sweep", "plot", "animate", "report", "converge", "fit"}
     assert found == {"prove", "library", "check", "verify"} | written
 
 
@@ -52,6 +52,8 @@ def test_every_option_that_writes_a_file_has_force_beside_it() -> None:
         ("plot rogue_cn_k_0.5_long --output", "c.png"),
         ("animate rogue_cn_k_0.5_long --output", "c.gif"),
         ("converge toda_soliton --output", "c.png"),
+        ("fit force.csv --output", "c.toml"),
+        ("fit force.csv --plot", "c.png"),
     ],
 )
 def test_nothing_is_overwritten_unasked(

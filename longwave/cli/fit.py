@@ -1,0 +1,130 @@
+"""``longwave fit FORCE.csv``: a force law from measured points, printed, written and drawn."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from rich.table import Table
+
+from longwave.derive.intervals import WIDE, rounded, short
+from longwave.scenes.fits.force_data import read_force
+from longwave.scenes.fits.force_fit import AS_GOOD, SMOOTH, ForceFit, fit_points
+from longwave.scenes.fits.force_law import stated_law
+from longwave.scenes.scene_file import toml_text
+from longwave.support.atomic_file import write_atomically
+from longwave.support.console import (
+    SUFFIXES,
+    check_output,
+    plain_console,
+    print_lines,
+    table_console,
+)
+from longwave.support.user_files import STANDARD_INPUT, on_one_line
+
+
+def fit_and_print(
+    points: str,
+    *,
+    law: str | None,
+    fixed: Mapping[str, str],
+    units: str | None,
+    output: str | None,
+    plot: str | None,
+    force: bool,
+    json_wanted: bool,
+) -> int:
+    """Fit, print, and write what is asked for; return the exit status 0.
+
+    Raises ValueError for wrong input.
+    """
+    check_output(output, "chain.toml", suffixes=(".toml",), force=force, read=(points,))
+    read = (points, output or points)
+    check_output(plot, "fit.png", suffixes=SUFFIXES, force=force, option="--plot", read=read)
+    found = fit_points(read_force(points, units), stated_law(law, fixed))
+    name = "the standard input" if points == STANDARD_INPUT else on_one_line(Path(points).name)
+    where = f"{found.data.stretch.size} points of {name}{' in m and N' if units else ''}"
+    if output is not None:
+        text = lattice_text(found, where)
+        write_atomically(output, lambda draft: draft.write_text(text, encoding="utf-8"))
+    if plot is not None:
+        from longwave.reports.pictures.drawing import save, styled
+        from longwave.reports.pictures.force_picture import force_figure
+
+        with styled():
+            save(force_figure(found, where), Path(plot))
+    if json_wanted:
+        print(json.dumps(fit_data(found), indent=2))
+    else:
+        print_fit(found, where)
+    return 0
+
+
+def lattice_text(found: ForceFit, where: str) -> str:
+    """The lattice file of a fit, with what it comes from as comments."""
+    told = [f"force law of {where}", *_judgement(found), *_warnings(found)]
+    told.append("the mass of a cell is 1: put there what it is")
+    return "\n".join([*(f"# {line}" for line in told), toml_text(found.document())])
+
+
+def fit_data(found: ForceFit) -> dict[str, Any]:
+    """The fit as JSON-ready data."""
+    values = zip(found.law.free, found.values.tolist(), found.deviations.tolist(), strict=True)
+    return {
+        "law": found.law.text,
+        "constants": {str(s): {"value": v, "deviation": sd} for s, v, sd in values},
+        "covariance": found.covariance.tolist(),
+        "points": found.data.stretch.size,
+        "degrees_of_freedom": found.degrees,
+        "noise": float(found.errors[0]) if found.data.deviation is None else None,
+        "chi_squared": found.chi_squared if found.data.deviation is not None else None,
+        "p_value": None if math.isnan(found.p_value) else found.p_value,
+        "smooth_p_value": None if math.isnan(found.smooth_p_value) else found.smooth_p_value,
+        "aicc": dict(found.evidence),
+        "warnings": _warnings(found),
+    }
+
+
+def print_fit(found: ForceFit, where: str) -> None:
+    """Print the constants and how well the law describes the points."""
+    console = plain_console()
+    names = [str(symbol) for symbol in found.law.free]
+    print_lines(console, [f"F(x) = {found.law.text}, fitted to {where}"])
+    across = [f"with {name}" for name in names] if len(names) > 1 else []
+    table = Table("constant", "value", "95 % interval", *across)
+    rows = zip(names, found.values, found.deviations, found.correlations, strict=True)
+    for name, value, deviation, correlations in rows:
+        low, high = (rounded(value + sign * WIDE * deviation, deviation) for sign in (-1, 1))
+        shown = [f"{entry:.2f}" for entry in correlations] if across else []
+        figures = f"{rounded(value, deviation)} +- {short(deviation)}", f"{low} .. {high}"
+        table.add_row(name, *figures, *shown)
+    table_console().print(table)
+    print_lines(console, [*_evidence(found), *_judgement(found), *_warnings(found)])
+
+
+def _evidence(found: ForceFit) -> Iterator[str]:
+    """How the order was chosen, if it was."""
+    if found.evidence:
+        least = min(value for _, value in found.evidence)
+        above = ", ".join(f"{names} {value - least:.1f}" for names, value in found.evidence)
+        yield f"AICc above the least: {above}; the fewest constants within {AS_GOOD:g} are taken"
+
+
+def _judgement(found: ForceFit) -> Iterator[str]:
+    degrees = f"{found.degrees} degrees of freedom"
+    if found.data.deviation is None:
+        yield f"noise of a point {found.errors[0]:.3g}, from the residuals; {degrees}"
+    else:
+        each = found.chi_squared / found.degrees
+        yield (
+            f"chi^2 {found.chi_squared:.4g} for {degrees}, {each:.3g} each, p = {found.p_value:.2g}"
+        )
+    if not math.isnan(found.smooth_p_value):
+        yield f"residuals against smooth curves to degree {SMOOTH}: p = {found.smooth_p_value:.2g}"
+
+
+def _warnings(found: ForceFit) -> list[str]:
+    return [f"warning: {doubt}" for doubt in found.doubts]

@@ -1,0 +1,32 @@
+"""A fitted force law over its points, and what is left."""
+
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from longwave.derive.intervals import WIDE
+from longwave.reports.pictures.drawing import CURVES, STABLE, TEXT_WIDTH
+from longwave.scenes.fits.force_fit import ForceFit
+
+CURVE_POINTS = 400
+
+
+def force_figure(found: ForceFit, where: str) -> Figure:
+    """The points with the law above, their residuals in standard deviations below."""
+    figure = Figure((0.8 * TEXT_WIDTH, 4.2), layout="constrained")
+    above, below = figure.subplots(2, sharex=True, height_ratios=(2, 1))
+    stretch = found.data.stretch
+    look: dict[str, Any] = {**CURVES[0], "linestyle": "", "capsize": 2.0}
+    above.errorbar(stretch, found.data.force, found.errors, label=where, **look)
+    fine = np.linspace(stretch[0], stretch[-1], CURVE_POINTS)
+    above.plot(fine, found.forces(fine), color="black", linewidth=0.8, label="fitted law")
+    above.set_ylabel("force")
+    above.legend()
+    below.axhspan(-WIDE, WIDE, color=STABLE, lw=0)
+    below.axhline(0.0, color="black", linewidth=0.8)
+    below.plot(stretch, found.residuals, **(CURVES[0] | {"linestyle": ""}))
+    below.set_xlabel("stretch")
+    below.set_ylabel("residual / deviation")
+    figure.suptitle(f"F(x) = {found.law.text}", parse_math=False, fontsize="medium")
+    return figure

@@ -1,0 +1,1 @@
+"""Lattices from measurements: a force law from measured points."""

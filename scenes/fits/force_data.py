@@ -1,0 +1,256 @@
+"""Measured points of a force law: stretch, force, and the standard deviation of the force.
+
+    stretch,force,deviation
+    -0.10,-0.0952,0.002
+    -0.05,-0.0488,0.002
+
+Commas, semicolons or tabs part the columns, whose order is that of the header; the deviation may
+be left out.  A spring that is pulled has a positive stretch and a positive force.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from longwave.scenes.scene_checks import finite
+from longwave.support.user_files import read_text, shown, shown_path
+
+Points = NDArray[np.float64]
+
+COLUMNS = ("stretch", "force", "deviation")
+
+LARGEST = 10_000_000
+"""Bytes of a file."""
+
+FEWEST = 4
+"""Points; a law has fewer constants, and something must be left to judge it by."""
+
+TURN = 0.1
+"""Share of the range of stretch by which it must go back to have turned: less is noise of it."""
+
+FEWEST_OF_BRANCH = 4
+"""Points between two turns on the average, below which the points are in no order."""
+
+LOOP_SHARE, LOOP_DEVIATIONS = 0.005, 4.0
+"""A loop is wider than the noise of a point, than its mean width is uncertain by so many standard
+deviations, and than this share of the range of forces, which the chords between points may miss."""
+
+
+@dataclass(frozen=True)
+class ForceData:
+    """Points of a force law, by rising stretch; ``deviation`` is None where it is not known."""
+
+    stretch: Points
+    force: Points
+    deviation: Points | None
+
+    @classmethod
+    def of(
+        cls, stretch: ArrayLike, force: ArrayLike, deviation: ArrayLike | None = None
+    ) -> ForceData:
+        """Points in the order in which they were measured.
+
+        Raises ValueError for what is no list of finite numbers, too few points, a point that is
+        there twice, no order, and branches of loading and unloading that lie apart.
+        """
+        given = (stretch, force) if deviation is None else (stretch, force, deviation)
+        columns = [_column(*entry) for entry in zip(COLUMNS, given, strict=False)]
+        for name, column in zip(COLUMNS[1:], columns[1:], strict=False):
+            if column.size != columns[0].size:
+                raise ValueError(
+                    f"{name} must have a number for each stretch, {columns[0].size}, got "
+                    f"{column.size} (give as many)"
+                )
+        rows = np.column_stack(columns)
+        _check_points(rows)
+        _check_order(rows)
+        rows = rows[np.argsort(rows[:, 0], kind="stable")]
+        return cls(rows[:, 0], rows[:, 1], rows[:, 2] if deviation is not None else None)
+
+
+def _column(name: str, given: ArrayLike) -> Points:
+    try:
+        found = np.asarray(given, dtype=float)
+    except (TypeError, ValueError):
+        found = np.array(np.nan)
+    if found.ndim != 1:
+        raise ValueError(f"{name} must be a list of numbers, got {shown(given)} (such as [0, 0.1])")
+    for row in np.flatnonzero(~np.isfinite(found) | (abs(found) > 1e50)):
+        raise ValueError(
+            f"{name} must be finite, got {found[row]:g} in row {row + 1} (leave the row out)"
+        )
+    return found
+
+
+def _check_points(rows: Points) -> None:
+    if len(rows) < FEWEST:
+        raise ValueError(f"points must be at least {FEWEST}, got {len(rows)} (measure more)")
+    if rows.shape[1] > 2:
+        for row in np.flatnonzero(rows[:, 2] <= 0):
+            raise ValueError(
+                f"deviation must satisfy deviation > 0, got {rows[row, 2]:g} in row {row + 1} "
+                "(leave the column out if it is not known)"
+            )
+    seen: dict[tuple[float, ...], int] = {}
+    for number, point in enumerate(map(tuple, rows.tolist()), 1):
+        if point in seen:
+            raise ValueError(
+                f"rows must be different, got row {number} the same as row {seen[point]} (leave "
+                "one out; equal readings are one row with the deviation of their mean)"
+            )
+        seen[point] = number
+    for name, column in zip(COLUMNS[:2], rows.T, strict=False):
+        if not np.ptp(column):
+            raise ValueError(
+                f"{name} must vary, got {column[0]:g} in all rows (measure at several stretches)"
+            )
+
+
+def _check_order(rows: Points) -> None:
+    """Refuse points in no order, and a loop."""
+    turns = _turns(rows[:, 0])
+    ends = [0, *turns, len(rows) - 1]
+    if turns and len(rows) < FEWEST_OF_BRANCH * (len(turns) + 1):
+        raise ValueError(
+            f"stretch must rise or fall from row to row, got {len(turns)} turns in {len(rows)} "
+            "rows (sort them by stretch, if the order says nothing)"
+        )
+    # a point at which it turns is the end of the branch before it
+    pieces = [
+        rows[start + (index > 0) : end + 1] for index, (start, end) in enumerate(pairwise(ends))
+    ]
+    branches: dict[bool, list[Points]] = {True: [], False: []}
+    for piece, (start, end) in zip(pieces, pairwise(ends), strict=True):
+        branches[bool(rows[end, 0] > rows[start, 0])].append(piece)
+    if all(branches.values()):
+        _check_loop(np.concatenate(branches[True]), np.concatenate(branches[False]), ends[1])
+
+
+def _turns(stretch: Points) -> list[int]:
+    """The rows at which the stretch turns back by more than noise."""
+    least = TURN * float(np.ptp(stretch))
+    found: list[int] = []
+    lowest = highest = 0
+    rising: bool | None = None
+    for row, value in enumerate(stretch):
+        lowest = row if value < stretch[lowest] else lowest
+        highest = row if value > stretch[highest] else highest
+        if rising is not True and value > stretch[lowest] + least:
+            found += [] if rising is None else [lowest]
+            rising, highest = True, row
+        elif rising is not False and value < stretch[highest] - least:
+            found += [] if rising is None else [highest]
+            rising, lowest = False, row
+    return found
+
+
+def _check_loop(rising: Points, falling: Points, turn: int) -> None:
+    """Refuse branches that are apart, where they are, by more than the noise."""
+    rising = rising[np.argsort(rising[:, 0], kind="stable")]
+    falling = falling[np.argsort(falling[:, 0], kind="stable")]
+    common = falling[(falling[:, 0] >= rising[0, 0]) & (falling[:, 0] <= rising[-1, 0])]
+    if len(common) < FEWEST:
+        return
+    apart = np.interp(common[:, 0], rising[:, 0], rising[:, 1]) - common[:, 1]
+    if rising.shape[1] > 2:
+        others = np.interp(common[:, 0], rising[:, 0], rising[:, 2])
+        noise = float(np.sqrt(np.mean(common[:, 2] ** 2 + others**2)))
+    else:
+        noise = float(np.std(np.diff(apart)) / np.sqrt(2))
+    force = np.concatenate([rising[:, 1], falling[:, 1]])
+    width = float(abs(np.mean(apart)))
+    allowed = noise * max(1.0, LOOP_DEVIATIONS / np.sqrt(len(common)))
+    if width > max(allowed, LOOP_SHARE * float(np.ptp(force))):
+        raise ValueError(
+            f"loading and unloading must agree within the noise, {noise:.2g}, got them {width:.2g} "
+            f"apart (a loop: fit one branch alone, such as rows 1 to {turn + 1})"
+        )
+
+
+def read_force(path: str | Path, units: str | None = None) -> ForceData:
+    """The points of a file, or of the standard input for ``-``.
+
+    With ``units`` of stretch and force, such as ``"mm,N"``, they are brought to metres and newtons.
+    Raises ValueError, with the file and the line, for what is no such table; OSError where the
+    file cannot be read.
+    """
+    lines = read_text(path, "force law", LARGEST).rstrip().splitlines()
+    try:
+        rows, order = _rows(lines)
+        columns = [np.array([row[i] for row in rows]) for i in order]
+        if units is not None:
+            length, force = _factors(units)
+            columns = [c * f for c, f in zip(columns, (length, force, force), strict=False)]
+        return ForceData.of(*columns)
+    except ValueError as error:
+        raise ValueError(f"{shown_path(path)}: {error}") from None
+
+
+def _rows(lines: Sequence[str]) -> tuple[list[list[float]], list[int]]:
+    """The numbers of the rows, and the places of stretch, force and deviation in them."""
+    header = lines[0] if lines else ""
+    mark = next((sign for sign in ";\t" if sign in header), ",")
+    names = [part.strip().strip('"').lower() for part in header.split(mark)]
+    known = [name for name in COLUMNS if name in names]
+    if sorted(names) != sorted(known) or known[:2] != list(COLUMNS[:2]):
+        raise ValueError(
+            f"line 1 must name the columns stretch, force and, if it is known, deviation, got "
+            f"{shown(header)} (write stretch,force,deviation)"
+        )
+    rows = [_numbers(line, mark, names, place) for place, line in enumerate(lines[1:], 2)]
+    return rows, [names.index(name) for name in known]
+
+
+def _numbers(line: str, mark: str, names: Sequence[str], place: int) -> list[float]:
+    parts = [part.strip() for part in line.split(mark)]
+    if len(parts) != len(names):
+        raise ValueError(
+            f"line {place} must hold {len(names)} numbers, {' '.join(names)}, got {shown(line)} "
+            "(mend the line or leave it out)"
+        )
+    try:
+        return [finite(name, float(part)) for name, part in zip(names, parts, strict=True)]
+    except ValueError:
+        raise ValueError(
+            f"line {place} must hold finite numbers, got {shown(line)} (with a point, as 0.5; mend "
+            "the line or leave it out)"
+        ) from None
+
+
+_UNIT = re.compile(r"[A-Za-z\u00b5\u03bc]{1,30}")
+
+
+def _factors(units: str) -> tuple[float, float]:
+    """What a length and a force in these units are in metres and newtons."""
+    parts = [part.strip() for part in units.split(",")]
+    if len(parts) != 2 or not all(map(_UNIT.fullmatch, parts)):
+        raise ValueError(f"--units must be a length and a force, got {shown(units)} (such as mm,N)")
+    try:
+        import pint
+    except ImportError:
+        raise ValueError(
+            f"--units must be left out without the package pint, got {units} (pip install "
+            "'longwave[units]')"
+        ) from None
+    registry = pint.UnitRegistry()
+    return _factor(registry, parts[0], "m"), _factor(registry, parts[1], "N")
+
+
+def _factor(registry: Any, unit: str, base: str) -> float:
+    import pint
+
+    try:
+        return float(registry.Quantity(1.0, unit).to(base).magnitude)
+    except pint.UndefinedUnitError:
+        got = f"{unit}, which is no unit"
+    except pint.DimensionalityError:
+        got = f"{unit}, which cannot be brought to {base}"
+    raise ValueError(f"--units must be a length and a force, got {got} (such as mm,N)")

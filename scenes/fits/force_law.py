@@ -1,0 +1,115 @@
+"""Force laws that are fitted: formulas in the stretch and in named constants."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from sympy import Expr, Symbol, lambdify
+
+from longwave.derive.algebra.exact_numbers import Number
+from longwave.derive.algebra.formula_printing import formula_as_text
+from longwave.derive.lattice import spring
+from longwave.derive.lattice_file import force_of_text
+from longwave.derive.models.lattices import LATTICES
+from longwave.derive.symbols import check_constants, eps, number_value, x
+from longwave.scenes.fits.force_data import Points
+from longwave.support.user_files import shown
+
+HERTZ = "hertz"
+"""The law of the catalogue's granular chain, by its word."""
+
+
+@dataclass(frozen=True)
+class ForceLaw:
+    """A force in the stretch x and constants, those that are ``fixed`` with values."""
+
+    force: Expr
+    fixed: Mapping[Symbol, Expr] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if x not in self.force.free_symbols or eps in self.force.free_symbols or not self.free:
+            raise ValueError(
+                "law must be a formula in the stretch x and constants, one of them not fixed, got "
+                f"{shown(self.text)} (such as K2*x + K4*x**3)"
+            )
+
+    @property
+    def text(self) -> str:
+        """The force as text."""
+        return formula_as_text(self.force)
+
+    @property
+    def free(self) -> tuple[Symbol, ...]:
+        """The constants that are fitted, by name."""
+        return tuple(sorted(self.force.free_symbols - {x, *self.fixed}, key=str))
+
+    @cached_property
+    def values(self) -> LawValues:
+        """The law and its derivatives as functions of numbers."""
+        return LawValues(self.force.xreplace(dict(self.fixed)), self.free)
+
+
+class LawValues:
+    """A law at numbers: the forces at stretches, and their derivatives by each constant."""
+
+    def __init__(self, force: Expr, free: Sequence[Symbol]) -> None:
+        self._force = lambdify((x, *free), force, "numpy")
+        self._slopes = [lambdify((x, *free), force.diff(symbol), "numpy") for symbol in free]
+        linear: list[Symbol] = []
+        for symbol in free:
+            if not force.diff(symbol).free_symbols & {symbol, *linear}:
+                linear.append(symbol)
+        self.linear = [symbol in linear for symbol in free]
+        self.positive = [bool(symbol.is_positive) for symbol in free]
+
+    def forces(self, stretch: Points, constants: Points) -> Points:
+        """The forces; NaN where the law has none."""
+        return self._at(self._force, stretch, constants)
+
+    def slopes(self, stretch: Points, constants: Points) -> Points:
+        """The derivatives, a column for each constant."""
+        return np.column_stack([self._at(slope, stretch, constants) for slope in self._slopes])
+
+    @staticmethod
+    def _at(function: object, stretch: Points, constants: Points) -> Points:
+        with np.errstate(all="ignore"):
+            found = function(stretch, *constants)  # type: ignore[operator]
+        return np.broadcast_to(np.asarray(found, dtype=float), stretch.shape)
+
+
+def stated_law(text: str | None, fixed: Mapping[str, Number] | None = None) -> ForceLaw | None:
+    """The law of a formula, or ``hertz``, with the values of constants that are not to be fitted.
+
+    None for none.  Raises ValueError for a formula that is no force of a lattice, and for a wrong
+    name or value.
+
+    >>> stated_law("K2*x + K4*x**3").free, stated_law("hertz").text
+    ((K2, K4), '-A*(d - x)**(3/2)')
+    """
+    if text is None:
+        if fixed:
+            raise ValueError(
+                f"fixed constants must come with a law, got {', '.join(fixed)} alone (state it)"
+            )
+        return None
+    if text == "table":
+        raise ValueError(
+            "law must be a formula or hertz, got table (a lattice's forces are formulas: state one)"
+        )
+    if text == HERTZ:
+        force = LATTICES["granular"].bonds[0].force
+    else:
+        force = force_of_text(text, "law")
+        spring(force, ((0,), 0), ((1,), 0))
+        check_constants([symbol for symbol in force.free_symbols if symbol not in (x, eps)])
+    known = {str(symbol): symbol for symbol in force.free_symbols - {x}}
+    for name in fixed or {}:
+        if name not in known:
+            raise ValueError(
+                f"fixed constants must be among {', '.join(sorted(known))}, got {shown(name)}"
+            )
+    values = {known[name]: number_value(name, value) for name, value in (fixed or {}).items()}
+    return ForceLaw(force, values)

@@ -1,0 +1,340 @@
+"""Force laws from points: the constants, their intervals, the order, and what is no force law."""
+
+import math
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy import optimize, stats
+
+from longwave import fit_force
+from longwave.derive import LATTICES
+from longwave.derive.intervals import WIDE
+from longwave.scenes.fits.force_data import ForceData, read_force
+from longwave.scenes.fits.force_fit import ForceFit, fit_points
+from longwave.scenes.fits.force_law import stated_law
+
+Points = NDArray[np.float64]
+
+STRETCH = np.linspace(-0.5, 0.5, 21)
+NOISE = 0.01
+
+
+def cubic(stretch: Points) -> Points:
+    return stretch + 0.5 * stretch**3
+
+
+def noisy(law: Callable[[Points], Points], seed: int, stretch: Points = STRETCH) -> Points:
+    return law(stretch) + NOISE * np.random.default_rng(seed).normal(size=stretch.size)
+
+
+def covered(fits: list[ForceFit], truth: list[float]) -> Points:
+    """The share of fits whose 95 % intervals hold each constant."""
+    return np.mean([abs(f.values - truth) < WIDE * f.deviations for f in fits], axis=0)
+
+
+@pytest.mark.parametrize(("points", "known"), [(21, True), (21, False), (6, False)])
+def test_intervals_cover_in_95_of_100(points: int, known: bool) -> None:
+    """Catches: sums for means, deviations for variances, a normal for Student's distribution, which
+    would cover in 86 of 100 at 6 points."""
+    law, stretch = stated_law("K2*x + K4*x**3"), np.linspace(-0.5, 0.5, points)
+    deviation = np.full(points, NOISE) if known else None
+    fits = [
+        fit_points(ForceData.of(stretch, noisy(cubic, seed, stretch), deviation), law)
+        for seed in range(400)
+    ]
+    assert (abs(covered(fits, [1.0, 0.5]) - 0.95) <= 0.02).all()
+    assert sum(bool(fit.doubts) for fit in fits[:100]) <= 4
+
+
+def test_intervals_of_a_law_that_is_not_linear_cover() -> None:
+    law = stated_law("a*(exp(b*x) - 1)")
+    data = (noisy(lambda x: 2 * (np.exp(0.7 * x) - 1), seed) for seed in range(60))
+    fits = [fit_points(ForceData.of(STRETCH, force), law) for force in data]
+    assert (covered(fits, [2.0, 0.7]) >= 0.88).all()
+
+
+def test_a_fit_is_that_of_scipy() -> None:
+    deviation = np.linspace(0.005, 0.02, STRETCH.size)
+    force = noisy(lambda x: np.tanh(2 * x), 0)
+    found = fit_force(STRETCH, force, deviation, "a*tanh(b*x)")
+    values, covariance = optimize.curve_fit(
+        lambda x, a, b: a * np.tanh(b * x), STRETCH, force, (1, 1), deviation, absolute_sigma=True
+    )
+    assert found.values == pytest.approx(values, rel=1e-5)
+    assert found.covariance == pytest.approx(covariance, rel=1e-4)
+    left = (force - values[0] * np.tanh(values[1] * STRETCH)) / deviation
+    assert found.chi_squared == pytest.approx(left @ left, rel=1e-6)
+    assert found.p_value == pytest.approx(stats.chi2.sf(left @ left, 19), rel=1e-6)
+
+
+@pytest.mark.parametrize("known", [True, False])
+def test_a_wrong_law_is_noticed(known: bool) -> None:
+    """A hidden cubic, of a twelfth of the force at the ends."""
+    deviation = np.full(41, NOISE) if known else None
+    stretch = np.linspace(-0.5, 0.5, 41)
+    doubted = [
+        fit_force(stretch, noisy(cubic, seed, stretch), deviation, "K2*x").doubts
+        for seed in range(60)
+    ]
+    assert sum(map(bool, doubted)) >= 57
+    assert any("the residuals follow a smooth curve along the stretch" in d for d in doubted[0])
+    assert any("chi^2 is" in doubt for doubts in doubted for doubt in doubts) == known
+
+
+def test_deviations_that_are_too_large_are_told() -> None:
+    found = fit_force(STRETCH, noisy(cubic, 1), np.full(21, 0.1), "K2*x + K4*x**3")
+    assert len(found.doubts) == 1
+    assert "the points scatter less than their deviations say: chi^2 is 0.0" in found.doubts[0]
+
+
+@pytest.mark.parametrize(
+    ("law", "constants"),
+    [
+        (lambda x: 2 * x, "K2"),
+        (cubic, "K2 K4"),
+        (lambda x: x + 0.5 * x**2, "K2 K3"),
+        (lambda x: x + 0.5 * x**2 + x**3, "K2 K3 K4"),
+    ],
+)
+def test_the_order_is_chosen_by_evidence(law: Callable[[Points], Points], constants: str) -> None:
+    stretch = np.linspace(-0.5, 0.5, 81)
+    fits = [fit_force(stretch, noisy(law, seed, stretch)) for seed in range(5)]
+    names = [" ".join(map(str, fit.law.free)) for fit in fits]
+    assert names.count(constants) >= 4
+    tried = dict(fits[0].evidence)
+    assert tried[names[0]] <= min(tried.values()) + 2
+    assert len(tried) == 8
+
+
+def test_few_points_allow_low_orders_alone() -> None:
+    found = fit_force([-0.4, -0.1, 0.2, 0.5, 0.6], [-0.41, -0.1, 0.2, 0.51, 0.61])
+    assert [names for names, _ in found.evidence] == ["K2", "K2 K3", "K2 K4"]
+    found = fit_force([0.1, 0.2, 0.3, 0.4, 0.5, 0.6], [0.1, 0.21, 0.3, 0.41, 0.5, 0.62])
+    assert [names for names, _ in found.evidence] == ["K2", "K2 K3", "K2 K3 K4"]
+
+
+def test_hertz_is_the_law_of_the_catalogue() -> None:
+    stretch = np.linspace(-0.5, 0.08, 41)
+    force = noisy(lambda x: -10 * (0.1 - x) ** 1.5, 0, stretch)
+    found = fit_force(stretch, force, law="hertz")
+    assert found.law.force == LATTICES["granular"].bonds[0].force
+    assert found.lattice.bonds == LATTICES["granular"].bonds
+    assert (abs(found.values - [10, 0.1]) < 3 * found.deviations).all()
+    assert (found.deviations < [0.03, 1e-3]).all()
+    fixed = fit_force(stretch, force, law="hertz", fixed={"d": "1/10"})
+    assert fixed.deviations[0] < 0.5 * found.deviations[0]
+    measured = fixed.lattice.measured
+    assert measured is not None
+    assert (float(dict(measured.values)["d"]), measured.deviations["d"]) == (0.1, 0.0)
+
+
+def test_the_lattice_has_the_constants_with_their_covariance() -> None:
+    found = fit_force(STRETCH, noisy(lambda x: x + 2 * x**3, 3), law="K2*x + K4*x**3")
+    lattice = found.lattice
+    assert lattice.text().endswith("F(x) = K2 x + K4 x^3")
+    assert [symbol.is_positive for symbol in lattice.constants] == [True, True]
+    measured = lattice.measured
+    assert measured is not None
+    assert [float(value) for _, value in measured.values] == found.values.tolist()
+    assert np.array_equal(measured.covariance, found.covariance)
+    uncertain = fit_force(STRETCH, noisy(np.sin, 3), law="K2*x + K4*x**3").lattice
+    assert [symbol.is_positive for symbol in uncertain.constants] == [True, None]
+
+
+@pytest.mark.parametrize("scale", [1e-6, 1.0, 1e4])
+def test_units_of_any_size_make_no_difference(scale: float) -> None:
+    """Catches: normal equations of constants that differ by 20 orders of magnitude."""
+    found = fit_force(scale * STRETCH, noisy(cubic, 3), law="K2*x + K3*x**2 + K4*x**3")
+    usual = fit_force(STRETCH, noisy(cubic, 3), law="K2*x + K3*x**2 + K4*x**3")
+    powers = scale ** np.arange(1, 4)
+    assert found.values * powers == pytest.approx(usual.values, rel=1e-8)
+    assert found.deviations * powers == pytest.approx(usual.deviations, rel=1e-8)
+
+
+def test_points_without_noise_are_no_wrong_law() -> None:
+    found = fit_force(STRETCH, 2 * STRETCH)
+    assert found.law.text == "K2*x"
+    assert found.values == pytest.approx([2])
+    assert not found.doubts
+    assert math.isnan(found.smooth_p_value)
+
+
+@pytest.mark.parametrize(
+    ("law", "message"),
+    [
+        ("table", "law must be a formula or hertz, got table"),
+        ("K2*x + ", "law: expected a number, a name or '\\(', got the end"),
+        ("__import__('os')", "law: expected a formula, got '_'"),
+        ("x", "a formula in the stretch x and constants, one of them not fixed, got 'x'"),
+        ("K2*y", "a formula in the stretch x and constants"),
+        ("K2*x*eps", "a formula in the stretch x and constants"),
+        ("T*x", "constants must have names other than"),
+        ("K*sqrt(x)", "force must be real and smooth about zero stretch"),
+        ("a*b*x", "told apart by the points, got a, b, other values .* such as a=1"),
+        ("a*x + b*x**2 + c*x**2/3", "told apart by the points, got b, c, other"),
+        ("a*log(-1 - exp(b*x))", "law must have a value at all stretches"),
+    ],
+)
+def test_what_is_no_law_is_told(law: str, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        fit_force(STRETCH, noisy(cubic, 0), law=law)
+
+
+@pytest.mark.parametrize(
+    ("law", "fixed", "message"),
+    [
+        ("K2*x", {"K3": 1}, "fixed constants must be among K2, got 'K3'"),
+        ("K2*x", {"K2": 1}, "one of them not fixed"),
+        ("K2*x + K3*x**2", {"K3": "eps"}, "K3 must not depend on eps"),
+        (None, {"K2": 1}, "fixed constants must come with a law, got K2 alone"),
+    ],
+)
+def test_what_cannot_be_fixed_is_told(law: str | None, fixed: dict[str, str], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        fit_force(STRETCH, noisy(cubic, 0), law=law, fixed=fixed)
+
+
+LINES = [f"{x:.3f},{f:.4f}" for x, f in zip(STRETCH, noisy(cubic, 2), strict=True)]
+UP = np.linspace(0, 1, 21)
+FILES: dict[str, tuple[str, str]] = {
+    "empty": ("", "line 1 must name the columns stretch, force .* got ''"),
+    "no header": ("\n".join(LINES), r"line 1 must name .* got '-0.500,-0.5\d+' \(write stretch,f"),
+    "other header": ("mm,N\n" + "\n".join(LINES), "line 1 must name the columns"),
+    "a column more": ("stretch,force,time\n1,2,3\n", "line 1 must name the columns"),
+    "word": ("stretch,force\n0,0\n0.1,abc\n", "line 3 must hold finite numbers, got '0.1,abc'"),
+    "nan": ("stretch,force\n0,0\n0.1,nan\n", "line 3 must hold finite numbers, got '0.1,nan'"),
+    "inf": ("stretch,force\n0,0\n0.1,inf\n", "line 3 must hold finite numbers"),
+    "short": ("stretch,force\n0,0\n0.1\n", "line 3 must hold 2 numbers, stretch force, got '0.1'"),
+    "blank": ("stretch,force\n0,0\n\n1,1\n", "line 3 must hold 2 numbers, stretch force, got ''"),
+    "comma": ("stretch;force\n0;0\n0,1;0,1\n", "line 3 must hold finite numbers"),
+    "few": ("stretch,force\n0,0\n1,1\n", "points must be at least 4, got 2"),
+    "few for it": ("stretch,force\n0,0\n1,1\n2,2\n3,3.1\n", r"at least 5 for the 2 constants of"),
+    "doubled": (
+        "stretch,force\n" + "\n".join([*LINES, LINES[4]]),
+        "rows must be different, got row 22 the same as row 5",
+    ),
+    "deviation": (
+        "stretch,force,deviation\n0,0,1\n1,1,0\n2,2,1\n3,3,1\n",
+        "deviation must satisfy deviation > 0, got 0 in row 2",
+    ),
+    "one stretch": ("stretch,force\n1,1\n1,2\n1,3\n1,4\n1,5\n", "stretch must vary, got 1"),
+    "no force": ("stretch,force\n1,0\n2,0\n3,0\n4,0\n5,0\n", "force must vary, got 0 in all rows"),
+    "order": (
+        "stretch,force\n" + "\n".join(LINES[i * 8 % 21] for i in range(21)),
+        r"stretch must rise or fall from row to row, got \d+ turns in 21 rows \(sort",
+    ),
+    "loop": (
+        "stretch,force\n"
+        + "\n".join(f"{x:.3f},{x + 0.1 * x * (1 - x):.4f}" for x in UP)
+        + "\n"
+        + "\n".join(f"{x:.3f},{x - 0.1 * x * (1 - x):.4f}" for x in UP[-2:0:-1]),
+        r"loading and unloading must agree within the noise, .* \(a loop: .* rows 1 to 21\)",
+    ),
+    "bytes": ("stretch,force\n\udcff", "force law must be a text in UTF-8"),
+}
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_what_is_no_force_law_is_told_in_one_line(name: str, tmp_path: Path) -> None:
+    text, message = FILES[name]
+    path = tmp_path / "force.csv"
+    path.write_bytes(text.encode("utf-8", "surrogateescape"))
+    with pytest.raises(ValueError, match=message) as error:
+        fit_points(read_force(path), stated_law("K2*x + K4*x**3"))
+    assert str(error.value).count("\n") == 0
+    assert name == "few for it" or "force.csv" in str(error.value)
+
+
+@pytest.mark.parametrize("mark", [",", ";", "\t"])
+def test_a_file_is_read_with_any_mark_and_order_of_columns(mark: str, tmp_path: Path) -> None:
+    path = tmp_path / "force.csv"
+    rows = ["Force, stretch , deviation", "1,0.2,.1", "2,0.4,.1", "3,0.5,.2", "4,0.7,.3"]
+    path.write_text("\n".join(rows).replace(",", mark) + "\n\n", "utf-8")
+    found = read_force(path)
+    assert found.stretch.tolist() == [0.2, 0.4, 0.5, 0.7]
+    assert found.force.tolist() == [1, 2, 3, 4]
+    assert found.deviation is not None
+    assert found.deviation.tolist() == [0.1, 0.1, 0.2, 0.3]
+
+
+@pytest.mark.parametrize("deviation", [None, NOISE])
+def test_branches_that_agree_are_one_law(deviation: float | None) -> None:
+    """Catches: a loop that is only noise, or that is only the chords between points."""
+    for seed in range(20):
+        stretch = np.concatenate([UP, UP[-2::-1] + 0.02, UP[1:]])
+        sd = None if deviation is None else np.full(stretch.size, deviation)
+        found = ForceData.of(stretch, noisy(cubic, seed, stretch), sd)
+        assert found.stretch.size == 61
+        assert (np.diff(found.stretch) >= 0).all()
+
+
+@pytest.mark.parametrize("deviation", [None, NOISE])
+def test_a_loop_wider_than_the_noise_is_one(deviation: float | None) -> None:
+    stretch = np.concatenate([UP, UP[-2::-1]])
+    width = np.concatenate([0.02 * np.ones(21), -0.02 * np.ones(20)])
+    sd = None if deviation is None else np.full(stretch.size, deviation)
+    for seed in range(20):
+        with pytest.raises(ValueError, match="loading and unloading must agree"):
+            ForceData.of(stretch, noisy(cubic, seed, stretch) + width, sd)
+
+
+def test_jitter_of_the_stretch_is_no_turn() -> None:
+    stretch = np.linspace(0, 1, 200) + 0.02 * np.random.default_rng(0).normal(size=200)
+    assert ForceData.of(stretch, noisy(cubic, 0, stretch)).stretch.size == 200
+
+
+def test_lists_that_are_none_are_told() -> None:
+    for given, message in (
+        (([1, 2, 3, 4], [1, 2, 3]), "force must have a number for each stretch, 4, got 3"),
+        (("a", [1]), "stretch must be a list of numbers, got 'a'"),
+        (([1, 2, 3, 4], [1, math.nan, 3, 4]), "force must be finite, got nan in row 2"),
+        (([[1, 2], [3, 4]], [1, 2]), "stretch must be a list of numbers"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            fit_force(*given)  # type: ignore[arg-type]
+
+
+def written(folder: Path) -> Path:
+    path = folder / "force.csv"
+    path.write_text("stretch,force,deviation\n" + "\n".join(f"{x},0.01" for x in LINES), "utf-8")
+    return path
+
+
+def test_units_are_brought_to_metres_and_newtons(tmp_path: Path) -> None:
+    pytest.importorskip("pint")
+    plain, scaled = read_force(written(tmp_path)), read_force(written(tmp_path), "mm,kN")
+    assert scaled.stretch == pytest.approx(1e-3 * plain.stretch)
+    assert scaled.force == pytest.approx(1e3 * plain.force)
+    assert scaled.deviation == pytest.approx(np.full(21, 10.0))
+    assert read_force(written(tmp_path), "inch, kgf").stretch == pytest.approx(
+        0.0254 * plain.stretch
+    )
+
+
+@pytest.mark.parametrize(
+    ("units", "message"),
+    [
+        ("mm", "--units must be a length and a force, got 'mm'"),
+        ("mm,N**9", r"--units must be a length and a force, got 'mm,N\*\*9'"),
+        ("mm,kg", "got kg, which cannot be brought to N"),
+        ("N,mm", "got N, which cannot be brought to m "),
+        ("mmm,N", "got mmm, which is no unit"),
+    ],
+)
+def test_wrong_units_are_told(units: str, message: str, tmp_path: Path) -> None:
+    if "got '" not in message:
+        pytest.importorskip("pint")
+    with pytest.raises(ValueError, match=message):
+        read_force(written(tmp_path), units)
+
+
+def test_without_pint_units_say_what_to_install(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "pint", None)
+    with pytest.raises(ValueError, match=r"pip install 'longwave\[units\]'"):
+        read_force(written(tmp_path), "mm,N")
