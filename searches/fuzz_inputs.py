@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cache
@@ -68,6 +69,36 @@ def lattice(draw: Random) -> FuzzCase:
     if draw.random() < 0.1:
         words.insert(1, "check")
     return FuzzCase("lattice", tuple(words), {"hostile.toml": content})
+
+
+def force_law(draw: Random) -> FuzzCase:
+    """Points of a force law, fitted."""
+    rows = [re.split("([,;])", row) for row in draw.choice(seeds("force law")).splitlines()]
+    for _ in range(few(draw)):
+        row, likely = draw.choice(rows), f"{draw.uniform(-2, 2):.3g}"
+        hostile = draw.random() < 0.3
+        row[2 * draw.randrange((len(row) + 1) // 2)] = (
+            draw.choice((*NUMBERS, *TEXTS)) if hostile else likely
+        )
+    content = "\n".join(map("".join, rows)).encode("utf-8", "surrogatepass")
+    if draw.random() < 0.2:
+        content = changed_bytes(draw, content)
+    words = ["fit", "hostile.csv"]
+    for option, texts in FITTING.items():
+        if draw.random() < 0.25:
+            words += [option, draw.choice(texts if draw.random() < 0.7 else option_texts())]
+    if draw.random() < 0.2:
+        words += ["--plot", draw.choice(outputs())]
+    if draw.random() < 0.5:
+        words += ["--output", "chain.toml"]
+    return FuzzCase("force law", tuple(words), {"hostile.csv": content})
+
+
+FITTING = {
+    "--law": ("hertz", "table", "K2*x + K4*x**3", "a*tanh(b*x) + c*sin(b*x)", "x", "K", "1/x"),
+    "--fix": ("K2=1", "a=2", "d=0", "b=1/0"),
+    "--units": ("mm,N", "mm", "N,N"),
+}
 
 
 def problem(draw: Random) -> FuzzCase:
@@ -287,6 +318,7 @@ KINDS: Mapping[str, Callable[[Random], FuzzCase]] = {
     "scene": scene,
     "lattice scene": lattice_scene,
     "lattice": lattice,
+    "force law": force_law,
     "problem": problem,
     "certificate": certificate,
     "sweep": sweep,

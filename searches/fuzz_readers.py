@@ -30,6 +30,7 @@ with atheris.instrument_imports(
     from longwave.cli.certificates import read_certificates
     from longwave.derive.lattice_file import read_lattice
     from longwave.runs.run_file import load_run, scene_of_run
+    from longwave.scenes.fits.force_data import read_force
     from longwave.scenes.named_scenes import load_scene
     from longwave.verify.problem_file import problem_texts
 
@@ -39,6 +40,7 @@ READERS: dict[str, Callable[[Path], Any]] = {
     "scene": lambda path: load_scene(str(path)),
     "lattice scene": lambda path: load_scene(str(path)),
     "lattice": read_lattice,
+    "force law": read_force,
     "problem": problem_texts,
     "certificate": read_certificates,
     "run file": lambda path: scene_of_run(load_run(path)),

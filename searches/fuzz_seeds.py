@@ -121,6 +121,15 @@ K3 = 0.6
 K4 = 1
 """
 
+FORCE_LAWS = tuple(
+    "\n".join([header, *(row.format(x / 8, x / 8 + x**3 / 999) for x in range(-8, 9, 2))])
+    for header, row in (
+        ("stretch,force", "{:.3f},{:.4f}"),
+        ("stretch,force,deviation", "{:.3f},{:.4f},0.001"),
+        ("force;stretch", "{1:.4f};{0:.3f}"),
+    )
+)
+
 LATTICES = (
     """\
 name = "mass_in_mass"
@@ -136,6 +145,14 @@ force = "K2*x + K4*x**3"
 [[spring]]
 between = ["u[n]", "v[n]"]
 force = "g*x"
+
+[constants]
+K2 = 1.0
+K4 = 0.5
+
+[covariance]
+K2 = {K2 = 1e-4, K4 = 1e-3}
+K4 = {K2 = 1e-3, K4 = 0.04}
 """,
     """\
 name = "strain"
@@ -249,6 +266,8 @@ def seeds(kind: str) -> tuple[str, ...]:
     folders = {"scene": "scenes/shipped/paper", "lattice scene": "scenes/shipped/lattices"}
     if kind == "lattice":
         return LATTICES
+    if kind == "force law":
+        return FORCE_LAWS
     if kind == "sweep":
         shipped = sorted((HOUSE / "runs" / "sweeps").glob("*.toml"))
         return *(SWEEPS * 20), *(path.read_text(encoding="utf-8") for path in shipped)

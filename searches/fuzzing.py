@@ -37,6 +37,7 @@ SHARES = {
     "scene": 20,
     "lattice scene": 8,
     "lattice": 32,
+    "force law": 4,
     "problem": 12,
     "certificate": 20,
     "sweep": 1,

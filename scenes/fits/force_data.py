@@ -33,6 +33,8 @@ LARGEST = 10_000_000
 FEWEST = 4
 """Points; a law has fewer constants, and something must be left to judge it by."""
 
+MOST = 100_000
+
 TURN = 0.1
 """Share of the range of stretch by which it must go back to have turned: less is noise of it."""
 
@@ -91,8 +93,10 @@ def _column(name: str, given: ArrayLike) -> Points:
 
 
 def _check_points(rows: Points) -> None:
-    if len(rows) < FEWEST:
-        raise ValueError(f"points must be at least {FEWEST}, got {len(rows)} (measure more)")
+    if not FEWEST <= len(rows) <= MOST:
+        raise ValueError(
+            f"points must be {FEWEST} to {MOST}, got {len(rows)} (measure more, or take means)"
+        )
     if rows.shape[1] > 2:
         for row in np.flatnonzero(rows[:, 2] <= 0):
             raise ValueError(

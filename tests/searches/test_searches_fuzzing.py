@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 from longwave.cli.certificates import read_certificates
 from longwave.derive.lattice_file import read_lattice
 from longwave.runs.run_file import load_run, scene_of_run
+from longwave.scenes.fits.force_data import read_force
 from longwave.scenes.named_scenes import load_scene
 from longwave.verify.problem_file import problem_texts
 from searches import fuzz_server
@@ -40,6 +41,7 @@ READERS = {
     "scene": load_scene,
     "lattice scene": load_scene,
     "lattice": lambda path: read_lattice(Path(path)),
+    "force law": read_force,
     "problem": lambda path: problem_texts(Path(path)),
     "certificate": lambda path: read_certificates(Path(path)),
     "run file": lambda path: scene_of_run(load_run(path)),
@@ -49,7 +51,7 @@ READERS = {
 @pytest.mark.parametrize(
     "kind",
     [
-        *("scene", "lattice scene", "lattice", "problem"),
+        *("scene", "lattice scene", "lattice", "force law", "problem"),
         *(pytest.param(kind, marks=pytest.mark.slow) for kind in ("certificate", "run file")),
     ],
 )

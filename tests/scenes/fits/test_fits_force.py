@@ -211,7 +211,7 @@ FILES: dict[str, tuple[str, str]] = {
     "short": ("stretch,force\n0,0\n0.1\n", "line 3 must hold 2 numbers, stretch force, got '0.1'"),
     "blank": ("stretch,force\n0,0\n\n1,1\n", "line 3 must hold 2 numbers, stretch force, got ''"),
     "comma": ("stretch;force\n0;0\n0,1;0,1\n", "line 3 must hold finite numbers"),
-    "few": ("stretch,force\n0,0\n1,1\n", "points must be at least 4, got 2"),
+    "few": ("stretch,force\n0,0\n1,1\n", "points must be 4 to 100000, got 2"),
     "few for it": ("stretch,force\n0,0\n1,1\n2,2\n3,3.1\n", r"at least 5 for the 2 constants of"),
     "doubled": (
         "stretch,force\n" + "\n".join([*LINES, LINES[4]]),
