@@ -179,13 +179,28 @@ class Envelope(Displayed):
         texts = {name: mpmath.nstr(found[name].real, DIGITS) for name in _MAPPED}
         return _nls_form({n: parse_rational(n, text) for n, text in texts.items()}, DIGITS)
 
+    @property
+    def in_constants(self) -> dict[str, Expr]:
+        """omega and the real coefficients in k and the lattice's constants, of one field in a cell.
+
+        >>> from longwave.derive import LATTICES
+        >>> envelope(LATTICES["beta_fput"], k=pi).in_constants["q"]
+        -12*K4/sqrt(K2)
+        """
+        angle = k if self.wavenumber is None else self.wavenumber
+        return self._exact_numbers(angle, self.carrier.lattice.with_defined(self.constants))
+
     def _exact_numbers(self, angle: Expr, values: Mapping[Symbol, Expr]) -> dict[str, Expr]:
-        """v, p and q where the dispersion relation is linear in omega^2."""
+        """omega and the real coefficients where the dispersion relation is linear in omega^2."""
         relation = self.carrier.relation.powers_of(w)
         at = {sine: sin(angle / 2), cosine: cos(angle / 2), **values}
         at[frequency] = sqrt(in_sines(relation[0] / relation[2])[0].subs(at))
-        parts = {name: in_sines(self.parts[name])[name in IMAGINARY] for name in _MAPPED}
-        return {name: part.subs(at) for name, part in parts.items()}
+        found = {"omega": at[frequency]}
+        for name, value in self.parts.items():
+            real, imaginary = (part.subs(at) for part in in_sines(value))
+            if (real if name in IMAGINARY else imaginary) == 0:
+                found[name] = imaginary if name in IMAGINARY else real
+        return found
 
     def _values(self, constants: Mapping[str, Number]) -> dict[Symbol, Expr]:
         lattice = self.carrier.lattice

@@ -29,6 +29,10 @@ SAME_ENDS = 0.05
 """Share of an interval's width by which derivatives may miss its ends."""
 
 
+LAST_PLACES = (-6, 3)
+"""Of numbers without a power of ten: the power of their last digit."""
+
+
 @dataclass(frozen=True)
 class Interval:
     """A number that follows from measured constants, its standard deviation and 95 % interval.
@@ -50,7 +54,7 @@ class Interval:
         low, high = (rounded(end, self.deviation) for end in self.ends)
         line = rounded(self.value, self.deviation)
         if self.deviation:
-            line += f" +- {short(self.deviation)}, {low} .. {high}"
+            line += f" +- {rounded(self.deviation, self.deviation)}, {low} .. {high}"
         if self.sampled:
             low, high = (rounded(end, self.deviation) for end in self.by_derivatives)
             line += f" (sampled; by derivatives {low} .. {high})"
@@ -132,25 +136,18 @@ def intervals_of_reduction(reduction: Reduction, measured: Measured) -> dict[str
     return {name: intervals.of(expression) for name, expression in found.items()}
 
 
-def short(deviation: float) -> str:
-    """A standard deviation in two digits.
-
-    >>> short(0.005), short(32.0)
-    ('0.0050', '32')
-    """
-    return f"{deviation:#.2g}".rstrip(".")
-
-
 def rounded(value: float, deviation: float) -> str:
     """The value to two digits of its standard deviation.
 
-    >>> rounded(1.00105, 0.0017), rounded(123456.0, 320.0), rounded(0.0, 0.1), rounded(2.5, 0.0)
-    ('1.0010', '1.2346e+05', '0.00', '2.5')
+    >>> rounded(1.00105, 0.0017), rounded(1234.6, 32.0), rounded(0.0, 0.1), rounded(2.5, 0.0)
+    ('1.0010', '1235', '0.00', '2.5')
+    >>> rounded(12345.6, 3200.0), rounded(1.23456e9, 3.2e6)
+    ('12300', '1.2346e+09')
     """
     if not deviation or not math.isfinite(deviation):
         return f"{value:.6g}"
     place = math.floor(math.log10(deviation)) - 1
-    if -6 <= place <= 0:
-        return f"{value:.{-place}f}"
+    if LAST_PLACES[0] <= place <= LAST_PLACES[1]:
+        return f"{round(value, -place):.{max(-place, 0)}f}"
     digits = math.floor(math.log10(abs(value) or deviation)) - place
     return f"{value:.{min(max(digits, 1), 15)}e}"

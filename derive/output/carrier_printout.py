@@ -20,10 +20,11 @@ from longwave.derive.carrier_envelope import (
 )
 from longwave.derive.checks import Check, checks_of_envelope, simple_numbers
 from longwave.derive.expected_derivation import CHEAPER_CARRIER, envelope_seconds
+from longwave.derive.intervals import Interval, Intervals
 from longwave.derive.lattice import Lattice
-from longwave.derive.normal_form import NORMAL_EQUATIONS, NormalForm
+from longwave.derive.normal_form import NORMAL_EQUATIONS, NormalForm, normal_form_of
 from longwave.derive.output.notation import aligned, latex_of, text_of
-from longwave.derive.output.printout import DeriveOptions, count, given_constants
+from longwave.derive.output.printout import DeriveOptions, count, given_constants, varied
 from longwave.derive.output.report import form_data
 from longwave.derive.symbols import eps
 from longwave.support.command_line import check_and_announce
@@ -98,12 +99,34 @@ def _lines(
     names = [n for n in found.parts if options.orders != str(NLS_ORDER) or n not in NEXT_ORDER]
     numbers = found.coefficients(chosen, None, **values) if chosen is not None and values else None
     form = found.normal_form(chosen, None, **values) if numbers else None
+    intervals, word = _intervals(lattice, found, values, options) if numbers else ({}, "")
     if options.form == "json":
-        yield json.dumps(_data(found, names, numbers, form), indent=2)
+        data = _data(found, names, numbers, form)
+        if intervals:
+            data["intervals"] = {name: asdict(interval) for name, interval in intervals.items()}
+        yield json.dumps(data, indent=2)
     elif options.form == "latex":
         yield _latex(found, names, numbers)
     else:
-        yield from _texts(found, names, numbers, form, chosen)
+        yield from _texts(found, names, numbers, form, chosen, intervals, word)
+
+
+def _intervals(
+    lattice: Lattice, found: Envelope, values: Values, options: DeriveOptions
+) -> tuple[dict[str, Interval], str]:
+    """The intervals of what follows from the lattice's measured constants, and a word on them."""
+    if lattice.measured is None:
+        return {}, ""
+    if len(lattice.fields) > 1:
+        return {}, "(no intervals: they are for one field in a cell)"
+    measured, word = varied(lattice, lattice.basic_constants, values, options)
+    if measured is None:
+        return {}, word
+    symbolic = envelope(lattice, k=found.wavenumber) if found.constants else found
+    numbers = symbolic.in_constants
+    form = normal_form_of(numbers["v"], {"A_XX": numbers["p"], "|A|^2 A": numbers["q"]})
+    intervals = Intervals(measured, lattice.basic_constants)
+    return {name: intervals.of(value) for name, value in {**numbers, **form.values}.items()}, word
 
 
 def _data(
@@ -144,6 +167,8 @@ def _texts(
     numbers: EnvelopeNumbers | None,
     form: NormalForm | None,
     chosen: Expr | None,
+    intervals: Mapping[str, Interval],
+    word: str,
 ) -> Iterator[str]:
     lattice = found.lattice
     yield lattice.title
@@ -159,12 +184,18 @@ def _texts(
             yield f"  where {symbol} = {text_of(value.subs(found.constants))}"
         return
     yield f"i A_T + p A_XX + q |A|^2 A = 0 at k = {chosen}:"
+    if word:
+        yield f"  {word}"
     values = asdict(numbers)
-    yield from (f"  {name} = {_rounded(values[name])}" for name in ("omega", *names))
+
+    def line(name: str, value: complex) -> str:
+        return f"  {name} = {intervals[name].text() if name in intervals else _rounded(value)}"
+
+    yield from (line(name, values[name]) for name in ("omega", *names))
     kind = "unstable, solitons bright" if numbers.is_focusing else "stable, solitons dark"
     yield f"plane waves are {kind}: p q {'>' if numbers.is_focusing else '<'} 0"
     yield f"normal form {NORMAL_EQUATIONS[form.equation].text}, {form.map_text}:"
-    yield from (f"  {name} = {_rounded(float(value))}" for name, value in form.values.items())
+    yield from (line(name, float(value)) for name, value in form.values.items())
 
 
 # the map

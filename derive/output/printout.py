@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
-from sympy import Expr
+from sympy import Expr, Symbol
 
 from longwave.derive.balances import about_mean, best_balance, find_scaling
 from longwave.derive.direction import DRIFT, read_direction, slow_variables
@@ -17,6 +17,7 @@ from longwave.derive.expected_derivation import CHEAPER_ORDER, reduction_seconds
 from longwave.derive.intervals import Interval, intervals_of_reduction
 from longwave.derive.lattice import Lattice
 from longwave.derive.lattice_file import read_lattice
+from longwave.derive.measured import Measured
 from longwave.derive.models.lattices import FPUT_STRAIN, LATTICES
 from longwave.derive.models.mkdv import initial_velocity, initial_velocity_latex
 from longwave.derive.multiscale import FURTHER_ORDERS, ReductionError, reduce
@@ -99,7 +100,8 @@ def _reduction_lines(lattice: Lattice, options: DeriveOptions) -> Iterator[str]:
         yield f"{lattice.name}: {reduction.pde.kind}: {reduction.pde.text()}"
         yield from map(Check.text, checks_of_reduction(reduction))
         return
-    intervals, word = _intervals(lattice, reduction, values, options)
+    measured, word = varied(lattice, reduction.lattice.basic_constants, values, options)
+    intervals = {} if measured is None else intervals_of_reduction(reduction, measured)
     numbers = list(_number_lines(reduction, values, intervals, word))
     is_paper = reduction.lattice == FPUT_STRAIN and reduction.scaling == Scaling()
     if options.form == "json":
@@ -274,26 +276,26 @@ def _linear_lines(reduction: Reduction) -> Iterator[str]:
     yield f"initial velocity: s = {text_of(initial_velocity())}"
 
 
-def _intervals(
-    lattice: Lattice, reduction: Reduction, values: Mapping[str, Expr], options: DeriveOptions
-) -> tuple[dict[str, Interval], str]:
-    """The intervals of what follows from the lattice's measured constants, and a word on them.
+def varied(
+    lattice: Lattice, left: Iterable[Symbol], values: Mapping[str, Expr], options: DeriveOptions
+) -> tuple[Measured | None, str]:
+    """The lattice's constants as they were measured, what is typed exact, and a word on intervals.
 
-    They are those of numbers alone: a constant without a value has none, and what had to be put in
-    before the expansion is no symbol that could be varied.
+    None where there are none: a constant of those that are ``left`` in what is derived has no
+    value, or one that was measured had to be put in before the expansion.
     """
     if lattice.measured is None:
-        return {}, ""
-    left = {str(symbol) for symbol in reduction.lattice.basic_constants}
-    varied = {name for name, deviation in lattice.measured.deviations.items() if deviation}
-    varied -= options.constants.keys()
-    if fixed := sorted(varied - left):
-        return {}, f"(no intervals: {', '.join(fixed)} had to be put in before the expansion)"
-    if unknown := sorted(left - values.keys()):
-        return {}, f"(no intervals: {', '.join(unknown)} has no value)"
-    exact = {name: v for name, v in values.items() if name not in varied}
-    found = intervals_of_reduction(reduction, lattice.measured.with_exact(exact))
-    return found, "(with standard deviations and 95 % intervals, by the constants' covariance)"
+        return None, ""
+    names = {str(symbol) for symbol in left}
+    uncertain = {name for name, deviation in lattice.measured.deviations.items() if deviation}
+    uncertain -= options.constants.keys()
+    if fixed := sorted(uncertain - names):
+        return None, f"(no intervals: {', '.join(fixed)} had to be put in before the expansion)"
+    if unknown := sorted(names - values.keys()):
+        return None, f"(no intervals: {', '.join(unknown)} has no value)"
+    exact = {name: value for name, value in values.items() if name not in uncertain}
+    word = "(with standard deviations and 95 % intervals, by the constants' covariance)"
+    return lattice.measured.with_exact(exact), word
 
 
 def _number_lines(

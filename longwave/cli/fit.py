@@ -10,7 +10,7 @@ from typing import Any
 
 from rich.table import Table
 
-from longwave.derive.intervals import WIDE, rounded, short
+from longwave.derive.intervals import WIDE, rounded
 from longwave.scenes.fits.force_data import read_force
 from longwave.scenes.fits.force_fit import AS_GOOD, SMOOTH, ForceFit, fit_points
 from longwave.scenes.fits.force_law import stated_law
@@ -99,7 +99,10 @@ def print_fit(found: ForceFit, where: str) -> None:
     for name, value, deviation, correlations in rows:
         low, high = (rounded(value + sign * WIDE * deviation, deviation) for sign in (-1, 1))
         shown = [f"{entry:.2f}" for entry in correlations] if across else []
-        figures = f"{rounded(value, deviation)} +- {short(deviation)}", f"{low} .. {high}"
+        figures = (
+            f"{rounded(value, deviation)} +- {rounded(deviation, deviation)}",
+            f"{low} .. {high}",
+        )
         table.add_row(name, *figures, *shown)
     table_console().print(table)
     print_lines(console, [*_evidence(found), *_judgement(found), *_warnings(found)])

@@ -168,8 +168,30 @@ def test_where_there_are_no_intervals_it_is_told_why(tmp_path: Path, capsys: Out
     assert "(no intervals: K2, K4 had to be put in before the expansion)" in printed
 
 
-def test_an_envelope_takes_the_measured_values(tmp_path: Path, capsys: Output) -> None:
+def test_an_envelope_has_intervals_too(tmp_path: Path, capsys: Output) -> None:
+    """At k = pi: omega = 2 sqrt(K2), q = -12 K4/sqrt(K2)."""
     printed = derived(tmp_path, capsys, CHAIN, "--envelope", "k=pi")
-    given = derived(tmp_path, capsys, CHAIN, "--envelope", "k=pi", "--set", "K2=1.0021,K4=1/2")
-    assert printed == given
-    assert "  omega = 2.0020" in printed
+    assert "  omega = 2.0021 +- 0.0100, 1.9825 .. 2.0217\n" in printed
+    assert "  v = 0\n" in printed
+    data = json.loads(derived(tmp_path, capsys, CHAIN, "--envelope", "k=pi", "--json"))
+    intervals = data["intervals"]
+    assert intervals["q"]["value"] == pytest.approx(data["numbers"]["q"], rel=1e-12)
+    gradient = (3 / 1.0021**1.5, -12 / math.sqrt(1.0021))
+    variance = gradient[0] ** 2 * 1e-4 + gradient[1] ** 2 * 0.04
+    variance -= 2 * gradient[0] * gradient[1] * 1e-3
+    assert intervals["q"]["deviation"] == pytest.approx(math.sqrt(variance), rel=1e-9)
+    assert intervals["h"]["sampled"]
+    given = derived(tmp_path, capsys, CHAIN, "--envelope", "k=pi", "--set", "K2=1,K4=1/2")
+    assert "  omega = 2\n" in given
+    assert "+-" not in given
+
+
+def test_several_fields_in_a_cell_have_envelopes_without_intervals(
+    tmp_path: Path, capsys: Output
+) -> None:
+    dimer = CHAIN.replace('["u"]', '["u", "v"]\nmasses = [1, "m"]')
+    dimer = dimer.replace('"u[n+1]"', '"v[n]"')
+    other = '{between = ["v[n]", "u[n+1]"], force = "K2*x"}'
+    dimer = dimer.replace('x**3"}]', f'x**3"}}, {other}]')
+    printed = derived(tmp_path, capsys, dimer, "--envelope", "k=2", "--set", "m=3")
+    assert "(no intervals: they are for one field in a cell)" in printed
