@@ -2,7 +2,8 @@
 
     name, title, lattice, wave, eps, order, t0, snapshots, times, slow_times, compared, half_width,
     observables, curve_points, look_points, tolerance, engine
-    [constants]   the lattice's: numbers, or formulas in text, with eps in it where they are small
+    [constants]   the lattice's: numbers, or formulas in text, with eps in it where they are small;
+                  in the place of those that the lattice's file has
     [parameters]  the wave's: numbers, or texts such as "K/2", "1/3"
     [long_wave]   amplitude, time (powers of eps), background (a mean strain); all may be left out
     [envelope]    k (the carrier's wavenumber, such as "pi/2"), branch
@@ -122,6 +123,8 @@ def scene_fields(given: Mapping[str, Any], folder: Path = Path()) -> dict[str, A
     found = {key: document[key] for key in (*TOP, *BENCH_TABLES) if key in document}
     found |= _lattice(document.get("lattice"), folder)
     found |= {name: tuple(table(document, name).items()) for name in PAIRS}
+    measured = table(json.loads(found.get("declared", "{}")), "constants")
+    found["constants"] = tuple({**measured, **dict(found["constants"])}.items())
     for name, fields in TABLES.items():
         entries = table(document, name)
         refuse_unknown(entries, tuple(fields), f" in [{name}]")

@@ -77,6 +77,20 @@ def test_a_file_names_the_file_of_a_lattice_beside_it(tmp_path: Path) -> None:
     assert other.declared == scene.declared
 
 
+@pytest.mark.parametrize(("stated", "m"), [("[constants]\nm = 3\n", 3), ("", 2.5)])
+def test_a_scene_has_the_constants_that_its_lattice_was_measured_to_have(
+    stated: str, m: float, tmp_path: Path
+) -> None:
+    cell = CELL.replace('"x + x**2"', '"K*x + x**2"')
+    cell += "[constants]\nK = 1.25\nm = 2.5\n[covariance]\nK = {K = 0.01}\n"
+    (tmp_path / "cell.toml").write_text(cell, "utf-8")
+    (tmp_path / "short.toml").write_text(FILE.replace("[constants]\nm = 3\n", stated), "utf-8")
+    scene = Scene.from_toml(tmp_path / "short.toml")
+    assert dict(scene.constants) == {"K": 1.25, "m": m}
+    (tmp_path / "again.toml").write_text(scene.toml(), "utf-8")
+    assert Scene.from_toml(tmp_path / "again.toml").constants == scene.constants
+
+
 def test_a_scene_is_run_as_its_lattice_and_wave_need(tmp_path: Path) -> None:
     (tmp_path / "cell.toml").write_text(CELL, "utf-8")
     (tmp_path / "short.toml").write_text(FILE, "utf-8")
