@@ -36,6 +36,9 @@ class ForceLaw:
                 f"{shown(self.text)} (such as K2*x + K4*x**3)"
             )
 
+    def __reduce__(self) -> tuple[object, ...]:
+        return ForceLaw, (self.force, self.fixed)
+
     @property
     def text(self) -> str:
         """The force as text."""

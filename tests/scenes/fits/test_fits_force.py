@@ -1,6 +1,7 @@
 """Force laws from points: the constants, their intervals, the order, and what is no force law."""
 
 import math
+import pickle
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -48,13 +49,14 @@ def test_intervals_cover_in_95_of_100(points: int, known: bool) -> None:
     ]
     assert (abs(covered(fits, [1.0, 0.5]) - 0.95) <= 0.02).all()
     assert sum(bool(fit.doubts) for fit in fits[:100]) <= 4
+    assert points < 10 or abs(np.mean([fit.smooth_p_value for fit in fits]) - 0.5) < 0.06
 
 
 def test_intervals_of_a_law_that_is_not_linear_cover() -> None:
     law = stated_law("a*(exp(b*x) - 1)")
-    data = (noisy(lambda x: 2 * (np.exp(0.7 * x) - 1), seed) for seed in range(60))
+    data = (noisy(lambda x: 2 * (np.exp(0.7 * x) - 1), seed) for seed in range(40))
     fits = [fit_points(ForceData.of(STRETCH, force), law) for force in data]
-    assert (covered(fits, [2.0, 0.7]) >= 0.88).all()
+    assert (covered(fits, [2.0, 0.7]) >= 0.85).all()
 
 
 def test_a_fit_is_that_of_scipy() -> None:
@@ -110,6 +112,29 @@ def test_the_order_is_chosen_by_evidence(law: Callable[[Points], Points], consta
     assert len(tried) == 8
 
 
+@pytest.mark.parametrize("known", [True, False])
+def test_evidence_is_aicc_and_the_fewest_constants_within_2_are_taken(known: bool) -> None:
+    """Catches: AIC without its correction, a noise that is not counted, the least AICc taken."""
+    deviation = np.full(21, NOISE) if known else None
+    simpler = 0
+    for seed in range(5, 9):
+        force = noisy(cubic, seed)
+        found = fit_force(STRETCH, force, deviation)
+        for names, value in found.evidence:
+            powers = [int(name[1:]) - 1 for name in names.split()]
+            matrix = np.column_stack([STRETCH**power for power in powers])
+            left = force - matrix @ np.linalg.lstsq(matrix, force)[0]
+            k = len(powers) if known else len(powers) + 1
+            lost = left @ left / NOISE**2 if known else 21 * math.log(left @ left / 21)
+            assert value == pytest.approx(lost + 2 * k + 2 * k * (k + 1) / (20 - k), rel=1e-8)
+        tried, taken = dict(found.evidence), " ".join(map(str, found.law.free))
+        good = [names for names, value in tried.items() if value <= min(tried.values()) + 2]
+        assert taken in good
+        assert len(taken.split()) == min(len(names.split()) for names in good)
+        simpler += tried[taken] > min(tried.values())
+    assert simpler
+
+
 def test_few_points_allow_low_orders_alone() -> None:
     found = fit_force([-0.4, -0.1, 0.2, 0.5, 0.6], [-0.41, -0.1, 0.2, 0.51, 0.61])
     assert [names for names, _ in found.evidence] == ["K2", "K2 K3", "K2 K4"]
@@ -132,6 +157,14 @@ def test_hertz_is_the_law_of_the_catalogue() -> None:
     assert (float(dict(measured.values)["d"]), measured.deviations["d"]) == (0.1, 0.0)
 
 
+def test_constants_that_hertz_needs_to_be_positive_are_so_declared() -> None:
+    stretch = np.linspace(-0.5, 0.08, 41)
+    noise = np.random.default_rng(0).normal(size=41)
+    found = fit_force(stretch, -10 * (0.1 - stretch) ** 1.5 + noise, law="hertz")
+    assert (found.values < 5 * found.deviations).any()
+    assert found.lattice.bonds == LATTICES["granular"].bonds
+
+
 def test_the_lattice_has_the_constants_with_their_covariance() -> None:
     found = fit_force(STRETCH, noisy(lambda x: x + 2 * x**3, 3), law="K2*x + K4*x**3")
     lattice = found.lattice
@@ -143,6 +176,13 @@ def test_the_lattice_has_the_constants_with_their_covariance() -> None:
     assert np.array_equal(measured.covariance, found.covariance)
     uncertain = fit_force(STRETCH, noisy(np.sin, 3), law="K2*x + K4*x**3").lattice
     assert [symbol.is_positive for symbol in uncertain.constants] == [True, None]
+
+
+def test_a_fit_pickles_with_what_it_has_computed() -> None:
+    found = fit_force(STRETCH, noisy(cubic, 3), law="K2*x + K4*x**3", fixed={"K4": "1/2"})
+    again = pickle.loads(pickle.dumps(found))
+    assert np.array_equal(again.residuals, found.residuals)
+    assert again.lattice == found.lattice
 
 
 @pytest.mark.parametrize("scale", [1e-6, 1.0, 1e4])
@@ -280,6 +320,21 @@ def test_a_loop_wider_than_the_noise_is_one(deviation: float | None) -> None:
     for seed in range(20):
         with pytest.raises(ValueError, match="loading and unloading must agree"):
             ForceData.of(stretch, noisy(cubic, seed, stretch) + width, sd)
+
+
+def test_a_loop_that_is_wide_in_one_place_is_one() -> None:
+    """Catches: the loop's own shape taken for noise."""
+    up = np.linspace(0, 1, 101)
+    stretch = np.concatenate([up, up[-2::-1]])
+    lens = 0.1 * np.exp(-(((stretch - 0.5) / 0.12) ** 2)) * np.repeat([0.5, -0.5], [101, 100])
+    with pytest.raises(ValueError, match="loading and unloading must agree"):
+        ForceData.of(stretch, noisy(cubic, 0, stretch) + lens)
+
+
+def test_two_short_branches_are_no_loop_by_chance() -> None:
+    stretch = np.array([0, 0.25, 0.5, 0.75, 1, 0.8, 0.6, 0.4, 0.2])
+    for seed in range(100):
+        ForceData.of(stretch, noisy(cubic, seed, stretch), np.full(9, NOISE))
 
 
 def test_jitter_of_the_stretch_is_no_turn() -> None:
