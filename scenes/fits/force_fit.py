@@ -201,9 +201,9 @@ def fit_force(
     """Fit a force law to points, in the order in which they were measured.
 
     ``law`` is a formula in the stretch x and constants, of which those in ``fixed`` have values, or
-    "hertz"; without it it is that polynomial K2 x + K3 x^2 + ..., or odd one, which has the fewest
-    constants of those whose AICc is within `AS_GOOD` of the least.  Raises ValueError for points
-    and laws that are none, and for constants that the points do not tell.
+    "hertz".  Without one it is a polynomial K2 x + K3 x^2 + ..., or an odd one: that of the fewest
+    constants among those whose AICc is within `AS_GOOD` of the least.  Raises ValueError for points
+    and laws that are none, and for constants that the points do not tell apart.
 
     >>> fitted = fit_force([-2, -1, 0, 1, 2], [-2.1, -0.9, 0.1, 1.0, 1.9], law="K2*x")
     >>> f"{fitted.values[0]:.2f} +- {fitted.deviations[0]:.2f}"
