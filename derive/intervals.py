@@ -29,6 +29,9 @@ SAME_ENDS = 0.05
 """Share of an interval's width by which derivatives may miss its ends."""
 
 
+OPENING = {"contact": lambda x: max(x, 0.0), "touching": lambda x: float(x > 0.0)}
+"""Functions that are not in Python's own `math`."""
+
 LAST_PLACES = (-6, 3)
 """Of numbers without a power of ten: the power of their last digit."""
 
@@ -110,7 +113,7 @@ class Intervals:
 
     def _drawn(self, expression: Expr) -> list[float]:
         """The expression at the samples where it is a real number."""
-        function = lambdify(self._symbols, expression, "math")
+        function = lambdify(self._symbols, expression, [OPENING, "math"])
         found = []
         for sample in self._samples:
             try:

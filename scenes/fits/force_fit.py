@@ -207,7 +207,7 @@ def fit_force(
 
     >>> fitted = fit_force([-2, -1, 0, 1, 2], [-2.1, -0.9, 0.1, 1.0, 1.9], law="K2*x")
     >>> f"{fitted.values[0]:.2f} +- {fitted.deviations[0]:.2f}"
-    '0.99 +- 0.05'
+    '0.99 +- 0.04'
     """
     return fit_points(ForceData.of(stretch, force, deviation), stated_law(law, fixed))
 

@@ -15,6 +15,7 @@ from longwave.derive.lattice import spring
 from longwave.derive.lattice_file import force_of_text
 from longwave.derive.models.lattices import LATTICES
 from longwave.derive.symbols import check_constants, eps, number_value, x
+from longwave.lattice.force_program import UNARY
 from longwave.scenes.fits.force_data import Points
 from longwave.support.user_files import shown
 
@@ -59,8 +60,10 @@ class LawValues:
     """A law at numbers: the forces at stretches, and their derivatives by each constant."""
 
     def __init__(self, force: Expr, free: Sequence[Symbol]) -> None:
-        self._force = lambdify((x, *free), force, "numpy")
-        self._slopes = [lambdify((x, *free), force.diff(symbol), "numpy") for symbol in free]
+        self._force, *self._slopes = (
+            lambdify((x, *free), expression, [UNARY, "numpy"])
+            for expression in (force, *(force.diff(symbol) for symbol in free))
+        )
         linear: list[Symbol] = []
         for symbol in free:
             if not force.diff(symbol).free_symbols & {symbol, *linear}:
@@ -90,7 +93,7 @@ def stated_law(text: str | None, fixed: Mapping[str, Number] | None = None) -> F
     name or value.
 
     >>> stated_law("K2*x + K4*x**3").free, stated_law("hertz").text
-    ((K2, K4), '-A*(d - x)**(3/2)')
+    ((K2, K4), '-A*contact(d - x)**(3/2)')
     """
     if text is None:
         if fixed:

@@ -157,6 +157,17 @@ def test_hertz_is_the_law_of_the_catalogue() -> None:
     assert (float(dict(measured.values)["d"]), measured.deviations["d"]) == (0.1, 0.0)
 
 
+def test_contacts_that_open_are_fitted() -> None:
+    """Half of the points are beyond the opening, where the law has no slope."""
+    stretch = np.linspace(-0.2, 0.4, 61)
+    force = noisy(lambda x: -10 * np.maximum(0.1 - x, 0) ** 1.5, 0, stretch)
+    found = fit_force(stretch, force, law="hertz")
+    assert (abs(found.values - [10, 0.1]) < 3 * found.deviations).all()
+    assert not found.doubts
+    free = fit_force(stretch - 0.1, force, law="hertz", fixed={"d": 0})
+    assert abs(free.values[0] - 10) < 3 * free.deviations[0]
+
+
 def test_constants_that_hertz_needs_to_be_positive_are_so_declared() -> None:
     stretch = np.linspace(-0.5, 0.08, 41)
     noise = np.random.default_rng(0).normal(size=41)
