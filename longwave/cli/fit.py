@@ -66,7 +66,7 @@ def fit_and_print(
 def lattice_text(found: ForceFit, where: str) -> str:
     """The lattice file of a fit, with what it comes from as comments."""
     told = [f"force law of {where}", *_judgement(found), *_warnings(found)]
-    told.append("the mass of a cell is 1: put there what it is")
+    told.append("masses = [1]: put there what a cell weighs, in quotes")
     return "\n".join([*(f"# {line}" for line in told), toml_text(found.document())])
 
 

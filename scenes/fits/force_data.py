@@ -186,14 +186,12 @@ def read_force(path: str | Path, units: str | None = None) -> ForceData:
     Raises ValueError, with the file and the line, for what is no such table; OSError where the
     file cannot be read.
     """
+    length, force = (1.0, 1.0) if units is None else _factors(units)
     lines = read_text(path, "force law", LARGEST).rstrip().splitlines()
     try:
         rows, order = _rows(lines)
-        columns = [np.array([row[i] for row in rows]) for i in order]
-        if units is not None:
-            length, force = _factors(units)
-            columns = [c * f for c, f in zip(columns, (length, force, force), strict=False)]
-        return ForceData.of(*columns)
+        columns = (np.array([row[i] for row in rows]) for i in order)
+        return ForceData.of(*(c * f for c, f in zip(columns, (length, force, force), strict=False)))
     except ValueError as error:
         raise ValueError(f"{shown_path(path)}: {error}") from None
 
