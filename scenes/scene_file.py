@@ -2,8 +2,7 @@
 
     name, title, lattice, wave, eps, order, t0, snapshots, times, slow_times, compared, half_width,
     observables, curve_points, look_points, tolerance, engine
-    [constants]   the lattice's: numbers, or formulas in text, with eps in it where they are small;
-                  in the place of those that the lattice's file has
+    [constants]   the lattice's: numbers, or formulas in text, with eps in it where they are small
     [parameters]  the wave's: numbers, or texts such as "K/2", "1/3"
     [long_wave]   amplitude, time (powers of eps), background (a mean strain); all may be left out
     [envelope]    k (the carrier's wavenumber, such as "pi/2"), branch
@@ -15,8 +14,9 @@ or, in the place of a wave, the tables of a chain on a bench (`bench.py`).
 
 ``lattice`` is a name of the catalogue, the file of a lattice (in the scene's folder), or the
 lattice itself, as a table with the keys of such a file; as a table of K2, K3 and K4 it is the
-paper's chain. ``compared`` may stand in [domain], too. A scene with a tolerance states no step,
-kind and sites; one without a name has that of its file.
+paper's chain. Constants that are not stated are as the lattice's file has them. ``compared`` may
+stand in [domain], too. A scene with a tolerance states no step, kind and sites; one without a name
+has that of its file.
 """
 
 from __future__ import annotations
