@@ -37,11 +37,11 @@ COMPANIONS = ("pyparsing<3.3",)
 """What the oldest versions need of packages that we do not name: Matplotlib 3.9 calls a name that
 pyparsing 3.3 warns of."""
 
-EXTRAS = ("cluster", "explore")
+EXTRAS = ("cluster", "explore", "units")
 
 SHOWN = (
     *("numpy", "scipy", "numba", "xarray", "h5netcdf", "matplotlib", "sympy", "python-flint"),
-    *("ducc0", "click", "rich", "jinja2", "distributed", "panel"),
+    *("ducc0", "click", "rich", "jinja2", "distributed", "panel", "pint"),
 )
 """Packages whose versions stand in a row."""
 
