@@ -24,7 +24,15 @@ from longwave.reports.paper import SOURCES
 from longwave.reports.pictures.drawing import cost_figure, save, snapshot_panels, styled
 from longwave.reports.pictures.lattice_figures import modulation_figure
 from longwave.reports.pictures.paper_figures import paper_figures
-from longwave.reports.sections import costs, lattice_runs, literature, other_lattices, runs, theory
+from longwave.reports.sections import (
+    benches,
+    costs,
+    lattice_runs,
+    literature,
+    other_lattices,
+    runs,
+    theory,
+)
 from longwave.reports.sections.other_lattices import model_jobs
 from longwave.reports.studies.claims import all_claims
 from longwave.reports.studies.estimates import estimate_rows, judged_findings
@@ -184,6 +192,8 @@ TABLES: Mapping[str, Callable[[Findings], str]] = {
     "envelope_table": lambda found: other_lattices.envelope_table(found.all("envelope")),
     "scene_table": lambda found: lattice_runs.scene_table(found.of("scene")),
     "scene_maps": lambda found: lattice_runs.scene_maps(found.of("scene")),
+    "bench_table": lambda found: benches.bench_table(found.of("bench")),
+    "bench_pictures": lambda found: benches.bench_pictures(found.of("bench")),
     "rate_table": lambda found: lattice_runs.rate_table(found.all("rate")),
 }
 """All tables under their templates' names."""
@@ -216,6 +226,7 @@ def report_figures(found: Findings) -> Iterator[tuple[str, Figure]]:
     yield from study_figures(found)
     papers, (plane,) = found.runs.runs[SPLIT], found.all("plane")
     yield from lattice_runs.lattice_figures(found.of("scene"), papers, found.all("rate"))
+    yield from benches.bench_figures(found.of("bench"))
     yield "modulation", modulation_figure(*plane)
 
 

@@ -47,10 +47,11 @@ def scene_run(name: str, progress: Progress = lambda _: None) -> SceneRun:
 
 
 def scene_run_jobs() -> dict[Key, Job]:
-    """A job a scene."""
+    """A job a scene, of waves and of chains on a bench."""
     return {
-        ("scene", name): Job(scene_run, (name,), SECONDS.get(name, USUAL), tells=True)
-        for name in shipped_scenes("lattices")
+        (kind, name): Job(scene_run, (name,), SECONDS.get(name, USUAL), tells=True)
+        for kind, folder in (("scene", "lattices"), ("bench", "bench"))
+        for name in shipped_scenes(folder)
     }
 
 

@@ -242,7 +242,7 @@ def _factors(units: str) -> tuple[float, float]:
             f"--units must be left out without the package pint, got {units} (pip install "
             "'longwave[units]')"
         ) from None
-    registry = pint.UnitRegistry()
+    registry: Any = pint.UnitRegistry()
     return _factor(registry, parts[0], "m"), _factor(registry, parts[1], "N")
 
 

@@ -1,0 +1,77 @@
+"""What the report shows of chains on a bench: what acts on each, how exactly, and what it took."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from matplotlib.figure import Figure
+
+from longwave.reports.latex import duration, escape, scientific, table
+from longwave.reports.pictures.bench_plotting import mode_energies, sensor_readings
+from longwave.reports.studies.lattice_runs import SceneRun
+from longwave.scenes.bench import Bench
+from longwave.scenes.bench_run import bench_of
+
+
+def bench_table(runs: Mapping[str, SceneRun]) -> str:
+    """Each chain: its ends and what acts on it, its size, tolerance, estimate, steps and time."""
+    lines = []
+    for name, found in runs.items():
+        title = rf"{escape(found.scene.title or name)} (\texttt{{{escape(name)}}})"
+        lines.append([rf"\multicolumn{{6}}{{L{{160mm}}}}{{\rule{{0pt}}{{3ex}}{title}}}"])
+        if found.run is None:
+            lines.append(
+                [rf"\multicolumn{{6}}{{L{{150mm}}}}{{did not run: {escape(found.fault)}}}"]
+            )
+            continue
+        told = found.run.attrs
+        lines.append(
+            [
+                escape(effects(bench_of(found.scene))),
+                f"${told['sites']}$",
+                scientific(found.scene.target.tolerance),
+                scientific(float(told["error_estimate"])) + ("" if found.kept else " (TOO LARGE)"),
+                f"${told['steps']}$",
+                duration(float(told["seconds"] + told["planning_seconds"])),
+            ]
+        )
+    head = ["what acts", "cells", "tolerance", "estimate", "steps", "time"]
+    return table("L{62mm}rlllr", head, lines)
+
+
+def effects(bench: Bench) -> str:
+    """What acts on a chain, in words.
+
+    >>> effects(Bench(8, ("fixed", "free"), losses=0.1))
+    'walls: fixed, free; losses of cells'
+    """
+    ends = ", ".join(end if isinstance(end, str) else "moved" for end in bench.ends)
+    acting = {
+        "losses of cells": bench.losses,
+        "dashpots": bench.dashpots,
+        "forces": bench.forces,
+    }
+    return "; ".join([f"walls: {ends}", *(name for name, given in acting.items() if given)])
+
+
+def bench_figures(runs: Mapping[str, SceneRun]) -> Iterator[tuple[str, Figure]]:
+    """Each figure under its name, of chains that ran: their modes, or what their sensors read."""
+    for name, found in runs.items():
+        if found.run is not None:
+            draw = mode_energies if "mode_energy" in found.run else sensor_readings
+            yield f"bench_{name}", draw(found.run).figure()
+
+
+def bench_pictures(runs: Mapping[str, SceneRun]) -> str:
+    """The figures in LaTeX."""
+    lines = []
+    for name, found in runs.items():
+        if found.run is not None:
+            lines += [
+                r"\begin{figure}[htbp]",
+                r"\centering",
+                rf"\includegraphics{{figures/bench_{name}.pdf}}",
+                rf"\caption{{{escape(found.scene.title)}.}}",
+                r"\end{figure}",
+            ]
+    return "\n".join(lines)

@@ -1,0 +1,37 @@
+"""Catches: an effect that the table does not name, a chain that is left out, a wrong estimate."""
+
+from dataclasses import replace
+
+from longwave.reports.latex import duration, scientific
+from longwave.reports.sections.benches import bench_figures, bench_pictures, bench_table, effects
+from longwave.reports.studies.lattice_runs import SceneRun, scene_run
+from longwave.scenes.bench import Bench, Push
+
+
+def test_the_table_tells_what_acts_and_what_it_took() -> None:
+    found = scene_run("driven_chain")
+    assert found.kept
+    assert found.run is not None
+    text = bench_table({"driven_chain": found})
+    told = found.run.attrs
+    assert "walls: fixed, fixed; losses of cells; forces" in text
+    assert "(\\texttt{driven\\_chain})" in text
+    for part in (f"${told['steps']}$", scientific(1e-10), scientific(told["error_estimate"])):
+        assert part in text
+    assert duration(told["seconds"] + told["planning_seconds"]) in text
+    late = SceneRun(found.scene, found.run.assign_attrs(error_estimate=1e-3))
+    assert "TOO LARGE" in bench_table({"driven_chain": late})
+
+
+def test_a_chain_that_did_not_run_says_why_and_has_no_picture() -> None:
+    ran = scene_run("driven_chain")
+    refused = replace(ran, run=None, fault="times must end")
+    runs = {"driven_chain": ran, "other": refused}
+    assert "did not run: times must end" in bench_table(runs)
+    assert [name for name, _ in bench_figures(runs)] == ["bench_driven_chain"]
+    assert bench_pictures(runs).count("includegraphics") == 1
+
+
+def test_every_effect_has_its_word() -> None:
+    bench = Bench(8, ({"displacement": "sin(t)"}, "free"), (), {"u": 0.1}, 0.2, (Push(0, "t"),))
+    assert effects(bench) == "walls: moved, free; losses of cells; dashpots; forces"
