@@ -31,6 +31,9 @@ def _constant_options(function: Callable[..., Any]) -> Callable[..., Any]:
 @click.argument("words", nargs=-1, metavar="[check] [MODEL|FILE.toml]")
 @click.option("--set", "sets", multiple=True, metavar="NAME=VALUE,...", help="Values of constants.")
 @click.option(
+    "--losses", multiple=True, metavar="NAME=VALUE,...", help="site=eps^3*gamma,bond=eps*eta, say."
+)
+@click.option(
     "--background", metavar="VALUE", help="Uniform strain the waves ride on, as -K3/(3*K4)."
 )
 @click.option(
@@ -49,6 +52,7 @@ def _constant_options(function: Callable[..., Any]) -> Callable[..., Any]:
 def derive(
     words: tuple[str, ...],
     sets: tuple[str, ...],
+    losses: tuple[str, ...],
     latex: bool,
     json_wanted: bool,
     **options: str | None,
@@ -73,6 +77,7 @@ def derive(
         DeriveOptions(
             model=models[0] if models else None,
             constants=given,
+            losses=named_values("--losses", losses, "site=eps^3*gamma,bond=eps*eta"),
             form="json" if json_wanted else "latex" if latex else "text",
             check=check,
             **options,

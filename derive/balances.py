@@ -18,6 +18,9 @@ from longwave.derive.symbols import c, constant_value, eps
 AMPLITUDES, TIMES = (0, 1, 2, 3, 4), (3, 5)
 """Exponents that are tried."""
 
+LOSSY_TIMES = (*TIMES, 2)
+"""The same of a lattice with losses: T = eps^2 t is that of finite dashpots."""
+
 
 def find_scaling(
     lattice: Lattice,
@@ -110,7 +113,8 @@ def _balanced(
             space += (SlowVariable("Z", 2, across, Integer(0)),)
     background = ((0, mean),) if mean else ()
     refused, found = "", False
-    times = TIMES if time is None else (time,)
+    usual = LOSSY_TIMES if lattice.has_losses else TIMES
+    times = usual if time is None else (time,)
     for power, size in product(times, AMPLITUDES if amplitude is None else (amplitude,)):
         if mean and not size:
             continue

@@ -11,11 +11,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import mpmath
-from sympy import Expr, Rational, Symbol, pi, solve, sqrt
+from sympy import Expr, Rational, S, Symbol, pi, solve, sqrt
 
 from longwave.derive.algebra.jets import DifferentialPolynomial
 from longwave.derive.carrier_envelope import Envelope
-from longwave.derive.lattice import Bond, Lattice
+from longwave.derive.lattice import Bond, Lattice, Stencil
 from longwave.derive.reduction import Reduction
 from longwave.derive.scaling import SlowVariable
 from longwave.derive.symbols import eps
@@ -65,7 +65,7 @@ def simple_numbers(symbols: Sequence[Symbol]) -> dict[Symbol, Rational]:
 
 
 def checks_of_reduction(reduction: Reduction) -> list[Check]:
-    """A plane wave, a manufactured wave, and the static stress law on a chain."""
+    """A plane wave, a manufactured wave, and on a chain static stress law and decay by losses."""
     promised = reduction.highest_order + 1
     with mpmath.workdps(DIGITS):
         point = _Point(reduction)
@@ -75,6 +75,8 @@ def checks_of_reduction(reduction: Reduction) -> list[Check]:
         ]
         if _has_static_law(reduction):
             found.append(_static(reduction))
+        if reduction.lattice.has_losses and reduction.lattice.dimension == 1:
+            found.append(_complex_frequency(reduction))
     return found
 
 
@@ -126,9 +128,7 @@ class _Point:
         ]
 
     def _number(self, value: Expr, small: Any = 0) -> Any:
-        found = value.xreplace(self.values)
-        powers = found.as_poly(eps).all_coeffs() if found.has(eps) else [found]
-        return mpmath.polyval([mpmath.mpf(power.evalf(DIGITS)) for power in powers], small)
+        return _number(value, self.values, small)
 
     def slow(self, cell: Sequence[int], time: Any, small: Any) -> list[Any]:
         """The slow variables at a cell and a time."""
@@ -175,25 +175,28 @@ class _Point:
         """The residual of the equations of motion behind the expansion, the largest of the rows."""
         here = (0,) * self.lattice.dimension
         names = self.lattice.fields
-        rows = [
-            self._number(mass, small)
-            * mpmath.diff(lambda time, name=name: self.field(name, here, time, small), 0, 2)
-            for mass, name in zip(self.lattice.masses, names, strict=True)
-        ]
+        rows = []
+        for name, *sizes in zip(names, self.lattice.masses, self.lattice.site_losses, strict=True):
+            mass, loss = (self._number(size, small) for size in sizes)
+
+            def moved(time: Any, name: str = name) -> Any:
+                return self.field(name, here, time, small)
+
+            rows.append(mass * mpmath.diff(moved, 0, 2))
+            if loss:
+                rows[-1] += loss * mpmath.diff(moved, 0)
         for bond in self.lattice.bonds:
+            loss = self._number(bond.loss, small)
+            coefficients = [self._number(value, small) for value in bond.coefficients()]
             for end in bond.action:
-                stretch = mpmath.fsum(
-                    entry.weight
-                    * self.field(
-                        names[entry.field],
-                        [i + j for i, j in zip(entry.shift, end.shift, strict=True)],
-                        0,
-                        small,
-                    )
-                    for entry in bond.stretch
-                )
-                coefficients = [self._number(value, small) for value in bond.coefficients()]
-                rows[end.field] -= end.weight * mpmath.polyval(coefficients, stretch)
+
+                def stretch(time: Any, bond: Bond = bond, end: Stencil = end) -> Any:
+                    return self._stretch(bond, end, time, small)
+
+                force = mpmath.polyval(coefficients, stretch(0))
+                if loss:
+                    force += loss * mpmath.diff(stretch, 0)
+                rows[end.field] -= end.weight * force
         at = self.slow(here, 0, small)
         known = mpmath.fsum(
             small**order * self.polynomial(equation.polynomial, at)
@@ -202,29 +205,31 @@ class _Point:
         rest = mpmath.fdot(self.left, rows) - known
         return max([abs(rest), *(abs(row) for i, row in enumerate(rows) if i != self.row)])
 
+    def _stretch(self, bond: Bond, end: Stencil, time: Any, small: Any) -> Any:
+        """The stretch of the bond that acts through ``end``."""
+        cells = ([i + j for i, j in zip(e.shift, end.shift, strict=True)] for e in bond.stretch)
+        return mpmath.fsum(
+            entry.weight * self.field(self.lattice.fields[entry.field], cell, time, small)
+            for entry, cell in zip(bond.stretch, cells, strict=True)
+        )
+
     def linear_rest(self, small: Any) -> Any:
         """The determinant of the linear lattice at a plane wave, less the linear terms found."""
         rates = [mpmath.mpc(0, 1) * mpmath.mpf(rate.p) / rate.q for rate in self.rates[0]]
         growth = rates[-1] * small**self.scaling.time
         for rate, variable in zip(rates, self.scaling.space, strict=False):
             growth -= rate * small**variable.exponent * self._number(variable.speed)
+
+        def turn(steps: Sequence[int]) -> Any:
+            return mpmath.fsum(
+                rate * small**variable.exponent * self._along(variable, steps)
+                for rate, variable in zip(rates, self.scaling.space, strict=False)
+            )
+
         count = len(self.lattice.fields)
-        matrix = mpmath.zeros(count)
-        for i, mass in enumerate(self.lattice.masses):
-            matrix[i, i] = self._number(mass, small) * growth**2
-        mean = sum((eps**power * value for power, value in self.scaling.background), Rational(0))
-        for bond in self.lattice.bonds:
-            about = mean * sum(entry.weight for entry in bond.stretch)
-            slope = self._number(bond.stiffness(about).expand(), small)
-            for end in bond.action:
-                for part in bond.stretch:
-                    steps = [i + j for i, j in zip(end.shift, part.shift, strict=True)]
-                    turns = (
-                        rate * small**variable.exponent * self._along(variable, steps)
-                        for rate, variable in zip(rates, self.scaling.space, strict=False)
-                    )
-                    phase = mpmath.exp(mpmath.fsum(turns))
-                    matrix[end.field, part.field] -= end.weight * part.weight * slope * phase
+        matrix = _matrix(
+            self.lattice, lambda value: self._number(value, small), growth, turn, self.scaling.mean
+        )
         sign = (-1) ** (self.row + self.column)
         below = mpmath.mpf(1)
         if count > 1:
@@ -240,6 +245,72 @@ class _Point:
             if len(monomial) == 1
         )
         return whole - linear
+
+
+def _number(value: Expr, values: Values, small: Any = 0) -> Any:
+    """An expression at the values of its symbols and of eps."""
+    found = value.xreplace(dict(values))
+    powers = found.as_poly(eps).all_coeffs() if found.has(eps) else [found]
+    return mpmath.polyval([mpmath.mpf(power.evalf(DIGITS)) for power in powers], small)
+
+
+def _matrix(
+    lattice: Lattice, number: Callable[[Expr], Any], growth: Any, turn: Wave, mean: Expr = S.Zero
+) -> Any:
+    """The linear lattice about a mean at a plane wave ``exp(growth t)``.
+
+    It is multiplied by ``exp(turn(steps))`` over so many cells along the axes.
+    """
+    matrix = mpmath.diag(
+        [
+            number(mass) * growth**2 + number(loss) * growth
+            for mass, loss in zip(lattice.masses, lattice.site_losses, strict=True)
+        ]
+    )
+    for bond in lattice.bonds:
+        about = mean * sum(entry.weight for entry in bond.stretch)
+        slope = number(bond.stiffness(about).expand()) + number(bond.loss) * growth
+        for end in bond.action:
+            for part in bond.stretch:
+                steps = [i + j for i, j in zip(end.shift, part.shift, strict=True)]
+                force = end.weight * part.weight * slope * mpmath.exp(turn(steps))
+                matrix[end.field, part.field] -= force
+    return matrix
+
+
+def _complex_frequency(reduction: Reduction) -> Check:
+    """The frequency of the lattice with its losses at a wavenumber, and that of the equation."""
+    basic = _admissible(reduction)
+    values, scaling = reduction.lattice.with_defined(basic), reduction.scaling
+    found = reduction.coefficients(**{str(symbol): value for symbol, value in basic.items()})
+    rate = mpmath.mpc(0, 1) * mpmath.mpf(3) / 7
+    linear = [(found.terms[n], m[0][0]) for n, m in found.monomials.items() if len(m) == 1]
+    slow = -mpmath.fsum(mpmath.mpf(v.evalf(DIGITS)) * rate**count for v, count in linear)
+    [variable] = scaling.space
+    [direction] = variable.direction
+
+    def rest(small: Any) -> Any:
+        along = rate * small**variable.exponent
+        known = small**scaling.time * slow - along * mpmath.mpf(found.c.evalf(DIGITS))
+
+        def vanishing(growth: Any) -> Any:
+            def turn(steps: Sequence[int]) -> Any:
+                return along * direction * steps[0]
+
+            def number(value: Expr) -> Any:
+                return _number(value, values, small)
+
+            return mpmath.det(_matrix(reduction.lattice, number, growth, turn, scaling.mean))
+
+        return _root(vanishing, known) - known
+
+    return _falling("complex frequency", rest, scaling.time + 1)
+
+
+def _root(vanishing: Wave, near: Any) -> Any:
+    """The root next to ``near``, which is off by a small part of itself."""
+    steps = (near, near * (1 + mpmath.mpf("1e-20")))
+    return mpmath.findroot(vanishing, steps, tol=mpmath.mpf(10) ** -DIGITS, verify=False)
 
 
 def _has_static_law(reduction: Reduction) -> bool:

@@ -28,6 +28,13 @@ WITHOUT_NORMAL_FORM = {
 }
 """Names of equations with one term besides Y_T and Y_X."""
 
+BURGERS = {
+    "unnamed": "unnamed",
+    "Hopf, without dispersion": "Burgers",
+    "modified Hopf, without dispersion": "modified Burgers",
+}
+"""What they are called with a term Y_XX, where "-Burgers" behind their name will not do."""
+
 
 @dataclass(frozen=True, repr=False)
 class OrderEquation(Displayed):
@@ -97,6 +104,12 @@ class EvolutionEquation(Displayed):
         Where no sign is known by the symbols' assumptions a KP equation is "KP-I or KP-II".
         """
         names = {self.notation.monomial(monomial) for monomial in self.flow.terms}
+        kind = self._kind_without_losses(names - {"Y", "Y_XX"})
+        if "Y_XX" in names:
+            kind = BURGERS.get(kind, f"{kind}-Burgers")
+        return f"damped {kind}" if "Y" in names else kind
+
+    def _kind_without_losses(self, names: set[str]) -> str:
         if not self.transverse:
             known = equation_of(names)
             found = ", ".join(names - {"Y_X"})
@@ -132,14 +145,21 @@ class EvolutionEquation(Displayed):
         return self.polynomial.coefficient(jet).as_expr()
 
     def written(self, printed: Printed) -> str:
-        """``Y_T + 6 Y Y_X + Y_XXX = 0``."""
-        along = self.notation.written(self.polynomial, printed)
+        """``Y_T + 6 Y Y_X + Y_XXX = 0``, what losses bring behind the other terms."""
+        losses = self.polynomial.select(lambda m: len(m) == 1 and sum(m[0]) % 2 == 0)
+        along = self.notation.written(self.polynomial - losses, printed)
+        along = _added(along, self.notation.written(losses, printed) if losses else "")
         if self.transverse:
-            across = self.notation.written(self.transverse, printed)
-            sign = "-" if across.startswith("-") else "+"
             outer = derived(along, self.notation.axes[0], printed)
-            along = f"{outer} {sign} {across.removeprefix('-')}"
+            along = _added(outer, self.notation.written(self.transverse, printed))
         return f"{along} = 0"
+
+
+def _added(sum_: str, further: str) -> str:
+    """Two sums in one."""
+    if not further:
+        return sum_
+    return f"{sum_} {'-' if further.startswith('-') else '+'} {further.removeprefix('-')}"
 
 
 @dataclass(frozen=True)

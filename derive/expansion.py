@@ -82,7 +82,7 @@ class Expansion:
 
     def velocity(self) -> EpsSeries:
         """d/dt of the ansatz."""
-        return self.ansatz().apply(self.time_derivative)
+        return self.rate_of(self.ansatz())
 
     def slaved_parts(self) -> list[EpsSeries]:
         """The parts G of the fields that follow the wave, with their power of eps."""
@@ -109,12 +109,20 @@ class Expansion:
         ]
 
     def rows(self, fields: Sequence[EpsSeries], since: int = 0) -> list[EpsSeries]:
-        """``mass f'' - forces`` of each field, from ``eps^since`` on."""
+        """``mass f'' + loss f' - forces`` of each field, from ``eps^since`` on."""
         rows = self.pulls(fields, since)
-        for i, (mass, field) in enumerate(zip(self.lattice.masses, fields, strict=True)):
-            twice = field.apply(self.time_derivative).apply(self.time_derivative)
-            rows[i] = (self.constant(mass, field.limit) * twice).upto(field.limit, since) + rows[i]
+        moving = zip(self.lattice.masses, self.lattice.site_losses, fields, strict=True)
+        for i, (mass, loss, field) in enumerate(moving):
+            once = self.rate_of(field)
+            pushed = self.constant(mass, field.limit) * self.rate_of(once)
+            if loss:
+                pushed = pushed + self.constant(loss, field.limit) * once
+            rows[i] = pushed.upto(field.limit, since) + rows[i]
         return rows
+
+    def rate_of(self, series: EpsSeries) -> EpsSeries:
+        """The time derivative of a series."""
+        return series.apply(self.time_derivative)
 
     def pulls(self, fields: Sequence[EpsSeries], since: int) -> list[EpsSeries]:
         """Minus the force on each field, from ``eps^since`` on."""
@@ -125,6 +133,8 @@ class Expansion:
             stretch, force = self.stretch(bond, fields), nothing
             for coefficient in bond.coefficients():
                 force = force * stretch + self.constant(coefficient, limit)
+            if bond.loss:
+                force = force + self.constant(bond.loss, limit) * self.rate_of(stretch)
             for end in bond.action:
                 pull = self.shifted(force, end.shift).upto(limit, since)
                 rows[end.field] = rows[end.field] + self.field(-end.weight) * pull

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
 
 from sympy import Expr, Poly, S, Symbol, factorial, nan, oo, simplify, zoo
 
@@ -23,6 +23,8 @@ from longwave.derive.symbols import (
     check_constants,
     constant_value,
     eps,
+    loss_value,
+    powers_of_eps,
     rational_function,
     values_of,
     x,
@@ -65,12 +67,14 @@ class Bond:
     ``force`` is a polynomial in the symbol ``derive.symbols.x``, whose coefficients are exact
     rational functions of symbols, and polynomials in ``derive.symbols.eps`` where a constant is
     small; or any other function of x that is smooth about x = 0, such as ``exp(b*x)`` or
-    ``-(d - x)**Rational(3, 2)``.  Raises ValueError for anything else.
+    ``-(d - x)**Rational(3, 2)``.  ``loss`` is that of a dashpot beside the spring, which adds
+    ``loss dx/dt`` to the force.  Raises ValueError for anything else.
     """
 
     stretch: tuple[Stencil, ...]
     force: Expr
     action: tuple[Stencil, ...]
+    loss: Expr = field(default=S.Zero, repr=False)
 
     def __post_init__(self) -> None:
         for name in ("stretch", "action"):
@@ -82,6 +86,7 @@ class Bond:
                 f"{shown(self.force)} (such as K2*x + K4*x**3)"
             )
         exact("force", self.force)
+        object.__setattr__(self, "loss", _loss("loss", self.loss))
         if self.is_polynomial:
             for coefficient in self.coefficients():
                 rational_function("force", coefficient)
@@ -97,6 +102,11 @@ class Bond:
                     f"force must be real and smooth about zero stretch, got {shown(self.force)} "
                     "(put the precompression into x: -(d - x)**Rational(3, 2) with d positive)"
                 )
+
+    @property
+    def has_reaction(self) -> bool:
+        """Whether its forces on the fields add up to 0; those of a tie to the site do not."""
+        return not sum(entry.weight for entry in self.action)
 
     @property
     def is_polynomial(self) -> bool:
@@ -149,10 +159,11 @@ def on_site(force: Expr, field: int = 0, axes: int = 1) -> Bond:
 
 @dataclass(frozen=True, repr=False)
 class Lattice(Displayed):
-    """Equations of motion ``mass f'' = sum of bond forces``, one for each field.
+    """Equations of motion ``mass f'' = sum of bond forces - loss f'``, one for each field.
 
     ``definitions`` are symbols that stand for expressions in the lattice's other constants,
-    ``measured`` the values that constants were found to have, which stay symbols.
+    ``measured`` the values that constants were found to have, which stay symbols. ``losses`` are
+    those of the sites, one a field, or none at all; bonds have their own.
 
     >>> from longwave.derive import LATTICES
     >>> LATTICES["fput_strain"].constants
@@ -166,12 +177,14 @@ class Lattice(Displayed):
     bonds: tuple[Bond, ...]
     definitions: tuple[tuple[Symbol, Expr], ...] = ()
     measured: Measured | None = None
+    losses: tuple[Expr, ...] = ()
 
     @property
     def constants(self) -> tuple[Symbol, ...]:
-        """The symbols in forces and masses, by name; eps, which is no constant, apart."""
+        """The symbols in forces, masses and losses, by name; eps, which is no constant, apart."""
         found: set[Symbol] = set()
-        for expression in (*self.masses, *(bond.force for bond in self.bonds)):
+        forces = (part for bond in self.bonds for part in (bond.force, bond.loss))
+        for expression in (*self.masses, *self.losses, *forces):
             found |= expression.free_symbols
         return tuple(sorted(found - {x, eps}, key=str))
 
@@ -203,9 +216,57 @@ class Lattice(Displayed):
         return replace(
             self,
             masses=tuple(mass.xreplace(at) for mass in self.masses),
-            bonds=tuple(replace(b, force=b.force.xreplace(at)) for b in self.bonds),
+            bonds=tuple(
+                replace(b, force=b.force.xreplace(at), loss=b.loss.xreplace(at)) for b in self.bonds
+            ),
             definitions=tuple((symbol, value.xreplace(at)) for symbol, value in self.definitions),
+            losses=tuple(loss.xreplace(at) for loss in self.losses),
         )
+
+    def with_losses(
+        self, site: Number | Mapping[str, Number] = 0, bond: Number | Mapping[int, Number] = 0
+    ) -> Lattice:
+        """The lattice with the force ``-site df/dt`` on each field and dashpots beside its springs.
+
+        They are numbers or formulas in text, as "eps**3*gamma", whose new names are positive
+        constants.  Several fields may have losses of their own, by their names, and bonds by their
+        numbers from 1; a tie to the site is no bond between cells, its dashpot is a site's loss.
+        Raises ValueError for anything else.
+
+        >>> from longwave.derive import LATTICES
+        >>> LATTICES["fput_strain"].with_losses(site="eps^3*gamma", bond=1).equations()
+        ("y_n'' = F(y_{n+1}) - 2 F(y_n) + F(y_{n-1}) - eps^3 gamma y_n'",
+         "F(x) = K2 x + K3 x^2 + K4 x^3 + x'")
+        """
+        springs = [str(i) for i, own in enumerate(self.bonds, 1) if own.has_reaction]
+        known = {str(symbol): symbol for symbol in self.constants}
+        sites = _each("site", site, self.fields, known)
+        dashpots = _each("bond", bond, springs, known)
+        bonds = tuple(
+            replace(own, loss=dashpots.get(str(i), S.Zero)) for i, own in enumerate(self.bonds, 1)
+        )
+        losses = tuple(sites.values())
+        return replace(self, bonds=bonds, losses=losses if any(losses) else ())
+
+    @property
+    def site_losses(self) -> tuple[Expr, ...]:
+        """The losses of the sites, one a field."""
+        return self.losses or (S.Zero,) * len(self.fields)
+
+    @property
+    def leading_losses(self) -> dict[str, tuple[Expr, int]]:
+        """The loss of least power of eps, and that power, of sites and of bonds that have any."""
+        found = {}
+        for kind, values in (("site", self.losses), ("bond", [bond.loss for bond in self.bonds])):
+            least = [(loss, min(powers_of_eps(loss))) for loss in values if loss]
+            if least:
+                found[kind] = min(least, key=lambda entry: entry[1])
+        return found
+
+    @property
+    def has_losses(self) -> bool:
+        """Whether there is any loss."""
+        return bool(self.leading_losses)
 
     def strained(self, strain: Expr) -> Lattice:
         """The lattice of one field about a uniform strain of its cells, fields counted from there.
@@ -271,12 +332,19 @@ class Lattice(Displayed):
         masses = tuple_of("masses", self.masses, object, "(1,) is one field's, the unit")
         object.__setattr__(self, "fields", fields)
         object.__setattr__(self, "masses", tuple(rational_function("mass", m) for m in masses))
+        losses = self.losses and tuple_of("losses", self.losses, object, "() is none")
+        object.__setattr__(self, "losses", tuple(_loss("losses", loss) for loss in losses))
         bonds = tuple_of("bonds", self.bonds, Bond, "LATTICES['fput_strain'].bonds shows one")
         object.__setattr__(self, "bonds", bonds)
         if len(masses) != len(fields):
             raise ValueError(
                 f"masses must be as many as the fields, {len(fields)}, got {len(masses)} "
                 "(a mass for each field)"
+            )
+        if losses and len(losses) != len(fields):
+            raise ValueError(
+                f"losses must be as many as the fields, {len(fields)}, got {len(losses)} "
+                "(one for each field, or () for none)"
             )
         for name in fields:
             if not re.fullmatch(r"[A-Za-z]+", name) or fields.count(name) > 1:
@@ -306,8 +374,9 @@ class Lattice(Displayed):
         "y_n'' = F(y_{n+1}) - 2 F(y_n) + F(y_{n-1})"
         """
         if printed is text_of:
-            return tuple(_equations(self, printed, "{}''", "F{}"))
-        return tuple(_equations(self, printed, r"\ddot{{{}}}", "F_{{{}}}"))
+            return tuple(_equations(self, printed, ("{}'", "{}''"), "F{}"))
+        dots = (r"\dot{{{}}}", r"\ddot{{{}}}")
+        return tuple(_equations(self, printed, dots, "F_{{{}}}"))
 
     def text(self) -> str:
         """The name, and the equations in plain text."""
@@ -326,8 +395,36 @@ def _is_rational(value: Expr) -> bool:
     return True
 
 
-def _equations(lattice: Lattice, printed: Printed, acceleration: str, label: str) -> Iterator[str]:
-    """Equations of motion and forces, constants as they are ``printed``."""
+def _loss(label: str, value: Expr) -> Expr:
+    """A loss, if it is one: it takes energy out."""
+    found = rational_function(label, value)
+    if found.has(x):
+        raise ValueError(f"{label} must not depend on the stretch x, got {found} (a constant)")
+    if found.is_negative:
+        raise ValueError(f"{label} must satisfy {label} >= 0, got {found} (it takes energy out)")
+    return found
+
+
+def _each(
+    kind: str, given: Number | Mapping[Any, Number], names: Sequence[str], known: dict[str, Symbol]
+) -> dict[str, Expr]:
+    """The loss of each name: one for all, or those of a table; ``known`` gets new constants."""
+    table = given if isinstance(given, Mapping) else dict.fromkeys(names, given)
+    for name in table:
+        if str(name) not in names:
+            raise ValueError(
+                f"{kind} must be a loss of {', '.join(names) or 'nothing here'}, got one of "
+                f"{shown(str(name))}"
+            )
+    values = {str(n): _loss(kind, loss_value(kind, value, known)) for n, value in table.items()}
+    return {name: values.get(name, S.Zero) for name in names}
+
+
+def _equations(
+    lattice: Lattice, printed: Printed, dots: tuple[str, str], label: str
+) -> Iterator[str]:
+    """Equations of motion and forces, constants as they are ``printed``, rates with ``dots``."""
+    rate, acceleration = dots
     many = len(lattice.bonds) > 1
     labels = [label.format(number) if many else "F" for number, _ in enumerate(lattice.bonds, 1)]
     here = _cell((0,) * lattice.dimension)
@@ -339,18 +436,27 @@ def _equations(lattice: Lattice, printed: Printed, acceleration: str, label: str
             for entry in bond.action
             if entry.field == index
         ]
-        factor = "" if mass == 1 else f"{bracketed(mass, printed)} "
-        yield f"{factor}{acceleration.format(f'{name}_{here}')} = {weighted_sum(forces)}"
+        loss = lattice.site_losses[index]
+        if loss:
+            forces.append((-1, _times(loss, rate.format(f"{name}_{here}"), printed)))
+        moving = _times(mass, acceleration.format(f"{name}_{here}"), printed)
+        yield f"{moving} = {weighted_sum(forces)}"
     for force, bond in zip(labels, lattice.bonds, strict=True):
+        dashpot = f" + {_times(bond.loss, rate.format('x'), printed)}" if bond.loss else ""
         if not bond.is_polynomial:
-            yield f"{force}(x) = {printed(bond.force)}"
+            yield f"{force}(x) = {printed(bond.force)}{dashpot}"
             continue
         terms = enumerate(reversed(bond.coefficients()))
-        yield f"{force}(x) = " + " + ".join(
+        law = " + ".join(
             f"{bracketed(value, printed)} {power_of(x, power, printed)}".rstrip()
             for power, value in terms
             if value != 0
         )
+        yield f"{force}(x) = {law}{dashpot}"
+
+
+def _times(factor: Expr, product: str, printed: Printed) -> str:
+    return product if factor == 1 else f"{bracketed(factor, printed)} {product}"
 
 
 def _stretch(lattice: Lattice, bond: Bond, at: Stencil) -> str:

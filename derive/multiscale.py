@@ -26,7 +26,7 @@ from longwave.derive.algebra.rational_functions import RationalFunction
 from longwave.derive.equations import Condition, EvolutionEquation, OrderEquation
 from longwave.derive.expansion import Expansion, expand
 from longwave.derive.lattice import Lattice
-from longwave.derive.output.notation import Notation
+from longwave.derive.output.notation import Notation, text_of
 from longwave.derive.reduction import Reduction
 from longwave.derive.scaling import Scaling
 
@@ -45,6 +45,7 @@ class _Solver:
     """Walks up the orders of ``residual``, applying each condition to all that follow."""
 
     def __init__(self, residual: EpsSeries, expansion: Expansion) -> None:
+        self.lattice, self.scaling = expansion.lattice, expansion.scaling
         scaling = expansion.scaling
         self.series = _in_strain(residual) if expansion.is_displacement else residual
         self.frame = scaling.frame_symbol
@@ -61,6 +62,25 @@ class _Solver:
 
     def _jet(self, space: int, time: int) -> Jet:
         return (space, *(0,) * (len(self.notation.axes) - 2), time)
+
+    def check_losses(self) -> None:
+        """Refuse losses that dominate: their linear terms have an odd number of derivatives."""
+        for order, part in self.series.parts.items():
+            for monomial in part.terms if order < self.leading_order else ():
+                if len(monomial) == 1 and sum(monomial[0]) % 2:
+                    kind = "site" if sum(monomial[0]) == 1 else "bond"
+                    raise ReductionError(self._dominant(kind, order))
+
+    def _dominant(self, kind: str, order: int) -> str:
+        given, power = self.lattice.leading_losses[kind]
+        missing = self.leading_order - order
+        right = f"eps^{power + missing}" if power + missing > 1 else "eps"
+        slow = self.scaling.time - missing
+        remedy = f"write {right} times a constant" + (f", or take T = eps^{slow} t" * (slow > 1))
+        return (
+            f"{kind} loss must enter at the order of the reduced equation, eps^"
+            f"{self.leading_order}, got {text_of(given)}, which dominates at eps^{order} ({remedy})"
+        )
 
     def sound_polynomial(self) -> RationalFunction:
         """P(c) of the lowest order, eliminated from all orders on the way."""
@@ -181,6 +201,7 @@ def reduce(
     slaved = expansion.slaved_parts()
     residual = expansion.residual(slaved)
     solver = _Solver(residual, expansion)
+    solver.check_losses()
     sound = solver.sound_polynomial()
     solver.solve_conditions()
     flow, across = solver.flow()

@@ -82,6 +82,16 @@ class Reduction:
         return any(equation.notation.unknown == "W" for equation in self.orders.values())
 
     @property
+    def idle_losses(self) -> tuple[str, ...]:
+        """The losses without a term in the reduced equation, a line for each kind."""
+        entered = {sum(monomial[0]) for monomial in self.pde.flow.terms if len(monomial) == 1}
+        return tuple(
+            f"{kind} loss {text_of(value)} does not enter at this order"
+            for kind, (value, _) in self.lattice.leading_losses.items()
+            if {"site": 0, "bond": 2}[kind] not in entered
+        )
+
+    @property
     def units(self) -> str:
         """The meaning of Y, in words."""
         scaling, names = self.scaling, list(self.lattice.fields)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-from sympy import Expr, Symbol
+from sympy import Expr, S, Symbol
 
 from longwave.derive.algebra.exact_numbers import integer, tuple_of
 from longwave.derive.output.notation import (
@@ -141,6 +141,11 @@ class Scaling(Displayed):
         """The symbols that are the speeds of further slow variables."""
         speeds = (variable.speed for variable in self.space[1:])
         return tuple(speed for speed in speeds if isinstance(speed, Symbol))
+
+    @property
+    def mean(self) -> Expr:
+        """The background in one expression, with its powers of eps."""
+        return sum((eps**power * value for power, value in self.background), S.Zero)
 
     @property
     def leading_order(self) -> int:

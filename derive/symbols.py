@@ -73,6 +73,26 @@ def constant_value(name: str, value: Number) -> Expr:
     return exact_value(name, value, {str(eps): eps})
 
 
+def loss_value(name: str, value: Number, known: dict[str, Symbol]) -> Expr:
+    """A loss exactly: a number, or a formula in text, in which ``^`` is a power, too.
+
+    Names that are not ``known`` are positive constants, and known from then on.
+
+    >>> loss_value("site", "eps^3*gamma", {})
+    eps**3*gamma
+    """
+    if not isinstance(value, str):
+        return exact(name, value)
+    from longwave.derive.algebra.formula_expression import read_formula
+    from longwave.derive.algebra.formula_text import Vocabulary
+
+    def constant(word: str) -> Symbol:
+        return known.setdefault(word, Symbol(word, positive=True))
+
+    words = Vocabulary({}, names={**known, str(eps): eps}, unknown_name=constant)
+    return read_formula(value.replace("^", "**"), words, name)
+
+
 def number_value(name: str, value: Number) -> Expr:
     """The same without eps; ValueError for a constant that is small."""
     found = constant_value(name, value)

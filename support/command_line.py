@@ -137,8 +137,10 @@ def listed(
         ) from None
 
 
-def named_values(name: str, texts: Iterable[str]) -> dict[str, str]:
-    """The values in the texts of an option, by their names.
+def named_values(
+    name: str, texts: Iterable[str], usual: str = "m1=1,m2=3"
+) -> dict[str, str]:
+    """The values in the texts of an option, by their names; an error shows what is ``usual``.
 
     >>> named_values("--set", ["m1=1,m2=3"])
     {'m1': '1', 'm2': '3'}
@@ -147,7 +149,7 @@ def named_values(name: str, texts: Iterable[str]) -> dict[str, str]:
     for part in (part for text in texts for part in text.split(",")):
         word, sign, value = part.partition("=")
         if not sign:
-            raise click.UsageError(f"{name} must be NAME=VALUE, got {part} (such as m1=1,m2=3)")
+            raise click.UsageError(f"{name} must be NAME=VALUE, got {part} (such as {usual})")
         found[word.strip()] = value
     return found
 

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
+from typing import Any
 
 from sympy import Expr, Symbol
 
@@ -43,6 +44,7 @@ class DeriveOptions:
 
     model: str | None = None
     constants: Mapping[str, str] = field(default_factory=dict)
+    losses: Mapping[str, str] = field(default_factory=dict)
     background: str | None = None
     amplitude: str | None = None
     time: str | None = None
@@ -60,7 +62,7 @@ def print_derivation(options: DeriveOptions) -> int:
     try:
         if options.check and options.form != "text":
             raise ValueError(f"--{options.form} must be left out with check, got it (it is text)")
-        lattice = _lattice(options.model)
+        lattice = _with_losses(_lattice(options.model), options.losses)
         if options.carrier is not None:
             from longwave.derive.output.carrier_printout import carrier_lines
 
@@ -87,6 +89,20 @@ def _lattice(model: str | None) -> Lattice:
         f"MODEL must be a lattice or a file of one, got {shown(model)} "
         f"({one_of(model, LATTICES)}; or FILE.toml)"
     )
+
+
+def _with_losses(lattice: Lattice, texts: Mapping[str, str]) -> Lattice:
+    """The lattice with losses by name: site and bond, site.u of a field, bond.2 of a bond."""
+    found: dict[str, Any] = {}
+    for name, value in texts.items():
+        kind, dot, of = name.partition(".")
+        if kind not in ("site", "bond") or (kind in found and not (dot and kind not in texts)):
+            raise ValueError(
+                f"--losses must name site and bond, or site.FIELD and bond.NUMBER, each once, got "
+                f"{shown(name)} (such as site=eps^3*gamma,bond=eps*eta)"
+            )
+        found[kind] = {**found.get(kind, {}), of: value} if dot else value
+    return lattice.with_losses(**found) if found else lattice
 
 
 # long waves
@@ -140,7 +156,8 @@ def _long_wave(
     symbolic = _Ansatz.of(lattice, options, space, small)
     usual, refused = None, ""
     try:
-        usual = _admitted(symbolic.usual(is_paper=lattice is FPUT_STRAIN), left)
+        is_paper = options.model in (None, FPUT_STRAIN.name)
+        usual = _admitted(symbolic.usual(is_paper=is_paper), left)
     except ValueError as error:
         if symbolic.is_stated or not given:
             raise

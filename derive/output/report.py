@@ -47,6 +47,7 @@ def _lines(reduction: Reduction) -> Iterator[str]:
     yield from (f"condition: {condition.text()}" for condition in reduction.conditions)
     yield f"reduced equation (order eps^{reduction.scaling.leading_order}), {reduction.pde.kind}:"
     yield f"  {reduction.pde.text()}"
+    yield from (f"  {line}" for line in reduction.idle_losses)
     for symbol, value in reduction.lattice.definitions:
         if value.is_zero is not True and reduction.pde.flow.field.symbols.count(symbol):
             yield f"  {symbol} = {text_of(value)}"
@@ -131,6 +132,7 @@ def reduction_data(reduction: Reduction, constants: Mapping[str, Number] | None 
             for item in reduction.conditions
         ],
         "kind": reduction.pde.kind,
+        **({"idle_losses": list(reduction.idle_losses)} if reduction.lattice.has_losses else {}),
         "units": reduction.units,
         "definitions": {str(s): text_of(value) for s, value in reduction.lattice.definitions},
         "pde": {"equation": reduction.pde.text(), **data(reduction.pde.polynomial)},

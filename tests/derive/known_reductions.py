@@ -138,6 +138,8 @@ FIFTH = -c / 180
 FAR_QUADRATIC, FAR_CUBIC = (K3 + 8 * L3) / c, 3 * (K4 + 16 * L4) / (2 * c)
 FAR_THIRD = (K2 + 16 * L2) / (24 * c)
 ACROSS = H2 / (2 * c)
+DAMPING, DASHPOT, SECOND = symbols("gamma eta theta", positive=True)
+LOSSES = {"site": "eps^3*gamma", "bond": "eps*eta"}
 SPRINGS = (2 * K3**2 / K2**5 - K4 / K2**4) + (2 * BALANCED[H3] ** 2 / H2**5 - H4 / H2**4)
 
 ROWS = (
@@ -258,6 +260,58 @@ ROWS = (
             "Y_XXX": (K2 * C**4 + H2 * S**4) / (24 * c),
             "Y_ZZ": K2 * H2 / (2 * c**3),
         },
+    ),
+    Row(
+        "1, losses", "damped mKdV-Burgers", with_values(STRAIN, {K3: NIL}).with_losses(**LOSSES),
+        Scaling(), K2,
+        {"Y^2 Y_X": CUBIC, "Y_XXX": THIRD, "Y": DAMPING / 2, "Y_XX": -DASHPOT / 2},
+    ),
+    Row(
+        "3, losses", "damped Gardner-Burgers",
+        with_values(STRAIN, {K3: eps * k3}).with_losses(**LOSSES), Scaling(), K2,
+        {
+            "Y Y_X": k3 / c, "Y^2 Y_X": CUBIC, "Y_XXX": THIRD,
+            "Y": DAMPING / 2, "Y_XX": -DASHPOT / 2,
+        },
+    ),
+    Row(
+        "5a, dashpots", "KdV-Burgers", NEXT.with_losses(bond={1: "eps*eta", 2: "eps*theta"}),
+        Scaling(2), K2 + 4 * L2,
+        {"Y Y_X": FAR_QUADRATIC, "Y_XXX": FAR_THIRD, "Y_XX": -(DASHPOT + 4 * SECOND) / 2},
+    ),
+    Row(
+        "5e, losses", "damped Kawahara-Burgers",
+        with_values(NEXT, NEARLY).with_losses(site="eps^5*gamma", bond={1: "eps^3*eta"}),
+        Scaling(4, time=5), S2,
+        {
+            "Y Y_X": FAR_QUADRATIC, "Y_XXX": d / (24 * c), "Y_5X": FIFTH,
+            "Y": DAMPING / 2, "Y_XX": -DASHPOT / 2,
+        },
+    ),
+    Row(
+        "6b, one mass", "damped KdV", LATTICES["mass_dimer"].with_losses({"v": "eps^3*gamma"}),
+        Scaling(1), K2 / (2 * M),
+        {"Y Y_X": c * K3 / (2 * K2), "Y_XXX": THIRD * MASSES, "Y": DAMPING / (2 * M)},
+    ),
+    Row(
+        "6d, losses", "damped KdV-Burgers", DIMER.with_losses(**LOSSES), Scaling(1), SERIES,
+        {
+            "Y Y_X": c * (H2**3 * K3 + K2**3 * H3) / (H2 * K2 * (H2 + K2) ** 2),
+            "Y_XXX": THIRD * TWO,
+            "Y": DAMPING / M,
+            "Y_XX": -DASHPOT * (H2**2 + K2**2) / (2 * M * (H2 + K2) ** 2),
+        },
+    ),
+    Row(
+        "7a, losses", "damped KP-II-Burgers", SQUARE.with_losses(**LOSSES), size(AXIS, 1), K2,
+        {
+            "Y Y_X": K3 / c, "Y_XXX": THIRD, "Y_ZZ": ACROSS,
+            "Y": DAMPING / 2, "Y_XX": -DASHPOT / 2,
+        },
+    ),
+    Row(
+        "Burgers", "Burgers", LATTICES["alpha_fput"].with_losses(bond="eta"), Scaling(0, time=2),
+        K2, {"Y Y_X": K3 / c, "Y_XX": -DASHPOT / 2},
     ),
 )  # fmt: skip
 """The rows; those of any range are made by `of_range`."""

@@ -1,0 +1,136 @@
+"""Losses of sites and bonds: where they enter, where they are refused, and the checks of them."""
+
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from longwave.derive import (
+    LATTICES,
+    Lattice,
+    ReductionError,
+    Scaling,
+    checks_of_reduction,
+    find_scaling,
+    reduce,
+)
+from longwave.derive.__main__ import main
+
+LOSSES = {"site": "eps^3*gamma", "bond": "eps*eta"}
+STRAIN, ALPHA, DIMER = (LATTICES[name] for name in ("fput_strain", "alpha_fput", "mass_dimer"))
+
+
+def test_a_lattice_without_losses_is_what_it_was() -> None:
+    """The text of all lattices would get a term ``+ 0 x'`` otherwise."""
+    for lattice in LATTICES.values():
+        assert lattice.with_losses() == lattice == lattice.with_losses(site=0, bond="0")
+        assert lattice.with_losses(**LOSSES).with_losses() == lattice
+
+
+def test_the_equation_of_the_command_line(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["fput_strain", "--losses", "site=eps^3*gamma,bond=eps*eta"]) == 0
+    out = capsys.readouterr().out
+    for line in (
+        "  y_n'' = F(y_{n+1}) - 2 F(y_n) + F(y_{n-1}) - eps^3 gamma y_n'",
+        "  F(x) = K2 x + K3 x^2 + K4 x^3 + eps eta x'",
+        "  Y_T + (3 K4/(2 c)) Y^2 Y_X + (c/24) Y_XXX + (gamma/2) Y - (eta/2) Y_XX = 0",
+    ):
+        assert line in out.splitlines()
+
+
+@pytest.mark.parametrize("amplitude", [0, 1])
+def test_strain_and_displacement_have_one_equation(amplitude: int) -> None:
+    """A strain feels what the losses of the two displacements leave: D of the dashpots' forces."""
+    moved = reduce(LATTICES["fput"].with_losses(**LOSSES), Scaling(amplitude))
+    strained = reduce(STRAIN.with_losses(**LOSSES), Scaling(amplitude + 1))
+    assert moved.pde.text() == strained.pde.text()
+    assert "- (eta/2) Y_XX" in moved.pde.text()
+
+
+@pytest.mark.parametrize(
+    ("lattice", "losses"),
+    [
+        (STRAIN, LOSSES),
+        (DIMER, {"site": {"v": "eps^3*gamma"}, "bond": {2: "eps*eta"}}),
+        (LATTICES["local_resonators"], {"bond": {1: "eps*eta", 2: "theta"}}),
+        (LATTICES["square"], LOSSES),
+        (ALPHA, {"bond": "eta"}),
+    ],
+)
+def test_the_checks_know_losses(lattice: Lattice, losses: dict[str, Any]) -> None:
+    found = find_scaling(lattice.with_losses(**losses))[0]
+    checks = checks_of_reduction(found)
+    assert all(check.passed for check in checks), [check.text() for check in checks]
+    assert ("complex frequency" in [check.name for check in checks]) == (lattice.dimension == 1)
+
+
+@pytest.mark.parametrize("losses", [{"site": "2*eps^3*gamma"}, {"bond": "3*eps*eta"}])
+def test_other_losses_are_seen_by_the_checks(losses: dict[str, str]) -> None:
+    """The checks read the lattice: one whose losses are not those of the equation differs."""
+    found = reduce(ALPHA.with_losses(**LOSSES), Scaling(1), 5)
+    other = replace(found, lattice=ALPHA.with_losses(**{**LOSSES, **losses}))
+    failed = [check.name for check in checks_of_reduction(other) if not check.passed]
+    assert failed == ["dispersion determinant", "manufactured wave", "complex frequency"]
+
+
+@pytest.mark.parametrize(
+    ("losses", "words"),
+    [
+        (
+            {"site": "eps^2*gamma"},
+            r"equation, eps\^5, got eps\^2 gamma, which dominates at eps\^4 \(write eps\^3 times a "
+            r"constant, or take T = eps\^2 t\)",
+        ),
+        ({"bond": "eta"}, r"got eta, which dominates at eps\^4 \(write eps times a constant, or"),
+        ({"site": 1}, r"got 1, which dominates at eps\^2 \(write eps\^3 times a constant\)"),
+    ],
+)
+def test_losses_that_dominate_are_refused(losses: dict[str, str], words: str) -> None:
+    with pytest.raises(ReductionError, match=words):
+        reduce(STRAIN.with_losses(**losses))
+
+
+def test_losses_that_come_later_are_told(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["fput_strain", "--losses", "site=eps^4*gamma,bond=eps*eta"]) == 0
+    out = capsys.readouterr().out
+    assert "  site loss eps^4 gamma does not enter at this order" in out.splitlines()
+    assert "bond loss" not in out
+
+
+def test_a_tie_to_the_site_has_no_dashpot() -> None:
+    """Its dashpot is the site's loss; a spring inside of a cell has one of its own."""
+    tied = LATTICES["klein_gordon"].with_losses(bond="eta")
+    assert [bool(bond.loss) for bond in tied.bonds] == [True, False]
+    inner = LATTICES["local_resonators"].with_losses(bond="eta")
+    assert [bool(bond.loss) for bond in inner.bonds] == [True, True]
+
+
+def test_constants_of_losses_have_values() -> None:
+    damped = ALPHA.with_losses(site="eps^3*gamma*K2")
+    found = reduce(damped, Scaling(1)).coefficients(K2=4, K3=1, gamma="1/2")
+    assert found.terms["Y"] == 1
+    assert str(damped.with_values({"gamma": 3}).losses) == "(3*K2*eps**3,)"
+
+
+@pytest.mark.parametrize(
+    ("losses", "words"),
+    [
+        ("site=-1", "site must satisfy site >= 0, got -1"),
+        ("bond=eps*x", "constants must have names other than"),
+        ("bond=1/eps", "bond must be a rational function of symbols and a polynomial in eps"),
+        ("bond=eps+", "bond: expected a number, a name or '('"),
+        ("bond=__import__", "bond: "),
+        ("drag=1", "--losses must name site and bond"),
+        ("site=1,site.u=2", "each once, got 'site.u'"),
+        ("site.w=1", "site must be a loss of u, v, got one of 'w'"),
+        ("bond.3=1", "bond must be a loss of 1, 2, got one of '3'"),
+        ("site", "--losses must be NAME=VALUE, got site"),
+    ],
+)
+def test_wrong_losses_are_one_line(
+    losses: str, words: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["mass_dimer", "--losses", losses]) == 2
+    out, err = capsys.readouterr()
+    assert not out
+    assert words in err
