@@ -5,22 +5,26 @@ A plane wave ``y = ybar + delta exp(i (k n - omega t))`` turns a shift by j cell
 ``omega^2`` is a sum of ``sin^2(j k/2)``, each a polynomial in ``sin^2(k/2)`` (Chebyshev's), and of
 what the weights sum to, where forces tie the field to its place.  For the strain FPUT lattice: the
 paper's eqs. (5) and (6).
+
+Losses make it ``omega^2 + i Gamma omega``: Gamma is the sum of the same kind over dashpots and
+sites.
 """
 
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 
-from sympy import Expr, Integer, Symbol, chebyshevt, expand, factor, series, sin, sqrt
+from sympy import Expr, I, Integer, S, Symbol, chebyshevt, expand, factor, series, sin, sqrt
 
-from longwave.derive.lattice import Lattice
+from longwave.derive.lattice import Bond, Lattice
 from longwave.derive.models.lattices import FPUT_STRAIN
 from longwave.derive.output.notation import latex_of
 from longwave.derive.reduction import Reduction
 from longwave.derive.scaling import Scaling
-from longwave.derive.symbols import eps, k, ybar
+from longwave.derive.symbols import eps, k, powers_of_eps, ybar
 
 HALF_SINE = Symbol("sin(k/2)")
 
@@ -31,11 +35,18 @@ class Dispersion:
 
     For the strain FPUT lattice ``omega_squared`` is the right-hand side of the paper's eq. (5).
     Both are expressions in the wavenumber ``derive.symbols.k`` (radians a site), the uniform
-    strain ``derive.symbols.ybar`` and the lattice's constants.
+    strain ``derive.symbols.ybar`` and the lattice's constants.  With losses the frequency solves
+    ``omega^2 + i damping omega = omega_squared``; the right-going branch is then ``omega``.
     """
 
     omega_squared: Expr
     omega_plus: Expr
+    damping: Expr = S.Zero
+
+    @property
+    def omega(self) -> Expr:
+        """The frequency with losses; minus its imaginary part is the rate of decay."""
+        return sqrt(self.omega_squared - self.damping**2 / 4) - I * self.damping / 2
 
     def long_wave(self, order: int = 5) -> Expr:
         """The expansion of omega_plus in k up to, and without, ``k^order``.
@@ -49,9 +60,17 @@ class Dispersion:
         unit = self.omega_plus.subs(k, 0) or self.omega_plus.diff(k).subs(k, 0)
         return unit * expand(series(self.omega_plus / unit, k, 0, order).removeO())
 
+    def is_solved_by(self, omega: Expr, power: int) -> bool:
+        """Whether a polynomial is the frequency through ``eps^power``; k is of the order of eps."""
+        left = omega**2 + I * self.damping * omega - self.omega_squared
+        scaled = left.subs({sin(k / 2): k / 2 - k**3 / 48 + k**5 / 3840}).subs(k, eps * k)
+        orders = powers_of_eps(expand(scaled))
+        return all(value.equals(0) for order, value in orders.items() if order <= power + 1)
+
     def at(self, strain: Expr) -> Dispersion:
         """The relation about the uniform strain ``strain``."""
-        return Dispersion(self.omega_squared.subs(ybar, strain), self.omega_plus.subs(ybar, strain))
+        parts = (self.omega_squared, self.omega_plus, self.damping)
+        return Dispersion(*(part.subs(ybar, strain) for part in parts))
 
     def latex(self) -> tuple[str, str, str]:
         """omega^2, omega_+ and its long-wave expansion as LaTeX equations."""
@@ -85,7 +104,22 @@ def dispersion_relation(lattice: Lattice = FPUT_STRAIN) -> Dispersion:
             f"constants must have names other than ybar, got {lattice.constants} (it is the "
             "uniform strain)"
         )
-    weights = _weights(lattice)
+    actual = {HALF_SINE: sin(k / 2)}
+    tied, squared = _in_half_sines(_weights(lattice, Bond.stiffness))
+    pinned, dashed = _in_half_sines(_weights(lattice, lambda bond, _: bond.loss))
+    rates = lattice.site_losses[0] + pinned + dashed
+    damping = (expand(rates) / lattice.masses[0]).subs(actual)
+    if tied != 0:
+        at_rest = (expand(tied + squared) / lattice.masses[0]).subs({**actual, ybar: 0})
+        return Dispersion(at_rest, sqrt(at_rest), damping)
+    over_mass = squared / lattice.masses[0]
+    stiffness = factor(expand(over_mass / HALF_SINE**2))
+    root = sqrt(stiffness) * HALF_SINE
+    return Dispersion((stiffness * HALF_SINE**2).subs(actual), root.subs(actual), damping)
+
+
+def _in_half_sines(weights: Mapping[int, Expr]) -> tuple[Expr, Expr]:
+    """Minus the sum of ``weights[shift] exp(i shift k)``: its value at k = 0, and the rest."""
     squared: Expr = Integer(0)
     for shift in sorted(weights):
         if weights[shift] != weights[-shift]:
@@ -96,23 +130,16 @@ def dispersion_relation(lattice: Lattice = FPUT_STRAIN) -> Dispersion:
         if shift > 0:
             squared_sine = (1 - chebyshevt(shift, 1 - 2 * HALF_SINE**2)) / 2  # of shift k/2
             squared += 4 * weights[shift] * expand(squared_sine)
-    actual = {HALF_SINE: sin(k / 2)}
-    tied = -expand(sum(weights.values()))
-    if tied != 0:
-        at_rest = (expand(tied + squared) / lattice.masses[0]).subs({**actual, ybar: 0})
-        return Dispersion(at_rest, sqrt(at_rest))
-    over_mass = squared / lattice.masses[0]
-    stiffness = factor(expand(over_mass / HALF_SINE**2))
-    root = sqrt(stiffness) * HALF_SINE
-    return Dispersion((stiffness * HALF_SINE**2).subs(actual), root.subs(actual))
+    return -expand(sum(weights.values())), squared
 
 
-def _weights(lattice: Lattice) -> dict[int, Expr]:
-    """Shift -> factor of ``exp(i shift k)`` in the linearised force."""
+def _weights(lattice: Lattice, slope_of: Callable[[Bond, Expr], Expr]) -> dict[int, Expr]:
+    """Shift -> factor of ``exp(i shift k)`` in a linear force of these slopes about ybar."""
     weights: dict[int, Expr] = defaultdict(lambda: Integer(0))
+    definitions = dict(lattice.definitions)
     for bond in lattice.bonds:
         uniform = sum(entry.weight for entry in bond.stretch) * ybar
-        slope = bond.stiffness(uniform)
+        slope = slope_of(bond, uniform).xreplace(definitions)
         for entry in bond.action:
             for part in bond.stretch:
                 [shift] = (i + j for i, j in zip(entry.shift, part.shift, strict=True))
@@ -121,25 +148,31 @@ def _weights(lattice: Lattice) -> dict[int, Expr]:
 
 
 def long_wave_of_reduction(reduction: Reduction) -> Expr:
-    """omega of a long wave by the reduced equation's linear part, to k^3.
+    """omega of a long wave by the reduced equation's linear part, to k^3, losses included.
 
     A wave ``exp(i (kappa X - Omega T))`` of the linear part has ``Omega = -delta kappa^3``; on the
     lattice ``k = eps kappa`` and ``omega = c k + eps^3 Omega``.  Raises ValueError for another
-    scaling, or a linear part of other terms than Y_XXX.
+    scaling, or a linear part of other terms than Y_XXX, and than Y and Y_XX, which losses bring.
     """
     scaling, values = reduction.scaling, reduction.coefficients()
-    paper = Scaling(scaling.amplitude, background=scaling.background)
-    linear = {name for name, monomial in values.monomials.items() if len(monomial) == 1}
-    if scaling != paper or not linear <= {"Y_XXX"}:
+    time = scaling.time if reduction.lattice.has_losses else Scaling().time
+    paper = Scaling(scaling.amplitude, time=time, background=scaling.background)
+    linear = {n: m[0][0] for n, m in values.monomials.items() if len(m) == 1}
+    if scaling != paper or not linear.keys() <= {"Y_XXX", "Y", "Y_XX"}:
         raise ValueError(
             "reduction must have X = eps (n - c t), T = eps^3 t and no linear term but Y_XXX, got "
             f"{reduction.pde.text()} (compare the terms of .pde by hand)"
         )
-    return values.c * k - values.dispersive * k**3
+    found = values.c * k - values.dispersive * k**3
+    losses = [(values.terms[name], count) for name, count in linear.items() if count % 2 == 0]
+    decay = sum(size * (I * k) ** count * eps ** (time - count) for size, count in losses)
+    return expand(found - I * decay)
 
 
 def agrees_with_reduction(lattice: Lattice, reduction: Reduction) -> bool:
     """Whether lattice (about the background) and reduced equation give the same omega to k^3.
+
+    With losses, to the order in eps of the reduced equation.
 
     Raises ValueError as `long_wave_of_reduction` does, and for a background that eps multiplies.
     """
@@ -149,5 +182,7 @@ def agrees_with_reduction(lattice: Lattice, reduction: Reduction) -> bool:
             f"background must be of order one, got {background} (compare the terms by hand)"
         )
     mean = sum((value for _, value in background), start=Integer(0))
-    expansion = dispersion_relation(lattice).at(mean).long_wave()
-    return bool(expand(expansion - long_wave_of_reduction(reduction)) == 0)
+    relation, found = dispersion_relation(lattice).at(mean), long_wave_of_reduction(reduction)
+    if lattice.has_losses:
+        return relation.is_solved_by(found, reduction.scaling.time)
+    return bool(expand(relation.long_wave() - found) == 0)

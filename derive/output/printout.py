@@ -5,15 +5,19 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from sympy import Expr, Symbol
+from sympy import Expr, I, S, Symbol
 
 from longwave.derive.balances import about_mean, best_balance, find_scaling
 from longwave.derive.direction import DRIFT, read_direction, slow_variables
-from longwave.derive.dispersion import agrees_with_reduction, dispersion_relation
+from longwave.derive.dispersion import (
+    agrees_with_reduction,
+    dispersion_relation,
+    long_wave_of_reduction,
+)
 from longwave.derive.expected_derivation import CHEAPER_ORDER, reduction_seconds
 from longwave.derive.intervals import Interval, intervals_of_reduction
 from longwave.derive.lattice import Lattice
@@ -109,7 +113,17 @@ def _with_losses(lattice: Lattice, texts: Mapping[str, str]) -> Lattice:
 
 
 def _reduction_lines(lattice: Lattice, options: DeriveOptions) -> Iterator[str]:
-    reduction, values, refused = _long_wave(lattice, options)
+    try:
+        reduction, values, refused = _long_wave(lattice, options)
+    except ReductionError as error:
+        is_printed = options.form == "text" and not options.check
+        is_formula = lattice.dimension == len(lattice.fields) == 1
+        if not (is_printed and is_formula and _has_finite_losses(lattice)):
+            raise
+        yield from (lattice.title, *(f"  {line}" for line in lattice.equations()))
+        yield from _frequency_lines(lattice, S.Zero)
+        yield f"no reduced equation: {error}"
+        return
     if options.check:
         from longwave.derive.checks import Check, checks_of_reduction
 
@@ -134,6 +148,7 @@ def _reduction_lines(lattice: Lattice, options: DeriveOptions) -> Iterator[str]:
         yield reduction.text()
         if is_paper:
             yield from _linear_lines(reduction)
+        yield from _decay_lines(reduction)
         yield from numbers
         if refused:
             scaling = reduction.scaling
@@ -291,6 +306,39 @@ def _linear_lines(reduction: Reduction) -> Iterator[str]:
     agrees = agrees_with_reduction(reduction.lattice, reduction)
     yield f"  same as the reduced equation's linear part to k^3: {'yes' if agrees else 'NO'}"
     yield f"initial velocity: s = {text_of(initial_velocity())}"
+
+
+def _decay_lines(reduction: Reduction) -> Iterator[str]:
+    """Complex frequencies of a chain with losses, and of the reduced equation."""
+    if not reduction.lattice.has_losses or reduction.lattice.dimension > 1:
+        return
+    yield from _frequency_lines(reduction.lattice, reduction.scaling.mean)
+    with suppress(ValueError):
+        omega = long_wave_of_reduction(reduction)
+        decay = text_of(-omega.coeff(I))
+        yield f"  omega = {text_of(omega.xreplace({I: S.Zero}))} - i ({decay}) of long waves"
+        agrees = agrees_with_reduction(reduction.lattice, reduction)
+        yield f"  same as the reduced equation's linear part: {'yes' if agrees else 'NO'}"
+
+
+def _frequency_lines(lattice: Lattice, mean: Expr) -> Iterator[str]:
+    """Complex frequencies of a lattice with losses; their formula is that of one field."""
+    yield ""
+    yield "linear waves with losses, exp(i (k n - omega t)):"
+    if len(lattice.fields) > 1:
+        return
+    relation, gamma = dispersion_relation(lattice).at(mean), Symbol("Gamma")
+    yield f"  omega^2 + i {gamma} omega = {text_of(relation.omega_squared)}"
+    yield f"  {gamma} = {text_of(relation.damping)}"
+    if _has_finite_losses(lattice):
+        root = replace(relation, damping=gamma).omega + I * gamma / 2
+        yield f"  omega = {text_of(root)} - i {gamma}/2"
+    else:
+        yield f"  omega = {text_of(relation.omega_plus)} - i {gamma}/2 + O({gamma}^2)"
+
+
+def _has_finite_losses(lattice: Lattice) -> bool:
+    return any(power == 0 for _, power in lattice.leading_losses.values())
 
 
 def varied(

@@ -1,9 +1,11 @@
 """Losses of sites and bonds: where they enter, where they are refused, and the checks of them."""
 
+import cmath
 from dataclasses import replace
 from typing import Any
 
 import pytest
+from sympy import Integer
 
 from longwave.derive import (
     LATTICES,
@@ -11,10 +13,13 @@ from longwave.derive import (
     ReductionError,
     Scaling,
     checks_of_reduction,
+    dispersion_relation,
     find_scaling,
     reduce,
 )
 from longwave.derive.__main__ import main
+from longwave.derive.dispersion import agrees_with_reduction
+from longwave.derive.symbols import k, ybar
 
 LOSSES = {"site": "eps^3*gamma", "bond": "eps*eta"}
 STRAIN, ALPHA, DIMER = (LATTICES[name] for name in ("fput_strain", "alpha_fput", "mass_dimer"))
@@ -62,6 +67,52 @@ def test_the_checks_know_losses(lattice: Lattice, losses: dict[str, Any]) -> Non
     checks = checks_of_reduction(found)
     assert all(check.passed for check in checks), [check.text() for check in checks]
     assert ("complex frequency" in [check.name for check in checks]) == (lattice.dimension == 1)
+
+
+@pytest.mark.parametrize("name", ["alpha_fput", "next_nearest", "klein_gordon", "granular"])
+def test_the_complex_frequency_is_a_root_of_the_lattice(name: str) -> None:
+    """A wave exp(i (k n - omega t)) put into the equations of motion, with losses of order one."""
+    lattice = LATTICES[name].with_losses(site="gamma/8", bond="eta/8")
+    at = {symbol: 1 + i / 8 for i, symbol in enumerate(lattice.constants)} | {k: 0.7, ybar: 0}
+    omega = complex(dispersion_relation(lattice).omega.subs(at))
+    forces = sum(
+        (complex(bond.stiffness(Integer(0)).subs(at)) - 1j * omega * float(bond.loss.subs(at)))
+        * entry.weight * part.weight * cmath.exp(0.7j * (entry.shift[0] + part.shift[0]))
+        for bond in lattice.bonds for entry in bond.action for part in bond.stretch
+    )  # fmt: skip
+    [site] = lattice.losses
+    assert omega.imag < 0 < omega.real
+    assert -(omega**2) == pytest.approx(forces + 1j * omega * float(site.subs(at)), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("lattice", "scaling"),
+    [(STRAIN, Scaling()), (ALPHA, Scaling(1))],
+)
+def test_linear_waves_of_lattice_and_equation_agree(lattice: Lattice, scaling: Scaling) -> None:
+    found = reduce(lattice.with_losses(**LOSSES), scaling, scaling.leading_order)
+    assert agrees_with_reduction(found.lattice, found)
+    for other in ({"site": "2*eps^3*gamma"}, {"bond": "3*eps*eta"}, {"bond": 0}):
+        assert not agrees_with_reduction(lattice.with_losses(**{**LOSSES, **other}), found)
+
+
+def test_finite_losses_have_frequencies_without_an_equation(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert main(["alpha_fput", "--losses", "site=1/10,bond=eta"]) == 0
+    out = capsys.readouterr().out.splitlines()
+    assert "  Gamma = 1/10 + 4 eta sin(k/2)^2" in out
+    assert "  omega = sqrt(-Gamma^2/4 + 4 K2 sin(k/2)^2) - i Gamma/2" in out
+    assert out[-1].startswith("no reduced equation: no scaling fits alpha_fput: site loss must")
+    assert main(["mass_dimer", "--losses", "site=1/10"]) == 2
+
+
+def test_frequencies_are_printed_with_losses(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["granular", "--losses", "bond=eps*eta", "--order", "5"]) == 0
+    out = capsys.readouterr().out
+    assert "  omega = sqrt(6) sqrt(A) d^(1/4) sin(k/2) - i Gamma/2 + O(Gamma^2)" in out
+    assert "- i (eps eta k^2/2) of long waves" in out
+    assert "  same as the reduced equation's linear part: yes" in out
 
 
 @pytest.mark.parametrize("losses", [{"site": "2*eps^3*gamma"}, {"bond": "3*eps*eta"}])
