@@ -9,6 +9,9 @@ the lattice's constants but one, which the dispersion relation fixes.
 
 Order by order harmonic 0 gives the mean (from an X-integral where nothing ties the lattice to its
 place), harmonic 1 the group velocity, then ``A_T = G_0 + eps G_1``, and the others are solved for.
+
+Losses enter G_0 at eps^2.  They end the derivation there: what they leave of a mean is no local
+function of A.
 """
 
 from __future__ import annotations
@@ -23,6 +26,7 @@ from longwave.derive.algebra.rational_functions import RationalFunction, Rationa
 from longwave.derive.algebra.small_matrices import Column, combined, determinant
 from longwave.derive.expansion import Expansion
 from longwave.derive.lattice import Bond, Cell, Lattice
+from longwave.derive.output.notation import text_of
 from longwave.derive.scaling import Scaling
 
 z, w = Symbol("exp(i k)"), Symbol("i omega")
@@ -36,6 +40,9 @@ MEAN_LETTER: Jet = (0, MEAN)
 
 LAST = 4
 """The power of eps at which G_1 is found."""
+
+NLS = 3
+"""The power of eps at which G_0 is found."""
 
 Rows = list[DifferentialPolynomial]
 
@@ -94,15 +101,25 @@ class Carrier(Expansion):
             self._add(index, 1, share * self._letter(A))
 
     def solve(self) -> None:
-        """Find all parts up to G_1."""
-        for order in (2, 3, LAST):
+        """Find all parts up to G_1, with losses up to G_0."""
+        self._check_losses()
+        for order in (2, NLS) if self.lattice.has_losses else (2, NLS, LAST):
             if order > 2 and not self.is_pinned:
-                self.detuning = self.detuning or self._flow_at(3).coefficient(A, MEAN_LETTER)
+                self.detuning = self.detuning or self._flow_at(NLS).coefficient(A, MEAN_LETTER)
                 self._solve_mean(order)
             self._solve_carrier(order)
             if order < LAST:
                 for j in (0, 2):
                     self._solve_harmonic(order, j)
+
+    def _check_losses(self) -> None:
+        for kind, (loss, power) in self.lattice.leading_losses.items():
+            if power < NLS - 1:
+                raise EnvelopeError(
+                    f"{kind} loss must enter at the order of the NLS equation, eps^{NLS}, got "
+                    f"{text_of(loss)}, which dominates at eps^{power + 1} (write eps^{NLS - 1} "
+                    "times a constant)"
+                )
 
     # one order after the other
 
@@ -172,10 +189,14 @@ class Carrier(Expansion):
         ]
         drift = self._drift(order) if self.is_displacement and not j else self._nothing
         moving = zip(self.lattice.masses, fields, self.shares, rows, strict=True)
-        return [
+        found = [
             self.number(mass) * (self._acceleration(field, order, j) + share * drift) + row
             for mass, field, share, row in moving
         ]
+        for index, loss in enumerate(self.lattice.losses):
+            drag = (self.constant(loss, order) * self.rate_of(fields[index])).at(order)
+            found[index] = found[index] + drag.select(lambda m: harmonic(m) == j)
+        return found
 
     def _acceleration(self, series: EpsSeries, order: int, j: int) -> DifferentialPolynomial:
         """The j-th harmonic of f'' at this order; d/dt is ``-j w - eps v D + eps^2 d_T`` there."""
@@ -186,6 +207,19 @@ class Carrier(Expansion):
         total = rate**2 * own.at(order) + 2 * rate * ahead.at(order)
         total = total + self.group_velocity * ahead.at(order - 1).derivative(0)
         return total + self.field(-2) * self._slow(rate * own + ahead, order - 2)
+
+    def rate_of(self, series: EpsSeries) -> EpsSeries:
+        """The time derivative, ``-j w - eps v D + eps^2 d_T`` of the j-th harmonic."""
+        turned = {
+            order: DifferentialPolynomial.collect(
+                self.field,
+                ((m, self.field(-harmonic(m)) * self.rate * v) for m, v in part.terms.items()),
+            )
+            for order, part in series.parts.items()
+        }
+        slow = {order: self._slow(series, order - 2) for order in range(2, series.limit + 1)}
+        moved = (-self.group_velocity) * series.derivative(0).delayed(1)
+        return self._series(turned, series.limit) + moved + self._series(slow, series.limit)
 
     def _drift(self, order: int) -> DifferentialPolynomial:
         """The second time derivative of a displacement whose X-derivative is the mean."""

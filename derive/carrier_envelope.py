@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from math import nan
 from typing import Any
 
 import mpmath
@@ -17,10 +18,10 @@ from sympy import Expr, I, S, Symbol, cos, pi, simplify, sin, sqrt
 from longwave.derive.algebra.exact_numbers import Number, instance, parse_rational
 from longwave.derive.algebra.formula_expression import exact_value
 from longwave.derive.algebra.rational_functions import RationalFunction
-from longwave.derive.carrier import Carrier, EnvelopeError, w, z
+from longwave.derive.carrier import NLS, Carrier, EnvelopeError, w, z
 from longwave.derive.lattice import Lattice
 from longwave.derive.normal_form import NormalForm, normal_form_of
-from longwave.derive.output.notation import Displayed, latex_of, text_of
+from longwave.derive.output.notation import Displayed, idle_loss, latex_of, text_of
 from longwave.derive.sines import cosine, frequency, in_sines, omega, sine
 from longwave.derive.symbols import k, values_of
 from longwave.support.user_files import shown
@@ -45,6 +46,9 @@ and 4 s for the mean's next order in numbers; with symbols for the springs alone
 FIRST_MASS = Symbol("first mass", positive=True)
 """Stands for the first mass of a lattice in numbers."""
 
+NEXT_ORDER = ("a3", "a1", "a2")
+"""Coefficients of the order behind the NLS equation."""
+
 _MAPPED = ("v", "p", "q")
 """The coefficients that the normal form depends on."""
 
@@ -63,7 +67,8 @@ class EnvelopeNumbers:
     ``detuning S A`` to the left of the NLS equation; 0 where the lattice is tied to its place.
     ``a3``, ``a1``, ``a2``: those of
     ``G1 = a3 A_3 + a1 |A|^2 A_1 + a2 A^2 conj(A_1)`` with ``A_m = (-i d/dX)^m A``, in
-    ``i A_T = p A_2 - q |A|^2 A + eps G1``.
+    ``i A_T = p A_2 - q |A|^2 A + eps G1``; nan with losses.  ``loss``: the rate at which these damp
+    a plane wave, ``A_T = -loss A + ...``.
     """
 
     omega: float
@@ -76,6 +81,7 @@ class EnvelopeNumbers:
     a1: complex
     a2: complex
     detuning: float
+    loss: float = 0.0
 
     @property
     def is_focusing(self) -> bool:
@@ -109,22 +115,42 @@ class Envelope(Displayed):
         squared = found.parts[found.carried[0].index(1)].at(2)
         mean = found.means[0] if found.means else squared
         for part, known in (
-            (first, {(A_XX,), (A, A, B)}),
+            (first, {(A,), (A_XX,), (A, A, B)}),
             (second, {(A_XXX,), (A, B, A_X), (A, A, B_X)}),
         ):
             if not part.terms.keys() <= known:
                 raise EnvelopeError(f"G must be that of an NLS equation, got {part.terms.keys()}")
+        next_order = {
+            "a3": second.coefficient(A_XXX),
+            "a1": -second.coefficient(A, B, A_X),
+            "a2": second.coefficient(A, A, B_X),
+        }
         return {
             "v": found.group_velocity,
             "p": first.coefficient(A_XX),
             "q": first.coefficient(A, A, B),
             "mean": mean.coefficient(A, B),
             "second": squared.coefficient(A, A),
-            "a3": second.coefficient(A_XXX),
-            "a1": -second.coefficient(A, B, A_X),
-            "a2": second.coefficient(A, A, B_X),
+            **({} if self.lattice.has_losses else next_order),
             "detuning": found.detuning,
+            **({"loss": -first.coefficient(A)} if self.lattice.has_losses else {}),
         }
+
+    @property
+    def equation(self) -> str:
+        """The equation in plain text."""
+        return f"i A_T + p A_XX + q |A|^2 A{' + i loss A' if self.lattice.has_losses else ''} = 0"
+
+    @property
+    def equation_latex(self) -> str:
+        """The equation in LaTeX, without delimiters."""
+        return self.equation.replace("A_XX", "A_{XX}").replace("loss", COEFFICIENT_LATEX["loss"])
+
+    @property
+    def idle_losses(self) -> tuple[str, ...]:
+        """The losses without a term in the equation, a line for each kind."""
+        losses = self.lattice.leading_losses.items()
+        return tuple(idle_loss(kind, value) for kind, (value, power) in losses if power > NLS - 1)
 
     @cached_property
     def expressions(self) -> Mapping[str, Expr]:
@@ -153,7 +179,8 @@ class Envelope(Displayed):
         of 0 < k <= pi, constants that are missing or unknown, and an unstable lattice.
         """
         found = self._numbers(k, branch, constants)
-        return EnvelopeNumbers(**{name: _plain(value) for name, value in found.items()})
+        numbers = {name: _plain(value) for name, value in found.items()}
+        return EnvelopeNumbers(**{**dict.fromkeys(NEXT_ORDER, nan), **numbers})
 
     def normal_form(
         self, k: Number | None = None, branch: str | int | None = None, **constants: Number
@@ -168,6 +195,11 @@ class Envelope(Displayed):
         >>> envelope(LATTICES["fput_strain"], k=pi).normal_form(K2=1, K3=0, K4=1)
         NormalForm(a=1, b=-1/4, s=1, c=0, equation=NLS, h=sqrt(6)/6)
         """
+        if self.lattice.has_losses:
+            raise EnvelopeError(
+                f"lattice must have no losses for a normal form, got {self.equation} (what damps "
+                "the wave cannot be scaled away: take the lattice without them)"
+            )
         if self.wavenumber is None and k is None and not constants and not self.constants:
             return _nls_form({name: self.expressions[name] for name in _MAPPED})
         found = self._numbers(k, branch, constants)
@@ -269,11 +301,11 @@ class Envelope(Displayed):
     def text(self) -> str:
         """The equation and p and q, in plain text."""
         p, q = (text_of(self.expressions[name]) for name in ("p", "q"))
-        return f"{self.lattice.name}: i A_T + p A_XX + q |A|^2 A = 0, p = {p}, q = {q}"
+        return f"{self.lattice.name}: {self.equation}, p = {p}, q = {q}"
 
     def latex(self) -> str:
         """The equation and its coefficients in LaTeX, without delimiters."""
-        rows = [r"i A_T + p A_{XX} + q |A|^2 A = 0"]
+        rows = [self.equation_latex]
         rows += [
             f"{COEFFICIENT_LATEX[name]} = {latex_of(value)}"
             for name, value in self.expressions.items()
@@ -283,7 +315,7 @@ class Envelope(Displayed):
 
 COEFFICIENT_LATEX = {
     "omega": r"\omega", "v": "v", "p": "p", "q": "q", "mean": "b_0", "second": "b_2",
-    "a3": "a_3", "a1": "a_1", "a2": "a_2", "detuning": r"\delta",
+    "a3": "a_3", "a1": "a_1", "a2": "a_2", "detuning": r"\delta", "loss": r"\lambda",
 }  # fmt: skip
 
 

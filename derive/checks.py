@@ -14,7 +14,7 @@ import mpmath
 from sympy import Expr, Rational, S, Symbol, pi, solve, sqrt
 
 from longwave.derive.algebra.jets import DifferentialPolynomial
-from longwave.derive.carrier_envelope import Envelope
+from longwave.derive.carrier_envelope import Envelope, evaluated
 from longwave.derive.lattice import Bond, Lattice, Stencil
 from longwave.derive.reduction import Reduction
 from longwave.derive.scaling import SlowVariable
@@ -81,10 +81,13 @@ def checks_of_reduction(reduction: Reduction) -> list[Check]:
 
 
 def checks_of_envelope(found: Envelope) -> Iterator[Check]:
-    """The identities of a carrier whose wavenumber is shifted; none at k = pi.
+    """The identities of a carrier whose wavenumber is shifted, none at k = pi; decay by losses.
 
     p = omega''/2, a3 = omega'''/6 and a1 + a2 = -dq/dk, exactly, as rational functions.
     """
+    if found.lattice.has_losses:
+        with mpmath.workdps(DIGITS):
+            yield _complex_carrier(found)
     if found.wavenumber == pi:
         return
     parts, carrier = found.parts, found.carrier
@@ -94,12 +97,37 @@ def checks_of_envelope(found: Envelope) -> Iterator[Check]:
         """-i d/dk along the branch, on which d omega/dk = v."""
         return carrier.field(z) * value.diff(z) + parts["v"] * value.diff(w)
 
-    for name, left, right in (
-        ("p = omega''/2", -2 * parts["p"], slope(parts["v"])),
-        ("a3 = omega'''/6", 3 * parts["a3"], slope(parts["p"])),
-        ("a1 + a2 = -dq/dk", parts["a1"] + parts["a2"], -slope(parts["q"])),
-    ):
+    identities = [("p = omega''/2", -2 * parts["p"], slope(parts["v"]))]
+    if not found.lattice.has_losses:
+        identities += [
+            ("a3 = omega'''/6", 3 * parts["a3"], slope(parts["p"])),
+            ("a1 + a2 = -dq/dk", parts["a1"] + parts["a2"], -slope(parts["q"])),
+        ]
+    for name, left, right in identities:
         yield Check(name, "exactly, for all k and constants", left == right)
+
+
+def _complex_carrier(found: Envelope) -> Check:
+    """The frequency of the lattice with its losses at a wavenumber, and that of the envelope."""
+    lattice = found.carrier.lattice
+    free = [s for s in lattice.basic_constants if s not in found.constants]
+    basic = {**numbers(free), **found.constants}
+    chosen = 1 if found.wavenumber is None else None
+    point = found.point(chosen, None, {str(symbol): value for symbol, value in basic.items()})
+    undamped, loss = -point["i omega"], evaluated(found.parts["loss"], point)
+    values = lattice.with_defined(basic)
+
+    def rest(small: Any) -> Any:
+        def vanishing(growth: Any) -> Any:
+            def turn(steps: Sequence[int]) -> Any:
+                return mpmath.mpc(0, 1) * point["k"] * steps[0]
+
+            return mpmath.det(_matrix(lattice, lambda v: _number(v, values, small), growth, turn))
+
+        known = undamped - small**2 * loss
+        return _root(vanishing, known) - known
+
+    return _falling("complex frequency", rest, 3)
 
 
 def _falling(name: str, rest: Callable[[Any], Any], promised: int) -> Check:

@@ -14,7 +14,7 @@ from longwave.derive.algebra.rational_functions import RationalFunction
 from longwave.derive.equations import Coefficients, Condition, EvolutionEquation, OrderEquation
 from longwave.derive.lattice import Lattice
 from longwave.derive.normal_form import NormalForm, equation_of, normal_form_of
-from longwave.derive.output.notation import Notation, latex_of, power_of, text_of
+from longwave.derive.output.notation import Notation, idle_loss, latex_of, power_of, text_of
 from longwave.derive.output.report import latex_report, reduction_data, text_report
 from longwave.derive.scaling import Scaling
 from longwave.derive.symbols import eps, values_of
@@ -86,7 +86,7 @@ class Reduction:
         """The losses without a term in the reduced equation, a line for each kind."""
         entered = {sum(monomial[0]) for monomial in self.pde.flow.terms if len(monomial) == 1}
         return tuple(
-            f"{kind} loss {text_of(value)} does not enter at this order"
+            idle_loss(kind, value)
             for kind, (value, _) in self.lattice.leading_losses.items()
             if {"site": 0, "bond": 2}[kind] not in entered
         )

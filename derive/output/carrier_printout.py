@@ -12,6 +12,7 @@ from sympy import Expr, Rational, pi
 from longwave.derive.algebra.exact_numbers import Number
 from longwave.derive.carrier_envelope import (
     COEFFICIENT_LATEX,
+    NEXT_ORDER,
     Envelope,
     EnvelopeNumbers,
     envelope,
@@ -37,8 +38,6 @@ MOST_POINTS = 200
 
 NLS_ORDER, HIGHEST_ORDER = 3, 4
 """Powers of eps at which the NLS equation and its correction stand."""
-
-NEXT_ORDER = ("a3", "a1", "a2")
 
 
 def carrier_lines(lattice: Lattice, options: DeriveOptions) -> Iterator[str]:
@@ -87,7 +86,7 @@ def _checked(lattice: Lattice, branch: str | int, values: Values) -> Iterator[st
         given = {str(s): value for s, value in simple_numbers(lattice.constants).items()}
     found = envelope(lattice, branch=branch, **({} if lattice.definitions else given))
     at = ", ".join(f"{name} = {value}" for name, value in given.items())
-    yield f"{lattice.name}: i A_T + p A_XX + q |A|^2 A = 0{' at ' + at if at else ''}"
+    yield f"{lattice.name}: {found.equation}{' at ' + at if at else ''}"
     yield from map(Check.text, checks_of_envelope(found))
 
 
@@ -98,7 +97,8 @@ def _lines(
     found = envelope(lattice, k=chosen, branch=branch, **given)
     names = [n for n in found.parts if options.orders != str(NLS_ORDER) or n not in NEXT_ORDER]
     numbers = found.coefficients(chosen, None, **values) if chosen is not None and values else None
-    form = found.normal_form(chosen, None, **values) if numbers else None
+    has_form = numbers and not lattice.has_losses
+    form = found.normal_form(chosen, None, **values) if has_form else None
     intervals, word = _intervals(lattice, found, values, options) if numbers else ({}, "")
     if options.form == "json":
         data = _data(found, names, numbers, form)
@@ -134,24 +134,25 @@ def _data(
 ) -> dict[str, Any]:
     data = {
         "lattice": found.lattice.name,
-        "equation": "i A_T + p A_XX + q |A|^2 A = 0",
+        "equation": found.equation,
         "k": None if found.wavenumber is None else text_of(found.wavenumber),
         "branch": found.branch,
         "fixed": str(found.carrier.fixed),
         "constants": {str(s): text_of(value) for s, value in found.constants.items()},
     }
-    if numbers is None or form is None:
+    if numbers is None:
         return {**data, **{name: text_of(found.expressions[name]) for name in names}}
     values = {
         n: [v.real, v.imag] if isinstance(v, complex) else v
         for n, v in asdict(numbers).items()
         if n in ("omega", *names)
     }
-    return {**data, "numbers": values, "normal_form": {**form_data(form), "digits": form.digits}}
+    normal = {"normal_form": {**form_data(form), "digits": form.digits}} if form else {}
+    return {**data, "numbers": values, **normal}
 
 
 def _latex(found: Envelope, names: list[str], numbers: EnvelopeNumbers | None) -> str:
-    rows = [("", r"i A_T + p A_{XX} + q |A|^2 A = 0")]
+    rows = [("", found.equation_latex)]
     if numbers is None:
         values = {name: latex_of(found.expressions[name]) for name in names}
     else:
@@ -175,15 +176,17 @@ def _texts(
     yield from (f"  {line}" for line in lattice.equations())
     yield f"carrier: {lattice.fields[0]} = eps A(X, T) exp(i (k n - omega t)) + c.c. + ..."
     yield "  X = eps (n - v t), T = eps^2 t"
-    if numbers is None or form is None:
+    if numbers is None:
         at = "" if chosen is None else f" at k = {text_of(chosen)}"
-        yield f"i A_T + p A_XX + q |A|^2 A = 0{at}:"
+        yield f"{found.equation}{at}:"
+        yield from (f"  {idle}" for idle in found.idle_losses)
         yield f"  omega^2 gives {found.carrier.fixed}, which is eliminated"
         yield from (f"  {name} = {text_of(found.expressions[name])}" for name in names)
         for symbol, value in found.carrier.lattice.definitions:
             yield f"  where {symbol} = {text_of(value.subs(found.constants))}"
         return
-    yield f"i A_T + p A_XX + q |A|^2 A = 0 at k = {chosen}:"
+    yield f"{found.equation} at k = {chosen}:"
+    yield from (f"  {idle}" for idle in found.idle_losses)
     if word:
         yield f"  {word}"
     values = asdict(numbers)
@@ -193,6 +196,8 @@ def _texts(
 
     yield from (line(name, values[name]) for name in ("omega", *names))
     kind = "unstable, solitons bright" if numbers.is_focusing else "stable, solitons dark"
+    if form is None:
+        return
     yield f"plane waves are {kind}: p q {'>' if numbers.is_focusing else '<'} 0"
     yield f"normal form {NORMAL_EQUATIONS[form.equation].text}, {form.map_text}:"
     yield from (line(name, float(value)) for name, value in form.values.items())

@@ -207,6 +207,11 @@ def power_of(symbol: Symbol, exponent: int, printed: Printed) -> str:
     return f"{printed(symbol**exponent)} " if exponent else ""
 
 
+def idle_loss(kind: str, value: Expr) -> str:
+    """What is said of a loss without a term in the equation that is derived."""
+    return f"{kind} loss {text_of(value)} does not enter at this order"
+
+
 def bracketed(expression: Expr, printed: Printed) -> str:
     """A constant as a factor: a sum in brackets."""
     text = printed(expression)

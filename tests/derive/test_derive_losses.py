@@ -2,18 +2,22 @@
 
 import cmath
 from dataclasses import replace
+from math import isnan
 from typing import Any
 
 import pytest
-from sympy import Integer
+from sympy import Integer, pi
 
 from longwave.derive import (
     LATTICES,
+    EnvelopeError,
     Lattice,
     ReductionError,
     Scaling,
+    checks_of_envelope,
     checks_of_reduction,
     dispersion_relation,
+    envelope,
     find_scaling,
     reduce,
 )
@@ -185,3 +189,48 @@ def test_wrong_losses_are_one_line(
     out, err = capsys.readouterr()
     assert not out
     assert words in err
+
+
+ENVELOPE = {"site": "eps^2*gamma", "bond": "eps^2*eta"}
+
+
+@pytest.mark.parametrize("name", ["fput_strain", "fput", "klein_gordon", "granular"])
+def test_an_envelope_of_equal_masses_decays_at_half_the_loss(name: str) -> None:
+    """Site losses alone; the other coefficients stay those without them."""
+    found = envelope(LATTICES[name].with_losses(site="eps^2*gamma")).expressions
+    assert str(found["loss"]) == "gamma/2"
+    bare = envelope(LATTICES[name]).expressions
+    assert all(found[key] == bare[key] for key in ("v", "p", "q", "mean", "second", "detuning"))
+    assert "a3" not in found
+
+
+def test_a_dashpot_damps_by_the_rate_of_its_stretch() -> None:
+    found = envelope(STRAIN.with_losses(bond="eps^2*eta"), k=pi / 2)
+    assert str(found.expressions["loss"]) == "eta"
+    numbers = found.coefficients(K2=1, K3=0, K4=1, eta="1/4")
+    assert numbers.loss == 0.25
+    assert isnan(numbers.a3)
+    with pytest.raises(ValueError, match="must have no losses for a normal form"):
+        found.normal_form(K2=1, K3=0, K4=1, eta=1)
+
+
+@pytest.mark.parametrize("branch", ["acoustic", "optical"])
+def test_the_envelope_decays_as_the_lattice(branch: str) -> None:
+    """Only one of the two masses is damped, so that each branch has its own rate."""
+    lattice = DIMER.with_losses(site={"u": "eps^2*gamma"}, bond={2: "eps^2*eta"})
+    given = {name: i for i, name in enumerate(("K2", "K3", "K4", "m1", "m2"), 1)}
+    found = envelope(lattice, branch=branch, **given)
+    assert [check.passed for check in checks_of_envelope(found)] == [True, True]
+    vars(found)["parts"] = {**found.parts, "loss": found.parts["loss"] * 2}
+    assert [check.passed for check in checks_of_envelope(found)] == [False, True]
+
+
+def test_losses_of_an_envelope_have_an_order(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(EnvelopeError, match=r"got eps gamma, which dominates at eps\^2 \(write"):
+        envelope(STRAIN.with_losses(site="eps*gamma"))
+    losses = "site=eps^2*gamma,bond=eps^3*eta"
+    assert main(["fput_strain", "--envelope", "k=pi", "--losses", losses]) == 0
+    out = capsys.readouterr().out.splitlines()
+    assert "i A_T + p A_XX + q |A|^2 A + i loss A = 0 at k = pi:" in out
+    assert "  bond loss eps^3 eta does not enter at this order" in out
+    assert "  loss = gamma/2" in out
