@@ -79,6 +79,20 @@ def _modified_kawahara(cubic: Expr, third: Expr, fifth: Expr) -> Scales:
     }
 
 
+def _kdv_burgers(quadratic: Expr, second: Expr, third: Expr) -> Scales:
+    """Time is that of the Burgers term, which losses make negative."""
+    a = Abs(second / third)
+    b = -second * a**2
+    return {"a": a, "b": b, "h": 6 * b / (quadratic * a), "s": -sign(second * third)}
+
+
+def _mkdv_burgers(cubic: Expr, second: Expr, third: Expr) -> Scales:
+    a = Abs(second / third)
+    b = -second * a**2
+    h = sqrt(Abs(6 * b / (cubic * a)))
+    return {"a": a, "b": b, "h": h, "s": -sign(second * third), "r": -sign(second * cubic)}
+
+
 def _fifth_kdv(quadratic: Expr, fifth: Expr) -> Scales:
     return {"a": S.One, "b": -fifth, "h": -6 * fifth / quadratic}
 
@@ -122,6 +136,18 @@ _ROWS: tuple[tuple[str, str, str, Callable[..., Scales]], ...] = (
     ),
     ("fifth-order KdV", "Y Y_X, Y_5X", "U_tau + 6 U U_xi - U_5xi = 0", _fifth_kdv),
     ("fifth-order mKdV", "Y^2 Y_X, Y_5X", "U_tau + 6 r U^2 U_xi - U_5xi = 0", _fifth_mkdv),
+    (
+        "KdV-Burgers",
+        "Y Y_X, Y_XX, Y_XXX",
+        "U_tau + 6 U U_xi + s U_xixixi - U_xixi = 0",
+        _kdv_burgers,
+    ),
+    (
+        "mKdV-Burgers",
+        "Y^2 Y_X, Y_XX, Y_XXX",
+        "U_tau + 6 r U^2 U_xi + s U_xixixi - U_xixi = 0",
+        _mkdv_burgers,
+    ),
     ("KP", "Y Y_X, Y_XXX, Y_ZZ", "(U_tau + 6 U U_xi + U_xixixi)_xi + 3 s U_zetazeta = 0", _kp),
     (
         "generalised KP",
@@ -230,8 +256,9 @@ def equation_name(name: str, s: Expr | int, r: Expr | int = 1) -> str:
         return f"{'focusing' if s == 1 else 'defocusing'} {name}"
     if name.endswith("KP"):
         return f"{name}-{'I' if s == -1 else 'II'}"
-    signs = {"Kawahara": f" (s = {s})", "modified Kawahara": f" (s = {s}, r = {r})"}
-    return name + signs.get(name, "")
+    if name in ("Kawahara", "KdV-Burgers"):
+        return f"{name} (s = {s})"
+    return f"{name} (s = {s}, r = {r})" if name in ("modified Kawahara", "mKdV-Burgers") else name
 
 
 _LATEX = {"drift": r"\nu"}
@@ -288,6 +315,7 @@ _REMEDY = {
     "Y Y_X": "a cubic force balances at the next lower power of eps",
     "Y^2 Y_X": "take a nonzero cubic stiffness",
     "Y_XXX": "a slower time eps^5 t brings in Y_5X",
+    "Y_XX": "take dashpots beside springs",
     "Y_ZZ": "take springs across",
     "A_XX": "the third derivative of omega takes its place",
     "|A|^2 A": "the next nonlinear order takes its place",

@@ -24,6 +24,7 @@ _MODULES: Mapping[str, str] = {
         ("kdv_waves", "kdv_soliton kdv_two_soliton kdv_cnoidal"),
         ("gardner_waves", "gardner_soliton gardner_negative_soliton gardner_table_soliton"),
         ("gardner_waves", "gardner_kink kawahara_soliton modified_kawahara_soliton"),
+        ("burgers_waves", "kdv_burgers_shock mkdv_burgers_shock"),
         ("kp_waves", "kp_line_soliton kp_lump"),
         ("nls_waves", "nls_plane nls_bright nls_dark nls_dn nls_cn"),
         ("nls_breathers", "nls_peregrine nls_rogue_2 nls_akhmediev nls_kuznetsov_ma"),
@@ -33,6 +34,8 @@ _MODULES: Mapping[str, str] = {
 """Name of a form, which is that of the function that makes it -> its module in ``forms``."""
 
 _EQUATIONS: Mapping[str, str] = {
+    "kdv_burgers": "KdV-Burgers",
+    "mkdv_burgers": "mKdV-Burgers",
     "kdv": "KdV",
     "gardner": "Gardner",
     "kawahara": "Kawahara",
@@ -40,8 +43,8 @@ _EQUATIONS: Mapping[str, str] = {
     "kp": "KP",
     "nls": "NLS",
 }
-"""First word of a form's name -> its equation among `derive.normal_form.NORMAL_EQUATIONS`; the
-other forms are of mKdV."""
+"""Begin of a form's name -> its equation among `derive.normal_form.NORMAL_EQUATIONS`, the longer
+ones first; the other forms are of mKdV."""
 
 LARGEST_ORDER = 12
 """Highest order of a rational solution that is made from its name."""
@@ -54,7 +57,7 @@ class Catalogue(Sequence["ClosedForm"]):
     """The closed forms of these names in order; each is made when it is first asked for.
 
     >>> len(CATALOGUE), CATALOGUE.names[0], CATALOGUE[15].title
-    (36, 'rational_1', 'kink and antikink')
+    (38, 'rational_1', 'kink and antikink')
     """
 
     def __init__(self, names: Iterable[str]) -> None:
@@ -103,7 +106,8 @@ class Catalogue(Sequence["ClosedForm"]):
     @staticmethod
     def equation(name: str) -> str:
         """The name of the equation that the form called ``name`` solves."""
-        return _EQUATIONS.get(name.partition("_")[0], "mKdV")
+        known = (_EQUATIONS[begin] for begin in _EQUATIONS if name.startswith(f"{begin}_"))
+        return next(known, "mKdV")
 
 
 CATALOGUE = Catalogue(_MODULES)

@@ -47,6 +47,12 @@ _LEFT_SIDES: Mapping[str, _LeftSide] = {
         ),
         order=5,
     ),
+    "KdV-Burgers": _LeftSide(
+        lambda U, s, r: sp.diff(U, tau) + 6 * U * _slope(U) + s * _slope(U, 3) - _slope(U, 2)
+    ),
+    "mKdV-Burgers": _LeftSide(
+        lambda U, s, r: sp.diff(U, tau) + 6 * r * U**2 * _slope(U) + s * _slope(U, 3) - _slope(U, 2)
+    ),
     "KP": _LeftSide(lambda U, s, r: _slope(_kdv(U)) + 3 * s * sp.diff(U, zeta, 2), has_across=True),
     "NLS": _LeftSide(
         lambda U, s, r: sp.I * sp.diff(U, tau) + _slope(U, 2) + 2 * s * sp.Abs(U) ** 2 * U,
@@ -133,6 +139,8 @@ FOCUSING_GARDNER = Equation("focusing Gardner", +1, "Gardner")
 DEFOCUSING_GARDNER = Equation("defocusing Gardner", -1, "Gardner")
 KAWAHARA = Equation("Kawahara", +1, "Kawahara")
 MODIFIED_KAWAHARA = Equation("modified Kawahara", +1, "modified Kawahara", +1)
+KDV_BURGERS = Equation("KdV-Burgers", +1, "KdV-Burgers")
+MKDV_BURGERS = Equation("mKdV-Burgers", +1, "mKdV-Burgers", -1)
 KP = Equation("KP-I and KP-II", s, "KP")
 KP_1 = Equation("KP-I", -1, "KP")
 NLS = Equation("NLS", s, "NLS")

@@ -88,15 +88,21 @@ class Chosen:
 
 
 def waves_by_equation() -> dict[str, dict[str, str]]:
-    """The catalogue's waves: equation -> title -> name.
+    """The waves of the catalogue that have a lattice here: equation -> title -> name.
+
+    Those of equations with a Burgers term have none before a scene with losses is shipped.
 
     >>> waves_by_equation()["KP"]
     {'KP line soliton': 'kp_line_soliton', 'KP-I lump': 'kp_lump'}
     """
-    from longwave.solutions import CATALOGUE
+    from longwave.solutions import CATALOGUE, closed_form
 
+    at_home = (*(wave for wave, _ in examples().values()), *OTHER_CONSTANTS)
+    known = {"mKdV", *(closed_form(wave).equation.normal for wave in at_home)}
     found: dict[str, dict[str, str]] = {}
     for form in CATALOGUE:
+        if form.equation.normal not in known:
+            continue
         title = f"{form.title[0].upper()}{form.title[1:]}"
         found.setdefault(form.equation.normal, {})[title] = form.name
     return found

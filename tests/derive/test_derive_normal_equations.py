@@ -45,6 +45,7 @@ def reduced(coefficients: Mapping[str, Expr], Y: Expr) -> Expr:
         "Y_X": lambda: Y.diff(X),
         "Y Y_X": lambda: Y * Y.diff(X),
         "Y^2 Y_X": lambda: Y**2 * Y.diff(X),
+        "Y_XX": lambda: Y.diff(X, 2),
         "Y_XXX": lambda: Y.diff(X, 3),
         "Y_5X": lambda: Y.diff(X, 5),
     }
@@ -62,6 +63,8 @@ NORMAL: dict[str, Callable[[Expr, Expr, Expr], dict[str, Expr]]] = {
     "modified Kawahara": lambda s, r, _: {"Y^2 Y_X": 6 * r, "Y_XXX": s, "Y_5X": S(-1)},
     "fifth-order KdV": lambda s, r, _: {"Y Y_X": S(6), "Y_5X": S(-1)},
     "fifth-order mKdV": lambda s, r, _: {"Y^2 Y_X": 6 * r, "Y_5X": S(-1)},
+    "KdV-Burgers": lambda s, r, _: {"Y Y_X": S(6), "Y_XX": S(-1), "Y_XXX": s},
+    "mKdV-Burgers": lambda s, r, _: {"Y^2 Y_X": 6 * r, "Y_XX": S(-1), "Y_XXX": s},
     "KP": lambda s, r, _: {"Y Y_X": S(6), "Y_XXX": S(1), "Y_ZZ": 3 * s},
     "generalised KP": lambda s, r, _: {"Y^2 Y_X": 6 * r, "Y_XXX": S(1), "Y_ZZ": 3 * s},
 }

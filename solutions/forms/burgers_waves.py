@@ -1,0 +1,38 @@
+"""Shocks of the KdV and mKdV equations with a Burgers term: fronts that losses hold together."""
+
+import sympy as sp
+
+from longwave.solutions.equation import KDV_BURGERS, MKDV_BURGERS
+from longwave.solutions.record import Bound, ClosedForm, FarFields, Parameter, Reference
+from longwave.solutions.symbols import kappa, tau, xi
+
+_level = sp.Symbol("U_0", real=True)
+_SIXTH = sp.Rational(1, 6)
+
+
+def kdv_burgers_shock() -> ClosedForm:
+    """The shock from U_0 + 2/25 down to U_0 (s = 1): the only height that has this shape."""
+    front = sp.tanh((xi - (6 * _level + sp.Rational(6, 25)) * tau) / 10)
+    return ClosedForm(
+        name="kdv_burgers_shock",
+        title="KdV-Burgers shock",
+        expression=_level + (1 - front) * (3 + front) / 50,
+        equation=KDV_BURGERS,
+        parameters=(Parameter(_level, default=sp.S.Zero),),
+        far_fields=FarFields(_level + sp.Rational(2, 25), _level),
+        reference=Reference("A. Jeffrey and S. Xu, Wave Motion 11 (1989) 559"),
+    )
+
+
+def mkdv_burgers_shock() -> ClosedForm:
+    """The undercompressive shock from 1/6 - kappa up to 1/6 + kappa (s = 1, r = -1)."""
+    front = sp.tanh(kappa * (xi + (2 * kappa**2 + _SIXTH) * tau))
+    return ClosedForm(
+        name="mkdv_burgers_shock",
+        title="mKdV-Burgers shock",
+        expression=_SIXTH + kappa * front,
+        equation=MKDV_BURGERS,
+        parameters=(Parameter(kappa, lower=Bound(sp.S.Zero, "the constant 1/6"), default=_SIXTH),),
+        far_fields=FarFields(_SIXTH - kappa, _SIXTH + kappa),
+        reference=Reference("G. A. El, M. A. Hoefer and M. Shearer, SIAM Rev. 59 (2017) 3"),
+    )
