@@ -18,6 +18,7 @@ from sympy import Expr, I, S, Symbol, cos, pi, simplify, sin, sqrt
 from longwave.derive.algebra.exact_numbers import Number, instance, parse_rational
 from longwave.derive.algebra.formula_expression import exact_value
 from longwave.derive.algebra.rational_functions import RationalFunction
+from longwave.derive.amplitude_law import AmplitudeLaw, amplitude_law
 from longwave.derive.carrier import NLS, Carrier, EnvelopeError, w, z
 from longwave.derive.lattice import Lattice
 from longwave.derive.normal_form import NormalForm, normal_form_of
@@ -145,6 +146,11 @@ class Envelope(Displayed):
     def equation_latex(self) -> str:
         """The equation in LaTeX, without delimiters."""
         return self.equation.replace("A_XX", "A_{XX}").replace("loss", COEFFICIENT_LATEX["loss"])
+
+    @property
+    def amplitude_law(self) -> AmplitudeLaw:
+        """The decay of a bright soliton's crest |A|, in the coefficient ``loss``."""
+        return amplitude_law(2, S.One, Symbol("loss", positive=True), S.Zero)
 
     @property
     def idle_losses(self) -> tuple[str, ...]:

@@ -6,11 +6,12 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from sympy import Eq, Expr, Symbol, expand, factor, sqrt
+from sympy import Eq, Expr, S, Symbol, expand, factor, sqrt
 
 from longwave.derive.algebra.exact_numbers import Number
 from longwave.derive.algebra.jets import DifferentialPolynomial, EpsSeries, Monomial
 from longwave.derive.algebra.rational_functions import RationalFunction
+from longwave.derive.amplitude_law import AmplitudeLaw, amplitude_law
 from longwave.derive.equations import Coefficients, Condition, EvolutionEquation, OrderEquation
 from longwave.derive.lattice import Lattice
 from longwave.derive.normal_form import NormalForm, equation_of, normal_form_of
@@ -19,6 +20,9 @@ from longwave.derive.output.report import latex_report, reduction_data, text_rep
 from longwave.derive.scaling import Scaling
 from longwave.derive.symbols import eps, values_of
 from longwave.support.user_files import shown
+
+_POWERS = {"KdV": 1, "mKdV": 2}
+"""The power of Y before Y_X, of equations whose solitons have an amplitude law."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -152,6 +156,30 @@ class Reduction:
         values = self.coefficients(**constants)
         terms = {self._term(monomial): values.terms[n] for n, monomial in values.monomials.items()}
         return normal_form_of(values.c, terms)
+
+    def amplitude_law(self, **constants: Number) -> AmplitudeLaw | None:
+        """The decay of a soliton by the losses; arguments as for coefficients.
+
+        None unless the equation is KdV or mKdV with losses, and has bright solitons.
+
+        >>> from longwave.derive import LATTICES, reduce
+        >>> damped = LATTICES["fput_strain"].with_losses(site="eps^3*gamma")
+        >>> reduce(damped).amplitude_law()
+        AmplitudeLaw(da/dT = -a gamma, a = a0 exp(-T gamma))
+        """
+        values = self.coefficients(**constants)
+        terms = {self._term(m): values.terms[name] for name, m in values.monomials.items()}
+        damping, diffusion = terms.pop("Y", S.Zero), -terms.pop("Y_XX", S.Zero)
+        equation = equation_of(terms)
+        if equation is None or equation.name not in _POWERS or not (damping or diffusion):
+            return None
+        power = _POWERS[equation.name]
+        nonlinear, third = (terms[name] for name in equation.terms)
+        sign = nonlinear * third
+        if sign.is_zero or (power == 2 and sign.is_negative):
+            return None
+        ratio = 2 * nonlinear / ((power + 1) * (power + 2) * third)
+        return amplitude_law(power, ratio, damping, diffusion)
 
     @property
     def has_normal_form(self) -> bool:

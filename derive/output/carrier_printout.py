@@ -197,6 +197,8 @@ def _texts(
     yield from (line(name, values[name]) for name in ("omega", *names))
     kind = "unstable, solitons bright" if numbers.is_focusing else "stable, solitons dark"
     if form is None:
+        if numbers.is_focusing:
+            yield f"amplitude law of a bright soliton: {found.amplitude_law.text()}"
         return
     yield f"plane waves are {kind}: p q {'>' if numbers.is_focusing else '<'} 0"
     yield f"normal form {NORMAL_EQUATIONS[form.equation].text}, {form.map_text}:"

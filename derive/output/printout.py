@@ -149,6 +149,8 @@ def _reduction_lines(lattice: Lattice, options: DeriveOptions) -> Iterator[str]:
         if is_paper:
             yield from _linear_lines(reduction)
         yield from _decay_lines(reduction)
+        if law := reduction.amplitude_law(**values):
+            yield f"amplitude law of a soliton, crest a: {law.text()}"
         yield from numbers
         if refused:
             scaling = reduction.scaling

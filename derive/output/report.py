@@ -132,7 +132,7 @@ def reduction_data(reduction: Reduction, constants: Mapping[str, Number] | None 
             for item in reduction.conditions
         ],
         "kind": reduction.pde.kind,
-        **({"idle_losses": list(reduction.idle_losses)} if reduction.lattice.has_losses else {}),
+        **(_loss_data(reduction, constants or {}) if reduction.lattice.has_losses else {}),
         "units": reduction.units,
         "definitions": {str(s): text_of(value) for s, value in reduction.lattice.definitions},
         "pde": {"equation": reduction.pde.text(), **data(reduction.pde.polynomial)},
@@ -140,6 +140,14 @@ def reduction_data(reduction: Reduction, constants: Mapping[str, Number] | None 
         "corrections": {str(p): data(part) for p, part in reduction.corrections.items()},
         "obstruction": {str(obstruction[0]): data(obstruction[1])} if obstruction else {},
         **_number_data(reduction, constants or {}),
+    }
+
+
+def _loss_data(reduction: Reduction, constants: Mapping[str, Number]) -> Data:
+    law = reduction.amplitude_law(**constants)
+    return {
+        "idle_losses": list(reduction.idle_losses),
+        "amplitude_law": law and {"rate": text_of(law.rate), "solution": text_of(law.solution)},
     }
 
 

@@ -1,0 +1,66 @@
+"""The decay of a soliton by weak losses, from the balance of its momentum.
+
+A solitary wave of ``Y_T + alpha Y^r Y_X + delta Y_XXX = 0`` with its crest at a has
+``Y_X^2 = kappa Y^2 (a^r - Y^r)``, ``kappa = 2 alpha/((r + 1) (r + 2) delta)``, so that its
+integrals over X are integrals over Y.  With ``damping Y - diffusion Y_XX`` on the left of the
+equation it keeps this shape, at leading order, and the balance
+``d/dT int Y^2 = -2 damping int Y^2 - 2 diffusion int Y_X^2`` gives a(T).  The bright soliton of the
+NLS equation has the same shape with r = 2.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from sympy import Expr, Rational, S, Symbol, beta, exp, gammasimp
+
+from longwave.derive.output.notation import Displayed, Printed
+
+crest, first_crest, slow_time = (Symbol(name, positive=True) for name in ("a", "a0", "T"))
+
+
+@dataclass(frozen=True, repr=False)
+class AmplitudeLaw(Displayed):
+    """``da/dT = -linear a - further a^(power + 1)`` of a soliton's crest a.
+
+    >>> g, h = Symbol("g", positive=True), Symbol("h", positive=True)
+    >>> AmplitudeLaw(1, g, h).solution
+    a0*exp(-T*g)/(a0*h*(1 - exp(-T*g))/g + 1)
+    """
+
+    power: int
+    linear: Expr
+    further: Expr = S.Zero
+
+    @property
+    def rate(self) -> Expr:
+        """da/dT."""
+        return -self.linear * crest - self.further * crest ** (self.power + 1)
+
+    @property
+    def solution(self) -> Expr:
+        """a(T) from a0 at T = 0."""
+        faded, r = exp(-self.linear * slow_time), self.power
+        spread = (1 - faded**r) / self.linear if self.linear else r * slow_time
+        return first_crest * faded / (1 + self.further * first_crest**r * spread) ** Rational(1, r)
+
+    def written(self, printed: Printed) -> str:
+        """``da/dT = ..., a = ...``."""
+        return f"da/dT = {printed(self.rate)}, a = {printed(self.solution)}"
+
+
+def amplitude_law(power: int, ratio: Expr, damping: Expr, diffusion: Expr) -> AmplitudeLaw:
+    """The law of a soliton of shape ``Y_X^2 = ratio Y^2 (a^power - Y^power)``.
+
+    >>> gamma = Symbol("gamma", positive=True)
+    >>> amplitude_law(1, S.One, gamma / 2, S.Zero).solution
+    a0*exp(-2*T*gamma/3)
+    """
+    half, place = Rational(1, 2), Rational(2, power)
+    slopes_to_squares = gammasimp(beta(place, 3 * half) / beta(place, half))
+    momentum_power = 2 - half * power
+    return AmplitudeLaw(
+        power,
+        2 * damping / momentum_power,
+        2 * diffusion * ratio * slopes_to_squares / momentum_power,
+    )
