@@ -28,7 +28,10 @@ def left_side(wave: Wave, reduction: Reduction, values: dict[str, Any], X: Any, 
 
 SHOCKS: list[tuple[str, str, Scaling, dict[str, Any], dict[str, Any]]] = [
     ("kdv_burgers_shock", "alpha_fput", Scaling(1), {"K2": 4, "K3": -3, "eta": "1/5"}, {}),
-    ("kdv_burgers_shock", "alpha_fput", Scaling(1), {"K2": 1, "K3": 1, "eta": "1/4"}, {"U_0": -0.25}),
+    (
+        "kdv_burgers_shock", "alpha_fput", Scaling(1),
+        {"K2": 1, "K3": 1, "eta": "1/4"}, {"U_0": -0.25},
+    ),
     (
         "mkdv_burgers_shock", "fput_strain", Scaling(),
         {"K2": 1, "K3": 0, "K4": -2, "eta": "1/8"}, {"kappa": 0.75},
