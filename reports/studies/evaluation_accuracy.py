@@ -50,6 +50,8 @@ _SOLITONS = {
     "gardner_soliton kappa": "1e-8; 1; 40",
     "gardner_negative_soliton kappa": "1e-8; 1; 40",
     "gardner_table_soliton kappa": "1e-8; 1/2; 0.99999999; 0.999999999999",
+    "kdv_burgers_shock U_0": "0; -1/25; 40",
+    "mkdv_burgers_shock kappa": "1e-8; 1/6; 1; 40",
     "kp_line_soliton kappa q": "1e-3 0; 1 1/3; 1 -40; 40 3",
     "kp_lump kappa q": "1e-3 0; 1 0; 1 1/3; 40 -3; 1000 0",
     "nls_plane A q": "1 0; 2 1/3; 40 -40",
