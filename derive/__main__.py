@@ -31,7 +31,10 @@ def _constant_options(function: Callable[..., Any]) -> Callable[..., Any]:
 @click.argument("words", nargs=-1, metavar="[check] [MODEL|FILE.toml]")
 @click.option("--set", "sets", multiple=True, metavar="NAME=VALUE,...", help="Values of constants.")
 @click.option(
-    "--losses", multiple=True, metavar="NAME=VALUE,...", help="site=eps^3*gamma,bond=eps*eta, say."
+    "--losses",
+    multiple=True,
+    metavar="NAME=VALUE,...",
+    help="Of cells and of dashpots beside springs: site=eps^3*gamma,bond=eps*eta.",
 )
 @click.option(
     "--background", metavar="VALUE", help="Uniform strain the waves ride on, as -K3/(3*K4)."

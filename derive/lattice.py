@@ -414,7 +414,7 @@ def _each(
         if str(name) not in names:
             raise ValueError(
                 f"{kind} must be a loss of {', '.join(names) or 'nothing here'}, got one of "
-                f"{shown(str(name))}"
+                f"{shown(str(name))} (or one value for all)"
             )
     values = {str(n): _loss(kind, loss_value(kind, value, known)) for n, value in table.items()}
     return {name: values.get(name, S.Zero) for name in names}
