@@ -16,16 +16,17 @@ from sympy import Expr, Rational, S, Symbol, beta, exp, gammasimp
 
 from longwave.derive.output.notation import Displayed, Printed
 
-crest, first_crest, slow_time = (Symbol(name, positive=True) for name in ("a", "a0", "T"))
+crest, first_crest, slow_time = (Symbol(name, positive=True) for name in ("a(T)", "a(0)", "T"))
+"""Under names that no constant of a lattice can have."""
 
 
 @dataclass(frozen=True, repr=False)
 class AmplitudeLaw(Displayed):
-    """``da/dT = -linear a - further a^(power + 1)`` of a soliton's crest a.
+    """``a' = -linear a - further a^(power + 1)`` of a soliton's crest a(T).
 
     >>> g, h = Symbol("g", positive=True), Symbol("h", positive=True)
     >>> AmplitudeLaw(1, g, h).solution
-    a0*exp(-T*g)/(a0*h*(1 - exp(-T*g))/g + 1)
+    a(0)*exp(-T*g)/(a(0)*h*(1 - exp(-T*g))/g + 1)
     """
 
     power: int
@@ -34,19 +35,19 @@ class AmplitudeLaw(Displayed):
 
     @property
     def rate(self) -> Expr:
-        """da/dT."""
+        """a'(T)."""
         return -self.linear * crest - self.further * crest ** (self.power + 1)
 
     @property
     def solution(self) -> Expr:
-        """a(T) from a0 at T = 0."""
+        """a(T) from a(0)."""
         faded, r = exp(-self.linear * slow_time), self.power
         spread = (1 - faded**r) / self.linear if self.linear else r * slow_time
         return first_crest * faded / (1 + self.further * first_crest**r * spread) ** Rational(1, r)
 
     def written(self, printed: Printed) -> str:
-        """``da/dT = ..., a = ...``."""
-        return f"da/dT = {printed(self.rate)}, a = {printed(self.solution)}"
+        """``a'(T) = ..., a(T) = ...``."""
+        return f"a'(T) = {printed(self.rate)}, a(T) = {printed(self.solution)}"
 
 
 def amplitude_law(power: int, ratio: Expr, damping: Expr, diffusion: Expr) -> AmplitudeLaw:
@@ -54,7 +55,7 @@ def amplitude_law(power: int, ratio: Expr, damping: Expr, diffusion: Expr) -> Am
 
     >>> gamma = Symbol("gamma", positive=True)
     >>> amplitude_law(1, S.One, gamma / 2, S.Zero).solution
-    a0*exp(-2*T*gamma/3)
+    a(0)*exp(-2*T*gamma/3)
     """
     half, place = Rational(1, 2), Rational(2, power)
     slopes_to_squares = gammasimp(beta(place, 3 * half) / beta(place, half))

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from sympy import Symbol
+from sympy import Expr, Symbol
 
 from longwave.derive.algebra.elimination import (
     Elimination,
@@ -65,14 +65,16 @@ class _Solver:
 
     def check_losses(self) -> None:
         """Refuse losses that dominate: their linear terms have an odd number of derivatives."""
-        for order, part in self.series.parts.items():
-            for monomial in part.terms if order < self.leading_order else ():
+        losses = self.lattice.leading_losses
+        below = {o: part for o, part in self.series.parts.items() if o < self.leading_order}
+        for order, part in below.items() if losses else ():
+            for monomial in part.terms:
                 if len(monomial) == 1 and sum(monomial[0]) % 2:
                     kind = "site" if sum(monomial[0]) == 1 else "bond"
-                    raise ReductionError(self._dominant(kind, order))
+                    kind = kind if kind in losses else next(iter(losses))
+                    raise ReductionError(self._dominant(kind, *losses[kind], order))
 
-    def _dominant(self, kind: str, order: int) -> str:
-        given, power = self.lattice.leading_losses[kind]
+    def _dominant(self, kind: str, given: Expr, power: int, order: int) -> str:
         missing = self.leading_order - order
         right = f"eps^{power + missing}" if power + missing > 1 else "eps"
         slow = self.scaling.time - missing

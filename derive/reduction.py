@@ -165,7 +165,7 @@ class Reduction:
         >>> from longwave.derive import LATTICES, reduce
         >>> damped = LATTICES["fput_strain"].with_losses(site="eps^3*gamma")
         >>> reduce(damped).amplitude_law()
-        AmplitudeLaw(da/dT = -a gamma, a = a0 exp(-T gamma))
+        AmplitudeLaw(a'(T) = -a(T) gamma, a(T) = a(0) exp(-T gamma))
         """
         values = self.coefficients(**constants)
         terms = {self._term(m): values.terms[name] for name, m in values.monomials.items()}

@@ -198,7 +198,7 @@ def _texts(
     kind = "unstable, solitons bright" if numbers.is_focusing else "stable, solitons dark"
     if form is None:
         if numbers.is_focusing:
-            yield f"amplitude law of a bright soliton: {found.amplitude_law.text()}"
+            yield f"amplitude law of a bright soliton's crest a: {found.amplitude_law.text()}"
         return
     yield f"plane waves are {kind}: p q {'>' if numbers.is_focusing else '<'} 0"
     yield f"normal form {NORMAL_EQUATIONS[form.equation].text}, {form.map_text}:"

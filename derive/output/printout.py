@@ -150,7 +150,7 @@ def _reduction_lines(lattice: Lattice, options: DeriveOptions) -> Iterator[str]:
             yield from _linear_lines(reduction)
         yield from _decay_lines(reduction)
         if law := reduction.amplitude_law(**values):
-            yield f"amplitude law of a soliton, crest a: {law.text()}"
+            yield f"amplitude law of a soliton's crest a: {law.text()}"
         yield from numbers
         if refused:
             scaling = reduction.scaling
@@ -329,7 +329,7 @@ def _frequency_lines(lattice: Lattice, mean: Expr) -> Iterator[str]:
     yield "linear waves with losses, exp(i (k n - omega t)):"
     if len(lattice.fields) > 1:
         return
-    relation, gamma = dispersion_relation(lattice).at(mean), Symbol("Gamma")
+    relation, gamma = dispersion_relation(lattice).at(mean), Symbol("Gamma(k)")
     yield f"  omega^2 + i {gamma} omega = {text_of(relation.omega_squared)}"
     yield f"  {gamma} = {text_of(relation.damping)}"
     if _has_finite_losses(lattice):

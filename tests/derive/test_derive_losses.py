@@ -14,16 +14,18 @@ from longwave.derive import (
     Lattice,
     ReductionError,
     Scaling,
+    Stencil,
     checks_of_envelope,
     checks_of_reduction,
     dispersion_relation,
     envelope,
     find_scaling,
+    on_site,
     reduce,
 )
 from longwave.derive.__main__ import main
 from longwave.derive.dispersion import agrees_with_reduction
-from longwave.derive.symbols import k, ybar
+from longwave.derive.symbols import eps, k, x, ybar
 
 LOSSES = {"site": "eps^3*gamma", "bond": "eps*eta"}
 STRAIN, ALPHA, DIMER = (LATTICES[name] for name in ("fput_strain", "alpha_fput", "mass_dimer"))
@@ -105,8 +107,8 @@ def test_finite_losses_have_frequencies_without_an_equation(
 ) -> None:
     assert main(["alpha_fput", "--losses", "site=1/10,bond=eta"]) == 0
     out = capsys.readouterr().out.splitlines()
-    assert "  Gamma = 1/10 + 4 eta sin(k/2)^2" in out
-    assert "  omega = sqrt(-Gamma^2/4 + 4 K2 sin(k/2)^2) - i Gamma/2" in out
+    assert "  Gamma(k) = 1/10 + 4 eta sin(k/2)^2" in out
+    assert "  omega = sqrt(-Gamma(k)^2/4 + 4 K2 sin(k/2)^2) - i Gamma(k)/2" in out
     assert out[-1].startswith("no reduced equation: no scaling fits alpha_fput: site loss must")
     assert main(["mass_dimer", "--losses", "site=1/10"]) == 2
 
@@ -114,7 +116,7 @@ def test_finite_losses_have_frequencies_without_an_equation(
 def test_frequencies_are_printed_with_losses(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["granular", "--losses", "bond=eps*eta", "--order", "5"]) == 0
     out = capsys.readouterr().out
-    assert "  omega = sqrt(6) sqrt(A) d^(1/4) sin(k/2) - i Gamma/2 + O(Gamma^2)" in out
+    assert "  omega = sqrt(6) sqrt(A) d^(1/4) sin(k/2) - i Gamma(k)/2 + O(Gamma(k)^2)" in out
     assert "- i (eps eta k^2/2) of long waves" in out
     assert "  same as the reduced equation's linear part: yes" in out
 
@@ -143,6 +145,13 @@ def test_other_losses_are_seen_by_the_checks(losses: dict[str, str]) -> None:
 def test_losses_that_dominate_are_refused(losses: dict[str, str], words: str) -> None:
     with pytest.raises(ReductionError, match=words):
         reduce(STRAIN.with_losses(**losses))
+
+
+def test_a_dashpot_of_a_tie_is_refused_as_a_loss() -> None:
+    """A tie that is declared with one: the linear term Y_X is of a bond, no site has a loss."""
+    tied = replace(ALPHA, bonds=(*ALPHA.bonds, replace(on_site(Integer(0) * x), loss=eps**2)))
+    with pytest.raises(ReductionError, match=r"bond loss must enter at .* got eps\^2, which"):
+        reduce(tied, Scaling(1))
 
 
 def test_losses_that_come_later_are_told(capsys: pytest.CaptureFixture[str]) -> None:
@@ -234,3 +243,10 @@ def test_losses_of_an_envelope_have_an_order(capsys: pytest.CaptureFixture[str])
     assert "i A_T + p A_XX + q |A|^2 A + i loss A = 0 at k = pi:" in out
     assert "  bond loss eps^3 eta does not enter at this order" in out
     assert "  loss = gamma/2" in out
+
+
+def test_odd_terms_without_losses_are_refused_as_they_were() -> None:
+    """A force without reaction has them, too; no loss is to be named then."""
+    one_sided = replace(STRAIN.bonds[0], action=(Stencil((1,)), Stencil((0,), -1)))
+    with pytest.raises(ReductionError, match=r"order eps\^2 must be a multiple of Y_XX alone"):
+        reduce(replace(STRAIN, bonds=(one_sided,)))
