@@ -209,7 +209,10 @@ class Carrier(Expansion):
         return total + self.field(-2) * self._slow(rate * own + ahead, order - 2)
 
     def rate_of(self, series: EpsSeries) -> EpsSeries:
-        """The time derivative, ``-j w - eps v D + eps^2 d_T`` of the j-th harmonic."""
+        """The time derivative of what losses act on, ``-j w`` of the j-th harmonic.
+
+        The rest of it, ``-eps v D + eps^2 d_T``, is behind the order at which losses end the way.
+        """
         turned = {
             order: DifferentialPolynomial.collect(
                 self.field,
@@ -217,9 +220,7 @@ class Carrier(Expansion):
             )
             for order, part in series.parts.items()
         }
-        slow = {order: self._slow(series, order - 2) for order in range(2, series.limit + 1)}
-        moved = (-self.group_velocity) * series.derivative(0).delayed(1)
-        return self._series(turned, series.limit) + moved + self._series(slow, series.limit)
+        return self._series(turned, series.limit)
 
     def _drift(self, order: int) -> DifferentialPolynomial:
         """The second time derivative of a displacement whose X-derivative is the mean."""
