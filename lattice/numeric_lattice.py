@@ -313,6 +313,11 @@ def numeric_lattice(
     """
     from longwave.derive.algebra.exact_numbers import exact
 
+    if lattice.has_losses:
+        raise ValueError(
+            f"losses must not be in a lattice that is run, got those of {lattice.name} (give them "
+            "to driven_chain, or in [losses] of a chain on a bench)"
+        )
     names = {str(symbol): symbol for symbol in lattice.constants}
     for name in (*constants, *names):
         if name not in names or name not in constants:

@@ -123,6 +123,11 @@ class Bench:
                 )
 
     @classmethod
+    def of_json(cls, text: str) -> Bench:
+        """The bench of a scene's tables as `bench_json` writes them; ValueError in one line."""
+        return cls.of_tables(json.loads(text))
+
+    @classmethod
     def of_tables(cls, tables: Mapping[str, Any]) -> Bench:
         """The bench that a scene's tables describe; ValueError in one line."""
         chain = _table(tables.get("chain", {}), "chain")

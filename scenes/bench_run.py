@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from dataclasses import replace
 from time import perf_counter
@@ -39,14 +38,9 @@ FIRST_STEP = 4.0
 """A first step, in units of the inverse highest frequency at rest."""
 
 
-def bench_of(scene: Scene) -> Bench:
-    """The scene's bench."""
-    return Bench.of_tables(json.loads(scene.bench))
-
-
 def chain_of(scene: Scene) -> tuple[Bench, DrivenChain]:
     """The scene's bench, and its chain with numbers."""
-    bench = bench_of(scene)
+    bench = Bench.of_json(scene.bench)
     lattice = declared_lattice(scene)
     values = {name: number_value(name, value) for name, value in scene.constants}
     return bench, chain_on_bench(bench, numeric_lattice(lattice, values))

@@ -248,7 +248,7 @@ class Scene:
                     f"{key} must not be given with a chain on a bench, got "
                     f"{shown(getattr(self, key))} (there is no wave to compare with)"
                 )
-        Bench.of_tables(json.loads(self.bench))
+        Bench.of_json(self.bench)
         if not isinstance(self.numerics, Tolerance) or self.numerics.engine:
             raise ValueError(
                 "tolerance must be given for a chain on a bench, without an engine, got "

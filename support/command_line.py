@@ -137,9 +137,7 @@ def listed(
         ) from None
 
 
-def named_values(
-    name: str, texts: Iterable[str], usual: str = "m1=1,m2=3"
-) -> dict[str, str]:
+def named_values(name: str, texts: Iterable[str], usual: str = "m1=1,m2=3") -> dict[str, str]:
     """The values in the texts of an option, by their names; an error shows what is ``usual``.
 
     >>> named_values("--set", ["m1=1,m2=3"])

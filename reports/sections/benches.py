@@ -10,7 +10,6 @@ from longwave.reports.latex import duration, escape, scientific, table
 from longwave.reports.pictures.bench_plotting import mode_energies, sensor_readings
 from longwave.reports.studies.lattice_runs import SceneRun
 from longwave.scenes.bench import Bench
-from longwave.scenes.bench_run import bench_of
 
 
 def bench_table(runs: Mapping[str, SceneRun]) -> str:
@@ -27,7 +26,7 @@ def bench_table(runs: Mapping[str, SceneRun]) -> str:
         told = found.run.attrs
         lines.append(
             [
-                escape(effects(bench_of(found.scene))),
+                escape(effects(Bench.of_json(found.scene.bench))),
                 f"${told['sites']}$",
                 scientific(found.scene.target.tolerance),
                 scientific(float(told["error_estimate"])) + ("" if found.kept else " (TOO LARGE)"),

@@ -238,3 +238,9 @@ def test_a_fast_push_is_followed() -> None:
     run = integrate(made, State(0.0, *np.zeros((2, 1, 8))), [1.0], tolerance=1e-6)
     exact = 1e3 * (1.0 - np.cos(1e4)) / 1e4  # what a free mass gets: waves have no time to answer
     assert run.v.sum() == pytest.approx(exact, abs=1e-6)
+
+
+def test_losses_of_a_declared_lattice_are_not_passed_over() -> None:
+    lossy = LATTICES["beta_fput"].with_losses(site="1/10")
+    with pytest.raises(ValueError, match="losses must not be in a lattice that is run, got those"):
+        numeric_lattice(lossy, {"K2": 1, "K4": 2})
