@@ -107,7 +107,7 @@ def _larger(inner: st.SearchStrategy[FormulaTree]) -> st.SearchStrategy[FormulaT
     )
 
 
-@settings(max_examples=200)
+@settings(max_examples=100)
 @given(st.recursive(LEAVES, _larger, max_leaves=12))
 def test_a_text_of_a_tree_has_its_value(formula: FormulaTree) -> None:
     """Brackets that are not needed, and fractions, are the only things that may change."""

@@ -64,7 +64,7 @@ def test_strain_and_displacement_have_one_equation(amplitude: int) -> None:
         (STRAIN, LOSSES),
         (DIMER, {"site": {"v": "eps^3*gamma"}, "bond": {2: "eps*eta"}}),
         (LATTICES["local_resonators"], {"bond": {1: "eps*eta", 2: "theta"}}),
-        (LATTICES["square"], LOSSES),
+        pytest.param(LATTICES["square"], LOSSES, marks=pytest.mark.slow),
         (ALPHA, {"bond": "eta"}),
     ],
 )

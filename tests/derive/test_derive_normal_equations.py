@@ -71,13 +71,11 @@ NORMAL: dict[str, Callable[[Expr, Expr, Expr], dict[str, Expr]]] = {
 """The normal forms, written here again."""
 
 ORIGIN = {X: 0, Z: 0, T: 0}
-QUADRATIC = ("KP", "Kawahara")
-"""Long to expand; what the sign of their quadratic term does is seen in KdV as well."""
+LONG = ("KP", "generalised KP", "Kawahara")
+"""Long to expand; what the sign of their nonlinear term does is seen in KdV and mKdV as well."""
 
 CASES = [
-    pytest.param(
-        name, signs, drift, marks=[pytest.mark.slow] * (name in QUADRATIC and signs[0] < 0)
-    )
+    pytest.param(name, signs, drift, marks=[pytest.mark.slow] * (name in LONG and signs[0] < 0))
     for name in NORMAL
     for signs in product((1, -1), repeat=len(NORMAL_EQUATIONS[name].terms))
     for drift in ((False, True) if name in ("KdV", "Gardner", "KP") else (False,))

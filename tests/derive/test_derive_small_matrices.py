@@ -22,7 +22,7 @@ matrices = st.integers(1, 3).flatmap(
 )
 
 
-@settings(max_examples=20)
+@settings(max_examples=10)
 @given(rows=matrices)
 def test_it_is_that_of_sympy(rows: Any) -> None:
     own = [[FIELD.from_expr(Matrix([[v]])[0]) for v in row] for row in rows]

@@ -2,14 +2,20 @@
 
 from dataclasses import replace
 
+import pytest
+
 from longwave.reports.latex import duration, scientific
 from longwave.reports.sections.benches import bench_figures, bench_pictures, bench_table, effects
 from longwave.reports.studies.lattice_runs import SceneRun, scene_run
 from longwave.scenes.bench import Bench, Push
 
 
-def test_the_table_tells_what_acts_and_what_it_took() -> None:
-    found = scene_run("driven_chain")
+@pytest.fixture(scope="module")
+def found() -> SceneRun:
+    return scene_run("driven_chain")
+
+
+def test_the_table_tells_what_acts_and_what_it_took(found: SceneRun) -> None:
     assert found.kept
     assert found.run is not None
     text = bench_table({"driven_chain": found})
@@ -23,10 +29,8 @@ def test_the_table_tells_what_acts_and_what_it_took() -> None:
     assert "TOO LARGE" in bench_table({"driven_chain": late})
 
 
-def test_a_chain_that_did_not_run_says_why_and_has_no_picture() -> None:
-    ran = scene_run("driven_chain")
-    refused = replace(ran, run=None, fault="times must end")
-    runs = {"driven_chain": ran, "other": refused}
+def test_a_chain_that_did_not_run_says_why_and_has_no_picture(found: SceneRun) -> None:
+    runs = {"driven_chain": found, "other": replace(found, run=None, fault="times must end")}
     assert "did not run: times must end" in bench_table(runs)
     assert [name for name, _ in bench_figures(runs)] == ["bench_driven_chain"]
     assert bench_pictures(runs).count("includegraphics") == 1

@@ -37,7 +37,9 @@ def covered(fits: list[ForceFit], truth: list[float]) -> Points:
     return np.mean([abs(f.values - truth) < WIDE * f.deviations for f in fits], axis=0)
 
 
-@pytest.mark.parametrize(("points", "known"), [(21, True), (21, False), (6, False)])
+@pytest.mark.parametrize(
+    ("points", "known"), [(21, True), pytest.param(21, False, marks=pytest.mark.slow), (6, False)]
+)
 def test_intervals_cover_in_95_of_100(points: int, known: bool) -> None:
     """Catches: sums for means, deviations for variances, a normal for Student's distribution, which
     would cover in 86 of 100 at 6 points."""

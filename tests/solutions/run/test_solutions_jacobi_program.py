@@ -185,7 +185,7 @@ def test_theta_refuses_m_equal_to_one() -> None:
         numpy_functions.jacobi_theta(1.0, 1.0)
 
 
-@settings(max_examples=200)
+@settings(max_examples=100)
 @given(
     k=st.one_of(st.floats(0, 1), st.floats(1e-16, 1e-3).map(lambda x: 1 - x)),
     u=st.floats(-1e7, 1e7),
@@ -201,7 +201,7 @@ def test_identities_and_reference_at_random(
     assert np.all(worst(values, [u], [u * low], k, reference) < 1e-15)
 
 
-@settings(max_examples=100)
+@settings(max_examples=60)
 @given(m=st.floats(0, 0.999999), u=st.floats(-50, 50))
 def test_parity(m: float, u: float) -> None:
     plus, minus = (evaluate(m**0.5, v)[:, :2, 0] for v in (u, -u))
