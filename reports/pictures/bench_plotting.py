@@ -62,4 +62,4 @@ def _lines(
         line = values.isel({each: place}).transpose(along)
         ax.plot(axis, line, label=label.format(data[each].values[place]), **look)  # type: ignore[attr-defined]
     ax.set_ylabel(f"{values.attrs['long_name']}", fontsize="small")  # type: ignore[attr-defined]
-    ax.legend(fontsize="small")  # type: ignore[attr-defined]
+    ax.legend(fontsize="small", loc="center left", bbox_to_anchor=(1.0, 0.5))  # type: ignore[attr-defined]

@@ -42,7 +42,7 @@ def effects(bench: Bench) -> str:
     """What acts on a chain, in words.
 
     >>> effects(Bench(8, ("fixed", "free"), losses=0.1))
-    'walls: fixed, free; losses of cells'
+    'ends: fixed, free; losses of cells'
     """
     ends = ", ".join(end if isinstance(end, str) else "moved" for end in bench.ends)
     acting = {
@@ -50,7 +50,7 @@ def effects(bench: Bench) -> str:
         "dashpots": bench.dashpots,
         "forces": bench.forces,
     }
-    return "; ".join([f"walls: {ends}", *(name for name, given in acting.items() if given)])
+    return "; ".join([f"ends: {ends}", *(name for name, given in acting.items() if given)])
 
 
 def bench_figures(runs: Mapping[str, SceneRun]) -> Iterator[tuple[str, Figure]]:

@@ -20,7 +20,7 @@ def test_the_table_tells_what_acts_and_what_it_took(found: SceneRun) -> None:
     assert found.run is not None
     text = bench_table({"driven_chain": found})
     told = found.run.attrs
-    assert "walls: fixed, fixed; losses of cells; forces" in text
+    assert "ends: fixed, fixed; losses of cells; forces" in text
     assert "(\\texttt{driven\\_chain})" in text
     for part in (f"${told['steps']}$", scientific(1e-10), scientific(told["error_estimate"])):
         assert part in text
@@ -38,4 +38,4 @@ def test_a_chain_that_did_not_run_says_why_and_has_no_picture(found: SceneRun) -
 
 def test_every_effect_has_its_word() -> None:
     bench = Bench(8, ({"displacement": "sin(t)"}, "free"), (), {"u": 0.1}, 0.2, (Push(0, "t"),))
-    assert effects(bench) == "walls: moved, free; losses of cells; dashpots; forces"
+    assert effects(bench) == "ends: moved, free; losses of cells; dashpots; forces"
