@@ -65,6 +65,7 @@ def test_a_resonance_is_refused() -> None:
         carrier_fields(envelope(LATTICES["next_nearest"], **given), pi / 2, **given)
 
 
+@pytest.mark.slow
 def test_a_group_velocity_that_vanishes_is_0_and_no_complex_rounding() -> None:
     """Catches: 1e-81 + 1e-82 i as the speed of a frame, which an opponent's scene stumbled on."""
     constants = {"K2": 4, "K3": 2, "K4": Rational(1, 2), "L2": 2, "L3": 2, "L4": 0}

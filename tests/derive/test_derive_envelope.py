@@ -53,6 +53,7 @@ def test_toda_is_defocusing_at_every_wavenumber() -> None:
     assert simplify(product + omega**2 * b**2 / 8) == 0
 
 
+@pytest.mark.slow
 def test_equal_masses_in_turn_are_a_chain() -> None:
     """Cells of two: wavenumber and space count double, the displacement is the same."""
     constants: Any = {"K2": 1, "K3": Rational(1, 4), "K4": 1}

@@ -9,7 +9,7 @@ from longwave.lattice import integrate
 from searches.driven_chains import attacked, drawn, true_error
 
 
-@pytest.mark.parametrize("seed", [1, 2, 5, 8])
+@pytest.mark.parametrize("seed", [1, 5, 8, 19])
 def test_estimates_of_driven_chains_are_honest(seed: int) -> None:
     share, text = attacked(seed)
     assert np.isnan(share) or share < 1.0, text
