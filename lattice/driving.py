@@ -60,17 +60,24 @@ class _Wall:
 class DrivenChain(DisorderedLattice):
     """A chain of ``cells`` cells with walls, losses and forces; `driven_chain` makes one.
 
-    Its ring has the cells that move, then those of the walls. ``losses`` are the rates g of each
-    field's ``-g v`` in units of its mass, ``dashpots`` the factors of each bond's rate of stretch.
+    Its ring has the cells that move, then those of the walls.
     """
 
     cells: int
-    losses: tuple[float, ...]
-    dashpots: tuple[float, ...]
     outer_forces: tuple[SiteForce, ...]
     walls: tuple[_Wall, ...]
     free: tuple[tuple[int, int], ...]
     """Cells of the ring at which there is no wall, and the cell that each goes with."""
+
+    @property
+    def losses(self) -> tuple[float, ...]:
+        """The rates at which each field's velocity shrinks."""
+        return self.variation.damped or (0.0,) * len(self.fields)
+
+    @property
+    def dashpots(self) -> tuple[float, ...]:
+        """The factor of each bond's rate of stretch."""
+        return self.variation.dashpots or (0.0,) * len(self.bonds)
 
     @property
     def shares(self) -> Array:
@@ -161,17 +168,17 @@ class DrivenChain(DisorderedLattice):
         drifts, kicks = _stages(scheme, h, steps)
         times = t + np.concatenate([[0.0], np.cumsum(drifts)])
         times[-1] = t + steps * h
-        factors = np.exp(-np.outer(drifts, self.losses))
-        lengths = np.stack([_damped_length(rate, drifts) for rate in self.losses], axis=1)
+        spreads = bool(self.variation.dashpots)  # which walls do not feel
+        rates = (0.0,) * len(self.fields) if spreads else self.losses
+        factors = np.exp(-np.outer(drifts, rates))
+        lengths = np.stack([_damped_length(rate, drifts) for rate in rates], axis=1)
         columns = [kicks[:, np.newaxis]]
-        if self.variation.dashpots:
+        if spreads:
             columns.append(_series(drifts))
         elif self.variation.damped:
             columns += [lengths, factors]
-        if self.variation.dashpots or not self.variation.damped:
-            lengths, factors = drifts[:, np.newaxis] + 0.0 * lengths, np.ones_like(factors)
         for force in self.outer_forces:
-            share = kicks / self._mass(force)
+            share = kicks / self.masses[force.field]
             columns.append((share * _values(force.value, times[1:]))[:, np.newaxis])
         for wall in self._moved:
             assert wall.displacement is not None
@@ -190,9 +197,6 @@ class DrivenChain(DisorderedLattice):
     @property
     def _moved(self) -> list[_Wall]:
         return [wall for wall in self.walls if wall.displacement is not None]
-
-    def _mass(self, force: SiteForce) -> float:
-        return float(self.cell_masses[force.field, force.site])
 
 
 def _slope(value: TimeFunction | None) -> TimeFunction:
@@ -307,8 +311,6 @@ def driven_chain(
         variation=variation,
         deviations=np.concatenate([np.zeros(shape), np.where(ends.cut[each], -1.0, 0.0)]),
         cells=cells,
-        losses=variation.damped or (0.0,) * count,
-        dashpots=pots,
         outer_forces=tuple(forces),
         walls=ends.walls,
         free=ends.free,
@@ -341,14 +343,15 @@ def _pull(
     """How a unit velocity in some cells of the ring accelerates all others through dashpots."""
     unit = np.zeros((len(lattice.fields), ends.cut.shape[1]))
     unit[:, list(places)] = 1.0
-    found = np.zeros_like(unit)
-    for bond, dashpot, cut in zip(lattice.bonds, dashpots, ends.cut, strict=True):
-        pull = np.where(cut, 0.0, dashpot * (bond.stretched(unit) - bond.offset))
-        for entry in bond.action:
-            found[entry.field] += entry.weight * np.roll(pull, -entry.shift[0])
+    found = lattice.pulled(
+        [
+            np.where(cut, 0.0, dashpot * (bond.stretched(unit) - bond.offset))
+            for bond, dashpot, cut in zip(lattice.bonds, dashpots, ends.cut, strict=True)
+        ]
+    )
     for wall in ends.walls:
         found[:, list(wall.places)] = 0.0
-    return found / np.array(lattice.masses)[:, np.newaxis]
+    return found
 
 
 def _check_chain(lattice: NumericLattice, cells: int, left: End | None, right: End | None) -> None:

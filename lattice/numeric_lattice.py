@@ -188,12 +188,15 @@ class NumericLattice:
 
     def acceleration(self, f: Array) -> Array:
         """f'' of every field and cell, by NumPy: what every kernel must give."""
-        total = np.zeros_like(f)
-        for bond, stretch in zip(self.bonds, self.stretches(f), strict=True):
-            force = bond.force(stretch)
+        return self.pulled([bond.force(bond.stretched(f)) for bond in self.bonds])
+
+    def pulled(self, forces: Sequence[Array]) -> Array:
+        """What forces in the bonds of all cells do to f''."""
+        total = np.zeros((len(self.fields), *forces[0].shape))
+        for bond, force in zip(self.bonds, forces, strict=True):
             for entry in bond.action:
                 total[entry.field] += entry.weight * _shifted(force, entry.shift)
-        masses = np.array(self.masses).reshape(-1, *(1,) * (f.ndim - 1))
+        masses = np.array(self.masses).reshape(-1, *(1,) * (total.ndim - 1))
         return np.asarray(total / masses, dtype=np.float64)
 
     def dynamical_matrix(self, wavenumbers: ArrayLike, slopes: Sequence[float]) -> Complex:

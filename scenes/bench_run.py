@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from functools import lru_cache
 from time import perf_counter
 from typing import TYPE_CHECKING
 
@@ -38,6 +39,7 @@ FIRST_STEP = 4.0
 """A first step, in units of the inverse highest frequency at rest."""
 
 
+@lru_cache(maxsize=4)
 def chain_of(scene: Scene) -> tuple[Bench, DrivenChain]:
     """The scene's bench, and its chain with numbers."""
     bench = Bench.of_json(scene.bench)

@@ -542,8 +542,10 @@ def stiffest_slopes(ring: CellRing) -> list[float]:
     """
     stretches = ring.lattice.stretches(ring.f)
     found = [ring.lattice.steepest(place, x) for place, x in enumerate(stretches)]
-    pairs = zip(ring.lattice.bonds, ring.lattice.slopes(stretches), strict=True)
-    is_open = any(bond.force.opening is not None and not slopes.all() for bond, slopes in pairs)
+    is_open = any(
+        bond.force.opening is not None and not bond.force.slope(x).all()
+        for bond, x in zip(ring.lattice.bonds, stretches, strict=True)
+    )
     if is_open or not all(map(math.isfinite, found)):
         raise ValueError(
             f"eps must leave every bond of {ring.lattice.name} within its force, got a wave that "

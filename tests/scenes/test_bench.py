@@ -12,7 +12,8 @@ import pytest
 from longwave.__main__ import main
 from longwave.runs.run_file import load_run
 from longwave.runs.sweep_scene import changed_document, check_field, make_scene
-from longwave.scenes.bench import Bench, time_function
+from longwave.scenes.bench import SENSED, Bench, time_function
+from longwave.scenes.bench_chain import READINGS
 from longwave.scenes.bench_run import chain_of
 from longwave.scenes.named_scenes import load_scene, scene_of_toml, shipped_scenes
 from longwave.scenes.scene import Scene
@@ -91,6 +92,10 @@ def test_the_shipped_driven_chain_is_its_modes() -> None:
     times, shown = found.time.values, found.sensor_displacement.values
     exact = [modal_chain(24, 0.05, 5, 0.7, t)[[0, 5, 23]] for t in times[1:]]
     assert np.abs(shown[1:] - exact).max() < found.attrs["error_estimate"] <= 1e-10
+
+
+def test_every_reading_has_its_name() -> None:
+    assert tuple(READINGS) == SENSED
 
 
 def test_mode_energies_are_those_of_a_linear_chain() -> None:
