@@ -123,6 +123,29 @@ def _environment(name: str, columns: str, head: Sequence[str], shown: Iterable[s
     return "\n".join([*begin, *shown, rf"\end{{{name}}}"])
 
 
+def titled_rows(title: str, name: str, cells: Sequence[str] | str) -> list[list[str]]:
+    """Two rows of a table with six columns: a title and the name in it, and cells or a text."""
+    words = rf"{escape(title)} (\texttt{{{escape(name)}}})"
+    below = rf"\multicolumn{{6}}{{L{{150mm}}}}{{{escape(cells)}}}"
+    return [
+        [rf"\multicolumn{{6}}{{l}}{{\rule{{0pt}}{{3ex}}{words}}}"],
+        [below] if isinstance(cells, str) else list(cells),
+    ]
+
+
+def picture_latex(name: str, caption: str) -> str:
+    """The figure that is kept under that name, with its caption in LaTeX."""
+    return "\n".join(
+        [
+            r"\begin{figure}[htbp]",
+            r"\centering",
+            rf"\includegraphics{{figures/{name}.pdf}}",
+            rf"\caption{{{caption}}}",
+            r"\end{figure}",
+        ]
+    )
+
+
 def row(cells: Sequence[str]) -> str:
     r"""Return one row: cells joined by ampersands, ended by a double backslash."""
     return " & ".join(cells) + r" \\"

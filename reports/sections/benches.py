@@ -4,9 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
+import xarray as xr
 from matplotlib.figure import Figure
 
-from longwave.reports.latex import duration, escape, scientific, table
+from longwave.reports.latex import (
+    duration,
+    escape,
+    picture_latex,
+    scientific,
+    table,
+    titled_rows,
+)
 from longwave.reports.pictures.bench_plotting import mode_energies, sensor_readings
 from longwave.reports.studies.lattice_runs import SceneRun
 from longwave.scenes.bench import Bench
@@ -14,28 +22,29 @@ from longwave.scenes.bench import Bench
 
 def bench_table(runs: Mapping[str, SceneRun]) -> str:
     """Each chain: its ends and what acts on it, its size, tolerance, estimate, steps and time."""
-    lines = []
-    for name, found in runs.items():
-        title = rf"{escape(found.scene.title or name)} (\texttt{{{escape(name)}}})"
-        lines.append([rf"\multicolumn{{6}}{{L{{160mm}}}}{{\rule{{0pt}}{{3ex}}{title}}}"])
-        if found.run is None:
-            lines.append(
-                [rf"\multicolumn{{6}}{{L{{150mm}}}}{{did not run: {escape(found.fault)}}}"]
-            )
-            continue
-        told = found.run.attrs
-        lines.append(
-            [
-                escape(effects(Bench.of_json(found.scene.bench))),
-                f"${told['sites']}$",
-                scientific(found.scene.target.tolerance),
-                scientific(float(told["error_estimate"])) + ("" if found.kept else " (TOO LARGE)"),
-                f"${told['steps']}$",
-                duration(float(told["seconds"] + told["planning_seconds"])),
-            ]
-        )
     head = ["what acts", "cells", "tolerance", "estimate", "steps", "time"]
+    lines = [
+        line
+        for name, found in runs.items()
+        for line in titled_rows(
+            found.scene.title or name,
+            name,
+            f"did not run: {found.fault}" if found.run is None else _bench_cells(found, found.run),
+        )
+    ]
     return table("L{62mm}rlllr", head, lines)
+
+
+def _bench_cells(found: SceneRun, run: xr.Dataset) -> list[str]:
+    told = run.attrs
+    return [
+        escape(effects(Bench.of_json(found.scene.bench))),
+        f"${told['sites']}$",
+        scientific(found.scene.target.tolerance),
+        scientific(float(told["error_estimate"])) + ("" if found.kept else " (TOO LARGE)"),
+        f"${told['steps']}$",
+        duration(float(told["seconds"] + told["planning_seconds"])),
+    ]
 
 
 def effects(bench: Bench) -> str:
@@ -63,14 +72,8 @@ def bench_figures(runs: Mapping[str, SceneRun]) -> Iterator[tuple[str, Figure]]:
 
 def bench_pictures(runs: Mapping[str, SceneRun]) -> str:
     """The figures in LaTeX."""
-    lines = []
-    for name, found in runs.items():
-        if found.run is not None:
-            lines += [
-                r"\begin{figure}[htbp]",
-                r"\centering",
-                rf"\includegraphics{{figures/bench_{name}.pdf}}",
-                rf"\caption{{{escape(found.scene.title)}.}}",
-                r"\end{figure}",
-            ]
-    return "\n".join(lines)
+    return "\n".join(
+        picture_latex(f"bench_{name}", f"{escape(found.scene.title)}.")
+        for name, found in runs.items()
+        if found.run is not None
+    )

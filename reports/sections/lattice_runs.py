@@ -12,7 +12,15 @@ from sympy import Symbol
 
 from longwave.derive.output.notation import latex_of
 from longwave.derive.symbols import constant_value, ybar
-from longwave.reports.latex import duration, escape, measured, table, title_latex
+from longwave.reports.latex import (
+    duration,
+    escape,
+    measured,
+    picture_latex,
+    table,
+    title_latex,
+    titled_rows,
+)
 from longwave.reports.pictures.drawing import snapshot_panels
 from longwave.reports.pictures.lattice_figures import even_times, rate_figure, strain_maps
 from longwave.reports.pictures.run_data import snapshots
@@ -26,16 +34,15 @@ if TYPE_CHECKING:
 
 def scene_table(runs: Mapping[str, SceneRun]) -> str:
     """Each scene: wave and equation, size, the largest error after the start, what it took."""
-    lines = []
-    for name, found in runs.items():
-        title = rf"{escape(found.scene.title or name)} (\texttt{{{escape(name)}}})"
-        lines.append([rf"\multicolumn{{6}}{{l}}{{\rule{{0pt}}{{3ex}}{title}}}"])
-        if found.run is None:
-            lines.append(
-                [rf"\multicolumn{{6}}{{L{{150mm}}}}{{did not run: {escape(found.fault)}}}"]
-            )
-        else:
-            lines.append(_scene_cells(found, found.run))
+    lines = [
+        line
+        for name, found in runs.items()
+        for line in titled_rows(
+            found.scene.title or name,
+            name,
+            f"did not run: {found.fault}" if found.run is None else _scene_cells(found, found.run),
+        )
+    ]
     head = ["equation", r"$\epsilon$", r"error$\,/\,\epsilon^p$", "relative error", "cells", "time"]
     return table("L{36mm}llllr", head, lines)
 
@@ -64,20 +71,12 @@ def is_map(found: SceneRun) -> bool:
 
 def scene_maps(runs: Mapping[str, SceneRun]) -> str:
     """The figures of the scenes that ran on two axes."""
-    lines = []
-    for name, found in runs.items():
-        if is_map(found):
-            caption = (
-                f"{escape(found.scene.title)}: strain along $n$, and its distance from theory."
-            )
-            lines += [
-                r"\begin{figure}[htbp]",
-                r"\centering",
-                rf"\includegraphics{{figures/scene_{name}.pdf}}",
-                rf"\caption{{{caption}}}",
-                r"\end{figure}",
-            ]
-    return "\n".join(lines)
+    what = "strain along $n$, and its distance from theory."
+    return "\n".join(
+        picture_latex(f"scene_{name}", f"{escape(found.scene.title)}: {what}")
+        for name, found in runs.items()
+        if is_map(found)
+    )
 
 
 def rate_table(rates: Iterable[SceneConvergence]) -> str:
