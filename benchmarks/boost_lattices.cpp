@@ -1,4 +1,5 @@
 // The lattices of problem.py with Boost odeint, as its users write them.
+#include <algorithm>
 #include <boost/numeric/odeint.hpp>
 #include <cmath>
 #include <cstdio>
@@ -61,6 +62,37 @@ struct square {
     }
   }
 };
+struct hertz {
+  mutable state f;
+  void operator()(const state &u, state &g) const {
+    const size_t n = u.size(); f.resize(n + 1); f[0] = 0.0;
+    for (size_t i = 0; i < n; ++i) {
+      const double x = std::max(u[i] - (i + 1 < n ? u[i+1] : 0.0), 0.0);
+      f[i+1] = x * std::sqrt(x);
+    }
+    for (size_t i = 0; i < n; ++i) g[i] = f[i] - f[i+1];
+  }
+};
+struct driven {
+  mutable state f;
+  void operator()(const state &z, state &g, double t) const {
+    const size_t n = z.size() / 2; f.resize(n + 1);
+    const double *u = z.data(), *v = z.data() + n;
+    f[0] = spring(u[0], 4.0, 1.0);
+    for (size_t i = 1; i < n; ++i) f[i] = spring(u[i] - u[i-1], 4.0, 1.0);
+    f[n] = spring(-u[n-1], 4.0, 1.0);
+    for (size_t i = 0; i < n; ++i) g[i] = v[i];
+    for (size_t i = 0; i < n; ++i) g[n+i] = f[i+1] - f[i] - 0.01 * v[i];
+    g[n+n/2] += 0.3 * std::cos(0.9 * t);
+  }
+};
+void march_driven(state &q, const state &p, double h, int steps) {
+  const size_t n = q.size();
+  boost::numeric::odeint::runge_kutta_fehlberg78<state> stepper;
+  state z(q); z.insert(z.end(), p.begin(), p.end());
+  for (int k = 0; k < steps; ++k) stepper.do_step(driven(), z, k * h, h);
+  q.assign(z.begin(), z.begin() + n);
+}
 template <class force> void march(state &q, state &p, double h, int steps) {
   boost::numeric::odeint::symplectic_rkn_sb3a_mclachlan<state> stepper;
   force pull;
@@ -80,6 +112,8 @@ int main(int argc, char **argv) {
   else if (name == "next_nearest") march<next_nearest>(q, p, h, steps);
   else if (name == "dimer") march<dimer>(q, p, h, steps);
   else if (name == "square") march<square>(q, p, h, steps);
+  else if (name == "hertz") march<hertz>(q, p, h, steps);
+  else if (name == "driven") march_driven(q, p, h, steps);
   else return 3;
   double seconds = double(std::clock() - begin) / CLOCKS_PER_SEC;
   FILE *out = fopen(argv[6], "wb"); fwrite(q.data(), 8, n, out); fclose(out);

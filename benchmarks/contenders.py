@@ -32,20 +32,20 @@ def stencil_contender(problem: Problem, scheme: Scheme) -> Contender:
     return run
 
 
-def _rate(problem: Problem, state: Array, shape: tuple[int, ...]) -> Array:
+def _rate(problem: Problem, t: float, state: Array, shape: tuple[int, ...]) -> Array:
     f, v = state.reshape(2, *shape)
-    return np.concatenate([v.ravel(), problem.acceleration(np, f).ravel()])
+    return np.concatenate([v.ravel(), problem.acceleration(np, f, v, t).ravel()])
 
 
 def numpy_rk4(problem: Problem, h: float, count: int, f: Array, v: Array) -> tuple[float, Array]:
     """Processor seconds of ``count`` steps of the classical scheme in NumPy, and positions."""
     shape, state = f.shape, np.concatenate([f.ravel(), v.ravel()])
     begin = time.process_time()
-    for _ in range(count):
-        k1 = _rate(problem, state, shape)
-        k2 = _rate(problem, state + 0.5 * h * k1, shape)
-        k3 = _rate(problem, state + 0.5 * h * k2, shape)
-        k4 = _rate(problem, state + h * k3, shape)
+    for t in h * np.arange(count):
+        k1 = _rate(problem, t, state, shape)
+        k2 = _rate(problem, t + 0.5 * h, state + 0.5 * h * k1, shape)
+        k3 = _rate(problem, t + 0.5 * h, state + 0.5 * h * k2, shape)
+        k4 = _rate(problem, t + h, state + h * k3, shape)
         state = state + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
     return time.process_time() - begin, state[: f.size].reshape(shape)
 
@@ -64,7 +64,7 @@ def scipy_contender(problem: Problem) -> Contender:
         start = np.concatenate([f.ravel(), v.ravel()])
         begin = time.process_time()
         solution = solve_ivp(
-            lambda _, state: _rate(problem, state, f.shape),
+            lambda t, state: _rate(problem, t, state, f.shape),
             (0.0, problem.duration),
             start,
             method="DOP853",
@@ -77,7 +77,11 @@ def scipy_contender(problem: Problem) -> Contender:
 
 
 def boost_contender(problem: Problem, name: str, folder: Path) -> Contender:
-    """Boost odeint's RKN composition (McLachlan, order 4), compiled into ``folder``."""
+    """Boost odeint, compiled into ``folder``.
+
+    Its RKN composition (McLachlan, order 4), or its Runge-Kutta-Fehlberg 7(8) where forces depend
+    on velocities or times.
+    """
     program = folder / "boost_lattices"
     source = Path(__file__).with_name("boost_lattices.cpp")
     command = ["g++", "-O3", "-march=native", "-o", str(program), str(source)]
@@ -105,9 +109,9 @@ def diffrax_contender(problem: Problem) -> Contender:
     jax.config.update("jax_enable_x64", True)
     jnp = jax.numpy
 
-    def rate(_t: object, state: tuple[jax.Array, jax.Array], _: object) -> tuple[jax.Array, ...]:
+    def rate(t: jax.Array, state: tuple[jax.Array, jax.Array], _: object) -> tuple[jax.Array, ...]:
         f, v = state
-        return v, problem.acceleration(jnp, f)
+        return v, problem.acceleration(jnp, f, v, t)
 
     @jax.jit
     def solve(tolerance: float, f: jax.Array, v: jax.Array) -> jax.Array:
@@ -134,7 +138,11 @@ def heyoka_contender(problem: Problem) -> Contender:
     shape = problem.start()[0].shape
     places = range(int(np.prod(shape)))
     f, v = (np.array([heyoka.expression(f"{name}{i}") for i in places]) for name in "fv")
-    pulls = np.asarray(problem.acceleration(np, f.reshape(shape))).ravel()
+    try:
+        positions, velocities = f.reshape(shape), v.reshape(shape)
+        pulls = np.asarray(problem.acceleration(np, positions, velocities, heyoka.time)).ravel()
+    except TypeError as reason:
+        raise ImportError(f"no NumPy function of its expressions ({reason})") from reason
     system = [*zip(f, v, strict=True), *zip(v, pulls, strict=True)]
     made: dict[float, heyoka.taylor_adaptive] = {}
 

@@ -2,11 +2,12 @@
 
 The FPUT lattice: a ring of 4096 sites, 500 time units, the wave Y2 (K2 = 4, K4 = 1, eps = 0.05)
 started at t = -250. With ``--lattice`` another of `problem.PROBLEMS`: springs between next-nearest
-neighbours, a dimer, the square lattice. The error is the sup over cells of |stretch - reference| in
-units of the stretch, the reference a composition of order 10. Each contender gets the coarsest
-resolution on a ladder that brings its error to 1e-6, found by bisection; then all run in turn,
-equally often, and the least processor time of each counts. Absent peers are reported as absent,
-those whose ladder ends above 1e-6 as not reached. Ratios are to the stencil with the first scheme.
+neighbours, a dimer, the square lattice, a chain with losses that is pushed, grains that are struck.
+The error is the sup over cells of |stretch - reference| in units of the stretch, the reference a
+composition of order 10. Each contender gets the coarsest resolution on a ladder that brings its
+error to 1e-6 (1e-4 where contacts open), found by bisection; then all run in turn, equally often,
+and the least processor time of each counts. Absent peers are reported as absent, those whose ladder
+ends above the target as not reached. Ratios are to the stencil with the first scheme.
 """
 
 import argparse
@@ -37,7 +38,6 @@ from longwave.lattice.schemes import (
     Scheme,
 )
 
-TARGET = 1e-6
 TOLERANCES = (1e4, 1e11, 10.0**0.25)
 
 Ladder = tuple[float, float, float]
@@ -53,12 +53,12 @@ def _stencil(scheme: Scheme) -> Make:
 
 
 ENTRANTS: dict[str, tuple[Make, Ladder]] = {
-    "stencil reduced_phase_6": (_stencil(REDUCED_PHASE_6), (40, 1200, 1.02)),
-    "stencil blanes_moan_6": (_stencil(BLANES_MOAN_6), (40, 2400, 1.02)),
-    "stencil kahan_li_8": (_stencil(KAHAN_LI_8), (40, 2400, 1.02)),
-    "stencil suzuki_umeno_8": (_stencil(SUZUKI_UMENO_8), (40, 2400, 1.02)),
+    "stencil reduced_phase_6": (_stencil(REDUCED_PHASE_6), (40, 32000, 1.02)),
+    "stencil blanes_moan_6": (_stencil(BLANES_MOAN_6), (40, 32000, 1.02)),
+    "stencil kahan_li_8": (_stencil(KAHAN_LI_8), (40, 32000, 1.02)),
+    "stencil suzuki_umeno_8": (_stencil(SUZUKI_UMENO_8), (40, 32000, 1.02)),
     "stencil mclachlan_4": (_stencil(MCLACHLAN_4), (400, 32000, 1.02)),
-    "Boost odeint RKN": (
+    "Boost odeint": (
         lambda name, folder: boost_contender(PROBLEMS[name], name, folder),
         (400, 32000, 1.02),
     ),
@@ -80,11 +80,11 @@ def coarsest(contender: Contender, ladder: Ladder, problem: Problem, exact: Arra
     rungs = least * factor ** np.arange(int(np.log(largest / least) / np.log(factor)) + 2)
     low, high = -1, len(rungs) - 1
     start = problem.start()
-    if not problem.error(contender(rungs[high], *start)[1], exact) <= TARGET:
+    if not problem.error(contender(rungs[high], *start)[1], exact) <= problem.target:
         return None
     while high - low > 1:
         middle = (low + high) // 2
-        met = problem.error(contender(rungs[middle], *start)[1], exact) <= TARGET
+        met = problem.error(contender(rungs[middle], *start)[1], exact) <= problem.target
         low, high = (low, middle) if met else (middle, high)
     return float(rungs[high])
 
@@ -105,7 +105,8 @@ def entered(
         with np.errstate(all="ignore"):
             resolution = coarsest(contender, ladder, PROBLEMS[name], exact)
         if resolution is None:
-            print(f"{entrant:24s} not reached: its ladder ends above an error of {TARGET:g}")
+            target = PROBLEMS[name].target
+            print(f"{entrant:24s} not reached: its ladder ends above an error of {target:g}")
         else:
             found[entrant] = contender, resolution
     return found
