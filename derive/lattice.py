@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from sympy import Expr, Poly, S, Symbol, factorial, nan, oo, simplify, zoo
 
+from longwave.derive.algebra.contact import contact
 from longwave.derive.algebra.exact_numbers import Number, exact, instance, integer, tuple_of
 from longwave.derive.output.notation import (
     Displayed,
@@ -262,6 +263,17 @@ class Lattice(Displayed):
             if least:
                 found[kind] = min(least, key=lambda entry: entry[1])
         return found
+
+    @property
+    def contact_constants(self) -> set[Symbol]:
+        """Constants that only say where contacts open. They may be 0 where a chain is run."""
+        laws = [bond.force for bond in self.bonds]
+        met = {symbol for law in laws for at in law.atoms(contact) for symbol in at.free_symbols}
+        return (
+            met
+            - {x}
+            - {s for law in laws for s in law.replace(contact, lambda _: S.One).free_symbols}
+        )
 
     @property
     def has_losses(self) -> bool:

@@ -329,7 +329,7 @@ def numeric_lattice(
                 f"constant {name} of {lattice.name} {word} (it takes {', '.join(names) or 'none'})"
             )
     values = {names[name]: exact(name, value) for name, value in constants.items()}
-    touched = _contact_constants(lattice) if 0 in values.values() else set()
+    touched = lattice.contact_constants if 0 in values.values() else set()
     for symbol, value in values.items():
         if symbol.is_positive and not (value > 0 or (value == 0 and symbol in touched)):
             raise ValueError(f"{symbol} must satisfy {symbol} > 0, got {value} ({lattice.name})")
@@ -339,22 +339,6 @@ def numeric_lattice(
         tuple(float(mass.xreplace(values)) for mass in lattice.masses),
         tuple(_numeric_bond(bond, values, mean_strain, shares) for bond in lattice.bonds),
     )
-
-
-def _contact_constants(lattice: Lattice) -> set[Any]:
-    """Constants that only say where contacts open, which they may do at rest."""
-    from longwave.derive.algebra.contact import contact
-
-    forces = [bond.force for bond in lattice.bonds]
-    within = {
-        symbol
-        for force in forces
-        for met in force.atoms(contact)
-        for symbol in met.args[0].free_symbols
-    }
-    return within - {
-        symbol for force in forces for symbol in force.replace(contact, lambda _: 1).free_symbols
-    }
 
 
 def _numeric_bond(

@@ -85,6 +85,8 @@ def test_a_mean_strain_is_a_displacement_that_grows_with_the_cell(name: str) -> 
         ("fput", {"K2": 1}, "constant K3 of fput must be given, got none"),
         ("fput", {"K2": 1, "K3": 0, "K4": 0, "q": 1}, "constant q of fput is not known"),
         ("beta_fput", {"K2": -1, "K4": 0}, "K2 must satisfy K2 > 0, got -1"),
+        ("granular", {"A": 1, "d": -1}, "d must satisfy d > 0, got -1"),
+        ("granular", {"A": 0, "d": 1}, "A must satisfy A > 0, got 0"),
     ],
 )
 def test_constants_that_do_not_fit_are_refused(
