@@ -9,6 +9,7 @@ Its tables::
     [losses]       site: the factor g of the force -g du/dt on each cell, or such by field;
                    bond: that of a dashpot beside each bond, or one for each
     [[force]]      site, value (a formula in t), field (the first unless said)
+    [noise]        temperature, seed (0 unless said): a bath beside the losses of cells
     [observables]  sensors = { sites, of }, energy = true, mode_energies = [1, 2], state = true,
                    every
 
@@ -31,7 +32,7 @@ from longwave.support.user_files import shown
 if TYPE_CHECKING:
     from longwave.lattice.driving import TimeFunction
 
-BENCH_TABLES = ("chain", "start", "losses", "force", "observables")
+BENCH_TABLES = ("chain", "start", "losses", "force", "noise", "observables")
 
 MOST_READINGS = 10**6
 """Times at which sensors are read."""
@@ -43,6 +44,7 @@ KEYS = {
     "impact": ("site", "velocity", "field"),
     "losses": ("site", "bond"),
     "force": ("site", "value", "field"),
+    "noise": ("temperature", "seed"),
     "observables": ("sensors", "energy", "mode_energies", "state", "every"),
     "sensors": ("sites", "of", "every"),
 }
@@ -51,6 +53,10 @@ KEYS = {
 
 SENSED = ("displacement", "velocity", "strain", "force")
 """What sensors read: of the cell, and of the bond from it to the next."""
+
+
+OF_MEANS = ("_error", "_spread")
+"""Endings of what belongs to a mean over runs: half its interval, the standard deviation."""
 
 
 @dataclass(frozen=True)
@@ -88,6 +94,14 @@ class Push:
 
 
 @dataclass(frozen=True)
+class Noise:
+    """A bath of that temperature, in units of energy, with noise drawn from a seed."""
+
+    temperature: float
+    seed: int = 0
+
+
+@dataclass(frozen=True)
 class Bench:
     """What the tables say, checked as far as it can be without the lattice.
 
@@ -111,6 +125,7 @@ class Bench:
     modes: tuple[int, ...] = ()
     state: bool = False
     every: float = math.inf
+    noise: Noise | None = None
 
     def __post_init__(self) -> None:
         named = [("of [[force]]", push.site) for push in self.forces]
@@ -154,6 +169,7 @@ class Bench:
             tuple(check.whole("mode_energies", number) for number in modes),
             _truth("state", watched.get("state", not set(watched) - {"every"})),
             _every(watched.get("every", sensors.get("every"))),
+            _noise(tables["noise"], losses) if "noise" in tables else None,
         )
 
 
@@ -249,6 +265,20 @@ def _pushes(given: object) -> list[Push]:
         site = check.whole("site in [[force]]", table["site"], 0)
         found.append(Push(site, table["value"], str(table.get("field", ""))))
     return found
+
+
+def _noise(given: object, losses: Mapping[str, Any]) -> Noise:
+    """The bath, which the losses of cells are of."""
+    table = _table(given, "noise")
+    temperature = check.finite("temperature in [noise]", table.get("temperature"))
+    check.positive("temperature in [noise]", temperature)
+    for key, wanted in (("site", True), ("bond", False)):
+        if bool(losses.get(key)) is not wanted:
+            raise ValueError(
+                f"{key} in [losses] must be {'given' if wanted else 'left out'} with [noise], got "
+                f"{shown(losses.get(key))} (the bath is at the cells that lose energy to it)"
+            )
+    return Noise(temperature, check.whole("seed in [noise]", table.get("seed", 0), 0))
 
 
 def _sensors(given: Mapping[str, Any]) -> Sensors:

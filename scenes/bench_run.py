@@ -40,9 +40,11 @@ FIRST_STEP = 4.0
 
 
 @lru_cache(maxsize=4)
-def chain_of(scene: Scene) -> tuple[Bench, DrivenChain]:
-    """The scene's bench, and its chain with numbers."""
+def chain_of(scene: Scene, lossless: bool = False) -> tuple[Bench, DrivenChain]:
+    """The scene's bench, and its chain with numbers; without the losses of cells if asked for."""
     bench = Bench.of_json(scene.bench)
+    if lossless:
+        bench = replace(bench, losses=0.0)
     lattice = declared_lattice(scene)
     values = {name: number_value(name, value) for name, value in scene.constants}
     return bench, chain_on_bench(bench, numeric_lattice(lattice, values))
@@ -110,18 +112,28 @@ class BenchEngine(CellRingEngine):
         told = "" if blow_up is None else str(blow_up)
         return replace(trial, payload=self._record(trial, steps, told), shown=True)
 
-    def _record(self, trial: Trial, steps: int, blow_up: str) -> RunRecord:
+    def variables(self, found: Array, ending: str = "", meaning: str = "") -> Variables:
+        """What is watched, by name and that ending; ``meaning`` precedes what it is."""
         variables: Variables = {}
-        if trial.values is not None:
-            splits = np.cumsum([math.prod(size) for size in self.sizes])[:-1]
-            parts = np.split(trial.values, splits, axis=1)
-            for one, size, part in zip(self.watched, self.sizes, parts, strict=True):
-                values = part.reshape(len(part), *size)
-                dimensions = one.dimensions
-                if dimensions[1:] and size[-1] == 1:
-                    values, dimensions = values[..., 0], dimensions[:-1]
-                told = {"units": one.units, "long_name": one.long_name}
-                variables[one.name] = ("time", *dimensions), values, told
+        splits = np.cumsum([math.prod(size) for size in self.sizes])[:-1]
+        parts = np.split(found, splits, axis=1)
+        for one, size, part in zip(self.watched, self.sizes, parts, strict=True):
+            values = part.reshape(len(part), *size)
+            dimensions = one.dimensions
+            if dimensions[1:] and size[-1] == 1:
+                values, dimensions = values[..., 0], dimensions[:-1]
+            told = {"units": one.units, "long_name": meaning + one.long_name}
+            variables[one.name + ending] = ("time", *dimensions), values, told
+        return variables
+
+    def _record(self, trial: Trial, steps: int, blow_up: str) -> RunRecord:
+        variables = {} if trial.values is None else self.variables(trial.values)
+        return self.record(variables, steps, trial.seconds, blow_up)
+
+    def record(
+        self, variables: Variables, steps: int, seconds: float, blow_up: str = ""
+    ) -> RunRecord:
+        """The record of these variables, with places of sensors and numbers of modes."""
         for name, counted in (("sensor", self.bench.sensors.sites), ("mode", self.bench.modes)):
             if any(name in found for found, _, _ in variables.values()):
                 told = {
@@ -136,7 +148,7 @@ class BenchEngine(CellRingEngine):
             "steps": steps,
             "force_evaluations": steps * self.scheme.stages,
             "sites": self.bench.sites,
-            "seconds": trial.seconds,
+            "seconds": seconds,
             "blow_up": blow_up,
         }
         reached = tuple(self.times.tolist()) if variables else ()
@@ -161,10 +173,15 @@ def record_scene(
         )
     cost = scene_cost(scene)
     check_request(scene.name, cost, "watch it less often, end earlier or take fewer sites")
-    announce = announce or (lambda _: None)
+    announce, progress = announce or (lambda _: None), progress or (lambda _: None)
+    bench, chain = chain_of(scene)
+    if bench.noise is not None:
+        from longwave.scenes.bench_bath import record_means
+
+        return record_means(scene, bench, chain, progress, announce)
     announce(cost.seconds)
-    engine = BenchEngine(scene, *chain_of(scene))
-    found = searched(engine, scene, progress or (lambda _: None), announce)
+    engine = BenchEngine(scene, bench, chain)
+    found = searched(engine, scene, progress, announce)
     record: RunRecord = found.trial.payload
     if found.trial.values is None:
         raise ValueError(

@@ -19,6 +19,7 @@ from longwave.runs.run_output import (
     store_messages,
 )
 from longwave.runs.run_store import RunStore
+from longwave.scenes.bench import OF_MEANS
 from longwave.scenes.chain.trust import USUAL_TOLERANCE
 from longwave.scenes.named_scenes import load_scene
 from longwave.scenes.recorders import Variables
@@ -182,7 +183,7 @@ def summary_lines(run: RunRecord, scene: Scene) -> Iterator[str]:
     if "peak" in run.variables:
         yield from _pulse(run)
     for name in run.variables:
-        if name.startswith("sensor_"):
+        if name.startswith("sensor_") and not name.endswith(OF_MEANS):
             yield from _readings(run, name)
     if "trust_rate" in told:
         yield _trust(told, scene)
@@ -212,7 +213,9 @@ def _readings(run: RunRecord, name: str) -> Iterator[str]:
     for place, site in list(enumerate(run.values("sensor")))[:MOST_SENSORS]:
         values = run.values(name)[:, place].reshape(len(run.reached), -1)
         when, part = divmod(int(np.argmax(np.abs(values))), values.shape[1])
-        read = f"{values[when, part]:.6g} at t = {run.reached[when]:g}"
+        bar = run.variables.get(f"{name}_error")
+        told = "" if bar is None else f" +- {bar[1][when, place].ravel()[part]:.1g}"
+        read = f"{values[when, part]:.6g}{told} at t = {run.reached[when]:g}"
         yield f"cell {site}: {name.removeprefix('sensor_')} at most {read}"
 
 
@@ -238,6 +241,8 @@ def _cost(cost: Mapping[str, Any]) -> str:
         f"{cost['engine']}, {cost['scheme']}: {cost['steps']} steps, {cost['sites']} sites, "
         f"{cost['force_evaluations']} force evaluations a site, {cost['seconds']:.2f} s"
     )
+    if "runs" in cost:
+        line += f"; means of {cost['runs']} runs"
     if "step_limit" in cost:
         line += f" (step limit {cost['step_limit']:.3g})"
     if "error_estimate" in cost:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from longwave.reports.pictures.drawing import CURVES, even_places, part
+from longwave.scenes.bench import OF_MEANS
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -20,7 +21,8 @@ PANEL = 1.9
 
 
 def _readings(data: xr.Dataset) -> list[str]:
-    return [str(name) for name in data.data_vars if str(name).startswith("sensor_")]
+    names = map(str, data.data_vars)
+    return [name for name in names if name.startswith("sensor_") and not name.endswith(OF_MEANS)]
 
 
 @part(lambda data: 0.4 + PANEL * len(_readings(data)))
@@ -53,13 +55,16 @@ def _lines(
     ax: object, data: xr.Dataset, name: str, each: str, label: str, along: str = "time"
 ) -> None:
     """A line for each place on a dimension; of several fields or bonds the first."""
-    values = data[name]
-    for other in set(values.dims) - {each, along}:
-        values = values.isel({other: 0})
+    first = dict.fromkeys(set(data[name].dims) - {each, along}, 0)
+    values = data[name].isel(first)
+    bars = data[f"{name}_error"].isel(first) if f"{name}_error" in data else None
     axis = data[along].values if along in data.coords else np.arange(data.sizes[along])
     for count, place in enumerate(even_places(data.sizes[each], MOST_LINES)):
         look = {key: value for key, value in CURVES[count].items() if key != "marker"}
         line = values.isel({each: place}).transpose(along)
+        if bars is not None:
+            half = bars.isel({each: place}).transpose(along)
+            ax.fill_between(axis, line - half, line + half, color=look["color"], alpha=0.2)  # type: ignore[attr-defined]
         ax.plot(axis, line, label=label.format(data[each].values[place]), **look)  # type: ignore[attr-defined]
     ax.set_ylabel(f"{values.attrs['long_name']}", fontsize="small")  # type: ignore[attr-defined]
     ax.legend(fontsize="small", loc="center left", bbox_to_anchor=(1.0, 0.5))  # type: ignore[attr-defined]

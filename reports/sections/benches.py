@@ -58,6 +58,7 @@ def effects(bench: Bench) -> str:
         "losses of cells": bench.losses,
         "dashpots": bench.dashpots,
         "forces": bench.forces,
+        "a bath": bench.noise,
     }
     return "; ".join([f"ends: {ends}", *(name for name, given in acting.items() if given)])
 

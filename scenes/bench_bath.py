@@ -1,0 +1,202 @@
+"""A chain in a bath: means over runs, each with noise of its own, and how well these are known.
+
+A step of the chain without losses lies between two halves of what the bath does to velocities,
+``v -> a v + sqrt(T (1 - a^2) / m) xi`` with ``a = exp(-g h / (2 m))``. Both leave a chain of the
+bath's temperature as it is. Each run is made twice, with steps h and h / 2 and the same noise: the
+means are of the finer, and a third of its difference from the coarser tells what its steps cost.
+"""
+
+from __future__ import annotations
+
+import math
+from time import perf_counter
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import t as student
+
+from longwave.scenes.bench import OF_MEANS
+from longwave.scenes.bench_run import BenchEngine, chain_of
+from longwave.support.request_limits import ExpectedCost, check_request
+
+if TYPE_CHECKING:
+    from longwave.lattice.driving import DrivenChain
+    from longwave.lattice.refine import Announce
+    from longwave.lattice.trial import Progress
+    from longwave.scenes.bench import Bench
+    from longwave.scenes.run_record import RunRecord
+    from longwave.scenes.scene import Scene
+
+Array = NDArray[np.float64]
+
+FIRST_RUNS, MOST_RUNS = 8, 100_000
+
+CONFIDENCE = 0.95
+"""Of the interval of each mean."""
+
+LONGEST_STEP = 0.5
+"""In units of the inverse highest frequency, and of the inverse rate at which velocities shrink."""
+
+CERTAIN = 3.0
+"""Standard errors beyond which a difference is not by chance."""
+
+SPARE = 1.1
+"""Runs beyond those that the spread of the first asks for."""
+
+
+class Bath:
+    """Runs of a chain in its bath."""
+
+    def __init__(self, scene: Scene, bench: Bench, chain: DrivenChain) -> None:
+        assert bench.noise is not None
+        self.noise, self.cells = bench.noise, bench.sites
+        self.engine = BenchEngine(scene, *chain_of(scene, lossless=True))
+        self.masses = self.engine.chain.cell_masses[:, : self.cells]
+        losses = np.array(chain.losses) * np.array(chain.masses)
+        self.rates = losses[:, np.newaxis] / self.masses
+        highest = max(self.engine.first_frequency, float(self.rates.max()))
+        self.step = min(LONGEST_STEP / highest, self.engine.first().step)
+        self.steps = 0
+
+    def pair(self, number: int) -> tuple[Array, Array]:
+        """What is watched at all times, (times, values), in that run's coarse and fine version."""
+        random = np.random.default_rng([self.noise.seed, number])
+        start, engine = self.engine.state, self.engine
+        coarse, fine = ((start.f.copy(), start.v.copy()) for _ in range(2))
+        read: list[tuple[Array, Array]] = []
+        t = start.t
+        for end in engine.times.tolist():
+            count = math.ceil((end - t) / self.step - 1e-9)
+            h = (end - t) / max(count, 1)
+            kept = np.exp(-0.25 * h * self.rates)
+            size = np.sqrt(self.noise.temperature * (1.0 - kept**2) / self.masses)
+            for place in range(count):
+                kicks = size * random.standard_normal((4, *size.shape))
+                self._advance(coarse, kept, kicks, ((0, 1), (2, 3)), t + place * h, h)
+                self._advance(fine, kept, kicks, ((0,), (1, 2), (3,)), t + place * h, 0.5 * h)
+            self.steps += count
+            t = end
+            read.append(tuple(self._read(*ring, t) for ring in (coarse, fine)))  # type: ignore[arg-type]
+        return tuple(np.array(values) for values in zip(*read, strict=True))  # type: ignore[return-value]
+
+    def _advance(
+        self,
+        ring: tuple[Array, Array],
+        kept: Array,
+        kicks: Array,
+        parts: tuple[tuple[int, ...], ...],
+        t: float,
+        h: float,
+    ) -> None:
+        """A step, or two, between the quarters of the noise of a coarse one."""
+        f, v = ring
+        for place, quarters in enumerate(parts):
+            if place:
+                begin = t + (place - 1) * h
+                self.engine.dynamics.advance(self.engine.scheme, f, v, h, 1, begin)
+            for quarter in quarters:
+                v[:, : self.cells] = kept * v[:, : self.cells] + kicks[quarter]
+
+    def _read(self, f: Array, v: Array, t: float) -> Array:
+        if not np.isfinite(f).all():
+            raise ValueError(
+                f"times must end before the chain flies apart, got {t:g} (end earlier, or a lower "
+                "temperature)"
+            )
+        return self.engine.watched_values(f, v, t)
+
+
+class Means:
+    """Means of values and of their differences over runs, and how far single runs lie from them."""
+
+    def __init__(self) -> None:
+        self.runs = 0
+        self._mean: Array = np.zeros(())
+        self._squares: Array = np.zeros(())
+
+    def add(self, coarse: Array, fine: Array) -> None:
+        """One run more."""
+        values = np.array([fine, coarse - fine])
+        self.runs += 1
+        before = values - self._mean
+        self._mean = self._mean + before / self.runs
+        self._squares = self._squares + before * (values - self._mean)
+
+    @property
+    def mean(self) -> Array:
+        """Of the finer runs."""
+        return np.asarray(self._mean[0])
+
+    @property
+    def spread(self) -> Array:
+        """The standard deviation of a run."""
+        return np.asarray(np.sqrt(self._squares[0] / (self.runs - 1)))
+
+    @property
+    def by_chance(self) -> Array:
+        """Half the interval of each mean."""
+        quantile = student.ppf(0.5 * (1.0 + CONFIDENCE), self.runs - 1)
+        return np.asarray(quantile * self.spread / math.sqrt(self.runs))
+
+    @property
+    def by_steps(self) -> Array:
+        """What steps cost the finer runs, of order 2."""
+        return np.asarray(np.abs(self._mean[1]) / 3.0)
+
+    def asks_for_shorter_steps(self, allowed: float) -> bool:
+        """Whether steps cost more than half of what is allowed, and not by chance."""
+        chance = np.sqrt(self._squares[1] / (self.runs - 1) / self.runs)
+        told = np.abs(self._mean[1]) > CERTAIN * chance
+        return bool((told & (self.by_steps > 0.5 * allowed)).any())
+
+
+def record_means(
+    scene: Scene, bench: Bench, chain: DrivenChain, progress: Progress, announce: Announce
+) -> RunRecord:
+    """Run until the interval of each mean is within the tolerance.
+
+    Raises ValueError in one line for a chain that flies apart and OverBudgetError for what would
+    take too long.
+    """
+    begun, allowed = perf_counter(), scene.target.tolerance
+    bath, means, wanted = Bath(scene, bench, chain), Means(), FIRST_RUNS
+    assert allowed is not None
+    while True:
+        while means.runs < wanted:
+            last = perf_counter()
+            means.add(*bath.pair(means.runs))
+            progress(means.runs / wanted)
+        chance, steps = float(means.by_chance.max()), float(means.by_steps.max())
+        if float((means.by_chance + means.by_steps).max()) <= allowed:
+            break
+        halved = means.asks_for_shorter_steps(allowed)
+        needed = SPARE * (chance / (allowed - min(steps, 0.5 * allowed))) ** 2 * means.runs
+        if needed > MOST_RUNS:
+            raise ValueError(
+                f"tolerance must be one that {MOST_RUNS} runs reach, got {allowed:g} (after "
+                f"{means.runs} runs the means are known to {chance:.1g}; a larger one)"
+            )
+        each = (perf_counter() - last) * (2.0 if halved else 1.0)
+        remaining = ExpectedCost(seconds=each * max(needed - means.runs * (not halved), FIRST_RUNS))
+        check_request(scene.name, remaining, "a larger tolerance, or end earlier")
+        announce(remaining.seconds)
+        if halved:
+            bath.step, means, wanted = 0.5 * bath.step, Means(), FIRST_RUNS
+        else:
+            wanted = max(means.runs + 1, math.ceil(min(needed, 4.0 * means.runs)))
+    error, spread = OF_MEANS
+    half, told = means.by_chance + means.by_steps, f"half of the {CONFIDENCE:.0%} interval of the "
+    variables = bath.engine.variables(means.mean, meaning="mean ")
+    variables |= bath.engine.variables(half, error, f"{told}mean ")
+    variables |= bath.engine.variables(means.spread, spread, "standard deviation, a run's, of ")
+    record = bath.engine.record(variables, bath.steps, perf_counter() - begun)
+    record.attrs |= {
+        "tolerance": allowed,
+        "error_estimate": float(half.max()),
+        "step_error": float(means.by_steps.max()),
+        "runs": means.runs,
+        "next_decade": 100.0,
+        "planning_seconds": 0.0,
+    }
+    return record
