@@ -26,7 +26,6 @@ from contenders import (
     scipy_contender,
     stencil_contender,
 )
-from peak import multiply_add_rate
 from problem import PROBLEMS, Array, Problem
 
 from longwave.lattice.schemes import (
@@ -37,6 +36,7 @@ from longwave.lattice.schemes import (
     SUZUKI_UMENO_8,
     Scheme,
 )
+from longwave.reports.studies.peak import multiply_add_rate
 
 TOLERANCES = (1e4, 1e11, 10.0**0.25)
 

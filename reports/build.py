@@ -35,6 +35,7 @@ from longwave.reports.sections import (
 )
 from longwave.reports.sections.other_lattices import model_jobs
 from longwave.reports.studies.claims import all_claims
+from longwave.reports.studies.effects import effect_jobs
 from longwave.reports.studies.estimates import estimate_rows, judged_findings
 from longwave.reports.studies.evaluation_accuracy import Accuracy, accuracy_jobs, worst_of
 from longwave.reports.studies.evaluation_cost import evaluation_cost_jobs
@@ -72,6 +73,7 @@ def all_jobs(scenes: Mapping[str, Scene], full: bool) -> dict[Key, Job]:
 def study_jobs(full: bool) -> dict[Key, Job]:
     """The jobs of the studies of cost and of hard cases; long runs if ``full``."""
     jobs = evaluation_cost_jobs() | lattice_cost_jobs(full) | hard_case_jobs(full)
+    jobs |= effect_jobs()
     return jobs | long_run_jobs() if full else jobs
 
 
@@ -163,6 +165,7 @@ STUDY_TABLES: Mapping[str, Callable[[Findings], str]] = {
     "hard_case_table": lambda found: costs.hard_case_table(found.all("hard")),
     "message_table": lambda found: costs.message_table(found.all("hard")),
     "peak_table": lambda found: runs.peak_table(peaks) if (peaks := found.all("peak")) else "",
+    "effect_table": lambda found: benches.effect_table(found.of("effect")),
     "split_table": lambda found: runs.split_table(found.of("split")),
     "long_table": lambda found: runs.long_table(found.long_runs),
 }

@@ -16,6 +16,7 @@ from longwave.reports.latex import (
     titled_rows,
 )
 from longwave.reports.pictures.bench_plotting import mode_energies, sensor_readings
+from longwave.reports.studies.effects import TOLERANCES, EffectCost
 from longwave.reports.studies.lattice_runs import SceneRun
 from longwave.scenes.bench import Bench
 
@@ -61,6 +62,24 @@ def effects(bench: Bench) -> str:
         "a bath": bench.noise,
     }
     return "; ".join([f"ends: {ends}", *(name for name, given in acting.items() if given)])
+
+
+def effect_table(costs: Mapping[str, EffectCost]) -> str:
+    """Each effect: what it costs a cell and stage, and a run with it to each tolerance."""
+    head = ["effect", "operations", "ns", "of the core's"]
+    for tolerance in TOLERANCES:
+        head += [f"to {scientific(tolerance)}", "time"]
+    rows = [
+        [
+            escape(name),
+            f"${cost.operations}$",
+            f"${1e9 * cost.seconds:.2f}$",
+            escape(f"{cost.share:.0%}"),
+            *(cell for error, taken in cost.runs for cell in (scientific(error), duration(taken))),
+        ]
+        for name, cost in costs.items()
+    ]
+    return table("lrrr" + "lr" * len(TOLERANCES), head, rows)
 
 
 def bench_figures(runs: Mapping[str, SceneRun]) -> Iterator[tuple[str, Figure]]:

@@ -5,9 +5,16 @@ from dataclasses import replace
 import pytest
 
 from longwave.reports.latex import duration, scientific
-from longwave.reports.sections.benches import bench_figures, bench_pictures, bench_table, effects
+from longwave.reports.sections.benches import (
+    bench_figures,
+    bench_pictures,
+    bench_table,
+    effect_table,
+    effects,
+)
+from longwave.reports.studies.effects import TOLERANCES, EffectCost, effect_cost
 from longwave.reports.studies.lattice_runs import SceneRun, scene_run
-from longwave.scenes.bench import Bench, Push
+from longwave.scenes.bench import Bench, Noise, Push
 
 
 @pytest.fixture(scope="module")
@@ -37,5 +44,30 @@ def test_a_chain_that_did_not_run_says_why_and_has_no_picture(found: SceneRun) -
 
 
 def test_every_effect_has_its_word() -> None:
-    bench = Bench(8, ({"displacement": "sin(t)"}, "free"), (), {"u": 0.1}, 0.2, (Push(0, "t"),))
-    assert effects(bench) == "ends: moved, free; losses of cells; dashpots; forces"
+    bench = Bench(
+        8,
+        ({"displacement": "sin(t)"}, "free"),
+        (),
+        {"u": 0.1},
+        0.2,
+        (Push(0, "t"),),
+        noise=Noise(1.0),
+    )
+    words = "ends: moved, free; losses of cells; dashpots; forces; a bath"
+    assert effects(bench) == words
+
+
+def test_the_cost_of_an_effect_is_told_at_every_tolerance() -> None:
+    text = effect_table({"a force": EffectCost(8, 3.1e-10, 0.81, ((1e-7, 0.02), (1e-11, 0.07)))})
+    for told in ("a force", "$8$", "$0.31$", r"81\%", scientific(1e-11), duration(0.07)):
+        assert told in text
+
+
+def test_an_effect_adds_operations_and_is_run_to_its_tolerances() -> None:
+    alone, damped = effect_cost("none"), effect_cost("losses of cells")
+    assert alone.operations < damped.operations
+    for cost in (alone, damped):
+        assert cost.seconds > 0.0
+        assert cost.share > 0.0
+        for (error, _), tolerance in zip(cost.runs, TOLERANCES, strict=True):
+            assert 0.0 < error <= tolerance

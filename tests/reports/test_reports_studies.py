@@ -9,6 +9,7 @@ import pytest
 
 from benchmarks import studies
 from longwave.reports.build import STUDY_TABLES
+from longwave.reports.studies.effects import EffectCost
 from longwave.reports.studies.hard_cases import HardCase
 from longwave.reports.studies.lattice_cost import CostPoint, PeakError, ScalingPoint
 from longwave.support.processes import Key
@@ -20,6 +21,7 @@ FOUND = {
     ("rk4", ""): [ScalingPoint("error figure", x, 0.1 + x) for x in (0.25, 0.0)],
     ("windows", ""): [ScalingPoint("window", x, 1 / x) for x in (1024.0, 2048.0)],
     ("hard", "one"): HARD,
+    ("effect", "a force"): EffectCost(8, 3e-10, 0.8, ((1e-7, 0.02), (1e-11, 0.07))),
     **{("peak", eps): PeakError(2, eps, eps**2, 1e-9, 1.0, "stencil") for eps in (0.1, 0.05)},
 }
 
@@ -37,7 +39,7 @@ def test_it_tells_where_its_tables_are(
     """Catches a table that is not written, and one without rows that is told."""
     assert measure(FOUND, tmp_path, monkeypatch) == 0
     told = capsys.readouterr().out
-    for name in ("precision", "scaling", "rk4", "window", "peak", "hard_case"):
+    for name in ("precision", "scaling", "rk4", "window", "peak", "hard_case", "effect"):
         path = tmp_path / "tables" / f"{name}_table.tex"
         assert str(path) in told
         assert "toprule" in path.read_text()

@@ -2,12 +2,15 @@
 
 import time
 from collections.abc import Callable
+from functools import cache
 from typing import Any
 
 from llvmlite import ir  # type: ignore[import-untyped]
-from numba import njit, types
+from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
+
+from longwave.support.compiled.jit import njit
 
 WIDTHS = (4, 8)
 """Doubles in a vector: AVX2 has registers for the first only, AVX-512 runs the second faster."""
@@ -18,6 +21,7 @@ ACCUMULATORS = 12
 ROUNDS = 3_000_000
 
 
+@cache
 def _loop(width: int) -> Callable[[int], float]:
     """A kernel of a number of rounds on vectors of ``width`` doubles."""
 
@@ -49,13 +53,11 @@ def _loop(width: int) -> Callable[[int], float]:
     return run
 
 
-LOOPS = {width: _loop(width) for width in WIDTHS}
-
-
 def multiply_add_rate() -> float:
     """Multiply-adds a second (each counted once) of this thread's core, at its better width."""
     rates = []
-    for width, run in LOOPS.items():
+    for width in WIDTHS:
+        run = _loop(width)
         begin = time.thread_time()
         run(ROUNDS)
         rates.append(ROUNDS * ACCUMULATORS * width / (time.thread_time() - begin))
