@@ -33,6 +33,7 @@ from longwave.lattice.trial import (
     nudged,
     rounding_error,
 )
+from longwave.support.checkpoint import Memory, begin_loop
 from longwave.support.request_limits import OverBudgetError
 
 Array = NDArray[np.float64]
@@ -264,19 +265,32 @@ class CellRingEngine(StepSearch):
 
     def run(self, choices: Choices, shown: bool, progress: Progress = lambda _: None) -> Trial:
         """A run; its payload is what stopped it, its steps, positions and velocities."""
-        begun = perf_counter()
         start = self._start(choices.nudged)
         stepper = Stepper(start, self.scheme, self.lattice, StillRing(start), choices.step, None)
         shape = (self._kept.size, *self.state.arrays[0].shape)
         f, v = np.empty(shape), np.empty(shape)
         rows = {t: row for row, t in enumerate(self._kept.tolist())}
-        moments, judged = set(self._times.tolist()), []
-        for state in stepper.stops(self._times.tolist()):
+        times, judged = self._times.tolist(), []
+        moments, end = set(times), times[-1]
+        loop = begin_loop(f"{self.scheme.name}, step {choices.step!r}, {choices.nudged}")
+        if loop.memory is not None:
+            stepper.recall(loop.memory)
+            f, v, judged = (loop.memory[name] for name in ("f", "v", "judged"))
+            times = [t for t in times if t > stepper.state.t]
+
+        def remember(arrays: bool = True) -> Memory:
+            return stepper.memory(arrays) | {"f": f, "v": v, "judged": judged}
+
+        for state in stepper.stops(times) if times else ():
             if state.t in rows:
                 f[rows[state.t]], v[rows[state.t]] = state.at(state.sites)
             if state.t in moments:
                 judged.append(np.array(self._judged(*state.arrays, state.t)))
             progress((state.t - self._stops[0]) / (self._stops[-1] - self._stops[0] or 1.0))
+            if state.t < end:
+                loop.offer(remember)
+        if times and stepper.blow_up is None:
+            loop.end(lambda: remember(arrays=False))
         values, longest = None, self._longest_step(stepper.ranges)
         self._admitted = min(self._admitted, longest)
         if stepper.blow_up is None and self._taken(choices.step) <= longest:
@@ -285,7 +299,7 @@ class CellRingEngine(StepSearch):
             choices,
             values,
             float(stepper.steps),
-            perf_counter() - begun,
+            perf_counter() - loop.begun,
             rounding_error(
                 self.dynamics.largest(stepper.ranges), stepper.steps * self.scheme.stages
             ),

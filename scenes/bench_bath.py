@@ -18,6 +18,7 @@ from scipy.stats import t as student
 
 from longwave.scenes.bench import OF_MEANS
 from longwave.scenes.bench_run import BenchEngine, chain_of
+from longwave.support.checkpoint import begin_loop
 from longwave.support.request_limits import ExpectedCost, check_request
 
 if TYPE_CHECKING:
@@ -159,14 +160,20 @@ def record_means(
     Raises ValueError in one line for a chain that flies apart and OverBudgetError for what would
     take too long.
     """
-    begun, allowed = perf_counter(), scene.target.tolerance
+    loop, allowed = begin_loop("means of a bath"), scene.target.tolerance
     bath, means, wanted = Bath(scene, bench, chain), Means(), FIRST_RUNS
     assert allowed is not None
+    if loop.memory is not None:
+        bath.step, bath.steps, wanted = (loop.memory[name] for name in ("step", "steps", "wanted"))
+        vars(means).update(loop.memory["means"])
+    last = perf_counter()
     while True:
         while means.runs < wanted:
             last = perf_counter()
             means.add(*bath.pair(means.runs))
             progress(means.runs / wanted)
+            kept = {"step": bath.step, "steps": bath.steps, "wanted": wanted, "means": vars(means)}
+            loop.offer(kept.copy)
         chance, steps = float(means.by_chance.max()), float(means.by_steps.max())
         if float((means.by_chance + means.by_steps).max()) <= allowed:
             break
@@ -190,7 +197,7 @@ def record_means(
     variables = bath.engine.variables(means.mean, meaning="mean ")
     variables |= bath.engine.variables(half, error, f"{told}mean ")
     variables |= bath.engine.variables(means.spread, spread, "standard deviation, a run's, of ")
-    record = bath.engine.record(variables, bath.steps, perf_counter() - begun)
+    record = bath.engine.record(variables, bath.steps, perf_counter() - loop.begun)
     record.attrs |= {
         "tolerance": allowed,
         "error_estimate": float(half.max()),

@@ -93,17 +93,15 @@ class BenchEngine(CellRingEngine):
         self.bench, self.chain, self.scene = bench, chain, scene
         self.times = reading_times(scene, bench)
         self.watched = list(watched(bench))
-        self.sizes: list[tuple[int, ...]] = []
         scheme = scheme_named(scene.target.scheme) if scene.target.scheme else REDUCED_PHASE_6
         start = chain.held(start_on_bench(bench, chain, scene.t0))
+        self.sizes = [one.read(chain, *start.arrays).shape for one in self.watched]
         super().__init__(chain, start, self.times, scheme, kept=self.times[:0])
         self._judged = self.watched_values
 
     def watched_values(self, f: Array, v: Array, t: float) -> Array:
         """All that is watched at a time, one after the other."""
-        parts = [one.read(self.chain, f, v) for one in self.watched]
-        self.sizes = [part.shape for part in parts]
-        return np.concatenate([part.ravel() for part in parts])
+        return np.concatenate([one.read(self.chain, f, v).ravel() for one in self.watched])
 
     def run(self, choices: Choices, shown: bool, progress: Progress = lambda _: None) -> Trial:
         """A run; its payload is its record."""

@@ -53,6 +53,8 @@ SCENES: dict[str, Scene] = {
         parameters={"amplitude": 0.3},
         carrier="pi/2",
     ),
+    "bench": load_scene("driven_chain").changed(name="bench", tolerance=1e-8),
+    "bath": load_scene("chain_in_a_bath").changed(name="bath", tolerance=2e-3),
     "plane": load_scene("square_lump").changed(
         name="plane", slow_times=[0, 0.02, 0.04], half_width=3, tolerance=1e-2
     ),
