@@ -25,6 +25,7 @@ from longwave.reports.pictures.plotting import Source, default_output, read_sour
 from longwave.reports.pictures.run_data import check_run, placed
 from longwave.runs.run_file import SWEPT, names_a_run
 from longwave.scenes import scene_run
+from longwave.scenes.bench import Bench
 from longwave.scenes.scene import Scene
 from longwave.support.command_line import fail, fail_for_memory, one_line
 from longwave.support.console import check_output, progress_bar
@@ -150,8 +151,11 @@ def _check_cost(
 
 def _scene_of_film(scene: Scene, options: FilmOptions) -> Scene:
     """The scene at the times of the film's frames, as many as it may have."""
-    scene.check_compared()
-    sites = 2 * scene.cells_within(1) + 1
+    if scene.bench:
+        sites = Bench.of_json(scene.bench).sites
+    else:
+        scene.check_compared()
+        sites = 2 * scene.cells_within(1) + 1
     if sites * options.count > MOST_NUMBERS:
         raise ValueError(
             f"compared sites in all frames must be at most {MOST_NUMBERS:.0e}, got "
@@ -168,6 +172,9 @@ def _scene_of_film(scene: Scene, options: FilmOptions) -> Scene:
     if first < begin:
         raise ValueError(f"times must begin at t0 = {begin:g} or later, got {first:g}")
     moments = _frames((first, last), options.count)
+    if scene.bench:
+        watched = {"state": True, "energy": True}
+        return scene.changed(times=sorted({begin, *moments}), observables=watched)
     return scene.changed(slow_times=(), t0=begin, snapshots=moments, observables=("strain",))
 
 
@@ -182,6 +189,8 @@ def _within(data: xr.Dataset, times: tuple[float, float] | None) -> xr.Dataset:
         raise ValueError(
             "source must be the run of a scene, got the result of a sweep (longwave plot draws it)"
         )
+    if "cell" in data.dims:
+        data = bench_frames(data)
     for name in ("strain", "analytic", "n", "error"):
         if name not in data:
             raise ValueError(
@@ -192,7 +201,7 @@ def _within(data: xr.Dataset, times: tuple[float, float] | None) -> xr.Dataset:
     first, last = times or (-np.inf, np.inf)
     at = data["time"].values
     kept = np.flatnonzero((at >= first) & (at <= last))
-    for name in ("strain", "analytic"):
+    for name in ("strain",) if "tracked" in data.attrs else ("strain", "analytic"):
         rows = np.asarray(data[name], dtype=float).reshape(at.size, -1)
         kept = kept[np.isfinite(rows[kept]).all(axis=1)]
     if not kept.size:
@@ -203,15 +212,44 @@ def _within(data: xr.Dataset, times: tuple[float, float] | None) -> xr.Dataset:
     return data.isel(time=kept)
 
 
+def bench_frames(data: xr.Dataset) -> xr.Dataset:
+    """The displacements of a chain on a bench, of the first field, and its energy, for a film."""
+    for name in ("displacement", "energy"):
+        if name not in data:
+            raise ValueError(
+                f"source must hold the {name} of all cells at all times, got none (watch state and "
+                "energy)"
+            )
+    moved = data["displacement"]
+    shown = moved.isel(field=0) if "field" in moved.dims else moved
+    cells = np.broadcast_to(np.arange(shown.sizes["cell"], dtype=float), shown.shape)
+    along, unseen = ("time", "site"), np.full(shown.shape, np.nan)
+    told = {"tracked": "energy", "wave": "", "along": "$n$", "drawn": "$u_n$"}
+    return xr.Dataset(
+        {
+            "strain": (along, shown.values),
+            "analytic": (along, unseen),
+            "offset": (along, cells),
+            "n": (along, cells),
+            "error": ("time", data["energy"].values),
+        },
+        {"time": data["time"], "site": cells[0]},
+        told | {"title": data.attrs.get("title", "")},
+    )
+
+
 def film_of(data: xr.Dataset, dpi: float = 110.0, half_width: int | None = None) -> Film:
     """The film of a run's snapshots: a chain's as lines, on two axes as maps.
 
     ``half_width`` is how many sites are shown to either side of c t, by default those where the
     wave is seen.
     """
-    run, title = placed(data), one_line(data.attrs.get("title", ""))[:LONGEST_TITLE]
+    run = data if "tracked" in data.attrs else placed(data)
+    title = one_line(data.attrs.get("title", ""))[:LONGEST_TITLE]
     if "row" in run.dims:
         return PlaneFilm(run, title, dpi)
+    if run is data:
+        return ChainFilm(run, title, dpi)
     level = float(run["background"].mean()) if "background" in run else 0.0
     width = shown_half_width(run) if half_width is None else half_width
     shown = run.sel(site=slice(-width, width)).assign_attrs(level=level)

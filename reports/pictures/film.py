@@ -1,6 +1,7 @@
 """Films of a run: each frame the lattice against the wave at a time, in the moving frame.
 
-Below it is the error against time, drawn as far as the film has come. A frame is an image, rows of
+Below it is the error against time, drawn as far as the film has come; of a chain on a bench, which
+has no wave, it is the energy. A frame is an image, rows of
 pixels of red, green and blue; `film_files.py` writes them.
 """
 
@@ -44,7 +45,8 @@ class Film:
         self._times, self._errors, self._strain, self._wave = (
             np.asarray(run[name], dtype=float) for name in ("time", "error", "strain", "analytic")
         )
-        self._clock = clock(self._times, self._errors)
+        self._tracked = run.attrs.get("tracked", "error")
+        self._clock = clock(self._times, self._errors, self._tracked)
         self.figure = Figure(FILM_SIZE, dpi=dpi, layout="constrained")
         self._agg = FigureCanvasAgg(self.figure)
         self._ax, self._below = self.figure.subplots(2, 1, height_ratios=(3.2, 1.0))
@@ -89,7 +91,7 @@ class Film:
         ax.set_xlim(*spread_limits([times]) if times.size < 2 else (times[0], times[-1]))
         ax.set_ylim(0.0, spread_limits([self._errors, np.zeros(1)])[1])
         ax.set_xlabel("$t$")
-        ax.set_ylabel("rel. error")
+        ax.set_ylabel({"error": "rel. error"}.get(self._tracked, self._tracked))
         ax.locator_params(axis="y", nbins=3)
         ax.ticklabel_format(axis="y", scilimits=(-3, 3), useMathText=True)
 
@@ -111,11 +113,11 @@ class Film:
         self._still = self._agg.copy_from_bbox(self.figure.bbox)
 
 
-def clock(times: Array, errors: Array) -> list[str]:
+def clock(times: Array, errors: Array, tracked: str = "error") -> list[str]:
     """The time and the error of each frame, the time to the digits that the frames need."""
     step = float(np.min(np.diff(times))) if times.size > 1 else 1.0
     digits = max(0, min(6, 1 - int(np.floor(np.log10(step))))) if step < 10.0 else 0
-    told = [f"error {error:.3f}" if np.isfinite(error) else "no error" for error in errors]
+    told = [f"{tracked} {error:.3f}" if np.isfinite(error) else f"no {tracked}" for error in errors]
     return [f"$t = {t:.{digits}f}$\n{error}" for t, error in zip(times, told, strict=True)]
 
 
@@ -138,9 +140,10 @@ class ChainFilm(Film):
         )  # fmt: skip
         ax.set_xlim(*self._common())
         ax.set_ylim(*spread_limits([self._strain, self._wave]))
-        ax.set_xlabel("$n - c\\,t$  (sites)")
-        ax.set_ylabel("$y_n$")
-        ax.legend(loc="upper right", handlelength=2.2)
+        ax.set_xlabel(run.attrs.get("along", "$n - c\\,t$  (sites)"))
+        ax.set_ylabel(run.attrs.get("drawn", "$y_n$"))
+        if run.attrs["wave"]:
+            ax.legend(loc="upper right", handlelength=2.2)
         return [self._body, self._beads, self._dashes]
 
     def _show(self, place: int) -> None:

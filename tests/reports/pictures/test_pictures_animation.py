@@ -11,7 +11,7 @@ from PIL import Image
 import longwave
 from longwave.__main__ import main
 from longwave.reports.pictures import animation
-from longwave.reports.pictures.animation import animate, film_of
+from longwave.reports.pictures.animation import animate, bench_frames, film_of
 from longwave.reports.pictures.drawing import styled
 from longwave.runs import save_run
 from longwave.scenes import scene_run
@@ -209,3 +209,16 @@ def test_on_two_axes_a_film_is_made_of_maps(tmp_path: Path) -> None:
     lump = load_scene("square_lump").changed(half_width=2.0, tolerance=1e-2)
     path = tmp_path / "film.gif"
     assert animate(lump, path, duration=0.4, fps=10.0, dpi=40.0) == frames_of(path) == 4
+
+
+def test_a_chain_on_a_bench_is_shown_with_its_energy(tmp_path: Path) -> None:
+    scene = load_scene("struck_grains").changed(times=[0, 10], tolerance=1e-4)
+    path = tmp_path / "film.gif"
+    assert animate(scene, path, duration=1.0, fps=6.0, dpi=40.0) == frames_of(path) == 6
+    data = scene_run.run(scene.changed(observables={"state": True, "energy": True}))
+    film = film_of(bench_frames(data))
+    film.frame(1)
+    np.testing.assert_array_equal(film._beads.get_ydata(), data.displacement[1])  # type: ignore[attr-defined]
+    assert film._text.get_text() == "$t = 10$\nenergy 0.005"
+    with pytest.raises(ValueError, match="source must hold the energy of all cells"):
+        animate(data.drop_vars("energy"), path)
