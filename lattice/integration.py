@@ -61,6 +61,10 @@ with an order of 2 a tolerance of 1e-9 takes 3e4 times the longest one's."""
 ORDER_AT_OPENINGS = 2
 """With which errors fall at least where contacts open and close, whatever the scheme."""
 
+KEPT_AT_OPENINGS = 0.5
+"""The most of a step that is kept where it was too long and contacts open: what a step changes
+falls by jumps there, and from little shorter ones it was taken not to fall."""
+
 RING_SAFETY = 6.0
 """Factor on the difference of two runs. With 2, one estimate in 2000 was too small, by 1.6, and
 with 4 one in 2500, by 1.2, where strains begin to run away (the random cases of
@@ -251,6 +255,7 @@ class CellRingEngine(StepSearch):
         stops = np.concatenate([[state.t], times])
         opens = any(bond.force.opening is not None for bond in lattice.bonds)
         order = min(scheme.order, ORDER_AT_OPENINGS) if opens else scheme.order
+        self._most_kept = KEPT_AT_OPENINGS if opens else 1.0
         driven = DRIVEN_SHARE * lattice.driven_within(float(stops[0]), float(stops[-1]))
         first = min(LIMIT_SHARE * self._admitted, driven)
         super().__init__(order, first, stops, state.size)
@@ -317,7 +322,8 @@ class CellRingEngine(StepSearch):
         if math.isinf(excess) and 0.0 < self._admitted < choices.step:
             step = max(LIMIT_SHARE * self._admitted, LEAST_FACTOR * choices.step)
             return replace(choices, step=step)
-        return super().improved(choices, kind, excess)
+        found = super().improved(choices, kind, excess)
+        return replace(found, step=min(found.step, self._most_kept * choices.step))
 
     def _longest_step(self, ranges: Array) -> float:
         """The longest step that is stable about what was met; 0 if there is no such step.
