@@ -34,6 +34,7 @@ from longwave.reports.sections import (
     theory,
 )
 from longwave.reports.sections.other_lattices import model_jobs
+from longwave.reports.studies.bench_laws import bench_law_jobs
 from longwave.reports.studies.claims import all_claims
 from longwave.reports.studies.effects import effect_jobs
 from longwave.reports.studies.estimates import estimate_rows, judged_findings
@@ -67,13 +68,13 @@ def all_jobs(scenes: Mapping[str, Scene], full: bool) -> dict[Key, Job]:
     jobs |= {("mutants", name): Job(_mutants, (name,), 2.0) for name in paper}
     jobs["plane", "fput_strain"] = Job(modulation_plane, (), 0.5)
     jobs |= proof_jobs() | library_jobs() | accuracy_jobs(full)
-    return jobs | model_jobs() | rate_jobs(full) | scene_run_jobs() | study_jobs(full)
+    jobs |= model_jobs() | rate_jobs(full) | scene_run_jobs() | bench_law_jobs()
+    return jobs | study_jobs(full)
 
 
 def study_jobs(full: bool) -> dict[Key, Job]:
     """The jobs of the studies of cost and of hard cases; long runs if ``full``."""
-    jobs = evaluation_cost_jobs() | lattice_cost_jobs(full) | hard_case_jobs(full)
-    jobs |= effect_jobs()
+    jobs = evaluation_cost_jobs() | lattice_cost_jobs(full) | hard_case_jobs(full) | effect_jobs()
     return jobs | long_run_jobs() if full else jobs
 
 
@@ -197,6 +198,7 @@ TABLES: Mapping[str, Callable[[Findings], str]] = {
     "scene_maps": lambda found: lattice_runs.scene_maps(found.of("scene")),
     "bench_table": lambda found: benches.bench_table(found.of("bench")),
     "bench_pictures": lambda found: benches.bench_pictures(found.of("bench")),
+    "bench_laws": lambda found: benches.bench_laws(found.of("bench"), found.all("struck")),
     "rate_table": lambda found: lattice_runs.rate_table(found.all("rate")),
 }
 """All tables under their templates' names."""

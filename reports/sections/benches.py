@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
 import xarray as xr
 from matplotlib.figure import Figure
@@ -16,6 +16,7 @@ from longwave.reports.latex import (
     titled_rows,
 )
 from longwave.reports.pictures.bench_plotting import mode_energies, sensor_readings
+from longwave.reports.studies.bench_laws import mode_return
 from longwave.reports.studies.effects import TOLERANCES, EffectCost
 from longwave.reports.studies.lattice_runs import SceneRun
 from longwave.scenes.bench import Bench
@@ -80,6 +81,21 @@ def effect_table(costs: Mapping[str, EffectCost]) -> str:
         for name, cost in costs.items()
     ]
     return table("lrrr" + "lr" * len(TOLERANCES), head, rows)
+
+
+def bench_laws(runs: Mapping[str, SceneRun], struck: Sequence[tuple[float, float]]) -> str:
+    """What is known of these chains, and what the runs give, in a table."""
+    lines = []
+    fput = runs.get("fput_1955")
+    if fput is not None and fput.run is not None:
+        found = mode_return(fput.run)
+        when = rf"${found.periods:.1f}\pm {found.reading / 2:.1f}$ periods"
+        lines.append(["first return of mode 1 (FPUT, 32 springs)", "about 147 periods", when])
+        lines.append(["energy of mode 1 then", "98 \\%", f"{found.share * 100:.1f} \\%"])
+    for slope, error in struck:
+        told = rf"${slope:.5f}\pm {error:.5f}$"
+        lines.append(["exponent of the speed of struck grains in the velocity", "$1/5$", told])
+    return table("lll", ["what", "known", "measured"], lines)
 
 
 def bench_figures(runs: Mapping[str, SceneRun]) -> Iterator[tuple[str, Figure]]:

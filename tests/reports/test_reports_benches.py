@@ -7,11 +7,13 @@ import pytest
 from longwave.reports.latex import duration, scientific
 from longwave.reports.sections.benches import (
     bench_figures,
+    bench_laws,
     bench_pictures,
     bench_table,
     effect_table,
     effects,
 )
+from longwave.reports.studies.bench_laws import mode_return, struck_exponent
 from longwave.reports.studies.effects import TOLERANCES, EffectCost, effect_cost
 from longwave.reports.studies.lattice_runs import SceneRun, scene_run
 from longwave.scenes.bench import Bench, Noise, Push
@@ -71,3 +73,17 @@ def test_an_effect_adds_operations_and_is_run_to_its_tolerances() -> None:
         assert cost.share > 0.0
         for (error, _), tolerance in zip(cost.runs, TOLERANCES, strict=True):
             assert 0.0 < error <= tolerance
+
+
+def test_what_is_known_of_chains_is_measured() -> None:
+    found = scene_run("fput_1955")
+    assert found.run is not None
+    back = mode_return(found.run)
+    assert back.periods == pytest.approx(146.4, abs=0.2)
+    assert back.share == pytest.approx(0.981, abs=0.002)
+    exponent, error = struck_exponent()
+    assert abs(exponent - 0.2) < 3.0 * error < 1e-5
+    text = bench_laws({"fput_1955": found}, [(exponent, error)])
+    assert rf"${exponent:.5f}\pm {error:.5f}$" in text
+    assert rf"{100 * back.share:.1f} \%" in text
+    assert rf"${back.periods:.1f}\pm" in text
