@@ -103,15 +103,40 @@ class DrivenChain(DisorderedLattice):
         found[:, self.cells :] = 0.0
         return found
 
+    def energy(self, f: Array, v: Array) -> float:
+        """Kinetic energy and what all bonds store: ends give way to forces at rest, too."""
+        found = super().energy(f, v)
+        for bond, kept in zip(self.bonds, self._kept, strict=True):
+            if resting := float(bond.force(np.zeros(()))):
+                found += resting * float(np.sum(kept * bond.stretched(f)))
+        return found
+
+    @property
+    def _kept(self) -> list[Array]:
+        """Of each bond 1 where it is, 0 where it is cut."""
+        return [np.ones(()) if cut is None else 1.0 + cut[1] for cut in self._varied()]
+
     @property
     def cell_count(self) -> int | None:
         """The cells that move."""
         return self.cells
 
     @property
+    def exchanges_energy(self) -> bool:
+        """Whether its energy is changed from outside or lost."""
+        return bool(self.variation.damped or self.variation.pulsed)
+
+    @property
     def is_driven(self) -> bool:
         """Whether anything but held walls acts from outside."""
-        return bool(self.variation.damped or self.variation.pulsed or self.free)
+        return bool(self.exchanges_energy or self.free)
+
+    @property
+    def drivers(self) -> tuple[str, ...]:
+        """What does work on it, in words: walls that move, and forces."""
+        sides = ["right" if wall.places[0] == self.cells else "left" for wall in self._moved]
+        forces = [f"force {count}" for count in range(1, len(self.outer_forces) + 1)]
+        return (*(f"{side} wall" for side in sides), *forces)
 
     def driven_within(self, begin: float, end: float) -> float:
         """The least time in which a force or a wall's displacement changes by all that it does.
@@ -148,14 +173,69 @@ class DrivenChain(DisorderedLattice):
         self.place_walls(found.f, found.v, state.t)
         return found
 
-    def place_walls(self, f: Array, v: Array, t: float) -> None:
-        """Put the walls' cells where they are at a time, without velocity."""
+    def place_walls(self, f: Array, v: Array, t: float | Array, moving: bool = False) -> None:
+        """Put the walls' cells where they are at a time, without velocity unless ``moving``.
+
+        With several times these are the last axis but one of the fields.
+        """
+        times = np.atleast_1d(t)
         for wall in self.walls:
             places = list(wall.places)
-            f[:, places] = 0.0 if wall.displacement is None else _at(wall.displacement, t)
-            v[:, places] = 0.0
+            f[..., places], v[..., places] = 0.0, 0.0
+            if wall.displacement is not None:
+                f[..., places] = _values(wall.displacement, times)[:, np.newaxis]
+                if moving:
+                    v[..., places] = _values(_slope(wall.displacement), times)[:, np.newaxis]
         for place, beside in self.free:
-            f[:, place], v[:, place] = f[:, beside], 0.0
+            f[..., place], v[..., place] = f[..., beside], 0.0
+
+    def power(
+        self, f: Array, v: Array, times: Array, cuts: Sequence[int] = ()
+    ) -> tuple[Array, Array]:
+        """The rates at which energy comes and goes, and f'', of states at some times.
+
+        Rates are (rates, times): of the work of each of the `drivers`, of the heat, and of what
+        goes through the ``cuts``, each to the right of a cell. There half of what a bond stores,
+        and loses, is on either side. Fields, velocities and f'' have the shape (fields, times,
+        ring); what walls do then is put in its place.
+        """
+        self.place_walls(f, v, times, moving=True)
+        masses = np.array(self.masses)[:, np.newaxis, np.newaxis]
+        rates = [
+            kept * (bond.stretched(v) - bond.offset)
+            for bond, kept in zip(self.bonds, self._kept, strict=True)
+        ]
+        forces = [
+            force + dashpot * rate
+            for force, dashpot, rate in zip(self.forces(f), self.dashpots, rates, strict=True)
+        ]
+        found = self.pulled(forces)
+        gained = masses * found * v
+        flows = [-gained[..., list(wall.places)].sum(axis=(0, 2)) for wall in self._moved]
+        for push in self.outer_forces:
+            values = _values(push.value, times)
+            flows.append(values * v[push.field, :, push.site])
+            found[push.field, :, push.site] += values / self.masses[push.field]
+        damping = np.array(self.losses)[:, np.newaxis, np.newaxis] * v
+        found -= damping
+        heat = (masses * damping * v)[..., : self.cells].sum(axis=(0, 2))
+        for dashpot, rate in zip(self.dashpots, rates, strict=True):
+            heat = heat + dashpot * (rate * rate).sum(axis=-1)
+        flows += [heat, *(self._flux(forces, v, cut) for cut in cuts)]
+        return np.array(flows), found
+
+    def _flux(self, forces: Sequence[Array], v: Array, cut: int) -> Array:
+        """Half of what the bonds over a cut do to the cells on its right, less that on its left."""
+        found, ring = np.zeros(v.shape[1]), v.shape[2]
+        for bond, force in zip(self.bonds, forces, strict=True):
+            shifts = [entry.shift[0] for entry in bond.stretch]
+            for left in range(min(shifts), max(shifts)):
+                base = cut - left
+                for entry in bond.stretch:
+                    half = -0.5 if entry.shift[0] > left else 0.5
+                    speed = v[entry.field, :, (base + entry.shift[0]) % ring]
+                    found += half * entry.weight * force[:, base % ring] * speed
+        return found
 
     def stage_weights(
         self, scheme: DriftKick, v: Array, t: float, h: float, steps: int
@@ -204,14 +284,10 @@ def _slope(value: TimeFunction | None) -> TimeFunction:
     found: TimeFunction | None = getattr(value, "slope", None)
     if found is None:
         raise ValueError(
-            "displacement of a wall beside dashpots must have a slope, its velocity, got a bare "
-            "function (longwave.scenes.bench.time_function makes one of a formula)"
+            "displacement of a wall whose velocity is felt must have a slope, its velocity, got a "
+            "bare function (longwave.scenes.bench.time_function makes one of a formula)"
         )
     return found
-
-
-def _at(value: TimeFunction, t: float) -> float:
-    return float(_values(value, np.array([t]))[0])
 
 
 def _values(value: TimeFunction, times: Array) -> Array:

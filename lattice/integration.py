@@ -7,14 +7,16 @@ its data changed where the lattice may amplify rounding.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from time import perf_counter
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from longwave.lattice.driving import DrivenChain
 from longwave.lattice.dynamics import Dynamics
+from longwave.lattice.energy_balance import EnergyBalance
 from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.lattice.refine import refine
 from longwave.lattice.run_times import check_positive, checked_times
@@ -220,7 +222,8 @@ class CellRingEngine(StepSearch):
     """Runs of a ring of sites from a state, for `refine` to judge: only the step varies.
 
     ``first_frequency`` is the highest of any wave about the state. Positions and velocities are
-    ``kept`` at all of the times, or at those given; what is judged at all.
+    ``kept`` at all of the times, or at those given; what is judged at all. With ``cuts`` of a
+    driven chain, however few, its `EnergyBalance` is there when it is.
     """
 
     safety = RING_SAFETY
@@ -233,8 +236,10 @@ class CellRingEngine(StepSearch):
         scheme: Scheme,
         judged: Judged | None = None,
         kept: Array | None = None,
+        cuts: Sequence[int] | None = None,
     ) -> None:
         self.lattice, self.scheme, self.state = lattice, scheme, state
+        self._cuts = cuts
         self.dynamics = Dynamics(lattice)
         self.amplifies_rounding = not lattice.is_linear
         self.threads = self.dynamics.threads(scheme) if state.size < LARGE else 1
@@ -271,7 +276,9 @@ class CellRingEngine(StepSearch):
     def run(self, choices: Choices, shown: bool, progress: Progress = lambda _: None) -> Trial:
         """A run; its payload is what stopped it, its steps, positions and velocities."""
         start = self._start(choices.nudged)
-        stepper = Stepper(start, self.scheme, self.lattice, StillRing(start), choices.step, None)
+        balance = self._balance(start)
+        ring, chunk = StillRing(start), None if balance is None else 1
+        stepper = Stepper(start, self.scheme, self.lattice, ring, choices.step, None, chunk)
         shape = (self._kept.size, *self.state.arrays[0].shape)
         f, v = np.empty(shape), np.empty(shape)
         rows = {t: row for row, t in enumerate(self._kept.tolist())}
@@ -281,16 +288,23 @@ class CellRingEngine(StepSearch):
         if loop.memory is not None:
             stepper.recall(loop.memory)
             f, v, judged = (loop.memory[name] for name in ("f", "v", "judged"))
+            if balance is not None:
+                balance.recall(loop.memory["balance"])
             times = [t for t in times if t > stepper.state.t]
 
         def remember(arrays: bool = True) -> Memory:
-            return stepper.memory(arrays) | {"f": f, "v": v, "judged": judged}
+            told = {} if balance is None else {"balance": balance.memory()}
+            return stepper.memory(arrays) | {"f": f, "v": v, "judged": judged} | told
 
         for state in stepper.stops(times) if times else ():
+            if balance is not None:
+                balance.follow(state)
             if state.t in rows:
                 f[rows[state.t]], v[rows[state.t]] = state.at(state.sites)
             if state.t in moments:
-                judged.append(np.array(self._judged(*state.arrays, state.t)))
+                if balance is not None:
+                    balance.settle()
+                judged.append(self.looked_at(state, balance))
             progress((state.t - self._stops[0]) / (self._stops[-1] - self._stops[0] or 1.0))
             if state.t < end:
                 loop.offer(remember)
@@ -311,6 +325,16 @@ class CellRingEngine(StepSearch):
             (stepper.blow_up, stepper.steps, f, v),
             shown=False,
         )
+
+    def _balance(self, start: State) -> EnergyBalance | None:
+        if self._cuts is None:
+            return None
+        assert isinstance(self.lattice, DrivenChain)
+        return EnergyBalance(self.lattice, self._cuts, start)
+
+    def looked_at(self, state: State, balance: EnergyBalance | None) -> Array:
+        """What is compared with other runs."""
+        return np.array(self._judged(*state.arrays, state.t))
 
     def _taken(self, step: float) -> float:
         """The longest step that is taken where the stops shorten it."""

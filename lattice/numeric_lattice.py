@@ -289,10 +289,10 @@ def value_range(values: Array) -> Range:
 
 
 def _shifted(values: Array, shift: tuple[int, ...]) -> Array:
-    """``values`` of the cells at that offset."""
+    """``values`` of the cells at that offset; cells lie along the last axes."""
     if not any(shift):
         return values
-    axes = tuple(range(values.ndim))
+    axes = tuple(range(-len(shift), 0))
     return np.roll(values, tuple(-step for step in shift), axes)
 
 

@@ -10,11 +10,13 @@ Its tables::
                    bond: that of a dashpot beside each bond, or one for each
     [[force]]      site, value (a formula in t), field (the first unless said)
     [noise]        temperature, seed (0 unless said): a bath beside the losses of cells
-    [observables]  sensors = { sites, of }, energy = true, mode_energies = [1, 2], state = true,
-                   every
+    [observables]  sensors = { sites, of }, energy = true, mode_energies = [1, 2], flux = [5, 15],
+                   state = true, every
 
-Cells and sensors count from 0, modes from 1. ``of`` are some of `SENSED`. All that is observed is
-read at the scene's times and, if that is given, after ``every`` so many time units.
+Cells and sensors count from 0, modes from 1. ``of`` are some of `SENSED`. With the energy of a
+chain that is driven or damped come work and heat since the start; ``flux`` is the power through the
+bonds from each of these cells to the next. All that is observed is read at the scene's times and,
+if that is given, after ``every`` so many time units.
 """
 
 from __future__ import annotations
@@ -45,7 +47,7 @@ KEYS = {
     "losses": ("site", "bond"),
     "force": ("site", "value", "field"),
     "noise": ("temperature", "seed"),
-    "observables": ("sensors", "energy", "mode_energies", "state", "every"),
+    "observables": ("sensors", "energy", "mode_energies", "flux", "state", "every"),
     "sensors": ("sites", "of", "every"),
 }
 """What may stand in each table."""
@@ -123,6 +125,7 @@ class Bench:
     sensors: Sensors = field(default_factory=Sensors)
     energy: bool = False
     modes: tuple[int, ...] = ()
+    flux: tuple[int, ...] = ()
     state: bool = False
     every: float = math.inf
     noise: Noise | None = None
@@ -130,12 +133,18 @@ class Bench:
     def __post_init__(self) -> None:
         named = [("of [[force]]", push.site) for push in self.forces]
         named += [("of impact", part.site) for part in self.start if isinstance(part, Impact)]
-        for where, site in [*named, *(("of sensors", site) for site in self.sensors.sites)]:
+        named += [("of sensors", site) for site in self.sensors.sites]
+        for where, site in [*named, *(("of flux", site) for site in self.flux)]:
             if site >= self.sites:
                 raise ValueError(
                     f"site {where} must be 0 to {self.sites - 1}, got {site} (there are "
                     f"{self.sites} cells)"
                 )
+        if self.flux and self.noise is not None:
+            raise ValueError(
+                f"flux must be left out with [noise], got {list(self.flux)} (a bath acts "
+                "on all cells)"
+            )
 
     @classmethod
     def of_json(cls, text: str) -> Bench:
@@ -151,12 +160,6 @@ class Bench:
         watched = _table(tables.get("observables", {}), "observables")
         losses = _table(tables.get("losses", {}), "losses")
         sensors = _table(watched.get("sensors", {}), "sensors")
-        modes = watched.get("mode_energies", [])
-        if not isinstance(modes, list | tuple):
-            raise ValueError(
-                f"mode_energies must be a list of numbers of modes, got {shown(modes)} (such as "
-                "[1, 2])"
-            )
         return cls(
             check.whole("sites in [chain]", chain["sites"], 2, 1e7),
             (_end("left", chain), _end("right", chain)),
@@ -166,7 +169,8 @@ class Bench:
             tuple(_pushes(tables.get("force", []))),
             _sensors(sensors),
             _truth("energy", watched.get("energy", False)),
-            tuple(check.whole("mode_energies", number) for number in modes),
+            _numbers("mode_energies", watched, "modes", 1),
+            _numbers("flux", watched, "cells", 0),
             _truth("state", watched.get("state", not set(watched) - {"every"})),
             _every(watched.get("every", sensors.get("every"))),
             _noise(tables["noise"], losses) if "noise" in tables else None,
@@ -190,6 +194,16 @@ def _truth(name: str, given: object) -> bool:
     if not isinstance(given, bool):
         raise ValueError(f"{name} in [observables] must be true or false, got {shown(given)}")
     return given
+
+
+def _numbers(name: str, watched: Mapping[str, Any], of: str, least: int) -> tuple[int, ...]:
+    """A list of whole numbers, empty if it is not given."""
+    given = watched.get(name, [])
+    if not isinstance(given, list | tuple):
+        raise ValueError(
+            f"{name} must be a list of numbers of {of}, got {shown(given)} (such as [1, 2])"
+        )
+    return tuple(check.whole(name, number, least) for number in given)
 
 
 def _end(side: str, chain: Mapping[str, Any]) -> str | Mapping[str, str]:

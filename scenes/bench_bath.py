@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import t as student
 
+from longwave.lattice.state import State
 from longwave.scenes.bench import OF_MEANS
 from longwave.scenes.bench_run import BenchEngine, chain_of
 from longwave.support.checkpoint import begin_loop
@@ -105,7 +106,7 @@ class Bath:
                 f"times must end before the chain flies apart, got {t:g} (end earlier, or a lower "
                 "temperature)"
             )
-        return self.engine.watched_values(f, v, t)
+        return self.engine.looked_at(State(t, f, v))
 
 
 class Means:

@@ -8,9 +8,10 @@ from functools import partial
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from longwave.lattice.driving import DrivenChain, End, SiteForce, driven_chain
+from longwave.lattice.energy_balance import Flow
 from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.lattice.state import State
 from longwave.scenes.bench import Bench, Impact, time_function
@@ -18,8 +19,19 @@ from longwave.support.known_names import one_of
 from longwave.support.user_files import shown
 
 Array = NDArray[np.float64]
-Reader = Callable[[DrivenChain, Array, Array], Array]
-"""What is read of a chain, its fields and their velocities."""
+
+
+class Moment(NamedTuple):
+    """A chain at a time: fields and velocities, and the energy that flowed, if that is followed."""
+
+    chain: DrivenChain
+    f: Array
+    v: Array
+    total: Flow = Flow()
+    rate: Flow = Flow()
+
+
+Reader = Callable[[Moment], ArrayLike]
 
 
 class Reading(NamedTuple):
@@ -32,19 +44,19 @@ class Reading(NamedTuple):
 
 
 READINGS = {
-    "displacement": Reading("lattice units", "displacement", "field", lambda _, f, v: f),
-    "velocity": Reading("per lattice time", "velocity", "field", lambda _, f, v: v),
+    "displacement": Reading("lattice units", "displacement", "field", lambda at: at.f),
+    "velocity": Reading("per lattice time", "velocity", "field", lambda at: at.v),
     "strain": Reading(
         "lattice units",
         "stretch of the bond to the next cell",
         "bond",
-        lambda chain, f, v: np.array(chain.stretches(f)),
+        lambda at: at.chain.stretches(at.f),
     ),
     "force": Reading(
         "lattice units",
         "force in the bond to the next cell",
         "bond",
-        lambda chain, f, v: np.array(chain.forces(f)),
+        lambda at: at.chain.forces(at.f),
     ),
 }
 
@@ -128,12 +140,29 @@ class Watched:
     read: Reader
 
 
-def watched(bench: Bench) -> Iterator[Watched]:
+def watched_cuts(bench: Bench, chain: DrivenChain) -> Sequence[int] | None:
+    """Through which cuts energy is followed; None if no balance is kept."""
+    return bench.flux if bench.flux or is_balanced(bench, chain) else None
+
+
+def is_balanced(bench: Bench, chain: DrivenChain) -> bool:
+    """Whether work and heat are told beside the energy; what a bath does is not followed."""
+    return bench.energy and bench.noise is None and chain.exchanges_energy
+
+
+def watched(bench: Bench, chain: DrivenChain) -> Iterator[Watched]:
     """All that is observed, in the order of its values."""
     for name in bench.sensors.of if bench.sensors.sites else ():
         yield _in_cells(f"sensor_{name}", "sensor", name, bench.sensors.sites)
     if bench.energy:
         yield Watched("energy", (), "lattice units", "energy of chain and bonds", _energy)
+    if is_balanced(bench, chain):
+        yield from _balance(chain)
+    if bench.flux:
+        name, unit = "energy sent to the right", "lattice units"
+        yield Watched("transmitted", ("cut",), unit, name, lambda at: at.total.through)
+        name, unit = "power to the right", "lattice units per lattice time"
+        yield Watched("flux", ("cut",), unit, name, lambda at: at.rate.through)
     if bench.modes:
         what = "energy of the mode of a linear chain"
         read = partial(_mode_energies, bench=bench)
@@ -142,21 +171,32 @@ def watched(bench: Bench) -> Iterator[Watched]:
         yield _in_cells(name, "cell", name, range(bench.sites))
 
 
+def _balance(chain: DrivenChain) -> Iterator[Watched]:
+    """What the energy of a chain is made of, beside that at the start."""
+    unit, since = "lattice units", "since the start"
+    yield Watched("work", (), unit, f"work done {since}", lambda at: at.total.work.sum())
+    yield Watched("heat", (), unit, f"energy lost {since}", lambda at: at.total.heat.sum())
+    if len(chain.drivers) > 1:
+        name = f"work done by a wall or force {since}"
+        yield Watched("driver_work", ("driver",), unit, name, lambda at: at.total.work)
+
+
 def _in_cells(name: str, dimension: str, what: str, places: Sequence[int]) -> Watched:
     """What is read in some cells, by field or bond."""
     units, long_name, inner, read = READINGS[what]
     at = list(places)
     return Watched(
-        name, (dimension, inner), units, long_name, lambda chain, f, v: read(chain, f, v)[:, at].T
+        name, (dimension, inner), units, long_name, lambda now: np.asarray(read(now))[:, at].T
     )
 
 
-def _energy(chain: DrivenChain, f: Array, v: Array) -> Array:
-    return np.asarray(chain.energy(f, v))
+def _energy(at: Moment) -> float:
+    return at.chain.energy(at.f, at.v)
 
 
-def _mode_energies(chain: DrivenChain, f: Array, v: Array, bench: Bench) -> Array:
+def _mode_energies(at: Moment, bench: Bench) -> Array:
     """The energies of modes of displacement and velocity, by the slope of the force at rest."""
+    chain, f, v = at[:3]
     if len(chain.fields) > 1 or bench.ends != ("fixed", "fixed"):
         raise ValueError(
             "mode_energies must be of a chain of one field between fixed walls, got "

@@ -17,9 +17,15 @@ from longwave.lattice.integration import CellRingEngine
 from longwave.lattice.numeric_lattice import numeric_lattice
 from longwave.lattice.schemes import REDUCED_PHASE_6, scheme_named
 from longwave.scenes.bench import MOST_READINGS, Bench
-from longwave.scenes.bench_chain import chain_on_bench, start_on_bench, watched
+from longwave.scenes.bench_chain import (
+    Moment,
+    chain_on_bench,
+    start_on_bench,
+    watched,
+    watched_cuts,
+)
 from longwave.scenes.lattice_derivation import declared_lattice
-from longwave.scenes.ring_cost import search_cost
+from longwave.scenes.ring_cost import USUAL_RUNS, search_cost
 from longwave.scenes.run_record import RunRecord, judged, searched
 from longwave.scenes.scene import Scene
 from longwave.scenes.scene_checks import MOST_STEPS
@@ -27,6 +33,7 @@ from longwave.support.request_limits import check_request
 
 if TYPE_CHECKING:
     from longwave.lattice.driving import DrivenChain
+    from longwave.lattice.energy_balance import EnergyBalance
     from longwave.lattice.refine import Announce
     from longwave.lattice.state import State
     from longwave.lattice.trial import Choices, Progress, Trial
@@ -34,6 +41,9 @@ if TYPE_CHECKING:
     from longwave.support.request_limits import ExpectedCost
 
 Array = NDArray[np.float64]
+
+BALANCE_SECONDS = 4e-4
+"""To stop at a step and follow energy through it: measured on 24 cells."""
 
 FIRST_STEP = 4.0
 """A first step, in units of the inverse highest frequency at rest."""
@@ -77,7 +87,10 @@ def scene_cost(scene: Scene) -> ExpectedCost:
             f"{steps:.2g} (they change within {within:.2g}; slow them down or end earlier)"
         )
     kept = times.size * max(1, len(bench.sensors.of)) * max(1, len(bench.sensors.sites))
-    return search_cost(chain, bench.sites, steps, REDUCED_PHASE_6.stages, float(kept))
+    found = search_cost(chain, bench.sites, steps, REDUCED_PHASE_6.stages, float(kept))
+    if watched_cuts(bench, chain) is None:
+        return found
+    return replace(found, seconds=found.seconds + USUAL_RUNS * steps * BALANCE_SECONDS)
 
 
 def wave_size(scene: Scene, _t: float, _far_field: bool) -> float:
@@ -92,16 +105,21 @@ class BenchEngine(CellRingEngine):
     def __init__(self, scene: Scene, bench: Bench, chain: DrivenChain) -> None:
         self.bench, self.chain, self.scene = bench, chain, scene
         self.times = reading_times(scene, bench)
-        self.watched = list(watched(bench))
+        self.watched = list(watched(bench, chain))
         scheme = scheme_named(scene.target.scheme) if scene.target.scheme else REDUCED_PHASE_6
         start = chain.held(start_on_bench(bench, chain, scene.t0))
-        self.sizes = [one.read(chain, *start.arrays).shape for one in self.watched]
-        super().__init__(chain, start, self.times, scheme, kept=self.times[:0])
-        self._judged = self.watched_values
+        cuts = watched_cuts(bench, chain)
+        super().__init__(chain, start, self.times, scheme, kept=self.times[:0], cuts=cuts)
+        self.sizes = [part.shape for part in self._read(start, self._balance(start))]
 
-    def watched_values(self, f: Array, v: Array, t: float) -> Array:
-        """All that is watched at a time, one after the other."""
-        return np.concatenate([one.read(self.chain, f, v).ravel() for one in self.watched])
+    def _read(self, state: State, balance: EnergyBalance | None) -> list[Array]:
+        flows = () if balance is None else (balance.total, balance.rate)
+        now = Moment(self.chain, *state.arrays, *flows)
+        return [np.asarray(one.read(now)) for one in self.watched]
+
+    def looked_at(self, state: State, balance: EnergyBalance | None = None) -> Array:
+        """All that is watched, one after the other."""
+        return np.concatenate([part.ravel() for part in self._read(state, balance)])
 
     def run(self, choices: Choices, shown: bool, progress: Progress = lambda _: None) -> Trial:
         """A run; its payload is its record."""
@@ -132,12 +150,14 @@ class BenchEngine(CellRingEngine):
         self, variables: Variables, steps: int, seconds: float, blow_up: str = ""
     ) -> RunRecord:
         """The record of these variables, with places of sensors and numbers of modes."""
-        for name, counted in (("sensor", self.bench.sensors.sites), ("mode", self.bench.modes)):
+        for name, counted, long_name in (
+            ("sensor", self.bench.sensors.sites, "number of the cell"),
+            ("mode", self.bench.modes, "number of the mode"),
+            ("driver", self.chain.drivers, "wall that moves, or force in the scene's order"),
+            ("cut", self.bench.flux, "number of the cell to the left"),
+        ):
             if any(name in found for found, _, _ in variables.values()):
-                told = {
-                    "units": "1",
-                    "long_name": f"number of the {'cell' if name == 'sensor' else name}",
-                }
+                told = {"units": "1", "long_name": long_name}
                 variables[name] = (name,), np.array(counted), told
         cost = {
             "engine": "stencil",

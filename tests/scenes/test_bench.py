@@ -94,6 +94,65 @@ def test_the_shipped_driven_chain_is_its_modes() -> None:
     assert np.abs(shown[1:] - exact).max() < found.attrs["error_estimate"] <= 1e-10
 
 
+def test_work_and_heat_of_the_shipped_driven_chain_are_those_of_its_modes() -> None:
+    """The force and the square of velocities, from the closed form's difference quotients."""
+    found = run(load_scene("driven_chain").changed(times=[0, 10], tolerance=1e-9))
+    nodes, weights = np.polynomial.legendre.leggauss(40)
+    t, weights = 5.0 * (1.0 + nodes), 5.0 * weights
+    step, ahead = 0.02, np.array([672.0, -168.0, 32.0, -3.0]) / 840.0
+    v = np.array(
+        [
+            sum(
+                part
+                / step
+                * (modal_chain(24, 0.05, 5, 0.7, at + by) - modal_chain(24, 0.05, 5, 0.7, at - by))
+                for part, by in zip(ahead, step * np.arange(1, 5), strict=True)
+            )
+            for at in t
+        ]
+    )
+    assert found.work[-1] == pytest.approx(weights @ (np.cos(0.7 * t) * v[:, 5]), abs=1e-9)
+    assert found.heat[-1] == pytest.approx(0.05 * weights @ np.sum(v**2, axis=1), abs=1e-9)
+
+
+def test_energy_is_what_was_done_less_what_was_lost() -> None:
+    losses, watched = {"site": 0.03, "bond": 0.1}, {"energy": True, "flux": [3, 8], "every": 1.5}
+    found = run(Scene.of(**changed(losses=losses, observables=watched)))
+    gained = found.energy - found.energy[0]
+    error = found.attrs["error_estimate"]
+    assert np.abs(gained - found.work + found.heat).max() < 3.0 * error <= 3e-7
+    assert found.heat[-1] > 0.05
+    np.testing.assert_allclose(found.driver_work.sum("driver"), found.work, atol=1e-15)
+    assert found.driver.values.tolist() == ["left wall", "force 1"]
+    assert found.work.attrs["units"] == found.heat.attrs["units"] == "lattice units"
+    assert found.cut.values.tolist() == [3, 8]
+
+
+def test_what_went_through_a_bond_is_beyond_it() -> None:
+    """Without losses; half of the bond's own energy is on either side."""
+    watched = {"flux": [5], "state": True}
+    found = run(Scene.of(**changed(losses={}, force=[], observables=watched, times=[0, 6, 9])))
+    stretch = np.diff(found.displacement, axis=1)[:, 5:]
+    stored = stretch**2 / 2 + stretch**4 / 2
+    beyond = np.sum(found.velocity[:, 6:] ** 2, axis=1) / 2 + stored.sum(axis=1) - stored[:, 0] / 2
+    sent = found.transmitted[:, 0]
+    np.testing.assert_allclose(sent, beyond - beyond[0], atol=2 * found.attrs["error_estimate"])
+    assert abs(sent[-1]) > 1e-3
+    assert "energy" not in found
+    assert found.flux.attrs["units"] == "lattice units per lattice time"
+
+
+def test_what_neither_gains_nor_loses_is_not_followed() -> None:
+    tables = changed(chain={"sites": 12, "right": "free"}, losses={}, force=[])
+    scenes = [
+        Scene.of(**tables | {"observables": {"state": True, "energy": on}}) for on in (False, True)
+    ]
+    bare, found = (run(scene) for scene in scenes)
+    assert set(found) - set(bare) == {"energy"}
+    assert bare.attrs["steps"] == found.attrs["steps"]
+    np.testing.assert_array_equal(bare.displacement, found.displacement)
+
+
 def test_every_reading_has_its_name() -> None:
     assert tuple(READINGS) == SENSED
 
@@ -186,6 +245,8 @@ REFUSED: list[tuple[dict[str, Any], str]] = [
     ({"observables": {"sensors": {"sites": []}}}, "sites of sensors must be a list of cells"),
     ({"observables": {"sensors": {"sites": [12]}}}, "site of sensors must be 0 to 11, got 12"),
     ({"observables": {"mode_energies": [1]}}, "mode_energies must be of a chain of one field"),
+    ({"observables": {"flux": 3}}, "flux must be a list of numbers of cells, got 3"),
+    ({"observables": {"flux": [12]}}, "site of flux must be 0 to 11, got 12"),
     ({"observables": {"energy": 1}}, "energy in [observables] must be true or false"),
     ({"observables": {"every": 1e-9}}, "every in [observables] must give at most 1e+06 times"),
     ({"wave": "kdv_soliton"}, "wave must not be given with a chain on a bench"),
