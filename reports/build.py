@@ -197,6 +197,7 @@ TABLES: Mapping[str, Callable[[Findings], str]] = {
     "scene_table": lambda found: lattice_runs.scene_table(found.of("scene")),
     "scene_maps": lambda found: lattice_runs.scene_maps(found.of("scene")),
     "bench_table": lambda found: benches.bench_table(found.of("bench")),
+    "balance_table": lambda found: benches.balance_table(found.of("bench")),
     "bench_pictures": lambda found: benches.bench_pictures(found.of("bench")),
     "bench_laws": lambda found: benches.bench_laws(found.of("bench"), found.all("struck")),
     "rate_table": lambda found: lattice_runs.rate_table(found.all("rate")),

@@ -34,7 +34,7 @@ KINDS = (
 )
 PICTURES = (
     *("all", "snapshots", "space_time", "spectra", "errors", "crest"),
-    *("sensors", "modes", "cells", "growth"),
+    *("sensors", "transmission", "balance", "flux", "modes", "cells", "growth"),
 )
 SWEEP_PICTURES = ("values", "work_precision", "growth_map")
 SHELLS = ("bash", "zsh", "fish")

@@ -1,10 +1,11 @@
-"""A chain on a bench: what its sensors read, the energies of its modes, its cells at some times."""
+"""A chain on a bench: what its sensors read and their spectra, its energies, its cells."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from longwave.reports.pictures.drawing import CURVES, even_places, part
 from longwave.scenes.bench import OF_MEANS
@@ -13,11 +14,21 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import FigureBase
 
+Array = NDArray[np.float64]
+
 MOST_LINES = len(CURVES)
 """Lines in a panel; of more some are drawn, evenly."""
 
 PANEL = 1.9
 """Height of a panel in inches."""
+
+LEAST_READINGS = 32
+"""Fewest evenly spaced readings of which a spectrum is drawn."""
+
+LEAST_POWER = 1e-2
+"""Least amplitude of the first sensor, in units of its largest, to which others are compared."""
+
+BALANCE = ("energy", "work", "heat")
 
 
 def _readings(data: xr.Dataset) -> list[str]:
@@ -36,6 +47,70 @@ def sensor_readings(figure: FigureBase, data: xr.Dataset) -> None:
 
 
 @part(0.4 + 1.4 * PANEL)
+def energy_balance(figure: FigureBase, data: xr.Dataset) -> None:
+    """Energy, and since the start the work of walls and forces and the heat."""
+    ax = figure.subplots()
+    for name, look in zip(BALANCE, CURVES, strict=False):
+        ax.plot(
+            data["time"], data[name], label=data[name].attrs["long_name"], **look | {"marker": ""}
+        )
+    ax.set_xlabel("$t$")
+    ax.set_ylabel(f"energy ({data['energy'].attrs['units']})", fontsize="small")
+    ax.legend(fontsize="small")
+
+
+@part(0.4 + 2 * PANEL)
+def fluxes(figure: FigureBase, data: xr.Dataset) -> None:
+    """Power through bonds over time, and what went through."""
+    panels = figure.subplots(2, 1, sharex=True)
+    for ax, name in zip(panels, ("flux", "transmitted"), strict=True):
+        _lines(ax, data, name, "cut", "right of cell {}")
+    panels[-1].set_xlabel("$t$")
+
+
+def has_spectra(data: xr.Dataset) -> bool:
+    """Whether sensors were read so often, and evenly, that a spectrum tells something."""
+    gaps = np.diff(data["time"].values)
+    return gaps.size >= LEAST_READINGS and bool(np.ptp(gaps) <= 1e-6 * gaps.max())
+
+
+def amplitude_spectra(readings: xr.DataArray) -> tuple[Array, Array]:
+    """Angular frequencies, and the amplitude of each sensor at them, (frequency, sensor).
+
+    With Hann's window, less what is steady: a sine has its own amplitude.
+    """
+    values, times = readings.transpose("time", "sensor").values, readings["time"].values
+    window = np.sin(np.pi * np.arange(times.size) / times.size)[:, np.newaxis] ** 2
+    window /= window.sum()
+    found = np.fft.rfft(window * (values - np.sum(window * values, axis=0)), axis=0)
+    return 2.0 * np.pi * np.fft.rfftfreq(times.size, times[1] - times[0]), 2.0 * np.abs(found)
+
+
+@part(0.4 + 2 * PANEL)
+def sensor_spectra(figure: FigureBase, data: xr.Dataset) -> None:
+    """The amplitude that each sensor saw at a frequency, and its ratio to that of the first one."""
+    name = _readings(data)[0]
+    frequencies, amplitudes = amplitude_spectra(_of_first(data[name], "time", "sensor"))
+    first = amplitudes[:, :1]
+    seen = first > LEAST_POWER * first[1:].max()
+    with np.errstate(invalid="ignore", divide="ignore"):
+        ratios = np.where(seen, amplitudes / first, np.nan)
+    cells, told = data["sensor"].values, data[name].attrs
+    panels = figure.subplots(min(cells.size, 2), 1, sharex=True, squeeze=False)[:, 0]
+    panels[0].set_ylabel(f"amplitude of {told['long_name']}\n({told['units']})", fontsize="small")
+    for count, place in enumerate(even_places(cells.size, MOST_LINES)):
+        look = CURVES[count] | {"marker": ""}
+        panels[0].plot(frequencies[1:], amplitudes[1:, place], label=f"cell {cells[place]}", **look)
+        if place:
+            panels[1].plot(frequencies, ratios[:, place], **look | {"marker": "."})
+            panels[1].set_ylabel(f"ratio to cell {cells[0]}", fontsize="small")
+    panels[-1].set_xlabel(r"frequency $\omega$  (per lattice time)")
+    for ax in panels:
+        ax.set_yscale("log")
+    panels[0].legend(fontsize="small", loc="center left", bbox_to_anchor=(1.0, 0.5))
+
+
+@part(0.4 + 1.4 * PANEL)
 def mode_energies(figure: FigureBase, data: xr.Dataset) -> None:
     """The energies of the modes over time."""
     ax = figure.subplots()
@@ -51,13 +126,17 @@ def cells_at_times(figure: FigureBase, data: xr.Dataset) -> None:
     ax.set_xlabel("$n$")
 
 
+def _of_first(values: xr.DataArray, *kept: str) -> xr.DataArray:
+    """Of several fields or bonds the first."""
+    return values.isel(dict.fromkeys(set(values.dims) - set(kept), 0))
+
+
 def _lines(
     ax: object, data: xr.Dataset, name: str, each: str, label: str, along: str = "time"
 ) -> None:
     """A line for each place on a dimension; of several fields or bonds the first."""
-    first = dict.fromkeys(set(data[name].dims) - {each, along}, 0)
-    values = data[name].isel(first)
-    bars = data[f"{name}_error"].isel(first) if f"{name}_error" in data else None
+    values = _of_first(data[name], each, along)
+    bars = _of_first(data[f"{name}_error"], each, along) if f"{name}_error" in data else None
     axis = data[along].values if along in data.coords else np.arange(data.sizes[along])
     for count, place in enumerate(even_places(data.sizes[each], MOST_LINES)):
         look = {key: value for key, value in CURVES[count].items() if key != "marker"}

@@ -18,9 +18,14 @@ from matplotlib.figure import Figure
 from longwave.lattice.refine import Announce
 from longwave.lattice.trial import Progress
 from longwave.reports.pictures.bench_plotting import (
+    BALANCE,
     cells_at_times,
+    energy_balance,
+    fluxes,
+    has_spectra,
     mode_energies,
     sensor_readings,
+    sensor_spectra,
 )
 from longwave.reports.pictures.drawing import (
     MOST_SPECTRA,
@@ -80,11 +85,12 @@ Source = xr.Dataset | Scene | str | Path
 @dataclass(frozen=True)
 class Picture:
     """One kind of picture: the observable ("" if no scene can ask for it) and the variables that it
-    is drawn from, and the part of a figure that it is of a placed run."""
+    is drawn from, the part of a figure that it is of a placed run, and whether a run fits."""
 
     observable: str
     variables: Sequence[str]
     part: Callable[[xr.Dataset], Part]
+    fits: Callable[[xr.Dataset], bool] = lambda _: True
 
 
 def plot(
@@ -250,8 +256,9 @@ def _pictures(data: xr.Dataset, kind: str) -> Sequence[Picture]:
 
 
 def _has(data: xr.Dataset, picture: Picture) -> bool:
-    """Whether the run has the picture's variables, and numbers in them."""
-    return all(name in data and np.isfinite(data[name]).any() for name in picture.variables)
+    """Whether the run has the picture's variables, and numbers in them, and fits."""
+    held = all(name in data and np.isfinite(data[name]).any() for name in picture.variables)
+    return held and picture.fits(data)
 
 
 def _snapshots(data: xr.Dataset) -> Part:
@@ -303,6 +310,9 @@ PICTURES: Mapping[str, Picture] = {
     "errors": Picture("error_curve", ("error_curve",), _errors),
     "crest": Picture("crest_track", ("crest_position", "crest_strain"), crest_track),
     "sensors": Picture("", ("sensor",), sensor_readings),
+    "transmission": Picture("", ("sensor",), sensor_spectra, has_spectra),
+    "balance": Picture("", BALANCE, energy_balance),
+    "flux": Picture("", ("flux", "transmitted"), fluxes),
     "modes": Picture("", ("mode_energy",), mode_energies),
     "cells": Picture("", ("displacement",), cells_at_times),
     GROWTH: Picture("", ("sideband_size", "sideband_theory", "slow_time"), _sizes),

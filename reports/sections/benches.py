@@ -49,6 +49,22 @@ def _bench_cells(found: SceneRun, run: xr.Dataset) -> list[str]:
     ]
 
 
+def balance_table(runs: Mapping[str, SceneRun]) -> str:
+    """The energy balance at the end of each chain that was followed, and its largest defect."""
+    head = ["chain", "gained", "work", "heat", "gained $-$ work $+$ heat", "at most"]
+    lines = []
+    for name, found in runs.items():
+        if found.run is not None and "work" in found.run:
+            run = found.run
+            gained = run["energy"] - run["energy"][0]
+            defect = float(abs(gained - run["work"] + run["heat"]).max())
+            ends = (float(each[-1]) for each in (gained, run["work"], run["heat"]))
+            told = (*(scientific(end, 4) for end in ends), scientific(defect))
+            allowed = scientific(3.0 * float(run.attrs["error_estimate"]))
+            lines.append([rf"\texttt{{{escape(name)}}}", *told, allowed])
+    return table("lrrrrr", head, lines)
+
+
 def effects(bench: Bench) -> str:
     """What acts on a chain, in words.
 

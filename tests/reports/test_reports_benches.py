@@ -6,6 +6,7 @@ import pytest
 
 from longwave.reports.latex import duration, scientific
 from longwave.reports.sections.benches import (
+    balance_table,
     bench_figures,
     bench_laws,
     bench_pictures,
@@ -36,6 +37,17 @@ def test_the_table_tells_what_acts_and_what_it_took(found: SceneRun) -> None:
     assert duration(told["seconds"] + told["planning_seconds"]) in text
     late = SceneRun(found.scene, found.run.assign_attrs(error_estimate=1e-3))
     assert "TOO LARGE" in bench_table({"driven_chain": late})
+
+
+def test_the_balance_of_energy_is_told(found: SceneRun) -> None:
+    assert found.run is not None
+    text = balance_table({"driven_chain": found, "other": replace(found, run=None)})
+    heat = found.run["heat"]
+    for value in (found.run["work"][-1], heat[-1], found.run["energy"][-1]):
+        assert scientific(float(value), 4) in text
+    assert text.count("texttt") == 1
+    off = SceneRun(found.scene, found.run.assign(heat=heat + 0.25))
+    assert scientific(0.25) in balance_table({"driven_chain": off})
 
 
 def test_a_chain_that_did_not_run_says_why_and_has_no_picture(found: SceneRun) -> None:

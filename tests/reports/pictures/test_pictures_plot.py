@@ -12,6 +12,7 @@ import longwave
 from longwave.reports.pictures.plotting import MOST_PANELS, PICTURES, plot, shown_half_width
 from longwave.runs import save_run
 from longwave.scenes import run
+from longwave.scenes.named_scenes import load_scene
 from longwave.scenes.scene import Scene
 
 SCENE = Scene.of(
@@ -103,6 +104,40 @@ def test_a_bench_is_drawn_with_its_own_kinds(made: xr.Dataset) -> None:
     np.testing.assert_array_equal(panel.lines[1].get_ydata(), run.sensor_displacement[:, 1])
     assert [line.get_label() for line in panel.lines] == ["cell 0", "cell 3"]
     assert labels(plot(run)) == [label for ylabels in named.values() for label in ylabels]
+
+
+def test_a_driven_bench_is_drawn_with_its_energies_and_spectra() -> None:
+    times = np.arange(0.0, 64.0, 0.5)
+    wave = np.sin(2.0 * np.pi * times / 8.0)[:, np.newaxis]
+    told = {"units": "lattice units", "long_name": "something"}
+    names = ("sensor_displacement", "energy", "work", "heat", "flux", "transmitted")
+    axes = (("time", "sensor", "field"), *[("time",)] * 3, *[("time", "cut")] * 2)
+    values = (
+        wave[..., np.newaxis] * [[[2.0], [0.5]]],
+        *np.array([2.0, 3.0, 1.0])[:, None] * times,
+        wave,
+        wave,
+    )
+    data = xr.Dataset(
+        {name: (dims, part, told) for name, dims, part in zip(names, axes, values, strict=True)},
+        {"time": times, "sensor": [3, 7], "cut": [5]},
+        {"scene": load_scene("driven_chain").toml()},
+    )
+    spectrum, ratio = plot(data, kind="transmission").get_axes()
+    frequency, amplitude = spectrum.lines[0].get_data()
+    peak = int(np.argmax(amplitude))
+    assert frequency[peak] == pytest.approx(2.0 * np.pi / 8.0)
+    assert amplitude[peak] == pytest.approx(2.0)
+    (line,) = ratio.lines
+    seen = np.isfinite(np.asarray(line.get_ydata()))
+    assert seen.sum() == 3
+    np.testing.assert_allclose(np.asarray(line.get_ydata())[seen], 0.25)
+    (panel,) = plot(data, kind="balance").get_axes()
+    drawn = [np.asarray(line.get_ydata())[-1] / times[-1] for line in panel.lines]
+    assert drawn == [2.0, 3.0, 1.0]
+    assert labels(plot(data, kind="flux")) == ["something", "something"]
+    with pytest.raises(ValueError, match="source must hold what is drawn"):
+        plot(data.isel(time=slice(0, 8)), kind="transmission")
 
 
 def test_what_a_run_lacks_is_left_out(made: xr.Dataset) -> None:
