@@ -147,6 +147,8 @@ COLUMNS = {
     "sideband_size": "sidebands / carrier",
     "sideband_theory": "in theory",
     "energy": "energy",
+    "work": "work",
+    "heat": "heat",
 }
 """The columns of a run's table, of the variables that it has; errors are told in a unit."""
 
