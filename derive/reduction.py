@@ -24,6 +24,9 @@ from longwave.support.user_files import shown
 _POWERS = {"KdV": 1, "mKdV": 2}
 """The power of Y before Y_X, of equations whose solitons have an amplitude law."""
 
+_LOST = ("Y", "Y_XX")
+"""Terms of losses."""
+
 
 @dataclass(frozen=True, repr=False)
 class Reduction:
@@ -154,7 +157,12 @@ class Reduction:
         NormalForm(a=1, b=sqrt(6)/24, s=-1, c=sqrt(6))
         """
         values = self.coefficients(**constants)
-        terms = {self._term(monomial): values.terms[n] for n, monomial in values.monomials.items()}
+        return normal_form_of(values.c, self._named(values))
+
+    def lossless_form(self, **constants: Number) -> NormalForm:
+        """The same of the equation without the terms of losses."""
+        values = self.coefficients(**constants)
+        terms = {name: value for name, value in self._named(values).items() if name not in _LOST}
         return normal_form_of(values.c, terms)
 
     def amplitude_law(self, **constants: Number) -> AmplitudeLaw | None:
@@ -168,7 +176,7 @@ class Reduction:
         AmplitudeLaw(a'(T) = -a(T) gamma, a(T) = a(0) exp(-T gamma))
         """
         values = self.coefficients(**constants)
-        terms = {self._term(m): values.terms[name] for name, m in values.monomials.items()}
+        terms = self._named(values)
         damping, diffusion = terms.pop("Y", S.Zero), -terms.pop("Y_XX", S.Zero)
         equation = equation_of(terms)
         if equation is None or equation.name not in _POWERS or not (damping or diffusion):
@@ -186,6 +194,10 @@ class Reduction:
         """Whether the equation is one of `NORMAL_EQUATIONS`, by its terms."""
         monomials = (*self.pde.flow.terms, *self.pde.transverse.terms)
         return equation_of(map(self._term, monomials)) is not None
+
+    def _named(self, values: Coefficients) -> dict[str, Expr]:
+        """The coefficients under the names of terms in normal forms."""
+        return {self._term(monomial): values.terms[n] for n, monomial in values.monomials.items()}
 
     def _term(self, monomial: Monomial) -> str:
         """A term's name in normal forms."""

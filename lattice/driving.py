@@ -33,6 +33,11 @@ SPREAD_TIME = 0.8
 """The time, in units of the inverse rate of dashpots, half of which a step may take: the longest
 drift, a quarter of a step, then turns velocities by 0.1 (`kernels.streams.TERMS`)."""
 
+SMEARED = 3.5
+"""Half of the standard deviations that are kept of the Gaussian to which dashpots smear a front:
+1e-12 of it is beyond. Its variance for nearest neighbours grows as their dashpots' factor, which is
+a quarter of `DrivenChain._spreading`."""
+
 LOOKED_AT = 2**17 + 1
 """Times at which what drives a chain is looked at before it is run. Steps resolve what is seen."""
 
@@ -152,6 +157,10 @@ class DrivenChain(DisorderedLattice):
             steepest = float(np.abs(np.diff(values)).max()) / (times[1] - times[0] or 1.0)
             found = min(found, float(np.ptp(values)) / steepest if steepest else math.inf)
         return min(found, SPREAD_TIME / self._spreading) if self._spreading else found
+
+    def spread_within(self, duration: float) -> int:
+        """Cells by which signals run ahead of their speed: dashpots smear their fronts."""
+        return math.ceil(SMEARED * self.reach * math.sqrt(self._spreading * duration))
 
     @property
     def _spreading(self) -> float:
@@ -361,7 +370,7 @@ def driven_chain(
     rates = _rates("losses", "field", lattice.fields, losses)
     names = [f"bond {number}" for number in range(1, len(lattice.bonds) + 1)]
     pots = _rates("dashpots", "bond", names, dashpots)
-    _check_chain(lattice, cells, left, right)
+    _check_chain(lattice, cells, left, right, forces)
     for force in forces:
         _check_force(lattice, cells, force)
     ends = _ends(lattice, cells, left, right)
@@ -430,8 +439,14 @@ def _pull(
     return found
 
 
-def _check_chain(lattice: NumericLattice, cells: int, left: End | None, right: End | None) -> None:
-    if lattice.dimension != 1 or not lattice.conserves_energy:
+def _check_chain(
+    lattice: NumericLattice,
+    cells: int,
+    left: End | None,
+    right: End | None,
+    forces: Sequence[SiteForce],
+) -> None:
+    if lattice.dimension != 1 or not (lattice.conserves_energy or (left is None and not forces)):
         raise ValueError(
             f"ends, losses and forces must be of a chain of displacements, got {lattice.name} "
             "(strains have no masses of their own; take the chain in displacements)"

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from longwave.scenes.bench import KEYS
+from longwave.scenes.losses import KINDS
 from longwave.scenes.named_scenes import load_scene
 from longwave.scenes.observables import OBSERVABLES
 from longwave.scenes.scene import Scene, said_otherwise
@@ -34,7 +35,8 @@ VARIED = {
     **{key: () for key in TOP if key not in LABELS},
     **{name: tuple(keys) for name, keys in TABLES.items()},
     "disorder": tuple(field.name for field in fields(Disorder)),
-    **{name: KEYS[name] for name in ("chain", "start", "losses")},
+    "losses": KINDS,
+    **{name: KEYS[name] for name in ("chain", "start")},
 }
 """What may vary: fields, and tables with their keys."""
 

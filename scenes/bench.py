@@ -1,4 +1,4 @@
-"""A chain on a bench, as a scene's tables say it: ends, a start, losses, forces, what is watched.
+"""A chain on a bench, as a scene's tables say it: ends, a start, forces, what is watched.
 
 Its tables::
 
@@ -6,17 +6,15 @@ Its tables::
                    moves, { displacement = "0.05*sin(1.3*t)" }
     [start]        rest = true, mode = { number, amplitude } or impact = { site, velocity }, or a
                    list of these
-    [losses]       site: the factor g of the force -g du/dt on each cell, or such by field;
-                   bond: that of a dashpot beside each bond, or one for each
     [[force]]      site, value (a formula in t), field (the first unless said)
     [noise]        temperature, seed (0 unless said): a bath beside the losses of cells
     [observables]  sensors = { sites, of }, energy = true, mode_energies = [1, 2], flux = [5, 15],
                    state = true, every
 
-Cells and sensors count from 0, modes from 1. ``of`` are some of `SENSED`. With the energy of a
-chain that is driven or damped come work and heat since the start; ``flux`` is the power through the
-bonds from each of these cells to the next. All that is observed is read at the scene's times and,
-if that is given, after ``every`` so many time units.
+Losses are those of any scene (`losses.py`). Cells and sensors count from 0, modes from 1. ``of``
+are some of `SENSED`. With the energy of a chain that is driven or damped come work and heat since
+the start; ``flux`` is the power through the bonds from each of these cells to the next. All that is
+observed is read at the scene's times and, if that is given, after ``every`` so many time units.
 """
 
 from __future__ import annotations
@@ -34,7 +32,7 @@ from longwave.support.user_files import shown
 if TYPE_CHECKING:
     from longwave.lattice.driving import TimeFunction
 
-BENCH_TABLES = ("chain", "start", "losses", "force", "noise", "observables")
+BENCH_TABLES = ("chain", "start", "force", "noise", "observables")
 
 MOST_READINGS = 10**6
 """Times at which sensors are read."""
@@ -44,7 +42,6 @@ KEYS = {
     "start": ("rest", "mode", "impact"),
     "mode": ("number", "amplitude"),
     "impact": ("site", "velocity", "field"),
-    "losses": ("site", "bond"),
     "force": ("site", "value", "field"),
     "noise": ("temperature", "seed"),
     "observables": ("sensors", "energy", "mode_energies", "flux", "state", "every"),
@@ -119,8 +116,6 @@ class Bench:
     sites: int
     ends: tuple[str | Mapping[str, str], str | Mapping[str, str]]
     start: tuple[Impact | Mode, ...] = ()
-    losses: float | Mapping[str, float] = 0.0
-    dashpots: float | tuple[float, ...] = 0.0
     forces: tuple[Push, ...] = ()
     sensors: Sensors = field(default_factory=Sensors)
     energy: bool = False
@@ -158,14 +153,11 @@ class Bench:
         if "sites" not in chain:
             raise ValueError("sites in [chain] must be stated, got nothing (such as sites = 24)")
         watched = _table(tables.get("observables", {}), "observables")
-        losses = _table(tables.get("losses", {}), "losses")
         sensors = _table(watched.get("sensors", {}), "sensors")
         return cls(
             check.whole("sites in [chain]", chain["sites"], 2, 1e7),
             (_end("left", chain), _end("right", chain)),
             tuple(_start(tables.get("start"))),
-            _losses(losses.get("site", 0.0)),
-            _dashpots(losses.get("bond", 0.0)),
             tuple(_pushes(tables.get("force", []))),
             _sensors(sensors),
             _truth("energy", watched.get("energy", False)),
@@ -173,8 +165,18 @@ class Bench:
             _numbers("flux", watched, "cells", 0),
             _truth("state", watched.get("state", not set(watched) - {"every"})),
             _every(watched.get("every", sensors.get("every"))),
-            _noise(tables["noise"], losses) if "noise" in tables else None,
+            _noise(tables["noise"]) if "noise" in tables else None,
         )
+
+
+def check_bath(bench: Bench, losses: Mapping[str, Any]) -> None:
+    """Refuse a bath that the losses of cells are not of."""
+    for key, wanted in (("site", True), ("bond", False)) if bench.noise else ():
+        if bool(losses.get(key)) is not wanted:
+            raise ValueError(
+                f"{key} in [losses] must be {'given' if wanted else 'left out'} with [noise], got "
+                f"{shown(losses.get(key))} (the bath is at the cells that lose energy to it)"
+            )
 
 
 def _table(given: object, name: str) -> Mapping[str, Any]:
@@ -246,26 +248,6 @@ def _start(given: object) -> list[Impact | Mode]:
     return found
 
 
-def _losses(given: object) -> float | Mapping[str, float]:
-    """Rates of 0 or more, of all fields or by field."""
-    rates = given if isinstance(given, Mapping) else {"": given}
-    found = {str(name): check.finite("site in [losses]", rate) for name, rate in rates.items()}
-    for rate in found.values():
-        if rate < 0.0:
-            raise ValueError(f"site in [losses] must be 0 or more, got {rate:g} (a loss)")
-    return found if isinstance(given, Mapping) else found[""]
-
-
-def _dashpots(given: object) -> float | tuple[float, ...]:
-    """Rates of 0 or more, of all bonds or of each."""
-    rates = given if isinstance(given, list | tuple) else [given]
-    found = tuple(check.finite("bond in [losses]", rate) for rate in rates)
-    for rate in found:
-        if rate < 0.0:
-            raise ValueError(f"bond in [losses] must be 0 or more, got {rate:g} (a loss)")
-    return found if isinstance(given, list | tuple) else found[0]
-
-
 def _pushes(given: object) -> list[Push]:
     if not isinstance(given, list | tuple):
         raise ValueError(f"force must be [[force]] tables, got {shown(given)} (write [[force]])")
@@ -281,17 +263,10 @@ def _pushes(given: object) -> list[Push]:
     return found
 
 
-def _noise(given: object, losses: Mapping[str, Any]) -> Noise:
-    """The bath, which the losses of cells are of."""
+def _noise(given: object) -> Noise:
     table = _table(given, "noise")
     temperature = check.finite("temperature in [noise]", table.get("temperature"))
     check.positive("temperature in [noise]", temperature)
-    for key, wanted in (("site", True), ("bond", False)):
-        if bool(losses.get(key)) is not wanted:
-            raise ValueError(
-                f"{key} in [losses] must be {'given' if wanted else 'left out'} with [noise], got "
-                f"{shown(losses.get(key))} (the bath is at the cells that lose energy to it)"
-            )
     return Noise(temperature, check.whole("seed in [noise]", table.get("seed", 0), 0))
 
 

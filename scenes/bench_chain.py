@@ -15,6 +15,7 @@ from longwave.lattice.energy_balance import Flow
 from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.lattice.state import State
 from longwave.scenes.bench import Bench, Impact, time_function
+from longwave.scenes.losses import LossRates
 from longwave.support.known_names import one_of
 from longwave.support.user_files import shown
 
@@ -61,15 +62,10 @@ READINGS = {
 }
 
 
-def chain_on_bench(bench: Bench, lattice: NumericLattice) -> DrivenChain:
+def chain_on_bench(
+    bench: Bench, lattice: NumericLattice, losses: LossRates | None = None
+) -> DrivenChain:
     """The chain; ValueError for fields that it does not have."""
-    rates: Sequence[float] | float
-    if isinstance(bench.losses, Mapping):
-        for name in bench.losses:
-            _field(lattice, name, "losses")
-        rates = [bench.losses.get(name, 0.0) for name in lattice.fields]
-    else:
-        rates = bench.losses
     left, right = (
         _end(side, given) for side, given in zip(("left", "right"), bench.ends, strict=True)
     )
@@ -86,8 +82,8 @@ def chain_on_bench(bench: Bench, lattice: NumericLattice) -> DrivenChain:
         bench.sites,
         left=left,
         right=right,
-        losses=rates,
-        dashpots=bench.dashpots,
+        losses=losses.sites if losses else 0.0,
+        dashpots=losses.bonds if losses else 0.0,
         forces=forces,
     )
 

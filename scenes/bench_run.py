@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from longwave.derive.symbols import number_value
 from longwave.lattice.dynamics import Dynamics
 from longwave.lattice.integration import CellRingEngine
-from longwave.lattice.numeric_lattice import numeric_lattice
 from longwave.lattice.schemes import REDUCED_PHASE_6, scheme_named
 from longwave.scenes.bench import MOST_READINGS, Bench
 from longwave.scenes.bench_chain import (
@@ -25,6 +24,7 @@ from longwave.scenes.bench_chain import (
     watched_cuts,
 )
 from longwave.scenes.lattice_derivation import declared_lattice
+from longwave.scenes.losses import without_losses
 from longwave.scenes.ring_cost import USUAL_RUNS, search_cost
 from longwave.scenes.run_record import RunRecord, judged, searched
 from longwave.scenes.scene import Scene
@@ -53,11 +53,9 @@ FIRST_STEP = 4.0
 def chain_of(scene: Scene, lossless: bool = False) -> tuple[Bench, DrivenChain]:
     """The scene's bench, and its chain with numbers; without the losses of cells if asked for."""
     bench = Bench.of_json(scene.bench)
-    if lossless:
-        bench = replace(bench, losses=0.0)
-    lattice = declared_lattice(scene)
     values = {name: number_value(name, value) for name, value in scene.constants}
-    return bench, chain_on_bench(bench, numeric_lattice(lattice, values))
+    lattice, losses = without_losses(declared_lattice(scene), values)
+    return bench, chain_on_bench(bench, lattice, None if lossless else losses)
 
 
 def reading_times(scene: Scene, bench: Bench) -> Array:

@@ -19,6 +19,7 @@ from longwave.derive.algebra.exact_numbers import Number
 from longwave.lattice.refine import Announce
 from longwave.scenes.lattice_derivation import derivation
 from longwave.scenes.lattice_run import record_scene
+from longwave.scenes.losses import weighed
 from longwave.scenes.run_record import RunRecord
 from longwave.scenes.scene import Scene
 from longwave.scenes.scene_checks import finite, positive
@@ -200,6 +201,7 @@ def at_eps(scene: Scene, eps: float) -> Scene:
         eps=eps,
         slow_times=scene.slow_times or times,
         half_width=scene.half_width or scene.compared * scene.eps,
+        losses=weighed(scene.losses, scene.eps),
     )
 
 
@@ -295,11 +297,14 @@ def _has(terms: CarrierTerms, power: int) -> bool:
 def scene_rate(scene: Scene) -> int | None:
     """The power of eps for the error of a scene; None where theory names none.
 
-    So it is, too, where masses or springs deviate: the waves that these scatter are no part of it.
+    So it is, too, where masses or springs deviate: the waves that these scatter are no part of it;
+    and for a soliton that follows the law of its losses, which are not small with eps.
     """
     if scene.disorder:
         return None
     found = derivation(scene)
+    if found.law is not None:
+        return None
     if isinstance(found.source, Reduction):
         return long_wave_rate(found.source, found.lattice, scene.order)
     return envelope_rate(found.source, found.numbers, scene.order)

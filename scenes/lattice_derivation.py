@@ -23,8 +23,10 @@ from longwave.derive.lattice_file import lattice_of
 from longwave.derive.normal_form import equation_name
 from longwave.derive.symbols import constant_value
 from longwave.scenes.computed_soliton import ComputedSoliton
+from longwave.scenes.damped_soliton import LAWFUL, DampedSoliton
 from longwave.scenes.lattice_wave import LatticeWave
 from longwave.scenes.long_wave_data import LongWaveData
+from longwave.scenes.losses import loss_rates, lossy, weighed
 from longwave.scenes.scene import Scene
 from longwave.scenes.scene_checks import Pairs, Value, plain
 from longwave.scenes.scene_disorder import Disorder
@@ -35,6 +37,7 @@ from longwave.support.user_files import shown
 
 if TYPE_CHECKING:
     from longwave.derive import Envelope
+    from longwave.derive.amplitude_law import AmplitudeLaw
 
 FURTHER = 2
 """Orders behind the reduced equation that data of the next order take."""
@@ -46,17 +49,19 @@ class LatticeDerivation:
 
     Before a reduction the numbers are put into ``lattice``, with eps where they are small; an
     envelope has symbols, whose values are ``numbers``. A computed soliton asks for no normal form.
+    With a ``law`` the normal form is that without losses, whose soliton follows the law.
     """
 
     lattice: Lattice
     source: Reduction | Envelope
     normal_form: NormalForm | None
     numbers: Mapping[str, Expr]
+    law: AmplitudeLaw | None = None
 
     @property
     def equation(self) -> str:
         """The equation's name, with its sign where waves depend on it."""
-        if self.normal_form is None:
+        if self.normal_form is None or self.law is not None:
             assert isinstance(self.source, Reduction)
             return self.source.pde.kind
         return self.normal_form.name
@@ -82,13 +87,13 @@ class LatticeDerivation:
 def declared_lattice(scene: Scene) -> Lattice:
     """The scene's lattice in symbols; ValueError for a name or a declaration that is none."""
     if scene.declared:
-        return lattice_of(json.loads(scene.declared), scene.lattice)
+        return lossy(lattice_of(json.loads(scene.declared), scene.lattice), scene.losses)
     if scene.lattice not in LATTICES:
         raise ValueError(
             f"lattice must be one of the catalogue or a file, got {shown(scene.lattice)} "
             f"({one_of(scene.lattice, LATTICES)}; or FILE.toml beside the scene)"
         )
-    return LATTICES[scene.lattice]
+    return lossy(LATTICES[scene.lattice], scene.losses)
 
 
 def derivation(scene: Scene) -> LatticeDerivation:
@@ -102,16 +107,17 @@ def derivation(scene: Scene) -> LatticeDerivation:
     same["wave"] = "" if form else COMPUTED
     ran = {"order": "leading", "disorder": (), "half_width": None, "compared": 1}
     ran |= {"observables": None, "curve_points": 201, "look_points": None}
+    ran |= {"losses": weighed(scene.losses, scene.eps)}
     found = _derivations(
         scene.with_tolerance(1.0).changed(**same, **ran, times=(0.0, 1.0), slow_times=())
     )
     if form is None:
         return found[0]
     for one in found:
-        if _fits(form, one.normal_form):
+        if _fits(form, one):
             return one
-    names = ", ".join(one.equation for one in found)
-    fitting = [f.name for f in CATALOGUE if any(_fits(f, one.normal_form) for one in found)]
+    names = ", ".join(dict.fromkeys(one.equation for one in found))
+    fitting = [f.name for f in CATALOGUE if any(_fits(f, one) for one in found)]
     remedy = f"one of {', '.join(fitting)}" if fitting else "none of the catalogue does"
     if form.equation.normal == "NLS" and not scene.is_envelope:
         remedy += "; an envelope needs the carrier's k"
@@ -154,10 +160,10 @@ def equation_of_form(form: ClosedForm) -> str:
     return equation_name(form.equation.normal, form.equation.s, form.equation.r)
 
 
-def _fits(form: ClosedForm, normal: NormalForm | None) -> bool:
-    """Whether the closed form solves that normal form's equation."""
-    equation = form.equation
-    if normal is None:
+def _fits(form: ClosedForm, found: LatticeDerivation) -> bool:
+    """Whether the closed form solves the normal form's equation, and follows its law if any."""
+    equation, normal = form.equation, found.normal_form
+    if normal is None or (found.law is not None and form.name not in LAWFUL):
         return False
     signs = ((equation.s, normal.s), (equation.r, normal.r))
     return equation.normal == normal.equation and all(
@@ -179,12 +185,14 @@ def _reductions(scene: Scene, lattice: Lattice, mean: Expr) -> Iterator[LatticeD
             found = True
             continue
         try:
-            one = LatticeDerivation(lattice, reduction, reduction.normal_form(), {})
+            yield LatticeDerivation(lattice, reduction, reduction.normal_form(), {})
+            found = True
         except ValueError as error:
             refused = refused or str(error)
-            continue
-        found = True
-        yield one
+        law = reduction.amplitude_law() if lattice.has_losses else None
+        if law is not None:
+            yield LatticeDerivation(lattice, reduction, reduction.lossless_form(), {}, law)
+            found = True
     if not found:
         raise ValueError(f"no long wave of {lattice.name} has a normal form: {refused}")
 
@@ -259,14 +267,15 @@ def exact_parameters(parameters: Pairs) -> dict[str, float | Expr]:
     return {name: texts.get(name, value) for name, value in parameters}
 
 
-def wave_of(scene: Scene) -> Wave | ComputedSoliton:
+def wave_of(scene: Scene) -> Wave | ComputedSoliton | DampedSoliton:
     """The scene's wave with numbers in; ValueError for parameters that it does not admit."""
     found = derivation(scene)
     if found.normal_form is None:
         return _computed_soliton(scene, found)
     values = exact_parameters(scene.parameters)
     form = closed_form(scene.wave_name, values)
-    return Wave(form, found.normal_form, **values)
+    wave = Wave(form, found.normal_form, **values)
+    return wave if found.law is None else DampedSoliton(wave, found.law)
 
 
 def _computed_soliton(scene: Scene, found: LatticeDerivation) -> ComputedSoliton:
@@ -292,6 +301,11 @@ def lattice_wave(scene: Scene) -> LatticeWave:
     have.
     """
     wave = _ordered_wave(scene)
+    if scene.losses:
+        wave.losses = loss_rates(derivation(scene).lattice, {"eps": exact("eps", scene.eps)})
+        wave.lattice = (
+            wave.losses.on(wave.lattice, wave.lattice.reach + 2) if wave.losses else wave.lattice
+        )
     if not scene.disorder:
         return wave
     from longwave.scenes.disordered_wave import WaveDisorder
@@ -331,7 +345,9 @@ and of long waves. With 6 the Peregrine wave's errors change by less than a hund
 a longer one would not resolve the crest of a rogue wave (measured on rational_2, half-width 8)."""
 
 
-def correction_interval(scene: Scene, wave: Wave | ComputedSoliton) -> tuple[float, float] | None:
+def correction_interval(
+    scene: Scene, wave: Wave | ComputedSoliton | DampedSoliton
+) -> tuple[float, float] | None:
     """Whole periods of the wave, or many times what is compared; None for a wave that ends."""
     if scene.order != "corrected" or wave.constant_background == 0.0:
         return None

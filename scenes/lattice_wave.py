@@ -17,6 +17,7 @@ from longwave.lattice.trial import nudged
 
 if TYPE_CHECKING:
     from longwave.scenes.disordered_wave import WaveDisorder
+    from longwave.scenes.losses import LossRates
 
 Array = NDArray[np.float64]
 
@@ -72,6 +73,7 @@ class LatticeWave(ABC):
     what is compared is of the size ``eps**power``.  ``slow``: ``T = eps**slow t``.  ``speed``: the
     frame moves so many cells a unit of time along the first axis.  ``disorder`` is that of its
     rings, and of ``lattice``, which then has no cells: it tells of frequencies and speeds alone.
+    So are the ``losses``.
     """
 
     lattice: NumericLattice
@@ -81,6 +83,7 @@ class LatticeWave(ABC):
     slow: int
     speed: float
     disorder: WaveDisorder | None = None
+    losses: LossRates | None = None
 
     @abstractmethod
     def state(self, cells: ArrayLike, t: float) -> tuple[Array, Array]:
@@ -119,6 +122,10 @@ class LatticeWave(ABC):
         To be called before anything is asked for.
         """
         return
+
+    def crest(self, t: float) -> float | None:
+        """The first quantity at the crest by the law of losses; None, unless overridden."""
+        return None
 
     @property
     def scale(self) -> float:
@@ -166,6 +173,8 @@ class LatticeWave(ABC):
         lattice = self.strained(mean)
         if self.disorder is not None:
             lattice = self.disorder.on(lattice, where)
+        if self.losses is not None:
+            lattice = self.losses.on(lattice, where.size)
         return CellRing(lattice, mean, where, t, f, v)
 
     def seam_room(self, t: float) -> int:

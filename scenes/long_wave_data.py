@@ -23,6 +23,7 @@ from longwave.derive.expansion import Expansion
 from longwave.derive.lattice import Lattice
 from longwave.derive.symbols import eps as EPS
 from longwave.lattice.numeric_lattice import NumericLattice, numeric_lattice, place_text
+from longwave.scenes.damped_soliton import DampedSoliton
 from longwave.scenes.first_correction import FirstCorrection
 from longwave.scenes.jet_polynomial import with_numbers
 from longwave.scenes.lattice_wave import LatticeWave
@@ -112,6 +113,7 @@ class LongWaveData(LatticeWave):
             replace(bond, force=bond.force.xreplace(small)) for bond in self._declared.bonds
         )
         lattice = replace(self._declared, bonds=bonds)
+        lattice = lattice.with_losses() if lattice.has_losses else lattice
         known = {str(symbol) for symbol in lattice.constants}
         given = {name: value for name, value in self._numbers.items() if name in known}
         defined = {str(s): self._values[s] for s, _ in self.reduction.lattice.definitions}
@@ -158,6 +160,14 @@ class LongWaveData(LatticeWave):
             )
         middle, half = (low + high) / 2.0, MARGIN * (high - low) / 2.0
         return FirstCorrection(flow, further, self.wave, powers[0], (middle - half, middle + half))
+
+    def crest(self, t: float) -> float | None:
+        """The first quantity at a soliton's crest by the law of its losses."""
+        if not isinstance(self.wave, DampedSoliton):
+            return None
+        share = self.growth_shares[0] * (self._direction[0] if self._is_displacement else 1.0)
+        height = self.wave.crest(self.slow_time(t))
+        return float(self.uniform()[0] + share * self.scale * height)
 
     def slow_time(self, t: float) -> float:
         """T at the time t."""

@@ -292,6 +292,7 @@ NEWTON_STEPS = 4
     "looks",
     Variable("crest_position", (), SITES, "position of the crest less c t"),
     Variable("crest_strain", (), STRAIN, "strain at the crest"),
+    Variable("crest_law", (), STRAIN, "the same by the law of the losses", optional=True),
     one_axis=True,
 )
 def crest_track(view: View) -> Mapping[str, float]:
@@ -301,10 +302,11 @@ def crest_track(view: View) -> Mapping[str, float]:
     offset, height = 0.0, float(deviation[top])
     if 2 <= top < deviation.size - 2:
         offset, height = extremum(deviation[top - 2 : top + 3])
-    return {
+    found = {
         "crest_position": float(view.sites[top]) + offset - view.travelled,
         "crest_strain": height + view.level,
     }
+    return found if view.crest_law is None else found | {"crest_law": view.crest_law}
 
 
 def extremum(f: Array) -> tuple[float, float]:

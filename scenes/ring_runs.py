@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from longwave.lattice.integration import DRIVEN_SHARE
 from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.lattice.schemes import (
     REDUCED_PHASE_6,
@@ -155,7 +156,11 @@ def _cost(
 ) -> tuple[float, ExpectedCost]:
     """The cells of the widest ring, and what the search takes."""
     cells = float(sites_of(compared.ring(times, signals, WIDER)))
-    steps = (times[-1] - times[0]) * fastest / (LIMIT_SHARE * stability_limit(SCHEME))
+    shortest = max(
+        fastest / (LIMIT_SHARE * stability_limit(SCHEME)),
+        1.0 / (DRIVEN_SHARE * wave.lattice.driven_within(*times[:2])),
+    )
+    steps = (times[-1] - times[0]) * shortest
     kept = math.prod(2.0 * reach + 1.0 for reach in compared.reach) * len(times)
     return cells, search_cost(wave.lattice, cells, steps, SCHEME.stages, kept)
 
@@ -186,6 +191,7 @@ class WaveRings:
         self.fastest = max(near.lattice.highest_frequency(slopes), lattice.highest_frequency(rest))
         self._check_cost(self.fastest, self.signals)
         self.room = wave.seam_room(self.times[0])
+        self._spread = wave.lattice.spread_within(self.times[-1] - self.times[0])
         self._turn = wave.frequency or lattice.highest_frequency(rest)
         self.least = float(np.max(np.abs(self.seen(near, near.f, near.v))))
 
@@ -199,7 +205,8 @@ class WaveRings:
 
     def ends(self, wider: int = 0) -> list[Ends]:
         """The ends, along each axis, of a ring by so many cells wider than it must be."""
-        return self.compared.ring(self.times, self.signals, 2 * self.room + wider)
+        more = 2 * (self.room + self._spread) + wider
+        return self.compared.ring(self.times, self.signals, more)
 
     def ring(self, ends: Sequence[Ends]) -> CellRing:
         """The wave at the first time on the ring with these ends."""
@@ -331,6 +338,11 @@ class CellView(View):
         """At the speed of the wave's frame."""
         return self._wave.speed * self.t
 
+    @property
+    def crest_law(self) -> float | None:
+        """That of the first quantity, by the wave's own law."""
+        return self._wave.crest(self.t)
+
     @cached_property
     def sites(self) -> Sites:
         """The compared cells along the first axis."""
@@ -430,6 +442,7 @@ class SiteRingEngine(StepSearch):
         self.amplifies_rounding = math.isinf(max(map(abs, wave.support(self.times[0]))))
         self.metered: dict[float, Array] = {}
         longest = longest_step(rings.fastest, wave.frequency, self._scheme)
+        longest = min(longest, DRIVEN_SHARE * wave.lattice.driven_within(*self.times[:2]))
         sites = float(sites_of(rings.ends()))
         super().__init__(self._scheme.order, longest, np.array(self.times), sites)
         self.expected = rings.expected
@@ -458,7 +471,7 @@ class SiteRingEngine(StepSearch):
             self.metered[choices.step] = np.array(metered.samples)
         if metered.samples:
             tell_energies(run, float(metered.samples[0][-1]), float(metered.samples[-1][-1]))
-        elif wave.lattice.conserves_energy:
+        elif wave.lattice.conserves_energy and wave.losses is None:
             tell_energies(run, float(energies.samples[0]), float(energies.samples[-1]))
         values, ring = np.array(judged.samples), cells.ring
         done = len(values) == len(self.times) or stopped

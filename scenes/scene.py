@@ -17,7 +17,8 @@ from typing import TYPE_CHECKING, Any
 from longwave.lattice.model import Model
 from longwave.lattice.state import State
 from longwave.scenes import scene_checks as check
-from longwave.scenes.bench import BENCH_TABLES, Bench, bench_json
+from longwave.scenes.bench import BENCH_TABLES, Bench, bench_json, check_bath
+from longwave.scenes.losses import losses_json
 from longwave.scenes.numerics import NUMERICS, Discretisation, Tolerance, numerics_of
 from longwave.scenes.observables import OBSERVABLES, observable_named
 from longwave.scenes.scene_checks import CHAIN, CHAIN_CONSTANTS, Pairs, Value
@@ -82,6 +83,7 @@ class Scene:
     "computed_soliton", of a ``speed`` in X/T, is for equations with none in closed form. A
     ``carrier``, its wavenumber, makes the wave an envelope, on a ``branch``.  ``disorder``, as
     (name, value) pairs or a mapping with the names of `Disorder`, lets masses or springs deviate.
+    ``losses``, a table as `losses.py` says it or its JSON, are in the lattice and in its equation.
 
     Of ``observables`` the error curve is sampled at ``curve_points`` equidistant times and the
     snapshots; what is only looked at (energy, crest, ...) is seen at most as often, where the run
@@ -89,7 +91,7 @@ class Scene:
     of the mKdV equation on the paper's chain (`has_moving_wave`) have windows and the spectral
     engine besides, and their parameters may be multiples of the quarter period ("K/2").
 
-    A ``bench`` is a chain with ends, losses and forces that starts without a wave: the JSON of the
+    A ``bench`` is a chain with ends and forces that starts without a wave: the JSON of the
     tables of `scenes.bench`, which `of` takes as keywords, too. What it watches is what has the
     tolerance.
 
@@ -131,6 +133,7 @@ class Scene:
     branch: str | int = "acoustic"
     disorder: Stated = ()
     declared: str = ""
+    losses: str = ""
     bench: str = ""
     observables: tuple[str, ...] = None  # type: ignore[assignment] # those that are usual
     curve_points: int = 201
@@ -215,6 +218,7 @@ class Scene:
         self._set("background", check.value("background", self.background))
         self._set("disorder", Disorder.of_pairs(self.disorder).pairs if self.disorder else ())
         self._set("declared", _canonical(self.declared))
+        self._set("losses", losses_json(self.losses))
         if self.bench:
             self._check_bench()
             return
@@ -248,7 +252,7 @@ class Scene:
                     f"{key} must not be given with a chain on a bench, got "
                     f"{shown(getattr(self, key))} (there is no wave to compare with)"
                 )
-        Bench.of_json(self.bench)
+        check_bath(Bench.of_json(self.bench), json.loads(self.losses or "{}"))
         if not isinstance(self.numerics, Tolerance) or self.numerics.engine:
             raise ValueError(
                 "tolerance must be given for a chain on a bench, without an engine, got "
@@ -330,12 +334,14 @@ class Scene:
         if self.lattice != CHAIN or self.declared:
             return
         given: dict[str, Value] = {"K3": 0} | dict(self.constants)
-        for name in given:
+        others = [name for name in given if name not in CHAIN_CONSTANTS]
+        for name in others if not self.losses else ():
             check.one_of("name in [constants]", name, CHAIN_CONSTANTS)
         for name in CHAIN_CONSTANTS:
             if name not in given:
                 raise ValueError(f"{name} in [constants] must be stated, got nothing (state it)")
-        self._set("constants", tuple((name, given[name]) for name in CHAIN_CONSTANTS))
+        found = tuple((name, given[name]) for name in (*CHAIN_CONSTANTS, *others))
+        self._set("constants", found)
 
     def __getstate__(self) -> dict[str, Any]:
         """The fields alone: the wave and its programs are made again where they are asked for."""
@@ -383,7 +389,7 @@ class Scene:
         chosen = (self.order, self.background, self.amplitude, self.time, self.carrier)
         return (
             self.lattice == CHAIN
-            and not (self.declared or self.disorder or self.is_growth or self.bench)
+            and not (self.declared or self.disorder or self.losses or self.is_growth or self.bench)
             and chosen == ("leading", 0, None, None, "")
             and not any(isinstance(value, str) for value in values.values())
             and values.get("K3", 0) == 0

@@ -7,6 +7,7 @@
     [long_wave]   amplitude, time (powers of eps), background (a mean strain); all may be left out
     [envelope]    k (the carrier's wavenumber, such as "pi/2"), branch
     [disorder]    of, spread, seed, distribution, sites: see `scene_disorder.py`
+    [losses]      site, bond: see `losses.py`
     [scheme]      name, step
     [domain]      kind, sites
 
@@ -112,7 +113,7 @@ def scene_fields(given: Mapping[str, Any], folder: Path = Path()) -> dict[str, A
     ValueError: step must be in [scheme], got it at the top of the scene (write it below a line ...)
     """
     document = in_one_spelling(given)
-    known = (*TOP, *PAIRS, *TABLES, "disorder", *BENCH_TABLES)
+    known = (*TOP, *PAIRS, *TABLES, "disorder", "losses", *BENCH_TABLES)
     for name, fields in TABLES.items():
         for key in sorted(document.keys() & fields.keys() - set(known)):
             raise ValueError(
@@ -129,6 +130,8 @@ def scene_fields(given: Mapping[str, Any], folder: Path = Path()) -> dict[str, A
         entries = table(document, name)
         refuse_unknown(entries, tuple(fields), f" in [{name}]")
         found |= {fields[key]: value for key, value in entries.items()}
+    if "losses" in document:
+        found["losses"] = table(document, "losses")
     if "disorder" in document:
         found["disorder"] = Disorder.of_pairs(table(document, "disorder")).pairs
     if "envelope" in document and found.get("carrier", "") == "":
@@ -186,6 +189,7 @@ def document_of(given: Mapping[str, Any]) -> dict[str, Any]:
     if "declared" in given:
         found["lattice"] = {"name": given["lattice"], **json.loads(given["declared"])}
     found |= {name: dict(given[name]) for name in (*PAIRS, "disorder") if name in given}
+    found |= {"losses": json.loads(given["losses"])} if given.get("losses") else {}
     found |= json.loads(given.get("bench", "{}"))
     for name, fields in TABLES.items():
         entries = {k: given[field] for k, field in fields.items() if field in given}

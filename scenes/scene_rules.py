@@ -98,6 +98,7 @@ def check_any_lattice(scene: Scene) -> None:
             f"eps must satisfy eps <= {LARGEST_EPS:g}, got {scene.eps:g} (such as 0.05)"
         )
     _check_numerics(scene)
+    _check_losses(scene)
     check_observables(scene)
     if not scene.is_growth and len(scene.slow_times or {scene.t0, *scene.snapshots}) < 2:
         raise ValueError(
@@ -115,11 +116,12 @@ def _check_numerics(scene: Scene) -> None:
                 f"domain must be 'ring' for {scene.wave} on {scene.lattice}, or a tolerance be "
                 f"given, got {numerics} (mKdV waves on {CHAIN} have others)"
             )
-    elif numerics.engine == "spectral" and (scene.disorder or scene.is_growth):
-        what = "with disorder" if scene.disorder else f"with the wave {PERTURBED_PLANE}"
+    elif numerics.engine == "spectral" and (scene.disorder or scene.losses or scene.is_growth):
+        effect = "losses" if scene.losses else f"the wave {PERTURBED_PLANE}"
+        what = f"with {'disorder' if scene.disorder else effect}"
         raise ValueError(
             f"engine must be 'stencil' {what}, got 'spectral' (it takes waves on a lattice that is "
-            "the same in all cells; leave the engine out)"
+            "the same in all cells and loses nothing; leave the engine out)"
         )
     elif numerics.engine == "spectral" and "state" in scene.observables:
         raise ValueError(
@@ -130,6 +132,17 @@ def _check_numerics(scene: Scene) -> None:
             f"scheme must not be given with the wave {PERTURBED_PLANE}, got {numerics.scheme} "
             "(leave it out)"
         )
+
+
+def _check_losses(scene: Scene) -> None:
+    """Refuse losses where no theory has them."""
+    for word, is_given, why in (
+        ("disorder", scene.disorder, "what scatters and what is lost would not be told apart"),
+        ("an envelope", scene.is_envelope, "its waves have no closed form with losses"),
+        ("order corrected", scene.order == "corrected", "take slaved"),
+    ):
+        if scene.losses and is_given:
+            raise ValueError(f"losses must not be given with {word}, got {scene.losses} ({why})")
 
 
 def check_observables(scene: Scene) -> None:

@@ -115,6 +115,11 @@ class View(ABC):
         return np.asanyarray(self.backgrounds[0])
 
     @property
+    def crest_law(self) -> float | None:
+        """What losses leave of a soliton's crest by their law; None without one."""
+        return None
+
+    @property
     def far_field(self) -> Array | None:
         """Strains of the wave's true far field, if there is a second denominator."""
         return None

@@ -293,13 +293,19 @@ LABELS = {"crest_position": "crest at $n - c\\,t$  (sites)", "crest_strain": "$y
 
 @part(2.0)
 def crest_track(figure: FigureBase, run: xr.Dataset) -> None:
-    """The crest's position and strain as points: a crest may give way to another one."""
+    """The crest's position and strain as points: a crest may give way to another one.
+
+    A soliton's strain by the law of its losses is a line.
+    """
     for ax, (name, label), look in zip(
         figure.subplots(1, len(LABELS)), LABELS.items(), CURVES, strict=False
     ):
         values = run[name]
         (time,) = values.dims
         ax.plot(values[time], values, color=look["color"], linestyle="", marker=".")
+        if name == "crest_strain" and "crest_law" in run:
+            ax.plot(values[time], run["crest_law"], color="black", linewidth=0.8, label="law")
+            ax.legend()
         ax.set_xlabel("$t$")
         ax.set_ylabel(label)
         ax.locator_params(axis="x", nbins=6)

@@ -92,6 +92,7 @@ DIMENSIONS: Mapping[str, tuple[str, ...]] = {
     "space_time": ("look_time", "map_site"),
     "crest_position": LOOK,
     "crest_strain": LOOK,
+    "crest_law": LOOK,
 }
 """Of what pictures are drawn from; strains may have the dimension ``row`` besides."""
 

@@ -40,7 +40,7 @@ def bench_table(runs: Mapping[str, SceneRun]) -> str:
 def _bench_cells(found: SceneRun, run: xr.Dataset) -> list[str]:
     told = run.attrs
     return [
-        escape(effects(Bench.of_json(found.scene.bench))),
+        escape(effects(Bench.of_json(found.scene.bench), found.scene.losses)),
         f"${told['sites']}$",
         scientific(found.scene.target.tolerance),
         scientific(float(told["error_estimate"])) + ("" if found.kept else " (TOO LARGE)"),
@@ -65,16 +65,16 @@ def balance_table(runs: Mapping[str, SceneRun]) -> str:
     return table("lrrrrr", head, lines)
 
 
-def effects(bench: Bench) -> str:
+def effects(bench: Bench, losses: str = "") -> str:
     """What acts on a chain, in words.
 
-    >>> effects(Bench(8, ("fixed", "free"), losses=0.1))
+    >>> effects(Bench(8, ("fixed", "free")), '{"site": 0.1}')
     'ends: fixed, free; losses of cells'
     """
     ends = ", ".join(end if isinstance(end, str) else "moved" for end in bench.ends)
     acting = {
-        "losses of cells": bench.losses,
-        "dashpots": bench.dashpots,
+        "losses of cells": '"site"' in losses,
+        "dashpots": '"bond"' in losses,
         "forces": bench.forces,
         "a bath": bench.noise,
     }

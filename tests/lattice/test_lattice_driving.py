@@ -84,6 +84,21 @@ def test_dashpots_are_felt_as_scipy_has_them(ends: tuple[Any, Any], cells: int) 
         assert error(made, ends, state, run) < run.error_estimate <= 1e-7
 
 
+def test_a_ring_of_strains_has_the_losses_of_its_displacements() -> None:
+    """Also those of dashpots, by which strains spread as they do by springs."""
+    constants = {"K2": 1, "K3": 1, "K4": 1}
+    u, v = 0.05 * np.random.default_rng(3).standard_normal((2, 1, 40))
+    stretched = [np.roll(values, -1, axis=1) - values for values in (u, v)]
+    found = []
+    for name, state in (("fput", (u, v)), ("fput_strain", stretched)):
+        lattice = numeric_lattice(LATTICES[name], constants)
+        made = driven_chain(lattice, 40, losses=0.07, dashpots=0.2)
+        found.append(integrate(made, State(0.0, *state), [3.0, 9.0], 1e-9))
+    displacements, strains = found
+    for fields, rates in ((displacements.f, strains.f), (displacements.v, strains.v)):
+        assert np.abs(np.roll(fields, -1, axis=2) - fields - rates).max() < 1e-8
+
+
 def test_a_bare_function_is_no_wall_beside_dashpots() -> None:
     made = driven_chain(BETA, 8, left=np.sin, right="fixed", dashpots=0.1)
     with pytest.raises(ValueError, match="must have a slope, its velocity, got a bare function"):
@@ -195,7 +210,7 @@ REFUSED: list[tuple[Callable[[], object], str]] = [
     (lambda: driven_chain(BETA, 8, forces=[SiteForce(8, push)]), "site of a force must be 0 to 7"),
     (lambda: driven_chain(BETA, 8, forces=[SiteForce(0, push, 1)]), "field of a force must be"),
     (
-        lambda: driven_chain(STRAIN, 8),
+        lambda: driven_chain(STRAIN, 8, left="fixed", right="fixed"),
         "must be of a chain of displacements, got fput_strain",
     ),
     (
