@@ -25,6 +25,7 @@ from longwave.lattice.schemes import REDUCED_PHASE_6, SCHEMES, Scheme, check_ste
 from longwave.lattice.state import State
 from longwave.lattice.stepper import Stepper, StillRing
 from longwave.lattice.trial import (
+    DRIVEN_SHARE,
     LEAST_FACTOR,
     Choices,
     Kind,
@@ -44,10 +45,6 @@ Judged = Callable[[Array, Array, float], ArrayLike]
 
 LIMIT_SHARE = 0.9
 """Longest step tried, in units of the stability limit at the largest strain."""
-
-DRIVEN_SHARE = 0.5
-"""The same in units of the time in which a force from outside changes by all that it does: two runs
-with longer steps may agree on what neither has seen."""
 
 SLOW = 1e6
 """Waves that take so many times the run's duration do not bound the step."""

@@ -181,6 +181,10 @@ class Engine(Protocol):
         """What a run costs, in any unit, as `Trial` counts it."""
 
 
+DRIVEN_SHARE = 0.5
+"""Longest step tried, in units of the time in which a force from outside changes by all that it
+does: two runs with longer steps may agree on what neither has seen."""
+
 LEAST_FACTOR = 0.2
 """Least factor from one step to the next one tried."""
 

@@ -15,7 +15,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from longwave.lattice.integration import DRIVEN_SHARE
 from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.lattice.schemes import (
     REDUCED_PHASE_6,
@@ -27,6 +26,7 @@ from longwave.lattice.schemes import (
 from longwave.lattice.state import GROWTH, BlowUp, Sites, State
 from longwave.lattice.stepper import Stepper, StillRing
 from longwave.lattice.trial import (
+    DRIVEN_SHARE,
     Choices,
     Kind,
     Progress,

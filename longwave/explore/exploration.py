@@ -90,7 +90,7 @@ class Chosen:
 def waves_by_equation() -> dict[str, dict[str, str]]:
     """The waves of the catalogue that have a lattice here: equation -> title -> name.
 
-    Those of equations with a Burgers term have none before a scene with losses is shipped.
+    That of the mKdV-Burgers equation has none: no scene of its losses is shipped.
 
     >>> waves_by_equation()["KP"]
     {'KP line soliton': 'kp_line_soliton', 'KP-I lump': 'kp_lump'}
@@ -131,7 +131,9 @@ def settings(wave: str) -> tuple[WaveSetting, ...]:
         scene = load_scene(name)
         if name == base:
             scene = scene.changed(constants={**dict(scene.constants), **constants})
-        elif not _alike(form, closed_form(scene.wave_name)):
+        elif not _alike(form, closed_form(scene.wave_name)) or (
+            scene.losses and scene.wave != wave
+        ):
             continue
         if scene.wave != wave:
             scene = scene.changed(

@@ -58,17 +58,11 @@ def test_a_chain_that_did_not_run_says_why_and_has_no_picture(found: SceneRun) -
 
 
 def test_every_effect_has_its_word() -> None:
-    bench = Bench(
-        8,
-        ({"displacement": "sin(t)"}, "free"),
-        (),
-        {"u": 0.1},
-        0.2,
-        (Push(0, "t"),),
-        noise=Noise(1.0),
-    )
+    ends = {"displacement": "sin(t)"}, "free"
+    bench = Bench(8, ends, (), (Push(0, "t"),), noise=Noise(1.0))
+    losses = '{"site": {"u": 0.1}, "bond": 0.2}'
     words = "ends: moved, free; losses of cells; dashpots; forces; a bath"
-    assert effects(bench) == words
+    assert effects(bench, losses) == words
 
 
 def test_the_cost_of_an_effect_is_told_at_every_tolerance() -> None:

@@ -137,7 +137,7 @@ def ring_scenes(draw: st.DrawFn) -> Scene:
     if not scene.is_envelope:
         changes["amplitude"] = draw(st.none() | st.integers(0, 8))
         changes["background"] = draw(NUMBERS | TEXTS.filter(bool) | st.just(0))
-    if not scene.is_growth and draw(st.booleans()):
+    if not (scene.is_growth or scene.losses) and draw(st.booleans()):
         changes["disorder"] = draw(DISORDERS)
     if draw(st.booleans()):
         declared = {"fields": ["u"]} | draw(st.dictionaries(TEXTS, VALUES, max_size=3))

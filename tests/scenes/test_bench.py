@@ -268,8 +268,8 @@ def test_what_is_refused(tables: dict[str, Any], text: str) -> None:
 
 
 def test_a_bench_is_run_from_its_start_and_with_a_chain() -> None:
-    with pytest.raises(ValueError, match=r"losses must be with a chain on a bench, got no \[chain"):
-        Scene.of(name="lossy", wave="kdv_soliton", lattice="toda", eps=0.1, losses={"site": 0.1})
+    with pytest.raises(ValueError, match=r"force must be with a chain on a bench, got no \[chain"):
+        Scene.of(name="pushed", wave="kdv_soliton", lattice="toda", eps=0.1, force=[])
     found = run(Scene.of(**changed(times=[0, 1], observables={"state": True})))
     with pytest.raises(ValueError, match="run must carry its states"):
         resume(found)
