@@ -123,8 +123,8 @@ def loss_rates(lattice: Lattice, values: Mapping[str, Expr]) -> LossRates | None
         return None
     at = {s: values[str(s)] for s in (*lattice.constants, eps) if str(s) in values}
     found = []
-    for values in (lattice.site_losses, [bond.loss for bond in lattice.bonds]):
-        rates = [value.xreplace(at) for value in values]
+    for losses in (lattice.site_losses, [bond.loss for bond in lattice.bonds]):
+        rates = [loss.xreplace(at) for loss in losses]
         for rate in rates:
             if not rate.is_number:
                 raise ValueError(
