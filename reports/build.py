@@ -200,9 +200,15 @@ TABLES: Mapping[str, Callable[[Findings], str]] = {
     "balance_table": lambda found: benches.balance_table(found.of("bench")),
     "bench_pictures": lambda found: benches.bench_pictures(found.of("bench")),
     "bench_laws": lambda found: benches.bench_laws(found.of("bench"), found.all("struck")),
+    "loss_pictures": lambda found: benches.bench_pictures(_lossy(found)),
     "rate_table": lambda found: lattice_runs.rate_table(found.all("rate")),
 }
 """All tables under their templates' names."""
+
+
+def _lossy(found: Findings) -> dict[str, Any]:
+    """The runs of waves on lattices with losses."""
+    return {name: run for name, run in found.of("scene").items() if run.scene.losses}
 
 
 def _papers(records: Sequence[Any]) -> list[Any]:
@@ -232,7 +238,7 @@ def report_figures(found: Findings) -> Iterator[tuple[str, Figure]]:
     yield from study_figures(found)
     papers, (plane,) = found.runs.runs[SPLIT], found.all("plane")
     yield from lattice_runs.lattice_figures(found.of("scene"), papers, found.all("rate"))
-    yield from benches.bench_figures(found.of("bench"))
+    yield from benches.bench_figures(found.of("bench") | _lossy(found))
     yield "modulation", modulation_figure(*plane)
 
 

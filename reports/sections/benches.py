@@ -16,6 +16,9 @@ from longwave.reports.latex import (
     titled_rows,
 )
 from longwave.reports.pictures.bench_plotting import mode_energies, sensor_readings
+from longwave.reports.pictures.drawing import crest_track
+from longwave.reports.pictures.plotting import PICTURES
+from longwave.reports.pictures.run_data import placed
 from longwave.reports.studies.bench_laws import mode_return
 from longwave.reports.studies.effects import TOLERANCES, EffectCost
 from longwave.reports.studies.lattice_runs import SceneRun
@@ -114,11 +117,20 @@ def bench_laws(runs: Mapping[str, SceneRun], struck: Sequence[tuple[float, float
     return table("lll", ["what", "known", "measured"], lines)
 
 
+DRAWN = {
+    "mode_energy": mode_energies,
+    "sensor": sensor_readings,
+    "crest_law": crest_track,
+    "strain": lambda run: PICTURES["snapshots"].part(placed(run)),
+}
+"""What is drawn of a run that holds a variable: modes, readings, a crest with its law, a wave."""
+
+
 def bench_figures(runs: Mapping[str, SceneRun]) -> Iterator[tuple[str, Figure]]:
-    """Each figure under its name, of chains that ran: their modes, or what their sensors read."""
+    """Each figure under its name, of what ran: what `DRAWN` has first of it."""
     for name, found in runs.items():
         if found.run is not None:
-            draw = mode_energies if "mode_energy" in found.run else sensor_readings
+            draw = next(draw for held, draw in DRAWN.items() if held in found.run.variables)
             yield f"bench_{name}", draw(found.run).figure()
 
 
