@@ -161,24 +161,30 @@ def worn(eps: float, gamma: float, base: dict[str, Any] = SOLITON) -> float:
     A soliton without losses that is run as long has shed what its data have too much.
     """
     ends = {"eps": eps, "slow_times": [0, 0.3 / gamma], "half_width": 10, "tolerance": 1e-4}
+    ends |= {"observables": ["crest_track"], "look_points": 2}
     left = []
     for losses in (base["losses"], {}):
         constants = base["constants"] | {"gamma": gamma}
         if not losses:
             del constants["gamma"]
-        made = scene(base, **ends, constants=constants, losses=losses, observables=["crest_track"])
+        made = scene(base, **ends, constants=constants, losses=losses)
         left.append(float(run(made).crest_strain[-1]))
     law = wave_of(scene(base, constants=base["constants"] | {"gamma": gamma}))
     return left[0] / left[1] * law.crest(0.0) / law.crest(0.3 / gamma) - 1  # type: ignore[union-attr]
 
 
 @pytest.mark.slow
-def test_the_lattice_leaves_the_law_with_the_first_power_of_the_losses() -> None:
-    """Less what falls as eps^2, by two eps; without that 0.01 of 0.02 were left for any losses."""
-    gammas = [0.1, 0.05, 0.025]
-    apart = [(2 * worn(0.1, g) - worn(math.sqrt(0.02), g)) for g in gammas]
+@pytest.mark.parametrize(
+    ("base", "gammas", "largest"),
+    [(SOLITON, [0.1, 0.05, 0.025], 0.02), (MKDV, [0.05, 0.025, 0.0125], 0.08)],
+)
+def test_the_lattice_leaves_the_law_with_the_first_power_of_the_losses(
+    base: dict[str, Any], gammas: list[float], largest: float
+) -> None:
+    """At one gamma T, less what falls as eps^2 whatever the losses, by two eps."""
+    apart = [2 * worn(0.1, g, base) - worn(math.sqrt(0.02), g, base) for g in gammas]
     assert fitted_rate(gammas, apart).holds(1)
-    assert apart[-1] < 0.3 * apart[0] < 0.01
+    assert 0.0 < apart[-1] < 0.4 * apart[0] < largest
 
 
 def test_the_shock_of_dashpots_runs_on_the_lattice_with_the_rate_of_theory() -> None:
@@ -259,7 +265,7 @@ def test_a_table_has_one_spelling() -> None:
 
 @pytest.mark.parametrize(
     ("name", "least", "most"),
-    [("damped_kdv_soliton", -0.005, 0.015), ("damped_mkdv_soliton", -0.01, 0.07)],
+    [("damped_kdv_soliton", -0.005, 0.015), ("damped_mkdv_soliton", -0.01, 0.05)],
 )
 def test_shipped_solitons_fade_as_the_law_has_it(name: str, least: float, most: float) -> None:
     found = run(load_scene(name))
