@@ -323,7 +323,7 @@ def numeric_lattice(
     if lattice.has_losses:
         raise ValueError(
             f"losses must not be in a lattice that is run, got those of {lattice.name} (give them "
-            "to driven_chain, or in [losses] of a chain on a bench)"
+            "to driven_chain, or in [losses] of a scene)"
         )
     names = {str(symbol): symbol for symbol in lattice.constants}
     for name in (*constants, *names):

@@ -36,13 +36,17 @@ class DampedSoliton:
         drift = float(wave.normal_form.drift)
         self._drift, self._speed = drift, float(-flank.Y_T / flank.Y_X) - drift
         self._fading = law.power * float(law.linear)
-        spreading = law.power * float(law.further)
-        self._spreading = spreading * math.copysign(abs(self._first) ** law.power, 1.0)
+        self._spreading = law.power * float(law.further) * self._first**law.power
 
     def _worn(self, T: float) -> tuple[float, float]:
         """r and x at T, from ``s' = -fading s - spreading s^2`` with ``s = r^2``."""
         lost = -math.expm1(-self._fading * T) / self._fading if self._fading else T
         spread = 1.0 + self._spreading * lost
+        if spread <= 0.0:
+            raise ValueError(
+                f"slow_times must be after the soliton is infinite by the law of its losses, got "
+                f"{T:g} (its parameters are those at T = 0)"
+            )
         path = math.log(spread) / self._spreading if self._spreading else lost
         r = math.sqrt(math.exp(-self._fading * T) / spread)
         return r, self._speed * path + self._drift * T

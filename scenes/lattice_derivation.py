@@ -116,7 +116,8 @@ def derivation(scene: Scene) -> LatticeDerivation:
     for one in found:
         if _fits(form, one):
             return one
-    names = ", ".join(dict.fromkeys(one.equation for one in found))
+    told = [one for one in found if one.law is None] or found
+    names = ", ".join(one.equation for one in told)
     fitting = [f.name for f in CATALOGUE if any(_fits(f, one) for one in found)]
     remedy = f"one of {', '.join(fitting)}" if fitting else "none of the catalogue does"
     if form.equation.normal == "NLS" and not scene.is_envelope:

@@ -22,11 +22,8 @@ if TYPE_CHECKING:
     from longwave.lattice.driving import DrivenChain
     from longwave.lattice.numeric_lattice import NumericLattice
 
-KINDS = ("site", "bond")
-"""Keys of the table."""
-
-WEIGHTS = {"site": 3, "bond": 1}
-"""Powers of eps with which numbers under a long wave are weighed."""
+KINDS = {"site": 3, "bond": 1}
+"""Keys of the table, and powers of eps with which numbers under a long wave are weighed."""
 
 Table = Mapping[str, Any]
 
@@ -81,7 +78,7 @@ def weighed(losses: str, eps: float) -> str:
     def formula(key: str, given: str | float) -> str:
         if isinstance(given, str):
             return given
-        return f"eps**{WEIGHTS[key]}*({given!r}/{eps!r}**{WEIGHTS[key]})"
+        return f"eps**{KINDS[key]}*({given!r}/{eps!r}**{KINDS[key]})"
 
     return losses and json.dumps(_each(json.loads(losses), formula))
 
@@ -141,10 +138,7 @@ def without_losses(
     """The lattice with numbers, and the losses that it has, with numbers too."""
     from longwave.lattice.numeric_lattice import numeric_lattice
 
-    if not lattice.has_losses:
-        return numeric_lattice(lattice, values), None
-    bare = lattice.with_losses()
-    own = {str(symbol) for symbol in bare.constants}
-    others = {str(symbol) for symbol in lattice.constants} - own
-    known = {name: value for name, value in values.items() if name not in others}
+    bare = lattice.with_losses() if lattice.has_losses else lattice
+    lost = {*map(str, lattice.constants)} - {*map(str, bare.constants)}
+    known = {name: value for name, value in values.items() if name not in lost}
     return numeric_lattice(bare, known), loss_rates(lattice, values)

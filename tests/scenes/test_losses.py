@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from longwave import run
+from longwave import resume, run
 from longwave.lattice.driving import DrivenChain
 from longwave.runs.sweep_scene import changed_document, make_scene
 from longwave.scenes.convergence import at_eps, fitted_rate, scene_convergence, scene_rate
@@ -105,6 +105,9 @@ def test_the_compared_soliton_solves_its_equation_to_leading_order(
     left += float(terms["Y"]) * Y + float(terms["Y_XX"]) * Y_XX
     assert np.abs(left).max() < 0.6 * 0.1 * np.abs(Y).max()
     assert abs(np.sum(left * Y)) < 1e-6 * np.sum(Y * Y)
+    if power == 1:  # of a chain that softens it is the same upside down
+        softer = scene(base, constants={"K2": 1, "K3": -1, "gamma": 0.1}, losses=made.losses)
+        assert wave_of(softer).jets(X, T, 0)[0] == pytest.approx(-Y, rel=1e-12)
     alone = wave_of(scene(base))
     crest = alone.crest(T) / alone.crest(0.0)  # type: ignore[union-attr]
     assert crest == pytest.approx(math.exp(-decay * 0.1 * T), rel=1e-12)
@@ -223,7 +226,28 @@ def test_losses_are_kept_in_files_and_swept() -> None:
     assert run(made).attrs["scene"].count("losses") == 1
 
 
+def test_a_run_with_losses_goes_on_from_its_state() -> None:
+    made = scene(observables=["strain", "state"], losses={"site": "eps**3*gamma", "bond": 0.02})
+    whole = run(made)
+    later = resume(whole, at=float(whole.time[1]))
+    assert np.array_equal(later.strain[-1], whole.strain[-1])
+
+
 REFUSED = [
+    ({"losses": {"bond": "eps*gamma"}, "slow_times": [-50, 0]}, "slow_times must be after the sol"),
+    (
+        {"losses": {"bond": "eps*gamma*10**9"}},
+        "take a larger eps, end earlier or compare fewer cells",
+    ),
+    (
+        {
+            "losses": {"bond": "eps"},
+            "wave": "kdv_two_soliton",
+            "parameters": {"kappa_1": 2, "kappa_2": 1},
+            "constants": {"K2": 1, "K3": 1},
+        },
+        "wave must solve the KdV-Burgers (s = 1) equation",
+    ),
     ({"losses": {"site": "eps**2*gamma"}}, "site loss must enter at the order of the reduced"),
     ({"losses": {"site": -0.1}}, "site in [losses] must be 0 or more, got -0.1"),
     ({"losses": {"sites": 1}}, "keys in [losses] must be known ones, got sites"),
