@@ -155,7 +155,8 @@ def _cost(
     signals: Sequence[float],
 ) -> tuple[float, ExpectedCost]:
     """The cells of the widest ring, and what the search takes."""
-    cells = float(sites_of(compared.ring(times, signals, WIDER)))
+    spread = wave.lattice.spread_within(times[-1] - times[0])
+    cells = float(sites_of(compared.ring(times, signals, WIDER + 2 * spread)))
     shortest = max(
         fastest / (LIMIT_SHARE * stability_limit(SCHEME)),
         1.0 / (DRIVEN_SHARE * wave.lattice.driven_within(*times[:2])),

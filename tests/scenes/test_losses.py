@@ -23,6 +23,7 @@ from longwave.scenes.lattice_run import compared_cells, record_scene, wave_rings
 from longwave.scenes.losses import losses_json, weighed
 from longwave.scenes.named_scenes import load_scene
 from longwave.scenes.scene import Scene
+from longwave.support.request_limits import request_limits
 
 SOLITON: dict[str, Any] = {
     "name": "worn",
@@ -277,7 +278,10 @@ REFUSED = [
 
 @pytest.mark.parametrize(("changes", "text"), REFUSED, ids=[text for _, text in REFUSED])
 def test_what_is_refused(changes: dict[str, Any], text: str) -> None:
-    with pytest.raises(ValueError, match=re.escape(text)) as caught:
+    with (
+        request_limits(seconds="1h"),
+        pytest.raises(ValueError, match=re.escape(text)) as caught,
+    ):
         run(scene(**changes))
     assert "\n" not in str(caught.value)
 
