@@ -29,7 +29,8 @@ class Variation:
     ``masses`` says what a cell's fields are, None if masses are equal; ``forces`` has an entry for
     each bond, None where it is the same in all cells. ``bound`` is the largest deviation. Each of
     the ``pulsed`` fields is kicked from outside in some cells. Every drift shrinks the velocities
-    of ``damped`` fields at these rates, and spreads them if bonds have ``dashpots``.
+    of ``damped`` fields at these rates, and spreads them if bonds have ``dashpots``. Walls are
+    where inverse masses are 0, or, if it is ``walled``, where a last row of deviations is -1.
     """
 
     bound: float
@@ -38,10 +39,11 @@ class Variation:
     pulsed: tuple[int, ...] = ()
     damped: tuple[float, ...] = ()
     dashpots: tuple[float, ...] = ()
+    walled: bool = False
 
     def rows(self, fields: int) -> int:
         """The deviations of a cell, of a lattice with so many fields."""
-        return self.mass_rows(fields) + sum(force is not None for force in self.forces)
+        return self.mass_rows(fields) + sum(f is not None for f in self.forces) + self.walled
 
     def added_fields(self, fields: int) -> int:
         """Fields that hold what differs, behind the lattice's: its rows, and where pulses act."""
@@ -216,10 +218,14 @@ class DisorderedLattice(NumericLattice):
             total = np.roll(total, -1, axis=1) - total
         return np.asarray(total / np.array(self.masses)[:, None], dtype=np.float64)
 
+    @property
+    def lightest(self) -> float:
+        """The least mass, in units of those of the ordered chain."""
+        return 1.0 - self.variation.bound if self.variation.masses else 1.0
+
     def dynamical_matrix(self, wavenumbers: ArrayLike, slopes: Sequence[float]) -> Complex:
         """As of an ordered chain with the lightest masses."""
-        lightest = 1.0 - self.variation.bound if self.variation.masses else 1.0
-        return self.ordered.dynamical_matrix(wavenumbers, slopes) / lightest
+        return self.ordered.dynamical_matrix(wavenumbers, slopes) / self.lightest
 
     def energy(self, f: Array, v: Array) -> float:
         """The sum of `energies`."""

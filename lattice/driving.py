@@ -8,8 +8,9 @@ splitting of Nystroem's kind keeps its order. Forces from outside are taken at e
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
+from types import MappingProxyType
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -24,6 +25,9 @@ from longwave.lattice.state import State
 Array = NDArray[np.float64]
 TimeFunction = Callable[[Array], Array]
 """Of an array of times."""
+
+Factors = Mapping[int, float | Sequence[float]]
+"""By the numbers of cells or bonds, of all fields or bonds there or of each."""
 
 End = Literal["fixed", "free"] | TimeFunction
 """What is at an end: a wall that is held, nothing, or a wall with a displacement in time."""
@@ -91,15 +95,23 @@ class DrivenChain(DisorderedLattice):
         Walls have no inverse mass: nothing moves them.
         """
         found = super().shares
-        found[: self.variation.mass_rows(len(self.fields)), self.cells :] = -1.0
-        felt: list[tuple[int, ...]] = [(force.site,) for force in self.outer_forces]
-        felt += [wall.places for wall in self._moved for _ in self.fields]
-        pulses = np.zeros((len(felt), found.shape[1]))
-        for row, places in zip(pulses, felt, strict=True):
+        rows, forces = self.variation.mass_rows(len(self.fields)), self.outer_forces
+        found[:rows, self.cells :] = -1.0
+        inverse = 1.0 + found[:rows] if rows else np.ones((len(self.fields), found.shape[1]))
+        moved = [wall.places for wall in self._moved for _ in self.fields]
+        pulses = np.zeros((len(forces) + len(moved), found.shape[1]))
+        for row, force in zip(pulses, forces, strict=False):
+            row[force.site] = inverse[force.field, force.site]
+        for row, places in zip(pulses[len(forces) :], moved, strict=True):
             row[list(places)] = 1.0
-        return np.concatenate(
-            [found, pulses, *(wall.pull for wall in self._moved if wall.pull.size)]
-        )
+        pulls = [wall.pull * inverse for wall in self._moved if wall.pull.size]
+        return np.concatenate([found, pulses, *pulls])
+
+    @property
+    def lightest(self) -> float:
+        """The least mass of a cell, in units of its field's."""
+        masses = self.deviations[: self.variation.mass_rows(len(self.fields)), : self.cells]
+        return 1.0 + min(0.0, float(masses.min(initial=0.0)))
 
     @property
     def cell_masses(self) -> Array:
@@ -118,8 +130,8 @@ class DrivenChain(DisorderedLattice):
 
     @property
     def _kept(self) -> list[Array]:
-        """Of each bond 1 where it is, 0 where it is cut."""
-        return [np.ones(()) if cut is None else 1.0 + cut[1] for cut in self._varied()]
+        """Of each bond its factor: 1 where it is as everywhere, 0 where it is cut."""
+        return [np.ones(()) if varied is None else 1.0 + varied[1] for varied in self._varied()]
 
     @property
     def cell_count(self) -> int | None:
@@ -165,14 +177,14 @@ class DrivenChain(DisorderedLattice):
     @property
     def _spreading(self) -> float:
         """A bound of the rates at which dashpots change velocities; 0 without any."""
-        total = np.array(self.losses) if any(self.dashpots) else np.zeros(len(self.fields))
+        total = np.array(self.losses) if self.variation.dashpots else np.zeros(len(self.fields))
         for bond, dashpot in zip(self.bonds, self.dashpots, strict=True):
             stretch = sum(abs(entry.weight) for entry in bond.stretch)
             for entry in bond.action:
                 total[entry.field] += (
                     dashpot * stretch * abs(entry.weight) / self.masses[entry.field]
                 )
-        return float(total.max())
+        return float(total.max()) * (1.0 + self.variation.bound) / self.lightest
 
     def held(self, state: State) -> State:
         """The state on the ring: walls are where they are at that time."""
@@ -210,13 +222,11 @@ class DrivenChain(DisorderedLattice):
         """
         self.place_walls(f, v, times, moving=True)
         masses = np.array(self.masses)[:, np.newaxis, np.newaxis]
-        rates = [
-            kept * (bond.stretched(v) - bond.offset)
-            for bond, kept in zip(self.bonds, self._kept, strict=True)
-        ]
+        rates = [bond.stretched(v) - bond.offset for bond in self.bonds]
+        pots = [*zip(self.dashpots, self._kept, strict=True)]
         forces = [
-            force + dashpot * rate
-            for force, dashpot, rate in zip(self.forces(f), self.dashpots, rates, strict=True)
+            force + dashpot * kept * rate
+            for force, (dashpot, kept), rate in zip(self.forces(f), pots, rates, strict=True)
         ]
         found = self.pulled(forces)
         gained = masses * found * v
@@ -228,8 +238,10 @@ class DrivenChain(DisorderedLattice):
         damping = np.array(self.losses)[:, np.newaxis, np.newaxis] * v
         found -= damping
         heat = (masses * damping * v)[..., : self.cells].sum(axis=(0, 2))
-        for dashpot, rate in zip(self.dashpots, rates, strict=True):
-            heat = heat + dashpot * (rate * rate).sum(axis=-1)
+        for (dashpot, kept), rate in zip(pots, rates, strict=True):
+            heat = heat + dashpot * (kept * rate * rate).sum(axis=-1)
+        if rows := self.variation.mass_rows(len(self.fields)):
+            found /= 1.0 + self.deviations[:rows, np.newaxis]
         flows += [heat, *(self._flux(forces, v, cut) for cut in cuts)]
         return np.array(flows), found
 
@@ -294,7 +306,7 @@ def _slope(value: TimeFunction | None) -> TimeFunction:
     if found is None:
         raise ValueError(
             "displacement of a wall whose velocity is felt must have a slope, its velocity, got a "
-            "bare function (longwave.scenes.bench.time_function makes one of a formula)"
+            "bare function (longwave.scenes.time_functions.time_function makes one)"
         )
     return found
 
@@ -353,13 +365,17 @@ def driven_chain(
     losses: Sequence[float] | float = 0.0,
     dashpots: Sequence[float] | float = 0.0,
     forces: Sequence[SiteForce] = (),
+    mass_factors: Factors = MappingProxyType({}),
+    spring_factors: Factors = MappingProxyType({}),
 ) -> DrivenChain:
     """A chain of so many cells with ends, losses and forces, for `lattice.integrate`.
 
     Without ``left`` and ``right`` it is a ring. Walls stand beside the first and the last cell (and
     hold as many cells as a force reaches). ``losses`` are the factors g of ``-g du/dt`` on each
     field's cells, ``dashpots`` those of the rate of each bond's stretch in a force beside its own.
-    The fields are displacements. Raises ValueError in one line.
+    ``mass_factors`` say by cells how much heavier these are, ``spring_factors`` by how much the
+    forces of single bonds, and of their dashpots, are larger: bond n is from cell n to the next, -1
+    from a wall. The fields are displacements. Raises ValueError in one line.
 
     >>> from longwave.derive import LATTICES
     >>> from longwave.lattice.numeric_lattice import numeric_lattice
@@ -370,36 +386,71 @@ def driven_chain(
     rates = _rates("losses", "field", lattice.fields, losses)
     names = [f"bond {number}" for number in range(1, len(lattice.bonds) + 1)]
     pots = _rates("dashpots", "bond", names, dashpots)
-    _check_chain(lattice, cells, left, right, forces)
-    for force in forces:
-        _check_force(lattice, cells, force)
+    _check_chain(lattice, cells, left, right, forces, bool(mass_factors or spring_factors))
     ends = _ends(lattice, cells, left, right)
+    count, ring = len(lattice.fields), ends.cut.shape[1]
+    heavier = _heavier(mass_factors, np.ones((count, ring)), cells)
+    stiffer = _stiffer(lattice, spring_factors, np.where(ends.cut, 0.0, 1.0), cells)
     if any(pots):
-        pulled = [
-            replace(wall, pull=_pull(lattice, pots, ends, wall.places)) for wall in ends.walls
-        ]
-        ends = ends._replace(walls=tuple(pulled))
-    count, each = len(lattice.fields), [bool(row.any()) for row in ends.cut]
+        ends = ends._replace(walls=_pulling(lattice, pots, stiffer, ends.walls))
+    each = [bool((row != 1.0).any()) for row in stiffer]
+    spreads = any(pots) or (bool(mass_factors) and any(rates))
+    parts = zip(lattice.bonds, each, strict=True)
     variation = Variation(
-        0.0,
-        "displacements" if ends.walls else None,
-        tuple(bond.force if some else None for bond, some in zip(lattice.bonds, each, strict=True)),
+        max(0.0, float(stiffer.max()) - 1.0),
+        "displacements" if ends.walls or mass_factors else None,
+        tuple(bond.force if some else None for bond, some in parts),
         _pulsed(ends, forces, count),
-        tuple(rate / mass for rate, mass in zip(rates, lattice.masses, strict=True))
-        if any(rates) or any(pots)
-        else (),
-        pots if any(pots) else (),
+        tuple(np.divide(rates, lattice.masses).tolist()) if any(rates) or any(pots) else (),
+        pots if spreads else (),
+        bool(mass_factors) and spreads,
     )
-    shape = variation.mass_rows(count), ends.cut.shape[1]
+    walls = np.where(np.arange(ring) < cells, 0.0, -1.0)[np.newaxis][: variation.walled]
+    varied = [heavier[: variation.mass_rows(count)] - 1.0, stiffer[each] - 1.0, walls]
     return DrivenChain(
         **{item.name: getattr(lattice, item.name) for item in fields(NumericLattice)},
         variation=variation,
-        deviations=np.concatenate([np.zeros(shape), np.where(ends.cut[each], -1.0, 0.0)]),
+        deviations=np.concatenate(varied),
         cells=cells,
         outer_forces=tuple(forces),
         walls=ends.walls,
         free=ends.free,
     )
+
+
+def _heavier(given: Factors, found: Array, cells: int) -> Array:
+    """By how much masses are larger, (fields, ring)."""
+    for cell, factor in given.items():
+        found[:, cell] = _checked("mass", cell, factor, len(found), 0 <= cell < cells)
+    return found
+
+
+def _stiffer(lattice: NumericLattice, given: Factors, found: Array, cells: int) -> Array:
+    """By how much the forces of bonds that are not cut are larger, (bonds, ring)."""
+    for number, factor in given.items():
+        felt = [
+            any(0 <= number + entry.shift[0] < cells for entry in bond.stretch)
+            for bond in lattice.bonds
+        ]
+        factors = _checked("spring", number, factor, len(felt), any(felt))
+        found[felt, number % found.shape[1]] *= factors[felt]
+    return found
+
+
+def _checked(
+    name: str, number: int, given: float | Sequence[float], count: int, is_there: bool
+) -> Array:
+    """The factors of a defect for each field or bond."""
+    found = np.array(given, dtype=np.float64)
+    if not is_there:
+        raise ValueError(f"{name} factors must be of cells and bonds of the chain, got {number}")
+    is_positive = (found >= 0.0) & (found < math.inf) & ((found > 0.0) | (name == "spring"))
+    if found.shape not in ((), (count,)) or not is_positive.all():
+        raise ValueError(
+            f"{name} factors must be positive, one or {count}, got {given} for {number} (1 is as "
+            "everywhere; a spring's may be 0)"
+        )
+    return np.broadcast_to(found, (count,))
 
 
 def _pulsed(ends: _Ends, forces: Sequence[SiteForce], count: int) -> tuple[int, ...]:
@@ -422,21 +473,20 @@ def _rates(
     return tuple(float(rate) for rate in rates)
 
 
-def _pull(
-    lattice: NumericLattice, dashpots: Sequence[float], ends: _Ends, places: Sequence[int]
-) -> Array:
-    """How a unit velocity in some cells of the ring accelerates all others through dashpots."""
-    unit = np.zeros((len(lattice.fields), ends.cut.shape[1]))
-    unit[:, list(places)] = 1.0
-    found = lattice.pulled(
-        [
-            np.where(cut, 0.0, dashpot * (bond.stretched(unit) - bond.offset))
-            for bond, dashpot, cut in zip(lattice.bonds, dashpots, ends.cut, strict=True)
+def _pulling(
+    lattice: NumericLattice, dashpots: Sequence[float], factors: Array, walls: Sequence[_Wall]
+) -> tuple[_Wall, ...]:
+    """Walls with what they do to others through dashpots, as if all had the mass of their field."""
+    found = []
+    for wall in walls:
+        unit = np.zeros((len(lattice.fields), factors.shape[1]))
+        unit[:, list(wall.places)] = 1.0
+        forces = [
+            row * (dashpot * (bond.stretched(unit) - bond.offset))
+            for bond, dashpot, row in zip(lattice.bonds, dashpots, factors, strict=True)
         ]
-    )
-    for wall in ends.walls:
-        found[:, list(wall.places)] = 0.0
-    return found
+        found.append(replace(wall, pull=lattice.pulled(forces)))
+    return tuple(found)
 
 
 def _check_chain(
@@ -445,8 +495,10 @@ def _check_chain(
     left: End | None,
     right: End | None,
     forces: Sequence[SiteForce],
+    has_defects: bool,
 ) -> None:
-    if lattice.dimension != 1 or not (lattice.conserves_energy or (left is None and not forces)):
+    acted = left is not None or bool(forces) or has_defects
+    if lattice.dimension != 1 or (acted and not lattice.conserves_energy):
         raise ValueError(
             f"ends, losses and forces must be of a chain of displacements, got {lattice.name} "
             "(strains have no masses of their own; take the chain in displacements)"
@@ -468,6 +520,8 @@ def _check_chain(
                 f"{name} must be 'fixed', 'free' or a displacement in time, got {end!r} (give both "
                 "ends, or none for a ring)"
             )
+    for force in forces:
+        _check_force(lattice, cells, force)
 
 
 def _check_force(lattice: NumericLattice, cells: int, force: SiteForce) -> None:

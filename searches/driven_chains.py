@@ -13,8 +13,8 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -35,7 +35,7 @@ from longwave.lattice.integration import CellRingEngine
 from longwave.lattice.numeric_lattice import NumericBond, numeric_lattice
 from longwave.lattice.refine import Refined, refine
 from longwave.lattice.schemes import REDUCED_PHASE_6
-from longwave.scenes.bench import time_function
+from longwave.scenes.time_functions import Integral, time_function
 
 Array = NDArray[np.float64]
 CHAINS = ("beta_fput", "alpha_fput", "toda", "klein_gordon", "mass_dimer", "granular")
@@ -61,6 +61,8 @@ class DrivenCase:
     end: float
     tolerance: float
     size: float = 1.0
+    mass_factors: Mapping[int, list[float]] = field(default_factory=dict)
+    spring_factors: Mapping[int, list[float]] = field(default_factory=dict)
 
 
 def drawn(seed: int) -> DrivenCase:
@@ -74,20 +76,28 @@ def drawn(seed: int) -> DrivenCase:
     lattice = numeric_lattice(LATTICES[name], free)
     fields, cells = len(lattice.fields), int(random.choice([4, 9, 33, 64]))
     size = 10.0 ** random.uniform(-3.0, -0.5)
+    end, tolerance = 10.0 ** random.uniform(0.0, 1.3), size * 10.0 ** random.uniform(-6.0, -1.0)
 
     def drive() -> Any:
-        return time_function("drive", _formula(random, size * 10.0 ** random.uniform(-1.0, 1.0)))
+        return time_function("drive", _drive(random, size * 10.0 ** random.uniform(-1.0, 1.0), end))
+
+    def shaken() -> Any:
+        return drive() if random.random() < 0.6 else Integral.of(drive(), 0.0, end)
 
     kinds: list[Callable[[], tuple[Any, Any]]] = [
         lambda: (None, None),
         lambda: ("fixed", "fixed"),
         lambda: ("free", "fixed"),
         lambda: ("free", "free"),
-        lambda: (drive(), "fixed"),
-        lambda: (drive(), drive()),
-        lambda: (drive(), "free"),
+        lambda: (shaken(), "fixed"),
+        lambda: (shaken(), shaken()),
+        lambda: (shaken(), "free"),
     ]
     ends = kinds[random.integers(len(kinds))]()
+    masses = _factors(random, range(cells), fields)
+    springs = _factors(
+        random, range(-1 if ends[0] not in (None, "free") else 0, cells), len(lattice.bonds)
+    )
     made = driven_chain(
         lattice,
         cells,
@@ -99,15 +109,35 @@ def drawn(seed: int) -> DrivenCase:
             SiteForce(int(random.integers(cells)), drive(), int(random.integers(fields)))
             for _ in range(random.integers(3))
         ],
+        mass_factors=masses,
+        spring_factors=springs,
     )
     moving = random.choice([0.0, size])
     state = State(0.0, *(moving * random.standard_normal((2, fields, cells))))
-    end, tolerance = 10.0 ** random.uniform(0.0, 1.3), size * 10.0 ** random.uniform(-6.0, -1.0)
-    return DrivenCase(name, made, ends, state, float(end), float(tolerance), size)
+    return DrivenCase(name, made, ends, state, float(end), float(tolerance), size, masses, springs)
+
+
+def _factors(
+    random: np.random.Generator, numbers: Sequence[int], count: int
+) -> dict[int, list[float]]:
+    """Up to two defects."""
+    return {
+        int(random.choice(numbers)): (10.0 ** random.uniform(-1.0, 1.0, count)).tolist()
+        for _ in range(random.integers(3))
+    }
 
 
 def _rates(random: np.random.Generator, count: int) -> list[float]:
     return [float(random.choice([0.0, 10.0 ** random.uniform(-3.0, 0.3)])) for _ in range(count)]
+
+
+def _drive(random: np.random.Generator, size: float, end: float) -> str | dict[str, list[float]]:
+    """A formula, or a walk as if it had been measured."""
+    if random.random() < 0.7:
+        return _formula(random, size)
+    times = np.linspace(0.0, end, int(random.integers(6, 60)))
+    values = size * np.cumsum(random.standard_normal(times.size))
+    return {"t": times.tolist(), "value": values.tolist()}
 
 
 def _formula(random: np.random.Generator, size: float) -> str:
@@ -154,7 +184,16 @@ def _slopes(case: DrivenCase) -> Callable[[float, Array], Array]:
     """
     lattice, made, (fields, cells) = case.chain.ordered, case.chain, case.state.f.shape
     masses, rates = np.array(lattice.masses)[:, None], np.array(made.losses)[:, None]
-    room = 3 * lattice.reach
+    heavier, room = np.ones((fields, cells)), 3 * lattice.reach
+    for cell, factors in case.mass_factors.items():
+        heavier[:, cell] = factors
+    masses, rates = masses * heavier, rates / heavier
+    stiffer = np.ones((len(lattice.bonds), cells + 2 * room))
+    for number, factors in case.spring_factors.items():
+        turns = (-cells, 0, cells) if case.ends[0] is None else (0,)  # a ring meets its own cells
+        for place in (number + room + turn for turn in turns):
+            if 0 <= place < stiffer.shape[1]:
+                stiffer[:, place] = factors
 
     def wide(f: Array, ends: tuple[Any, Any]) -> Array:
         if case.ends[0] is None:
@@ -182,13 +221,14 @@ def _slopes(case: DrivenCase) -> Callable[[float, Array], Array]:
         x, rate = wide(f, (at[0], at[1])), wide(v, (speed[0], speed[1]))
         walls = np.zeros_like(rate) if case.ends[0] is None else wide(0.0 * v, (speed[0], speed[1]))
         total = np.zeros_like(x)
-        for bond, dashpot, (cut, own) in zip(lattice.bonds, made.dashpots, reached, strict=True):
+        bonds = zip(lattice.bonds, made.dashpots, reached, stiffer, strict=True)
+        for bond, dashpot, (cut, own), factor in bonds:
             with np.errstate(all="ignore"):
                 force = bond.force(bond.stretched(x))
             stretching = bond.stretched(rate) - bond.offset
-            force = np.where(cut, 0.0, force + dashpot * stretching)
+            force = factor * np.where(cut, 0.0, force + dashpot * stretching)
             work += float(np.sum((force * (bond.stretched(walls) - bond.offset))[own]))
-            heat += float(np.sum(np.where(cut, 0.0, dashpot * stretching**2)[own]))
+            heat += float(np.sum((factor * np.where(cut, 0.0, dashpot * stretching**2))[own]))
             for entry in bond.action:
                 total[entry.field] += entry.weight * np.roll(force, -entry.shift[0])
         total = total[:, room : room + cells]

@@ -379,7 +379,8 @@ class RingKernel:
         ordered, variation, shares = lattice.cellwise
         self._flow, numbers, units = varied_stage_plan(ordered, variation)
         self._numbers = np.array([*numbers, 0.0])
-        self._resting = shares * np.array(units)[:, None] if units else np.empty((0, *shape))
+        rows = shares * np.array(units)[:, None] if units else np.empty((0, *shape))
+        self._resting = np.ascontiguousarray(rows)  # whatever the order of the deviations
         self._fields, self._shape = len(lattice.fields), tuple(map(int, shape))
         self._arcs: list[_Arc] = []
         self._between = 0

@@ -344,6 +344,7 @@ def varied_stage_plan(lattice: NumericLattice, variation: Variation | None) -> V
             stencil = _merged(entry for entry in bond.action if entry.field == of)
             if stencil:
                 parts.append(_part(unit, force, stencil))
+    units += [1.0] if variation is not None and variation.walled else []
     masses = variation.masses if variation is not None else None
     kicked = [
         builder.kicked(place, parts, mass, None if masses is None else fields + place, masses)
@@ -537,9 +538,11 @@ class _Builder:
             StreamRead(next(cut)) if part is not None else None
             for part in variation.forces or (None,) * len(lattice.bonds)
         ]
+        rows = fields + variation.rows(fields)
+        walls = [StreamRead(rows - 1)] * fields if variation.walled else shares
         terms = [self.velocities[:fields]]
         for _ in range(TERMS):
-            before = terms[-1] if len(terms) > 1 else self._of_cells(terms[0], shares)
+            before = terms[-1] if len(terms) > 1 else self._of_cells(terms[0], walls)
             parts: list[list[_Part]] = [
                 [_Part(-rate, read.stream, {0: 1.0})] if rate else []
                 for rate, read in zip(rates, before, strict=True)

@@ -11,7 +11,6 @@ be left out.  A spring that is pulled has a positive stretch and a positive forc
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -20,7 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from longwave.scenes.scene_checks import finite
+from longwave.scenes.csv_table import number_list, table_columns
 from longwave.support.user_files import read_text, shown, shown_path
 
 Points = NDArray[np.float64]
@@ -64,7 +63,7 @@ class ForceData:
         there twice, no order, and branches of loading and unloading that lie apart.
         """
         given = (stretch, force) if deviation is None else (stretch, force, deviation)
-        columns = [_column(*entry) for entry in zip(COLUMNS, given, strict=False)]
+        columns = [number_list(*entry) for entry in zip(COLUMNS, given, strict=False)]
         for name, column in zip(COLUMNS[1:], columns[1:], strict=False):
             if column.size != columns[0].size:
                 raise ValueError(
@@ -76,20 +75,6 @@ class ForceData:
         _check_order(rows)
         rows = rows[np.argsort(rows[:, 0], kind="stable")]
         return cls(rows[:, 0], rows[:, 1], rows[:, 2] if deviation is not None else None)
-
-
-def _column(name: str, given: ArrayLike) -> Points:
-    try:
-        found = np.asarray(given, dtype=float)
-    except (TypeError, ValueError):
-        found = np.array(np.nan)
-    if found.ndim != 1:
-        raise ValueError(f"{name} must be a list of numbers, got {shown(given)} (such as [0, 0.1])")
-    for row in np.flatnonzero(~np.isfinite(found) | (abs(found) > 1e50)):
-        raise ValueError(
-            f"{name} must be finite, got {found[row]:g} in row {row + 1} (leave the row out)"
-        )
-    return found
 
 
 def _check_points(rows: Points) -> None:
@@ -187,44 +172,18 @@ def read_force(path: str | Path, units: str | None = None) -> ForceData:
     file cannot be read.
     """
     length, force = (1.0, 1.0) if units is None else _factors(units)
-    lines = read_text(path, "force law", LARGEST).rstrip().splitlines()
+    text = read_text(path, "force law", LARGEST)
     try:
-        rows, order = _rows(lines)
-        columns = (np.array([row[i] for row in rows]) for i in order)
-        return ForceData.of(*(c * f for c, f in zip(columns, (length, force, force), strict=False)))
+        columns = {name.lower(): column for name, column in table_columns(text).items()}
+        if not {*COLUMNS[:2]} <= columns.keys() <= {*COLUMNS}:
+            raise ValueError(
+                "line 1 must name the columns stretch, force and, if it is known, deviation, got "
+                f"{shown(','.join(columns))} (write stretch,force,deviation)"
+            )
+        given = (np.array(columns[name]) for name in COLUMNS if name in columns)
+        return ForceData.of(*(c * f for c, f in zip(given, (length, force, force), strict=False)))
     except ValueError as error:
         raise ValueError(f"{shown_path(path)}: {error}") from None
-
-
-def _rows(lines: Sequence[str]) -> tuple[list[list[float]], list[int]]:
-    """The numbers of the rows, and the places of stretch, force and deviation in them."""
-    header = lines[0] if lines else ""
-    mark = next((sign for sign in ";\t" if sign in header), ",")
-    names = [part.strip().strip('"').lower() for part in header.split(mark)]
-    known = [name for name in COLUMNS if name in names]
-    if sorted(names) != sorted(known) or known[:2] != list(COLUMNS[:2]):
-        raise ValueError(
-            f"line 1 must name the columns stretch, force and, if it is known, deviation, got "
-            f"{shown(header)} (write stretch,force,deviation)"
-        )
-    rows = [_numbers(line, mark, names, place) for place, line in enumerate(lines[1:], 2)]
-    return rows, [names.index(name) for name in known]
-
-
-def _numbers(line: str, mark: str, names: Sequence[str], place: int) -> list[float]:
-    parts = [part.strip() for part in line.split(mark)]
-    if len(parts) != len(names):
-        raise ValueError(
-            f"line {place} must hold {len(names)} numbers, {' '.join(names)}, got {shown(line)} "
-            "(mend the line or leave it out)"
-        )
-    try:
-        return [finite(name, float(part)) for name, part in zip(names, parts, strict=True)]
-    except ValueError:
-        raise ValueError(
-            f"line {place} must hold finite numbers, got {shown(line)} (with a point, as 0.5; mend "
-            "the line or leave it out)"
-        ) from None
 
 
 _UNIT = re.compile(r"[A-Za-z\u00b5\u03bc]{1,30}")

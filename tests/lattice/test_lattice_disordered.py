@@ -5,6 +5,7 @@ unit, a wave that is faster than the bound, an ordered chain that loses its bits
 depends on the ring.
 """
 
+from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
@@ -65,6 +66,13 @@ def test_the_kernel_pulls_as_numpy_does(name: str, of: str) -> None:
             kick(chain, f), chain.acceleration(f), rtol=0, atol=1e-13 * scale
         )
         assert np.abs(kick(chain, f) - kick(numbers(name), f)).max() > 1e-3 * scale
+
+
+def test_the_order_of_deviations_in_memory_does_not_matter() -> None:
+    f = 0.02 * np.random.default_rng(1).standard_normal((2, 9))
+    chain = varied(numbers("mass_dimer"), "mass", 0.3, 9)
+    turned = replace(chain, deviations=np.asfortranarray(chain.deviations))
+    np.testing.assert_array_equal(kick(turned, f), kick(chain, f))
 
 
 @pytest.mark.parametrize("name", CHAINS)

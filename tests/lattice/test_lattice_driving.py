@@ -18,7 +18,7 @@ from longwave.lattice import (
 )
 from longwave.lattice.numeric_lattice import NumericLattice, numeric_lattice
 from longwave.lattice.schemes import KAHAN_LI_8, REDUCED_PHASE_6, RK4, STOERMER_VERLET, Scheme
-from longwave.scenes.bench import time_function
+from longwave.scenes.time_functions import Integral, time_function
 from searches.driven_chains import DrivenCase, exact_state
 
 Array = NDArray[np.float64]
@@ -117,11 +117,24 @@ def test_fields_have_losses_and_walls_of_their_own(name: str) -> None:
         assert error(made, ends, state, run) < run.error_estimate <= 1e-7
 
 
+def driven_by_all(cells: int) -> DrivenChain:
+    """A wall with a velocity, defects beside it and elsewhere, losses, dashpots and a force."""
+    return driven_chain(
+        BETA,
+        cells,
+        left=Integral.of(shake, 0.0, 8.0),
+        right="fixed",
+        losses=0.2,
+        dashpots=0.1,
+        forces=[SiteForce(3, push)],
+        mass_factors={0: 2.0, 3: 5.0},
+        spring_factors={-1: 2.0, 7: 0.5},
+    )
+
+
 @pytest.mark.parametrize("scheme", [STOERMER_VERLET, REDUCED_PHASE_6, KAHAN_LI_8])
 def test_schemes_keep_their_order(scheme: Scheme) -> None:
-    made = driven_chain(
-        BETA, 40, left=shake, right="fixed", losses=0.2, dashpots=0.1, forces=[SiteForce(3, push)]
-    )
+    made = driven_by_all(40)
     state, ends = start(BETA, 40), 8.0
     exact = integrate(made, state, [ends], tolerance=1e-12).f
     errors = []
@@ -154,6 +167,72 @@ def test_a_linear_driven_chain_is_its_modes() -> None:
     run = integrate(made, State(0.0, *np.zeros((2, 1, 24))), times, tolerance=1e-10)
     exact = [modal_chain(24, 0.05, 5, 0.7, t) for t in times]
     assert np.abs(run.f[:, 0] - exact).max() < 1e-10
+
+
+def test_a_wall_with_a_velocity_moves_by_its_integral() -> None:
+    """A linear chain answers ``cos(0.7 t) - 1`` as its modes do."""
+    lattice = numeric_lattice(LATTICES["alpha_fput"], {"K2": 1, "K3": 0})
+    velocity = time_function("velocity", "-0.7*sin(7*t/10)")
+    made = driven_chain(
+        lattice, 24, left=Integral.of(velocity, 0.0, 40.0), right="fixed", losses=0.05
+    )
+    times = [5.0, 20.0, 40.0]
+    run = integrate(made, State(0.0, *np.zeros((2, 1, 24))), times, tolerance=1e-10)
+    exact = [modal_chain(24, 0.05, 0, 0.7, t) - modal_chain(24, 0.05, 0, 0.0, t) for t in times]
+    assert np.abs(run.f[:, 0] - exact).max() < 1e-10
+
+
+def test_a_linear_chain_with_defects_is_its_modes() -> None:
+    lattice = numeric_lattice(LATTICES["alpha_fput"], {"K2": 1, "K3": 0})
+    masses, springs = np.ones(16), np.ones(17)
+    masses[[0, 9]], springs[[0, 5, 16]] = (3.0, 0.2), (0.5, 4.0, 2.0)
+    made = driven_chain(
+        lattice,
+        16,
+        left="fixed",
+        right="fixed",
+        mass_factors={0: 3.0, 9: 0.2},
+        spring_factors={-1: 0.5, 4: [4.0], 15: 2.0},
+    )
+    stiffness = np.diag(springs[1:] + springs[:-1])
+    stiffness -= np.diag(springs[1:-1], 1) + np.diag(springs[1:-1], -1)
+    root = np.sqrt(masses)
+    squares, shapes = np.linalg.eigh(stiffness / np.outer(root, root))
+    state, omega = start(lattice, 16), np.sqrt(squares)
+    assert made.highest_frequency(made.rest_slopes()) > omega.max()
+    f, v = (shapes.T @ (root * part[0]) for part in state.arrays)
+    times = np.array([10.0, 60.0])
+    turned = np.cos(np.outer(times, omega)) * f + np.sin(np.outer(times, omega)) / omega * v
+    run = integrate(made, state, times, tolerance=1e-10)
+    assert np.abs(run.f[:, 0] - turned @ shapes.T / root).max() < 1e-10
+    energy = made.energy(*made.held(state).arrays)
+    assert energy == pytest.approx(0.5 * np.sum(v**2 + squares * f**2), rel=1e-12)
+
+
+@pytest.mark.parametrize("name", ["beta_fput", "mass_dimer", "klein_gordon"])
+@pytest.mark.parametrize("losses", [0.0, 0.1])
+def test_defects_are_felt_as_scipy_has_them(name: str, losses: float) -> None:
+    lattice = chain(name)
+    fields, bonds = len(lattice.fields), len(lattice.bonds)
+    masses = {0: [2.0, 0.3][:fields], 5: [0.2, 4.0][:fields], 11: [3.0, 0.5][:fields]}
+    springs = {0: [3.0, 0.2][:bonds], 8: [0.1, 2.0][:bonds]}
+    for ends in ((None, None), ("free", "free"), (shake, "fixed")):
+        for dashpot in (0.0, 0.3):
+            made = driven_chain(
+                lattice,
+                12,
+                left=ends[0],
+                right=ends[1],
+                losses=[losses, 0.0][:fields],
+                dashpots=dashpot,
+                forces=[SiteForce(5, push)],
+                mass_factors=masses,
+                spring_factors=springs,
+            )
+            state = start(lattice, 12)
+            run = integrate(made, state, [3.0], tolerance=1e-7)
+            case = DrivenCase(name, made, ends, state, 3.0, 1e-7, 1.0, masses, springs)
+            assert np.abs(run.f[-1] - exact_state(case)[0]).max() < run.error_estimate <= 1e-7
 
 
 def test_the_first_mode_of_1955_returns() -> None:
@@ -209,6 +288,17 @@ REFUSED: list[tuple[Callable[[], object], str]] = [
     (lambda: driven_chain(BETA, 8, losses=[0.1, 0.1]), "losses must be .*there are u"),
     (lambda: driven_chain(BETA, 8, forces=[SiteForce(8, push)]), "site of a force must be 0 to 7"),
     (lambda: driven_chain(BETA, 8, forces=[SiteForce(0, push, 1)]), "field of a force must be"),
+    (
+        lambda: driven_chain(BETA, 8, mass_factors={8: 2.0}),
+        "mass factors must be of cells .* got 8",
+    ),
+    (lambda: driven_chain(BETA, 8, mass_factors={1: 0.0}), "mass factors must be positive"),
+    (lambda: driven_chain(BETA, 8, spring_factors={9: 2.0}), "spring factors must be of .* got 9"),
+    (lambda: driven_chain(BETA, 8, spring_factors={1: [1, 2]}), "must be positive, one or 1, got"),
+    (
+        lambda: driven_chain(STRAIN, 8, mass_factors={1: 2.0}),
+        "must be of a chain of displacements, got fput_strain",
+    ),
     (
         lambda: driven_chain(STRAIN, 8, left="fixed", right="fixed"),
         "must be of a chain of displacements, got fput_strain",

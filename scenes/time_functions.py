@@ -1,0 +1,178 @@
+"""Functions of time that drive a chain: formulas, measured values, and their integrals."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+from numpy.polynomial import legendre
+from numpy.typing import NDArray
+
+from longwave.scenes.csv_table import number_list
+from longwave.support.user_files import shown
+
+if TYPE_CHECKING:
+    from scipy.interpolate import BSpline
+
+    from longwave.lattice.force_program import ForceProgram
+
+Array = NDArray[np.float64]
+Smooth: TypeAlias = "ForceProgram | Samples"
+"""A function of an array of times that has a slope."""
+
+DEGREE = 5
+"""Of the spline through measured values: its first four derivatives have no jumps, and a scheme of
+order 6 keeps its order (of order 4 with a cubic spline, of order 3 with one that is monotone)."""
+
+OUTSIDE = 0.5
+"""Share of the range of measured values by which a spline may leave it: between values that follow
+what they are measured of it does by a few hundredths."""
+
+PANELS, MOST_PANELS, NODES = 2**13, 2**18, 12
+"""Of an integral: at first, at most, and the points of Gauss's rule on each."""
+
+ROUNDING = 2.0**-50
+"""Share of the size of a panel's integral that is taken for rounding."""
+
+
+@dataclass(frozen=True)
+class Samples:
+    """Values at increasing times, and between them the spline of degree `DEGREE` through them."""
+
+    times: tuple[float, ...]
+    values: tuple[float, ...]
+
+    @classmethod
+    def of(cls, label: str, given: Mapping[str, Any]) -> Samples:
+        """From a table of lists ``t`` and ``value``; ValueError in one line for what is none.
+
+        >>> samples = Samples.of("value", {"t": range(7), "value": [0, 1, 4, 9, 16, 25, 36]})
+        >>> samples(np.array(2.5)).round(12), samples.slope(np.array(2.5)).round(12)
+        (array(6.25), array(5.))
+        """
+        if set(given) != {"t", "value"}:
+            raise ValueError(
+                f"{label} must be a formula in t or a table of t and value, got {shown(given)} "
+                "(such as { t = [...], value = [...] })"
+            )
+        times, values = (number_list(f"{name} of {label}", given[name]) for name in ("t", "value"))
+        if times.size != values.size or times.size <= DEGREE:
+            raise ValueError(
+                f"{label} must have at least {DEGREE + 1} times and as many values, got "
+                f"{times.size} and {values.size} (measure more)"
+            )
+        for row in np.flatnonzero(np.diff(times) <= 0.0)[:1]:
+            raise ValueError(
+                f"t of {label} must increase, got {times[row]:g} before {times[row + 1]:g} (in "
+                f"rows {row + 1} and {row + 2}; sort them)"
+            )
+        return cls(tuple(times.tolist()), tuple(values.tolist()))
+
+    @cached_property
+    def _spline(self) -> BSpline:
+        """The spline; ValueError where it leaves the range of the values far between them."""
+        from scipy.interpolate import make_interp_spline
+
+        found: BSpline = make_interp_spline(self.times, self.values, k=DEGREE)
+        rows = np.arange(8 * len(self.times)) / 8
+        times = np.interp(rows, np.arange(len(self.times)), self.times)
+        beyond = np.abs(found(times) - np.clip(found(times), min(self.values), max(self.values)))
+        allowed = OUTSIDE * np.ptp(self.values) + ROUNDING * max(map(abs, self.values))
+        if not beyond.max() <= allowed:
+            raise ValueError(
+                "measured values must be dense and even, got a spline that leaves their range by "
+                f"{beyond.max():.2g} at t = {times[beyond.argmax()]:g} (measure more often there)"
+            )
+        return found
+
+    def __call__(self, times: Array, /) -> Array:
+        """The values at these times; ValueError outside those of the table."""
+        first, last = self.times[0], self.times[-1]
+        room = 1e-9 * (last - first)
+        if not first - room <= np.min(times) <= np.max(times) <= last + room:
+            raise ValueError(
+                f"times must be within those of a table of measured values, {first:g} to {last:g}, "
+                f"got {np.min(times):g} to {np.max(times):g} (end earlier, or measure longer)"
+            )
+        return np.asarray(self._spline(times))
+
+    def slope(self, times: Array, /) -> Array:
+        """Their derivatives in time."""
+        return np.asarray(self._spline(times, 1))
+
+
+@dataclass(frozen=True, eq=False)
+class Integral:
+    """The integral of a function from the start on, to rounding: the function is its slope.
+
+    By Gauss's rule, on panels that are halved until their halves give the same.
+
+    >>> from longwave.derive.lattice_file import time_formula
+    >>> from longwave.lattice.force_program import program_of
+    >>> moved = Integral.of(program_of(time_formula("velocity", "cos(t)")), 1.0, 9.0)
+    >>> bool(abs(moved(np.array(7.0)) - np.sin(7.0) + np.sin(1.0)) < 1e-15)
+    True
+    """
+
+    slope: Smooth
+    edges: Array
+    sums: Array
+
+    @classmethod
+    def of(cls, slope: Smooth, begin: float, end: float) -> Integral:
+        """From the first of two times on, to the second; ValueError for what is too fast."""
+        knots = np.array(slope.times if isinstance(slope, Samples) else ())
+        within = knots[(begin < knots) & (knots < end)]
+        edges = np.union1d(np.linspace(begin, end, PANELS + 1), within)
+        while True:
+            low, high = edges[:-1], edges[1:]
+            middle, size = (low + high) / 2.0, max(abs(begin), abs(end))
+            halves = _integrated(slope, low, middle) + _integrated(slope, middle, high)
+            with np.errstate(all="ignore"):
+                values, slopes = np.abs(slope(middle)).max(), np.abs(slope.slope(middle))
+                rounding = ROUNDING * (high - low) * (values + size * slopes)
+                rough = np.abs(halves - _integrated(slope, low, high)) > rounding
+            finer = np.union1d(edges, middle[rough])
+            if finer.size == edges.size:
+                return cls(slope, edges, np.append(0.0, np.cumsum(halves)))
+            if finer.size > MOST_PANELS:
+                raise ValueError(
+                    f"velocity of a wall must change slowly enough to be integrated, got one that "
+                    f"{PANELS} panels from {begin:g} to {end:g} do not resolve (end earlier)"
+                )
+            edges = finer
+
+    def __call__(self, times: Array, /) -> Array:
+        """The integrals from the start to these times."""
+        place = np.clip(np.searchsorted(self.edges, times, "right"), 1, self.edges.size - 1) - 1
+        return np.asarray(self.sums[place] + _integrated(self.slope, self.edges[place], times))
+
+
+_POINTS, _WEIGHTS = legendre.leggauss(NODES)
+
+
+def _integrated(value: Smooth, low: Array, high: Array) -> Array:
+    """The integrals between times, by Gauss's rule."""
+    half = (high - low) / 2.0
+    with np.errstate(all="ignore"):
+        found = value(low[..., np.newaxis] + half[..., np.newaxis] * (1.0 + _POINTS))
+    return np.asarray(half * (found @ _WEIGHTS))
+
+
+def time_function(label: str, given: object) -> Smooth:
+    """A formula in t, read with the whitelist of forces, or a table of ``t`` and ``value``.
+
+    As a function of an array of times.
+
+    >>> time_function("value", "0.3*cos(0.9*t)")(np.array([0.0]))
+    array([0.3])
+    """
+    if isinstance(given, Mapping):
+        return Samples.of(label, given)
+    from longwave.derive.lattice_file import time_formula
+    from longwave.lattice.force_program import program_of
+
+    return program_of(time_formula(label, given))
