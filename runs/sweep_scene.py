@@ -36,7 +36,7 @@ VARIED = {
     **{name: tuple(keys) for name, keys in TABLES.items()},
     "disorder": tuple(field.name for field in fields(Disorder)),
     "losses": KINDS,
-    **{name: KEYS[name] for name in ("chain", "start")},
+    **{name: KEYS[name] for name in ("chain", "start", "defects")},
 }
 """What may vary: fields, and tables with their keys."""
 

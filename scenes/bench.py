@@ -2,14 +2,23 @@
 
 Its tables::
 
-    [chain]        sites, left, right: "fixed" (which they are unless said), "free", or a wall that
-                   moves, { displacement = "0.05*sin(1.3*t)" }
+    [chain]        sites, left, right: "fixed" (which they are unless said), "free", a wall that
+                   moves, { displacement = "0.05*sin(1.3*t)" } or { velocity = ... } (from 0 at the
+                   start), or a free end whose cell is pushed to the right, { force = ... }
     [start]        rest = true, mode = { number, amplitude } or impact = { site, velocity }, or a
-                   list of these
-    [[force]]      site, value (a formula in t), field (the first unless said)
+                   list of these; or lists, site and those of fields and their velocities, u, du
+    [[force]]      site, value (a formula in t, or a list at the times t), field (the first unless
+                   said)
+    [defects]      mass = { 12 = 3 }: factors of single cells' masses, or tables of such by field;
+                   spring = { 20 = 2 }: those of single bonds' forces, dashpots included, from a
+                   cell to the next (-1: from the left wall), or of several bonds lists
     [noise]        temperature, seed (0 unless said): a bath beside the losses of cells
     [observables]  sensors = { sites, of }, energy = true, mode_energies = [1, 2], flux = [5, 15],
                    state = true, every
+
+A wall's formula in t may be a table of measured values, ``{ t = [...], value = [...] }``, too. In
+any table ``file = "drive.csv"`` stands for the columns of that file, by their names: a scene holds
+the numbers.
 
 Losses are those of any scene (`losses.py`). Cells and sensors count from 0, modes from 1. ``of``
 are some of `SENSED`. With the energy of a chain that is driven or damped come work and heat since
@@ -21,18 +30,20 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import numpy as np
 
 from longwave.scenes import scene_checks as check
+from longwave.scenes.csv_table import number_list, with_columns
 from longwave.support.known_names import one_of
 from longwave.support.user_files import shown
 
-if TYPE_CHECKING:
-    from longwave.lattice.driving import TimeFunction
-
-BENCH_TABLES = ("chain", "start", "force", "noise", "observables")
+BENCH_TABLES = ("chain", "start", "force", "noise", "defects", "observables")
 
 MOST_READINGS = 10**6
 """Times at which sensors are read."""
@@ -42,7 +53,8 @@ KEYS = {
     "start": ("rest", "mode", "impact"),
     "mode": ("number", "amplitude"),
     "impact": ("site", "velocity", "field"),
-    "force": ("site", "value", "field"),
+    "force": ("site", "value", "field", "t"),
+    "defects": ("mass", "spring"),
     "noise": ("temperature", "seed"),
     "observables": ("sensors", "energy", "mode_energies", "flux", "state", "every"),
     "sensors": ("sites", "of", "every"),
@@ -56,6 +68,12 @@ SENSED = ("displacement", "velocity", "strain", "force")
 
 OF_MEANS = ("_error", "_spread")
 """Endings of what belongs to a mean over runs: half its interval, the standard deviation."""
+
+MOVES = ("displacement", "velocity", "force")
+"""What may be given of an end that does not rest, in time."""
+
+Drive: TypeAlias = "str | Mapping[str, Any]"
+"""A formula in t, or a table of times and values."""
 
 
 @dataclass(frozen=True)
@@ -84,11 +102,19 @@ class Mode:
 
 
 @dataclass(frozen=True)
+class Cells:
+    """What single cells do at the start: ``values`` by fields' names, of velocities as ``du``."""
+
+    sites: tuple[int, ...]
+    values: Mapping[str, tuple[float, ...]]
+
+
+@dataclass(frozen=True)
 class Push:
-    """A force on a cell, its value a formula in t."""
+    """A force on a cell."""
 
     site: int
-    value: str
+    value: Drive
     field: str = ""
 
 
@@ -114,9 +140,11 @@ class Bench:
     """
 
     sites: int
-    ends: tuple[str | Mapping[str, str], str | Mapping[str, str]]
-    start: tuple[Impact | Mode, ...] = ()
+    ends: tuple[str | Mapping[str, Drive], ...]
+    start: tuple[Impact | Mode | Cells, ...] = ()
     forces: tuple[Push, ...] = ()
+    masses: Mapping[int, float | Mapping[str, float]] = field(default_factory=dict)
+    springs: Mapping[int, float | tuple[float, ...]] = field(default_factory=dict)
     sensors: Sensors = field(default_factory=Sensors)
     energy: bool = False
     modes: tuple[int, ...] = ()
@@ -128,6 +156,8 @@ class Bench:
     def __post_init__(self) -> None:
         named = [("of [[force]]", push.site) for push in self.forces]
         named += [("of impact", part.site) for part in self.start if isinstance(part, Impact)]
+        cells = [part for part in self.start if isinstance(part, Cells)]
+        named += [("in [start]", site) for part in cells for site in part.sites]
         named += [("of sensors", site) for site in self.sensors.sites]
         for where, site in [*named, *(("of flux", site) for site in self.flux)]:
             if site >= self.sites:
@@ -154,11 +184,16 @@ class Bench:
             raise ValueError("sites in [chain] must be stated, got nothing (such as sites = 24)")
         watched = _table(tables.get("observables", {}), "observables")
         sensors = _table(watched.get("sensors", {}), "sensors")
+        sites = check.whole("sites in [chain]", chain["sites"], 2, 1e7)
+        ends, pushes = _ends(chain, sites)
+        defects = _table(tables.get("defects", {}), "defects")
         return cls(
-            check.whole("sites in [chain]", chain["sites"], 2, 1e7),
-            (_end("left", chain), _end("right", chain)),
+            sites,
+            ends,
             tuple(_start(tables.get("start"))),
-            tuple(_pushes(tables.get("force", []))),
+            (*_pushes(tables.get("force", [])), *pushes),
+            _factors("mass", defects),
+            _factors("spring", defects),
             _sensors(sensors),
             _truth("energy", watched.get("energy", False)),
             _numbers("mode_energies", watched, "modes", 1),
@@ -208,29 +243,47 @@ def _numbers(name: str, watched: Mapping[str, Any], of: str, least: int) -> tupl
     return tuple(check.whole(name, number, least) for number in given)
 
 
-def _end(side: str, chain: Mapping[str, Any]) -> str | Mapping[str, str]:
-    """What is at an end."""
-    given = chain.get(side, "fixed")
-    if isinstance(given, Mapping) and set(given) == {"displacement"}:
-        time_function(f"displacement of {side}", given["displacement"])
-        return {"displacement": given["displacement"]}
-    if isinstance(given, str) and given in ("fixed", "free"):
-        return given
-    raise ValueError(
-        f'{side} in [chain] must be "fixed", "free" or {{ displacement = "..." }}, got '
-        f"{shown(given)} (a formula in t)"
-    )
+def _ends(
+    chain: Mapping[str, Any], sites: int
+) -> tuple[tuple[str | Mapping[str, Drive], ...], list[Push]]:
+    """What is at the ends, one that is pushed being free, and the forces there."""
+    ends, pushes = [], []
+    for side, site in (("left", 0), ("right", sites - 1)):
+        given = chain.get(side, "fixed")
+        if isinstance(given, Mapping) and len(given) == 1 and set(given) <= set(MOVES):
+            [(kind, value)] = given.items()
+            _check_drive(f"{kind} of {side}", value)
+            pushes += [Push(site, value)] if kind == "force" else []
+            ends.append("free" if kind == "force" else given)
+        elif isinstance(given, str) and given in ("fixed", "free"):
+            ends.append(given)
+        else:
+            raise ValueError(
+                f'{side} in [chain] must be "fixed", "free" or one of {", ".join(MOVES)} in time, '
+                f'got {shown(given)} (such as {{ displacement = "0.1*sin(t)" }})'
+            )
+    return tuple(ends), pushes
 
 
-def _start(given: object) -> list[Impact | Mode]:
+def _check_drive(label: str, given: object) -> None:
+    """Refuse what is no function of time."""
+    from longwave.scenes.time_functions import time_function
+
+    time_function(label, given)
+
+
+def _start(given: object) -> list[Impact | Mode | Cells]:
     """What the cells do at the start."""
     entries = given if isinstance(given, list | tuple) else [given]
-    found: list[Impact | Mode] = []
+    found: list[Impact | Mode | Cells] = []
     for entry in entries:
         if entry is None:
             raise ValueError(
                 "start must be stated, got nothing (such as rest = true below a line [start])"
             )
+        if isinstance(entry, Mapping) and "site" in entry:
+            found.append(_cells(entry))
+            continue
         for key, value in _table(entry, "start").items():
             if key == "rest":
                 if value is not True:
@@ -248,6 +301,46 @@ def _start(given: object) -> list[Impact | Mode]:
     return found
 
 
+def _cells(given: Mapping[str, Any]) -> Cells:
+    """What lists by cell say."""
+    columns = {str(name): number_list(f"{name} in [start]", given[name]) for name in given}
+    numbers = columns.pop("site")
+    sites = tuple(
+        check.whole("site in [start]", int(n) if n.is_integer() else n, 0) for n in numbers.tolist()
+    )
+    if len({*sites}) < len(sites) or any(len(column) != len(sites) for column in columns.values()):
+        raise ValueError(
+            f"lists in [start] must have each cell once and a number of each, got {len(sites)} "
+            f"rows with {len({*sites})} cells (leave out what is there twice)"
+        )
+    return Cells(sites, {name: tuple(column.tolist()) for name, column in columns.items()})
+
+
+def _factors(name: str, defects: Mapping[str, Any]) -> dict[int, Any]:
+    """Factors by the numbers of cells or bonds: numbers, by field of masses, in a list of bonds."""
+    given = defects.get(name, {})
+    found: dict[int, Any] = {}
+    if not isinstance(given, Mapping):
+        raise ValueError(
+            f"{name} in [defects] must be a table by cells, got {shown(given)} (such as "
+            "{ 12 = 3 })"
+        )
+    for key, value in given.items():
+        if not re.fullmatch(r"-?\d{1,9}", str(key)):
+            raise ValueError(
+                f"{name} in [defects] must be by the numbers of cells, got {check.plain(key)} "
+                "(such as { 12 = 3 })"
+            )
+        label = f"{name} of {key} in [defects]"
+        if isinstance(value, Mapping) and name == "mass":
+            found[int(key)] = {str(one): check.finite(label, value[one]) for one in value}
+        elif isinstance(value, list | tuple) and name == "spring":
+            found[int(key)] = tuple(check.finite(label, one) for one in value)
+        else:
+            found[int(key)] = check.finite(label, value)
+    return found
+
+
 def _pushes(given: object) -> list[Push]:
     if not isinstance(given, list | tuple):
         raise ValueError(f"force must be [[force]] tables, got {shown(given)} (write [[force]])")
@@ -257,9 +350,12 @@ def _pushes(given: object) -> list[Push]:
         for key in ("site", "value"):
             if key not in table:
                 raise ValueError(f"{key} in [[force]] must be stated, got nothing")
-        time_function("value in [[force]]", table["value"])
+        value = table["value"]
+        if "t" in table:
+            value = {"t": table["t"], "value": value}
+        _check_drive("value in [[force]]", value)
         site = check.whole("site in [[force]]", table["site"], 0)
-        found.append(Push(site, table["value"], str(table.get("field", ""))))
+        found.append(Push(site, value, str(table.get("field", ""))))
     return found
 
 
@@ -291,19 +387,6 @@ def _every(given: object) -> float:
     return every
 
 
-def time_function(label: str, text: object) -> TimeFunction:
-    """A formula in t, read with the whitelist of forces, as a function of an array of times.
-
-    >>> import numpy as np
-    >>> time_function("value", "0.3*cos(0.9*t)")(np.array([0.0]))
-    array([0.3])
-    """
-    from longwave.derive.lattice_file import time_formula
-    from longwave.lattice.force_program import program_of
-
-    return program_of(time_formula(label, text))
-
-
 def bench_json(given: Mapping[str, Any]) -> str:
     """The bench among a scene's keywords in one spelling, empty if there is none."""
     said = json.loads(given["bench"]) if given.get("bench") else {}
@@ -317,4 +400,4 @@ def bench_json(given: Mapping[str, Any]) -> str:
             f"{first} must be with a chain on a bench, got no [chain] (state its sites, its ends "
             "and how it starts)"
         )
-    return json.dumps(said) if said else ""
+    return json.dumps(with_columns(said, Path()), default=np.ndarray.tolist) if said else ""

@@ -14,8 +14,9 @@ from longwave.lattice.driving import DrivenChain, End, SiteForce, driven_chain
 from longwave.lattice.energy_balance import Flow
 from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.lattice.state import State
-from longwave.scenes.bench import Bench, Impact, time_function
+from longwave.scenes.bench import Bench, Cells, Drive, Impact
 from longwave.scenes.losses import LossRates
+from longwave.scenes.time_functions import Integral, time_function
 from longwave.support.known_names import one_of
 from longwave.support.user_files import shown
 
@@ -63,11 +64,17 @@ READINGS = {
 
 
 def chain_on_bench(
-    bench: Bench, lattice: NumericLattice, losses: LossRates | None = None
+    bench: Bench,
+    lattice: NumericLattice,
+    span: tuple[float, float],
+    losses: LossRates | None = None,
 ) -> DrivenChain:
-    """The chain; ValueError for fields that it does not have."""
+    """The chain, from one time to another; ValueError for fields that it does not have."""
+    for given in bench.masses.values():
+        for name in given if isinstance(given, Mapping) else ():
+            _field(lattice, name, "[defects]")
     left, right = (
-        _end(side, given) for side, given in zip(("left", "right"), bench.ends, strict=True)
+        _end(side, given, *span) for side, given in zip(("left", "right"), bench.ends, strict=True)
     )
     forces = [
         SiteForce(
@@ -85,13 +92,22 @@ def chain_on_bench(
         losses=losses.sites if losses else 0.0,
         dashpots=losses.bonds if losses else 0.0,
         forces=forces,
+        mass_factors={
+            cell: [given.get(name, 1.0) for name in lattice.fields]
+            if isinstance(given, Mapping)
+            else given
+            for cell, given in bench.masses.items()
+        },
+        spring_factors=bench.springs,
     )
 
 
-def _end(side: str, given: str | Mapping[str, str]) -> End:
+def _end(side: str, given: str | Mapping[str, Drive], begin: float, end: float) -> End:
     if isinstance(given, str):
         return "free" if given == "free" else "fixed"
-    return time_function(f"displacement of {side}", given["displacement"])
+    [(kind, value)] = given.items()
+    moved = time_function(f"{kind} of {side}", value)
+    return moved if kind == "displacement" else Integral.of(moved, begin, end)
 
 
 def _field(lattice: NumericLattice, name: str, where: str) -> int:
@@ -110,6 +126,11 @@ def start_on_bench(bench: Bench, chain: DrivenChain, t: float) -> State:
     for part in bench.start:
         if isinstance(part, Impact):
             v[_field(chain, part.field, "impact"), part.site] += part.velocity
+        elif isinstance(part, Cells):
+            for name, values in part.values.items():
+                moved = f if name in chain.fields else v
+                place = _field(chain, name if moved is f else name.removeprefix("d"), "state")
+                moved[place, list(part.sites)] += values
         else:
             f += part.amplitude * _mode(bench, part.number)
     return State(t, f, v)
@@ -193,10 +214,11 @@ def _energy(at: Moment) -> float:
 def _mode_energies(at: Moment, bench: Bench) -> Array:
     """The energies of modes of displacement and velocity, by the slope of the force at rest."""
     chain, f, v = at[:3]
-    if len(chain.fields) > 1 or bench.ends != ("fixed", "fixed"):
+    is_even = bench.ends == ("fixed", "fixed") and not (bench.masses or bench.springs)
+    if len(chain.fields) > 1 or not is_even:
         raise ValueError(
-            "mode_energies must be of a chain of one field between fixed walls, got "
-            f"{chain.name} with {', '.join(map(str, bench.ends))} (leave them out)"
+            "mode_energies must be of a chain of one field between fixed walls without defects, "
+            f"got {chain.name} with {shown(bench.ends)} (leave them out)"
         )
     shapes = np.array([_mode(bench, number) for number in bench.modes])
     squares = chain.squared_frequencies(

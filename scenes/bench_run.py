@@ -55,7 +55,8 @@ def chain_of(scene: Scene, lossless: bool = False) -> tuple[Bench, DrivenChain]:
     bench = Bench.of_json(scene.bench)
     values = {name: number_value(name, value) for name, value in scene.constants}
     lattice, losses = without_losses(declared_lattice(scene), values)
-    return bench, chain_on_bench(bench, lattice, None if lossless else losses)
+    span = scene.t0, scene.end
+    return bench, chain_on_bench(bench, lattice, span, None if lossless else losses)
 
 
 def reading_times(scene: Scene, bench: Bench) -> Array:

@@ -30,6 +30,7 @@ from pathlib import Path
 from typing import Any
 
 from longwave.scenes.bench import BENCH_TABLES
+from longwave.scenes.csv_table import with_columns
 from longwave.scenes.scene_checks import CHAIN, CHAIN_CONSTANTS, plain, text
 from longwave.scenes.scene_disorder import Disorder
 from longwave.support.known_names import one_of
@@ -57,7 +58,7 @@ LATTICE_KEYS = ("fields", "masses", "positive", "spring", "site", "bond")
 STATED = {"step": "step in [scheme]", "domain": "kind in [domain]", "sites": "sites in [domain]"}
 """Required unless there is a tolerance."""
 
-LARGEST_FILE = 100_000
+LARGEST_FILE = 1_000_000
 """Bytes of a scene's file."""
 
 
@@ -121,7 +122,8 @@ def scene_fields(given: Mapping[str, Any], folder: Path = Path()) -> dict[str, A
                 f"[{name}])"
             )
     refuse_unknown(document, known, "")
-    found = {key: document[key] for key in (*TOP, *BENCH_TABLES) if key in document}
+    found = {key: document[key] for key in TOP if key in document}
+    found |= with_columns({key: document[key] for key in BENCH_TABLES if key in document}, folder)
     found |= _lattice(document.get("lattice"), folder)
     found |= {name: tuple(table(document, name).items()) for name in PAIRS}
     measured = table(json.loads(found.get("declared", "{}")), "constants")

@@ -80,6 +80,7 @@ def effects(bench: Bench, losses: str = "") -> str:
         "dashpots": '"bond"' in losses,
         "forces": bench.forces,
         "a bath": bench.noise,
+        "defects": bench.masses or bench.springs,
     }
     return "; ".join([f"ends: {ends}", *(name for name, given in acting.items() if given)])
 

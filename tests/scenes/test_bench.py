@@ -8,17 +8,22 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.special import erf
 
 from longwave.__main__ import main
+from longwave.derive import LATTICES
+from longwave.lattice import SiteForce, State, driven_chain, integrate
+from longwave.lattice.numeric_lattice import numeric_lattice
 from longwave.runs.run_file import load_run
 from longwave.runs.sweep_scene import changed_document, check_field, make_scene
-from longwave.scenes.bench import SENSED, Bench, time_function
+from longwave.scenes.bench import SENSED, Bench
 from longwave.scenes.bench_chain import READINGS
 from longwave.scenes.bench_run import chain_of
 from longwave.scenes.named_scenes import load_scene, scene_of_toml, shipped_scenes
 from longwave.scenes.scene import Scene
 from longwave.scenes.scene_file import toml_text
 from longwave.scenes.scene_run import resume, run
+from longwave.scenes.time_functions import Integral, Samples, time_function
 from tests.lattice.test_lattice_driving import modal_chain
 
 DRIVEN: dict[str, Any] = {
@@ -211,6 +216,141 @@ def test_runs_are_kept_told_and_made_again(
     assert "scene must have a wave" in capsys.readouterr().err
 
 
+def written(path: Path, **columns: Any) -> Path:
+    """A file of these columns, to the last bit."""
+    lines = [
+        ",".join(columns),
+        *(",".join(map(repr, row)) for row in zip(*columns.values(), strict=True)),
+    ]
+    path.write_text("\n".join(lines), encoding="utf-8")
+    return path
+
+
+TIMES = np.linspace(-0.5, 6.5, 71)
+
+
+def test_files_stand_for_their_numbers(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A run is made again to the same bits without them; another number makes another scene."""
+    wave = (0.05 * np.sin(1.3 * TIMES)).tolist()
+    drive = written(tmp_path / "drive.csv", t=TIMES.tolist(), value=wave)
+    written(tmp_path / "state.csv", site=[0, 5], u=[0.1, -0.1], du=[0.0, 0.3])
+    named = changed(
+        chain={"sites": 12, "left": {"velocity": {"file": "drive.csv"}}, "right": "free"},
+        force=[{"site": 3, "file": "drive.csv"}],
+        start=[{"file": "state.csv"}, {"impact": {"site": 5, "velocity": 0.25}}],
+    )
+    path = tmp_path / "driven.toml"
+    path.write_text(toml_text(named), encoding="utf-8")
+    scene, table = load_scene(path), {"t": TIMES, "value": wave}
+    assert scene == Scene.of(
+        **changed(
+            chain={"sites": 12, "left": {"velocity": table}, "right": "free"},
+            force=[{"site": 3, **table}],
+            start=[
+                {"site": [0.0, 5.0], "u": [0.1, -0.1], "du": [0.0, 0.3]},
+                {"impact": {"site": 5, "velocity": 0.25}},
+            ],
+        )
+    )
+    assert Scene.from_json(scene.json()) == scene == scene_of_toml(scene.toml())
+    monkeypatch.chdir(tmp_path)
+    assert Scene.of(**named) == scene
+    assert main(["run", "driven.toml", "--output", "run.nc"]) == 0
+    written(drive, t=TIMES.tolist(), value=[*wave[:-1], 1.0])
+    assert load_scene(path) != scene
+    drive.unlink()
+    assert main(["run", "run.nc"]) == 0
+    assert "same bits" in capsys.readouterr().out
+    found = load_run(tmp_path / "run.nc")
+    assert found.displacement[0].values[[0, 4, 5]].tolist() == [0.1, 0.0, -0.1]
+    assert found.velocity[0].values[[0, 5]].tolist() == [0.0, 0.55]
+
+
+def test_measured_drives_keep_the_order_of_a_scheme() -> None:
+    """With a spline of degree 3 it is 4, with a monotone one 3."""
+    times = np.arange(26) / 2
+    noise = 0.1 * np.random.default_rng(0).standard_normal(26)
+    measured = Samples.of("value", {"t": times, "value": noise})
+    lattice = numeric_lattice(LATTICES["alpha_fput"], {"K2": 1, "K3": 1})
+    made = driven_chain(lattice, 20, left="free", right="free", forces=[SiteForce(3, measured)])
+    state = State(0.0, *np.zeros((2, 1, 20)))
+    coarse, fine, exact = (
+        integrate(made, state, [12.0], step=12 / steps, measure_error=False).f
+        for steps in (37, 148, 1480)
+    )
+    assert np.log2(np.abs(coarse - exact).max() / np.abs(fine - exact).max()) / 2 > 5.5
+    np.testing.assert_allclose(measured(times), noise, atol=1e-16)
+    within = times[1:-1]
+    apart = measured(within + 1e-5) - measured(within - 1e-5)
+    np.testing.assert_allclose(measured.slope(within), apart / 2e-5, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("formula", "exact"),
+    [
+        ("sin(50*t)", lambda t: -np.cos(50 * t) / 50),
+        ("exp(-((t - 7)/0.001)**2)", lambda t: 5e-4 * np.sqrt(np.pi) * erf((t - 7) / 1e-3)),
+        ("sqrt(t - 3)", lambda t: (t - 3) ** 1.5 / 1.5),
+        ("tanh(100000*(t - 5))", lambda t: np.abs(t - 5) - np.log(2) / 1e5),
+    ],
+)
+def test_integrals_are_exact(formula: str, exact: Any) -> None:
+    moved = Integral.of(time_function("velocity", formula), 3.0, 12.0)
+    times = np.linspace(3.0, 12.0, 1001)[np.abs(np.linspace(-2.0, 7.0, 1001)) > 1e-3]
+    np.testing.assert_allclose(moved(times), exact(times) - exact(3.0), atol=2e-14)
+    assert float(moved(np.array(3.0))) == 0.0
+
+
+def test_a_pushed_end_is_a_free_one_with_a_force() -> None:
+    """A free chain gets the momentum of both pushes, which are to the right."""
+    ends = {"left": {"force": "sin(t)"}, "right": {"force": "t/10"}}
+    tables = {"losses": {"site": 0}, "force": [], "start": {"rest": True}}
+    scene = Scene.of(**changed(chain={"sites": 12, **ends}, **tables))
+    bench, chain = chain_of(scene)
+    assert bench.ends == ("free", "free")
+    assert [force.site for force in chain.outer_forces] == [0, 11]
+    found = run(scene)
+    got = found.velocity.sum("cell").values
+    np.testing.assert_allclose(got, 1 - np.cos(found.time) + found.time**2 / 20, atol=1e-6)
+
+
+def test_defects_are_of_single_cells_and_bonds() -> None:
+    defects = {"mass": {"2": 3, "4": {"u": 0.5}}, "spring": {"-1": 2, "5": [0.25], "10": 0}}
+    scene = Scene.of(**changed(defects=defects))
+    assert Scene.from_json(scene.json()) == scene == scene_of_toml(scene.toml())
+    chain = chain_of(scene)[1]
+    masses = np.ones(12)
+    masses[[2, 4]] = 3, 0.5
+    np.testing.assert_array_equal(chain.cell_masses[0, :12], masses)
+    f = np.zeros((1, chain.deviations.shape[1]))
+    f[0, :12] = np.arange(1, 13)
+    forces = chain.forces(f)[0]
+    assert forces[[-1, 0, 5, 10]].tolist() == [6.0, 3.0, 0.75, 0.0]
+    document = tomllib.loads(scene.toml())
+    check_field("defects.mass")
+    made = make_scene(changed_document(document, {"defects.mass": {"2": 4}}), "driven", Path())
+    assert made == Scene.of(**changed(defects=defects | {"mass": {"2": 4}}))
+
+
+def test_what_defects_and_measured_walls_gain_is_work_less_heat() -> None:
+    wall = {"velocity": {"t": TIMES, "value": 0.05 * np.sin(1.3 * TIMES)}}
+    scene = Scene.of(
+        **changed(
+            chain={"sites": 12, "left": wall, "right": {"force": "0.1*sin(t)"}},
+            losses={"site": 0.05, "bond": 0.1},
+            defects={"mass": {0: 2, 10: 0.3, 11: 4}, "spring": {-1: 3, 5: 0.25}},
+            observables={"energy": True},
+            tolerance=1e-9,
+        )
+    )
+    found = run(scene)
+    assert found.heat[-1] > 1e-2
+    gained = found.energy - found.energy[0]
+    np.testing.assert_allclose(gained, found.work - found.heat, rtol=0, atol=3e-9)
+
+
 def test_formulas_in_time_are_read_not_run() -> None:
     t = np.array([0.0, 0.5])
     np.testing.assert_allclose(
@@ -228,6 +368,59 @@ REFUSED: list[tuple[dict[str, Any], str]] = [
     ({"chain": {"sites": 8, "lefft": "free"}}, "keys in [chain] must be known ones, got lefft"),
     ({"chain": {"sites": 8, "left": "loose"}}, 'left in [chain] must be "fixed"'),
     ({"chain": {"sites": 8, "left": {"displacement": "s"}}}, "displacement of left"),
+    ({"chain": {"sites": 8, "left": {"velocity": "1/0"}}}, "velocity of left"),
+    (
+        {"chain": {"sites": 12, "left": {"velocity": "sin(1e9*t)"}}},
+        "must change slowly enough to be",
+    ),
+    (
+        {"chain": {"sites": 8, "right": {"speed": "t"}}},
+        'right in [chain] must be "fixed"',
+    ),
+    ({"chain": {"sites": 8, "right": {"force": "t", "velocity": "t"}}}, "one of displacement, vel"),
+    ({"chain": {"sites": 8, "left": {"velocity": {"t": [0, 9]}}}}, "a table of t and value, got {"),
+    ({"force": [{"site": 1, "t": [0, 1], "value": [0, 1]}]}, "at least 6 times and as many values"),
+    ({"force": [{"site": 1, "t": [*range(9)], "value": [0] * 8}]}, "values, got 9 and 8"),
+    ({"force": [{"site": 1, "t": [*range(9)], "value": "t"}]}, "must be a list of numbers"),
+    (
+        {"force": [{"site": 1, "t": "0", "value": [0] * 9}]},
+        "t of value in [[force]] must be",
+    ),
+    (
+        {"force": [{"site": 1, "t": [0] * 9, "value": [0] * 9}]},
+        "must increase, got 0 before 0",
+    ),
+    ({"force": [{"site": 1, "t": [*range(9)], "value": [np.nan] * 9}]}, "finite, got nan in row 1"),
+    (
+        {"force": [{"site": 1, "t": [*range(6)], "value": [0] * 6}]},
+        "within those of a table of",
+    ),
+    (
+        {"force": [{"site": 1, "t": [*range(9)], "value": [-1, 1] * 4 + [-1]}]},
+        "dense and even",
+    ),
+    ({"force": [{"site": 1, "file": 3}]}, "file must be a name, got 3"),
+    ({"force": [{"site": 1, "file": "no.csv"}]}, "no.csv: No such file or directory"),
+    ({"force": [{"site": 1, "value": "t", "file": "/dev/null"}]}, "must be a regular file, got"),
+    ({"start": {"site": [0, 0], "u": [1, 1]}}, "each cell once and a number of each, got 2 rows"),
+    ({"start": {"site": [0, 1], "u": [1]}}, "each cell once and a number of each"),
+    ({"start": {"site": [0.5], "u": [1]}}, "site in [start] must be a whole number"),
+    ({"start": {"site": [12], "u": [1]}}, "site in [start] must be 0 to 11, got 12"),
+    ({"start": {"site": [1], "w": [1]}}, "field in state must be one of beta_fput, got 'w'"),
+    ({"start": {"u": [1]}}, "keys in [start] must be known ones, got u"),
+    ({"defects": {"masses": {1: 2}}}, "keys in [defects] must be known ones, got masses"),
+    ({"defects": {"mass": 2}}, "mass in [defects] must be a table by cells, got 2"),
+    ({"defects": {"mass": {"x": 2}}}, "mass in [defects] must be by the numbers of cells, got x"),
+    (
+        {"defects": {"mass": {12: 2}}},
+        "mass factors must be of cells and bonds",
+    ),
+    ({"defects": {"mass": {1: 0}}}, "mass factors must be positive, one or 1, got 0"),
+    ({"defects": {"mass": {1: {"w": 2}}}}, "field in [defects] must be one of beta_fput, got 'w'"),
+    ({"defects": {"mass": {1: [2]}}}, "mass of 1 in [defects] must be a number, got [2]"),
+    ({"defects": {"spring": {20: "2*K2"}}}, "must be a number, got '2*K2'"),
+    ({"defects": {"spring": {1: [2, 2]}}}, "spring factors must be positive, one or 1, got (2.0"),
+    ({"defects": {"spring": {-2: 2}}}, "spring factors must be of cells and bonds of the chain"),
     ({"start": None}, "start must be stated"),
     ({"start": {"rest": False}}, "rest in [start] must be true"),
     ({"start": {"impact": {"site": 99, "velocity": 1}}}, "site of impact must be 0 to 11, got 99"),
@@ -268,6 +461,8 @@ def test_what_is_refused(tables: dict[str, Any], text: str) -> None:
 
 
 def test_a_bench_is_run_from_its_start_and_with_a_chain() -> None:
+    with pytest.raises(ValueError, match="without defects"):
+        run(load_scene("fput_1955").changed(defects={"spring": {3: 2}}))
     with pytest.raises(ValueError, match=r"force must be with a chain on a bench, got no \[chain"):
         Scene.of(name="pushed", wave="kdv_soliton", lattice="toda", eps=0.1, force=[])
     found = run(Scene.of(**changed(times=[0, 1], observables={"state": True})))
