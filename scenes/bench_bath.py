@@ -32,7 +32,9 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-FIRST_RUNS, MOST_RUNS = 8, 100_000
+FIRST_RUNS, MOST_RUNS = 64, 100_000
+"""Energies of modes are spread like exponentials, and few runs that are small by chance are spread
+little, too: of a thousand 95 % intervals after 8 such runs or more 860 held, and 920 after 64."""
 
 CONFIDENCE = 0.95
 """Of the interval of each mean."""
