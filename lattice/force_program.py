@@ -81,6 +81,31 @@ class ForceProgram:
             return _run(self.slope_instructions, stretch)
         return np.asarray(self._slope(stretch))
 
+    def enclosed(self, low: Array, high: Array) -> tuple[Array, Array]:
+        """Bounds of what a program gives between ``low`` and ``high``, cell by cell.
+
+        >>> from sympy import exp
+        >>> from longwave.derive.symbols import x
+        >>> low, high = program_of(exp(-(x**2))).enclosed(np.array([-1.0]), np.array([1.0]))
+        >>> low.round(2).tolist(), high.round(2).tolist()
+        ([0.37], [1.0])
+        """
+        stack: list[tuple[Array, Array]] = []
+        for word, number in self.instructions:
+            if word in ("x", "number"):
+                stack.append((low, high) if word == "x" else (np.full_like(low, number),) * 2)
+                continue
+            a, b = stack.pop()
+            if word == "add":
+                c, d = stack.pop()
+                stack.append((a + c, b + d))
+            elif word == "multiply":
+                c, d = stack.pop()
+                stack.append(_hull(a * c, a * d, b * c, b * d))
+            else:
+                stack.append(_power(a, b, number) if word == "power" else _unary(word, a, b))
+        return stack.pop()
+
     def largest_summand(self, stretch: Array) -> float:
         """The largest number that is added on the way: the force holds its roundings.
 
@@ -111,6 +136,41 @@ class ForceProgram:
         apart, roots = stretch - self.opening, (1 + nodes) / 2
         forces = self(self.opening + np.multiply.outer(roots**2, apart))
         return np.asarray(apart * np.tensordot(weights * roots, forces, 1))
+
+
+def _hull(*values: Array) -> tuple[Array, Array]:
+    return np.minimum.reduce(values), np.maximum.reduce(values)
+
+
+def _power(a: Array, b: Array, power: float) -> tuple[Array, Array]:
+    """Bounds of a power between a and b."""
+    whole, even = power.is_integer(), power % 2.0 == 0.0
+    a = a if whole else np.maximum(a, 0.0)
+    low, high = _hull(a**power, b**power)
+    inside = (a <= 0.0) & (b >= 0.0)
+    if power < 0.0:
+        least = -np.inf if whole and not even else low
+        return np.where(inside, least, low), np.where(inside, np.inf, high)
+    return (np.where(inside & even, 0.0, low), high)
+
+
+def _unary(word: str, a: Array, b: Array) -> tuple[Array, Array]:
+    """Bounds of a function of one argument between a and b."""
+    low, high = _hull(UNARY[word](a), UNARY[word](b))
+    if word == "cosh":
+        low = np.where((a < 0.0) & (b > 0.0), 1.0, low)
+    elif word in ("sin", "cos"):
+        crest = 0.25 if word == "sin" else 0.0
+        for turn, end in ((crest, 1.0), (crest + 0.5, -1.0)):
+            met = np.floor(b / (2.0 * np.pi) - turn) > np.floor(a / (2.0 * np.pi) - turn)
+            low, high = (
+                np.where(met, end, bound) if end * s > 0 else bound
+                for s, bound in ((-1.0, low), (1.0, high))
+            )
+    elif word == "tan":
+        met = np.floor(b / np.pi - 0.5) > np.floor(a / np.pi - 0.5)
+        low, high = np.where(met, -np.inf, low), np.where(met, np.inf, high)
+    return low, high
 
 
 @cache
@@ -179,6 +239,8 @@ def _instructions(expression: Any) -> list[Instruction]:
     if expression.is_Symbol:
         return [("x", 0.0)]
     if expression.is_number:
+        if not expression.is_real:
+            raise ValueError(f"numbers of a formula must be real, got {expression} (change it)")
         return [("number", float(expression))]
     if isinstance(expression, Add | Mul):
         word = "add" if isinstance(expression, Add) else "multiply"

@@ -154,6 +154,9 @@ class Bench:
     noise: Noise | None = None
 
     def __post_init__(self) -> None:
+        watches = self.sensors.sites and self.sensors.of
+        if not (watches or self.energy or self.modes or self.flux or self.state):
+            raise ValueError("observables must name what is watched, got nothing (state = true)")
         named = [("of [[force]]", push.site) for push in self.forces]
         named += [("of impact", part.site) for part in self.start if isinstance(part, Impact)]
         cells = [part for part in self.start if isinstance(part, Cells)]
@@ -187,6 +190,8 @@ class Bench:
         sites = check.whole("sites in [chain]", chain["sites"], 2, 1e7)
         ends, pushes = _ends(chain, sites)
         defects = _table(tables.get("defects", {}), "defects")
+        if "every" in watched and "every" in sensors:
+            raise ValueError("every must be in [observables] or in sensors, got both (leave one)")
         return cls(
             sites,
             ends,
@@ -207,10 +212,11 @@ class Bench:
 def check_bath(bench: Bench, losses: Mapping[str, Any]) -> None:
     """Refuse a bath that the losses of cells are not of."""
     for key, wanted in (("site", True), ("bond", False)) if bench.noise else ():
-        if bool(losses.get(key)) is not wanted:
+        rates = losses.get(key)
+        if bool(any(rates.values()) if isinstance(rates, Mapping) else rates) is not wanted:
             raise ValueError(
                 f"{key} in [losses] must be {'given' if wanted else 'left out'} with [noise], got "
-                f"{shown(losses.get(key))} (the bath is at the cells that lose energy to it)"
+                f"{shown(rates)} (the bath is at the cells that lose energy to it)"
             )
 
 
@@ -276,8 +282,8 @@ def _start(given: object) -> list[Impact | Mode | Cells]:
     """What the cells do at the start."""
     entries = given if isinstance(given, list | tuple) else [given]
     found: list[Impact | Mode | Cells] = []
-    for entry in entries:
-        if entry is None:
+    for entry in entries or [None]:
+        if not entry and not isinstance(entry, str):
             raise ValueError(
                 "start must be stated, got nothing (such as rest = true below a line [start])"
             )
@@ -400,4 +406,9 @@ def bench_json(given: Mapping[str, Any]) -> str:
             f"{first} must be with a chain on a bench, got no [chain] (state its sites, its ends "
             "and how it starts)"
         )
-    return json.dumps(with_columns(said, Path()), default=np.ndarray.tolist) if said else ""
+    try:
+        return json.dumps(with_columns(said, Path()), default=np.ndarray.tolist) if said else ""
+    except TypeError as error:
+        raise ValueError(
+            f"tables of a bench must hold numbers, texts and lists, got another ({error})"
+        ) from None

@@ -3,6 +3,7 @@
 import copy
 import re
 import tomllib
+from datetime import date
 from pathlib import Path
 from typing import Any
 
@@ -363,6 +364,15 @@ def test_formulas_in_time_are_read_not_run() -> None:
 
 
 REFUSED: list[tuple[dict[str, Any], str]] = [
+    ({"observables": {"energy": False}}, "observables must name what is watched, got nothing"),
+    ({"observables": {"sensors": {"sites": [0], "of": []}}}, "observables must name what"),
+    ({"observables": {"every": 1, "sensors": {"every": 2}}}, "every must be in [observables] or"),
+    (
+        {"chain": {"sites": date(2000, 1, 1)}},
+        "tables of a bench must hold numbers, texts and lists",
+    ),
+    ({"start": {}}, "start must be stated, got nothing"),
+    ({"force": [{"site": 1, "value": "sqrt(-1)*t"}]}, "numbers of a formula must be real, got I"),
     ({"chain": {"left": "free"}}, "sites in [chain] must be stated"),
     ({"chain": {"sites": 1}}, "sites in [chain] must be a whole number, 2 <="),
     ({"chain": {"sites": 8, "lefft": "free"}}, "keys in [chain] must be known ones, got lefft"),

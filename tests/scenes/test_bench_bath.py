@@ -82,6 +82,7 @@ def test_the_seed_gives_the_same_bits() -> None:
         ({"noise": {"heat": 1}}, "keys in [noise] must be known ones, got heat"),
         ({"noise": 3}, "noise must be a table"),
         ({"losses": {"site": 0}}, "site in [losses] must be given with [noise], got 0"),
+        ({"losses": {"site": {"u": 0}}}, "site in [losses] must be given with [noise], got"),
         ({"losses": {"site": 1, "bond": 0.1}}, "bond in [losses] must be left out with [noise]"),
         ({"tolerance": 1e-7}, "tolerance must be one that 100000 runs reach, got 1e-07"),
     ],
