@@ -342,6 +342,50 @@ def test_a_short_push_is_not_missed(width: float) -> None:
     assert run.v.sum() == pytest.approx(0.1 * np.sqrt(np.pi), abs=1e-6)
 
 
+@pytest.mark.parametrize(
+    "push",
+    [
+        "5*exp(-((t - 1234.5073)/w)**2)",
+        "sin(t) + 1/(1 + ((t - 1234.5073)/w)**2)",
+        "tanh((t - 3.1)/w) - tanh((t - 3.1 - w)/w)",
+    ],
+)
+@pytest.mark.parametrize("width", ["1e-4", "1e-6"])
+def test_a_push_between_the_times_looked_at_is_found(push: str, width: str) -> None:
+    value = time_function("value", push.replace("w", width))
+    made = driven_chain(BETA, 8, left="free", right="free", forces=[SiteForce(3, value)])
+    assert 0.5 < made.driven_within(0.0, 2000.0) / float(width) < 10.0
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        *("sin(3*t)*t", "cos(t)**2", "exp(-((t - 1)/3)**2)", "t**3 - t**2", "t**(-3)", "t**(-2)"),
+        *("tan(t/10)", "sqrt(t**2 + 1)", "cosh(t) - t*sinh(t/3)", "(t**2 + 1)**(-3/2)", "2**t"),
+        "atan(5*t)*tanh(t)*asinh(t)",
+    ],
+)
+def test_formulas_are_enclosed(text: str) -> None:
+    random = np.random.default_rng(5)
+    low = random.uniform(-6.0, 6.0, 300)
+    high = low + 10.0 ** random.uniform(-4.0, 1.0, 300)
+    value = time_function("value", text)
+    with np.errstate(all="ignore"):
+        least, most = value.enclosed(low, high)  # type: ignore[attr-defined]
+        seen = np.array([value(low + share * (high - low)) for share in np.linspace(0, 1, 201)])
+        spare = 1e-9 * np.abs(seen)
+    assert np.all((seen >= least - spare) & (seen <= most + spare))
+    tight = high - low < 1e-3
+    ratio = np.median((most - least)[tight] / np.ptp(seen[:, tight], axis=0))
+    assert ratio < 3.0
+
+
+def test_strong_losses_are_run() -> None:
+    made = driven_chain(BETA, 4, left="fixed", right="fixed", losses=1e4)
+    run = integrate(made, State(0.0, np.zeros((1, 4)), np.ones((1, 4))), [1.0], tolerance=1e-9)
+    np.testing.assert_allclose(run.f[-1], 1e-4, rtol=1e-3)
+
+
 def test_a_fast_push_is_followed() -> None:
     made = driven_chain(BETA, 8, forces=[SiteForce(3, lambda t: 1e3 * np.sin(1e4 * t))])
     run = integrate(made, State(0.0, *np.zeros((2, 1, 8))), [1.0], tolerance=1e-6)
