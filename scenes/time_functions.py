@@ -50,8 +50,8 @@ class Samples:
         """From a table of lists ``t`` and ``value``; ValueError in one line for what is none.
 
         >>> samples = Samples.of("value", {"t": range(7), "value": [0, 1, 4, 9, 16, 25, 36]})
-        >>> samples(np.array(2.5)).round(12), samples.slope(np.array(2.5)).round(12)
-        (array(6.25), array(5.))
+        >>> round(float(samples(np.array(2.5))), 12), round(float(samples.slope(np.array(2.5))), 12)
+        (6.25, 5.0)
         """
         if set(given) != {"t", "value"}:
             raise ValueError(

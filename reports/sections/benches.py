@@ -71,7 +71,7 @@ def balance_table(runs: Mapping[str, SceneRun]) -> str:
 def effects(bench: Bench, losses: str = "") -> str:
     """What acts on a chain, in words.
 
-    >>> effects(Bench(8, ("fixed", "free")), '{"site": 0.1}')
+    >>> effects(Bench(8, ("fixed", "free"), energy=True), '{"site": 0.1}')
     'ends: fixed, free; losses of cells'
     """
     ends = ", ".join(end if isinstance(end, str) else "moved" for end in bench.ends)

@@ -59,7 +59,7 @@ def test_a_chain_that_did_not_run_says_why_and_has_no_picture(found: SceneRun) -
 
 def test_every_effect_has_its_word() -> None:
     ends = {"displacement": "sin(t)"}, "free"
-    bench = Bench(8, ends, (), (Push(0, "t"),), noise=Noise(1.0))
+    bench = Bench(8, ends, (), (Push(0, "t"),), noise=Noise(1.0), energy=True)
     losses = '{"site": {"u": 0.1}, "bond": 0.2}'
     words = "ends: moved, free; losses of cells; dashpots; forces; a bath"
     assert effects(bench, losses) == words
