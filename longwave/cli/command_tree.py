@@ -159,6 +159,8 @@ def run(scene: str, **options: Any) -> int:
 
 @longwave.command(epilog=example("longwave sweep error_over_k --processes 2 --output errors.nc"))
 @click.argument("sweep", shell_complete=complete_sweeps)
+@click.option("--samples", type=int, metavar="N", help="Run a scene at N draws of its constants.")
+@click.option("--seed", type=int, metavar="N", help="Of the samples (0).")
 @click.option("--processes", type=int, metavar="N", help="Worker processes (all cores).")
 @click.option("--scheduler", metavar="ADDRESS", help="A Dask scheduler, tcp://HOST:PORT, instead.")
 @path_option("--store", "FOLDER", "Keeps the runs (default SWEEP.store).")
@@ -171,6 +173,9 @@ def sweep(sweep: str, **options: Any) -> int:
     SWEEP is a TOML file that says which, or the name of a shipped sweep (`longwave list sweeps`).
     Runs are kept in a folder: the same command goes on where it was stopped. A cell that fails is
     recorded with its error.
+
+    With --samples SWEEP is a scene, whose lattice file has the covariance of its constants, as
+    `longwave fit` writes it: each observable is then told with its 95 % interval.
     """
     from longwave.cli.sweep_command import sweep_and_print
 

@@ -27,6 +27,8 @@ from longwave.support.request_limits import check_request, current_limits, durat
 if TYPE_CHECKING:
     import xarray as xr
 
+    from longwave.runs.sampled_sweep import Observed
+
 
 PACED = 4
 """Cells of each worker by whose pace the rest is judged: the first ones wait for what is loaded."""
@@ -41,21 +43,23 @@ def sweep_and_print(
     store: str | None = None,
     output: str | None = None,
     force: bool = False,
+    samples: int | None = None,
+    seed: int | None = None,
 ) -> int:
     """Run a sweep, print how its cells ended, and write its data set to ``output``.
 
-    Its runs are kept in the folder ``store``. Exit status 0, 1 if a cell did not come to its end or
+    With ``samples`` the ``source`` is a scene, which is run at so many draws of its measured
+    constants; its observables are printed with their intervals. Runs are kept in the folder
+    ``store``. Exit status 0, 1 if a cell did not come to its end or
     could not be written, 2 for bad input, told in one line, and 130 after Ctrl-C, which ``program``
     tells: what was done is in the store then, and the same command goes on with what is missing.
     More than 5 s are announced, and 2 s that nobody foresaw.
     """
-    from longwave.runs.sweep_dataset import write_sweep
-
     told = SweepState(0)
     try:
         with store_messages():
             with progress_bar("reading", "reading the sweep"):
-                sweep = load_sweep(source)
+                sweep = _asked(source, samples, seed)
                 told.cells = len(sweep)
                 output = output or f"{sweep.name}.nc"
                 check_run_output(output, force=True)
@@ -71,7 +75,7 @@ def sweep_and_print(
             with sweep_workers(processes, scheduler) as workers:
                 told.workers = workers.count
                 _run_with_bar(sweep, kept, workers, told, expected, settled)
-            found = write_sweep(sweep, kept, output)
+            found, seen = _written(sweep, kept, output, samples is not None)
     except KeyboardInterrupt:
         return interrupted(program, _kept(told))
     except OSError as error:
@@ -81,9 +85,35 @@ def sweep_and_print(
         return BROKEN
     except ValueError as error:
         return fail(error)
-    lines = [*summary_lines(sweep, found, told), f"written: {output}; runs: {kept.folder}"]
+    lines = [*summary_lines(sweep, found, told), *(one.text() for one in seen)]
+    lines.append(f"written: {output}; runs: {kept.folder}")
     print_lines(plain_console(), lines)
     return 0 if bool((found["status"] == DONE).all()) else 1
+
+
+def _asked(source: str, samples: int | None, seed: int | None) -> Sweep:
+    """The sweep, or the sampled scene."""
+    if samples is not None:
+        from longwave.runs.sampled_sweep import sampled_sweep
+
+        return sampled_sweep(source, samples, seed or 0)
+    if seed is not None:
+        raise ValueError(
+            f"--seed must be given with --samples, got {seed} alone (a sweep's is in its file)"
+        )
+    return load_sweep(source)
+
+
+def _written(
+    sweep: Sweep, store: RunStore, output: str, sampled: bool
+) -> tuple[xr.Dataset, list[Observed]]:
+    """The data set that is written, and what is seen of a sampled scene."""
+    from longwave.runs.sampled_sweep import write_samples
+    from longwave.runs.sweep_dataset import write_sweep
+
+    if sampled:
+        return write_samples(sweep, store, output)
+    return write_sweep(sweep, store, output), []
 
 
 def _kept(told: SweepState) -> str:
