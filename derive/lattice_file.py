@@ -45,6 +45,7 @@ import sympy as sp
 
 from longwave.derive.algebra.contact import contact
 from longwave.derive.algebra.formula_expression import read_formula
+from longwave.derive.algebra.formula_printing import formula_as_text
 from longwave.derive.algebra.formula_text import Vocabulary
 from longwave.derive.lattice import Bond, Cell, Lattice, Stencil, on_site, spring
 from longwave.derive.measured import Measured
@@ -120,6 +121,41 @@ def lattice_of(document: Mapping[str, Any], name: str = "lattice") -> Lattice:
     title = _title("title", document.get("title", called))
     found = Lattice(called, title, tuple(fields), tuple(masses), tuple(bonds))
     return replace(found, measured=_measured(document, found))
+
+
+def document_of_lattice(lattice: Lattice) -> dict[str, Any]:
+    """The tables of a lattice without losses, of which `lattice_of` makes it again.
+
+    >>> from longwave.derive import LATTICES
+    >>> document_of_lattice(LATTICES["toda"])["bond"][0]["stretch"]
+    '+1*u[n+1] -1*u[n+0]'
+    """
+
+    def sum_of(entries: tuple[Stencil, ...], name: str = "") -> str:
+        axes = [zip("nm", entry.shift, strict=False) for entry in entries]
+        cells = [",".join(f"{axis}{step:+d}" for axis, step in pairs) for pairs in axes]
+        return " ".join(
+            f"{entry.weight:+d}*{name or lattice.fields[entry.field]}[{cell}]"
+            for entry, cell in zip(entries, cells, strict=True)
+        )
+
+    def acts(bond: Bond) -> dict[str, str]:
+        ends = {place: [e for e in bond.action if e.field == place] for place in range(MOST)}
+        return {lattice.fields[i]: sum_of(tuple(found), "F") for i, found in ends.items() if found}
+
+    return {
+        "fields": list(lattice.fields),
+        "masses": [formula_as_text(mass) for mass in lattice.masses],
+        "positive": [str(symbol) for symbol in lattice.constants if symbol.is_positive],
+        "bond": [
+            {
+                "stretch": sum_of(bond.stretch),
+                "action": acts(bond),
+                "force": formula_as_text(bond.force),
+            }
+            for bond in lattice.bonds
+        ],
+    }
 
 
 def _measured(document: Mapping[str, Any], lattice: Lattice) -> Measured | None:

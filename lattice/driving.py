@@ -144,6 +144,12 @@ class DrivenChain(DisorderedLattice):
         return [np.ones(()) if varied is None else 1.0 + varied[1] for varied in self._varied()]
 
     @property
+    def bond_shares(self) -> Array:
+        """1 for each bond in each cell, 0 where it is cut, (bonds, ring)."""
+        ones = np.ones(self.deviations.shape[1])
+        return np.array([ones if cut is None else ones + cut[1] for cut in self._varied()])
+
+    @property
     def cell_count(self) -> int | None:
         """The cells that move."""
         return self.cells

@@ -25,6 +25,7 @@ _NOUNS = {
     "longwave.reports.pictures.animation": "animate",
     "longwave.runs.run_file": "load_run save_run",
     "longwave.scenes.fits.force_fit": "fit_force",
+    "longwave.scenes.fits.scene_fit": "fit_scene",
     "longwave.scenes.named_scenes": "load_scene shipped_scenes",
     "longwave.scenes.numerics": "Discretisation Tolerance",
     "longwave.scenes.scene": "Scene",

@@ -21,6 +21,7 @@ from longwave.derive.measured import Measured
 from longwave.derive.symbols import number_value
 from longwave.runs.run_file import file_content
 from longwave.runs.sweep_file import MOST_CELLS, SAMPLE, Sweep, SweptDimension
+from longwave.scenes.bench import OF_MEANS
 from longwave.scenes.lattice_derivation import declared_lattice
 from longwave.scenes.named_scenes import load_scene
 from longwave.scenes.scene import Scene
@@ -124,8 +125,8 @@ def _quantiles(samples: NDArray[np.float64]) -> NDArray[np.float64]:
 def observed(sweep: Sweep, store: RunStore, found: xr.Dataset) -> Iterator[Observed]:
     """What is seen of a sampled scene, from its data set with the runs' fields.
 
-    Of a wave its crest at the end, of a growing one its rate, of a sensor its largest reading, of
-    all else in time the value at the end.
+    Of a wave its crest at the end, of a sensor its largest reading, of all else in time the value
+    at the end.
     """
     from longwave.runs.sweep_dataset import cell_run
 
@@ -137,20 +138,16 @@ def observed(sweep: Sweep, store: RunStore, found: xr.Dataset) -> Iterator[Obser
     numerics = float(np.max(estimates))
     if {"strain", "analytic", "background"} <= set(found):
         last = found.isel(time=-1)
-        crests = [
-            np.abs(np.asarray(last[name] - last["background"])).reshape(found.sizes[SAMPLE], -1)
+        own, theory = (
+            np.asarray(np.abs(last[name] - last["background"])).reshape(found.sizes[SAMPLE], -1)
             for name in ("strain", "analytic")
-        ]
-        own, theory = (crest.max(axis=1) for crest in crests)
-        yield Observed("crest", own, float(np.nanmax(np.abs(own - theory))), numerics)
-    if "growth_rate" in found:
-        own, theory, error = (
-            found[f"growth_rate{part}"].values for part in ("", "_theory", "_error")
         )
-        apart = float(np.nanmax(np.abs(own - theory)))
-        yield Observed("growth rate", own, apart, float(np.nanmax(error)))
+        own, theory = own.max(axis=1), theory.max(axis=1)
+        yield Observed("crest", own, float(np.nanmax(np.abs(own - theory))), numerics)
     known = numerics if scene.bench else math.nan
     for name in map(str, found.data_vars):
+        if name.endswith(OF_MEANS):
+            continue
         values, over = found[name], found[name].dims[1:]
         if name.startswith("sensor_"):
             for place, site in enumerate(found["sensor"].values):

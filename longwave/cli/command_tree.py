@@ -101,7 +101,9 @@ for command in (derive, prove, library, check, verify):
 
 
 @longwave.command(epilog=example("longwave fit force.csv --output chain.toml --plot fit.png"))
-@click.argument("points", metavar="FORCE.csv", type=click.Path())
+@click.argument("points", metavar="FILE.csv...", nargs=-1, required=True, type=click.Path())
+@click.option("--scene", metavar="SCENE", help="Fit this chain on a bench to its sensors' records.")
+@click.option("--free", metavar="NAME,...", help="Its constants, losses.site, losses.bond.")
 @click.option("--law", metavar="FORMULA", help="In the stretch x and constants, or hertz.")
 @click.option("--fix", "fixed", multiple=True, metavar="NAME=VALUE,...", help="Not to be fitted.")
 @click.option("--units", metavar="LENGTH,FORCE", help="Of the columns, as mm,N; made m and N.")
@@ -110,17 +112,37 @@ for command in (derive, prove, library, check, verify):
 @force_option
 @json_option
 @limit_options
-def fit(points: str, fixed: tuple[str, ...], **options: Any) -> int:
-    """Fit a force law to measured points.
+def fit(
+    points: tuple[str, ...],
+    fixed: tuple[str, ...],
+    scene: str | None,
+    free: str | None,
+    **options: Any,
+) -> int:
+    """Fit a force law, or a scene to its sensors.
 
-    FORCE.csv begins with the line stretch,force,deviation; the standard deviations of the forces
-    may be left out. Without --law it is the polynomial K2*x + K3*x**2 + ... with the least AICc.
-    The lattice that is written goes to `longwave derive`, which gives its coefficients with
-    intervals.
+    The file of a law, of measured points, begins with the line stretch,force,deviation; the
+    standard deviations of the forces may be left out. Without --law it is the polynomial K2*x +
+    K3*x**2 + ... with the least AICc. With --scene files are records of its sensors and begin with
+    a line such as time,displacement_0,velocity_7. The lattice that is written goes to `longwave
+    derive`, which gives its coefficients with intervals.
     """
-    from longwave.cli.fit import fit_and_print
+    of_laws = {"--law": options["law"], "--units": options["units"], "--plot": options["plot"]}
+    if (scene is None) != (free is None):
+        raise click.UsageError("--scene must be given with --free, got one of them alone")
+    if scene is None or free is None:
+        if len(points) > 1:
+            raise click.UsageError(f"FILE.csv must be one without --scene, got {len(points)}")
+        from longwave.cli.fit import fit_and_print
 
-    return fit_and_print(points, fixed=named_values("--fix", fixed), **options)
+        return fit_and_print(points[0], fixed=named_values("--fix", fixed), **options)
+    for name, given in {**of_laws, "--fix": fixed}.items():
+        if given:
+            raise click.UsageError(f"{name} must not be given with --scene, got both")
+    from longwave.cli.fit import fit_scene_and_print
+
+    kept = {key: options[key] for key in ("output", "force", "json_wanted")}
+    return fit_scene_and_print(points, scene, free, **kept)
 
 
 @longwave.command(epilog=example("longwave run rational_2_eps_0.05 --tolerance 1e-3"))

@@ -1,10 +1,13 @@
-"""``longwave fit FORCE.csv``: a force law from measured points, printed, written and drawn."""
+"""``longwave fit``: a force law from measured points, or a scene's constants from sensors' records.
+
+What is fitted is printed, written as a lattice, and a law drawn.
+"""
 
 from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +17,8 @@ from longwave.derive.intervals import WIDE, rounded
 from longwave.scenes.fits.force_data import read_force
 from longwave.scenes.fits.force_fit import AS_GOOD, SMOOTH, ForceFit, fit_points
 from longwave.scenes.fits.force_law import stated_law
+from longwave.scenes.fits.least_squares import LeastSquares
+from longwave.scenes.fits.scene_fit import LAGS, LOSSES, SceneFit, fit_scene
 from longwave.scenes.scene_file import toml_text
 from longwave.support.atomic_file import write_atomically
 from longwave.support.console import (
@@ -72,11 +77,9 @@ def lattice_text(found: ForceFit, where: str) -> str:
 
 def fit_data(found: ForceFit) -> dict[str, Any]:
     """The fit as JSON-ready data."""
-    values = zip(found.law.free, found.values.tolist(), found.deviations.tolist(), strict=True)
     return {
         "law": found.law.text,
-        "constants": {str(s): {"value": v, "deviation": sd} for s, v, sd in values},
-        "covariance": found.covariance.tolist(),
+        **_constants_data(found, found.law.free),
         "points": found.data.stretch.size,
         "degrees_of_freedom": found.degrees,
         "noise": float(found.errors[0]) if found.data.deviation is None else None,
@@ -88,11 +91,24 @@ def fit_data(found: ForceFit) -> dict[str, Any]:
     }
 
 
+def _constants_data(found: LeastSquares, names: Sequence[object]) -> dict[str, Any]:
+    values = zip(names, found.values.tolist(), found.deviations.tolist(), strict=True)
+    return {
+        "constants": {str(name): {"value": v, "deviation": sd} for name, v, sd in values},
+        "covariance": found.covariance.tolist(),
+    }
+
+
 def print_fit(found: ForceFit, where: str) -> None:
     """Print the constants and how well the law describes the points."""
-    console = plain_console()
-    names = [str(symbol) for symbol in found.law.free]
-    print_lines(console, [f"F(x) = {found.law.text}, fitted to {where}"])
+    print_lines(plain_console(), [f"F(x) = {found.law.text}, fitted to {where}"])
+    _print_constants(found, found.law.free)
+    print_lines(plain_console(), [*_evidence(found), *_judgement(found), *_warnings(found)])
+
+
+def _print_constants(found: LeastSquares, free: Sequence[object]) -> None:
+    """Print a table of the constants with intervals and correlations."""
+    names = [str(name) for name in free]
     across = [f"with {name}" for name in names] if len(names) > 1 else []
     table = Table("constant", "value", "95 % interval", *across)
     rows = zip(names, found.values, found.deviations, found.correlations, strict=True)
@@ -105,7 +121,58 @@ def print_fit(found: ForceFit, where: str) -> None:
         )
         table.add_row(name, *figures, *shown)
     table_console().print(table)
-    print_lines(console, [*_evidence(found), *_judgement(found), *_warnings(found)])
+
+
+def fit_scene_and_print(
+    records: Sequence[str],
+    scene: str,
+    free: str,
+    *,
+    output: str | None,
+    force: bool,
+    json_wanted: bool,
+) -> int:
+    """Fit a scene's constants to records, print, and write a lattice file if asked; return 0.
+
+    Raises ValueError for wrong input.
+    """
+    check_output(output, "chain.toml", suffixes=(".toml",), force=force, read=(*records, scene))
+    found = fit_scene(scene, records, [name.strip() for name in free.split(",") if name.strip()])
+    names = ", ".join(on_one_line(Path(record).name) for record in records)
+    where = f"{found.residuals.size} readings of {names}"
+    told = [*_judgement_of_scene(found), *_warnings(found)]
+    if output is not None:
+        values = zip(found.names, found.values, found.deviations, strict=True)
+        lost = [
+            f"{name} = {rounded(value, sd)} +- {rounded(sd, sd)}: belongs into the scene"
+            for name, value, sd in values
+            if name in LOSSES
+        ]
+        head = [f"# {line}" for line in (f"fitted to {where}", *told, *lost)]
+        text = "\n".join([*head, toml_text(found.document())])
+        write_atomically(output, lambda draft: draft.write_text(text, encoding="utf-8"))
+    if json_wanted:
+        data = {
+            **_constants_data(found, found.names),
+            "readings": found.residuals.size,
+            "degrees_of_freedom": found.degrees,
+            "noise": found.noise,
+            "chi_squared": found.chi_squared if found.has_deviations else None,
+            "p_value": found.p_value if found.has_deviations else None,
+            "serial_p_value": found.serial_p_value,
+            "warnings": _warnings(found),
+        }
+        print(json.dumps(data, indent=2))
+        return 0
+    print_lines(plain_console(), [f"{found.model.scene.name}, fitted to {where}"])
+    _print_constants(found, found.names)
+    print_lines(plain_console(), told)
+    return 0
+
+
+def _judgement_of_scene(found: SceneFit) -> Iterator[str]:
+    yield _size(found, "a reading", found.noise)
+    yield f"residuals against those up to {LAGS} readings later: p = {found.serial_p_value:.2g}"
 
 
 def _evidence(found: ForceFit) -> Iterator[str]:
@@ -117,17 +184,19 @@ def _evidence(found: ForceFit) -> Iterator[str]:
 
 
 def _judgement(found: ForceFit) -> Iterator[str]:
-    degrees = f"{found.degrees} degrees of freedom"
-    if found.data.deviation is None:
-        yield f"noise of a point {found.errors[0]:.3g}, from the residuals; {degrees}"
-    else:
-        each = found.chi_squared / found.degrees
-        yield (
-            f"chi^2 {found.chi_squared:.4g} for {degrees}, {each:.3g} each, p = {found.p_value:.2g}"
-        )
+    yield _size(found, "a point", None if found.has_deviations else float(found.errors[0]))
     if not math.isnan(found.smooth_p_value):
         yield f"residuals against smooth curves to degree {SMOOTH}: p = {found.smooth_p_value:.2g}"
 
 
-def _warnings(found: ForceFit) -> list[str]:
+def _size(found: LeastSquares, point: str, noise: float | None) -> str:
+    """How large residuals are, against what was measured or by themselves."""
+    degrees = f"{found.degrees} degrees of freedom"
+    if noise is not None:
+        return f"noise of {point} {noise:.3g}, from the residuals; {degrees}"
+    each = found.chi_squared / found.degrees
+    return f"chi^2 {found.chi_squared:.4g} for {degrees}, {each:.3g} each, p = {found.p_value:.2g}"
+
+
+def _warnings(found: ForceFit | SceneFit) -> list[str]:
     return [f"warning: {doubt}" for doubt in found.doubts]

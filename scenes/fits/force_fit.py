@@ -26,15 +26,20 @@ from longwave.derive.measured import Measured
 from longwave.derive.symbols import x
 from longwave.scenes.fits.force_data import ForceData, Points
 from longwave.scenes.fits.force_law import ForceLaw, stated_law
+from longwave.scenes.fits.least_squares import (
+    DOUBTFUL,
+    SAME,
+    SPARE,
+    LeastSquares,
+    inverse_square,
+    norms,
+)
 
 HIGHEST = 6
 """Power of the stretch in the polynomials that are tried."""
 
 AS_GOOD = 2.0
 """Differences of AICc that do not tell two laws apart (Burnham and Anderson)."""
-
-DOUBTFUL = 0.01
-"""Probability below which residuals are no accident."""
 
 SMOOTH = 5
 """Degree of the curves that residuals are compared with."""
@@ -48,21 +53,14 @@ SCALES = (0.1, 1.0, 10.0)
 MOST_STARTS, BEST_STARTS = 1000, 3
 """Starts that are tried, and those from which a fit is made."""
 
-SAME = 1e-8
-"""Share of the largest singular value of the scaled Jacobian below which constants are not told
-apart."""
-
 EVALUATIONS = 300
-
-SPARE = 3
-"""Points more than constants: from 3 degrees of freedom Student's distribution has a variance."""
 
 ROUNDING = 1e-13
 """Share of the largest force that is taken for noise where residuals are smaller."""
 
 
 @dataclass(frozen=True)
-class ForceFit:
+class ForceFit(LeastSquares):
     """A law fitted to points.
 
     ``values`` and ``covariance`` are those of ``law.free``, ``errors`` the standard deviations of
@@ -77,41 +75,19 @@ class ForceFit:
     errors: Points
     evidence: tuple[tuple[str, float], ...] = ()
 
-    @property
-    def deviations(self) -> Points:
-        """The standard deviations of the values."""
-        return np.sqrt(np.diag(self.covariance))
-
-    @property
-    def correlations(self) -> Points:
-        """The correlations of the values."""
-        return self.covariance / np.outer(self.deviations, self.deviations)
-
     def forces(self, stretch: Points) -> Points:
         """The forces of the fitted law."""
         return self.law.values.forces(stretch, self.values)
 
     @property
+    def has_deviations(self) -> bool:
+        """Whether those of the points were measured."""
+        return self.data.deviation is not None
+
+    @property
     def residuals(self) -> Points:
         """Measured less fitted forces, over the standard deviations of the points."""
         return (self.data.force - self.forces(self.data.stretch)) / self.errors
-
-    @property
-    def degrees(self) -> int:
-        """The degrees of freedom: points less constants."""
-        return self.data.stretch.size - self.values.size
-
-    @property
-    def chi_squared(self) -> float:
-        """The sum of squared residuals; the degrees of freedom where the noise is from them."""
-        return float(self.residuals @ self.residuals)
-
-    @property
-    def p_value(self) -> float:
-        """How often chi^2 is as large if the law is right; NaN where it says nothing."""
-        if self.data.deviation is None:
-            return math.nan
-        return float(stats.chi2.sf(self.chi_squared, self.degrees))
 
     @cached_property
     def smooth_p_value(self) -> float:
@@ -124,10 +100,10 @@ class ForceFit:
             return math.nan
         stretch, weight = self.data.stretch, 1 / self.errors[:, np.newaxis]
         slopes = self.law.values.slopes(stretch, self.values) * weight
-        known, _ = linalg.qr(slopes / _norms(slopes), mode="economic")
+        known, _ = linalg.qr(slopes / norms(slopes), mode="economic")
         scaled = 2 * (stretch - stretch[0]) / np.ptp(stretch) - 1
         curves = np.polynomial.legendre.legvander(scaled, SMOOTH) * weight
-        curves /= _norms(curves)
+        curves /= norms(curves)
         basis, sizes, _ = linalg.svd(curves - known @ (known.T @ curves), full_matrices=False)
         basis = basis[:, sizes > SAME]
         count, left = basis.shape[1], self.residuals
@@ -142,21 +118,11 @@ class ForceFit:
     @property
     def doubts(self) -> list[str]:
         """Reasons, in words, to think that the law does not describe the points."""
-        found, reduced = [], self.chi_squared / self.degrees
-        if self.p_value < DOUBTFUL:
-            found.append(
-                "the law misses the points by more than their deviations: chi^2 is "
-                f"{reduced:.3g} a degree of freedom, p = {self.p_value:.1g}"
-            )
+        found = self.doubts_of_size("the law", "points")
         if self.smooth_p_value < DOUBTFUL:
             found.append(
                 "the residuals follow a smooth curve along the stretch, as those of a wrong law "
                 f"do: p = {self.smooth_p_value:.1g}"
-            )
-        if self.p_value > 1 - DOUBTFUL / 10:
-            found.append(
-                f"the points scatter less than their deviations say: chi^2 is {reduced:.2g} a "
-                "degree of freedom"
             )
         return found
 
@@ -257,22 +223,15 @@ def _fitted(data: ForceData, law: ForceLaw) -> ForceFit:
         )
     problem = _Problem(data, law)
     found = problem.least()
-    scales = _norms(found.jac)
-    _, singular, rows = linalg.svd(found.jac / scales, full_matrices=False)
-    if singular[-1] < SAME * singular[0]:
-        free = zip(law.free, rows[-1], strict=True)
-        names = ", ".join(str(symbol) for symbol, part in free if abs(part) > 0.1)
-        raise ValueError(
-            f"constants must be told apart by the points, got {names}, other values of which fit "
-            f"as well (fix one, such as {names.partition(',')[0]}=1, or state another law)"
-        )
-    inverse = rows.T / singular**2 @ rows / np.outer(scales, scales)
+    inverse = inverse_square(
+        found.jac, law.free, "points", "fix one, such as {}=1, or state another law"
+    )
     errors, degrees = data.deviation, points - count
     if errors is None:
         noise = max(math.sqrt(float(found.fun @ found.fun) / degrees), _rounding(data))
         inverse *= noise**2 * degrees / (degrees - 2)
         errors = np.full(points, noise)
-    return ForceFit(data, law, found.x, (inverse + inverse.T) / 2, errors)
+    return ForceFit(data, law, found.x, inverse, errors)
 
 
 class _Problem:
@@ -336,13 +295,7 @@ class _Problem:
             slopes = self.jacobian(start)[:, linear]
             if np.isfinite(offset).all() and np.isfinite(slopes).all():
                 if linear.any():
-                    start[linear] = linalg.lstsq(slopes / (s := _norms(slopes)), -offset)[0] / s
+                    start[linear] = linalg.lstsq(slopes / (s := norms(slopes)), -offset)[0] / s
                 left = self.residuals(start)
                 if np.isfinite(left).all() and np.isfinite(self.jacobian(start)).all():
                     yield float(left @ left), start
-
-
-def _norms(columns: Points) -> Points:
-    """The lengths of columns; 1 for one of zeros."""
-    found = linalg.norm(columns, axis=0)
-    return np.where(found > 0, found, 1.0)

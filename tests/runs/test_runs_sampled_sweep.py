@@ -7,7 +7,10 @@ import pytest
 import xarray as xr
 
 from longwave.__main__ import main
+from longwave.runs import sampled_sweep as room
+from longwave.runs import sweep_dataset
 from longwave.runs.run_file import load_run
+from longwave.runs.run_store import RunStore
 from longwave.runs.sampled_sweep import FEWEST, Observed, sampled_sweep
 
 CHAIN = """
@@ -100,6 +103,7 @@ def test_intervals_are_those_of_a_mode_in_closed_form(capsys: pytest.CaptureFixt
     assert load_run("mode_samples.nc").attrs["sweep"] == again
 
 
+@pytest.mark.slow
 def test_theory_that_misses_a_wave_is_a_part_of_its_interval(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
@@ -113,6 +117,33 @@ def test_theory_that_misses_a_wave_is_a_part_of_its_interval(
     apart = np.abs(found["strain_interval"] - found["analytic_interval"]).values[:, -1]
     assert 0.05 * apart.max() < reduction < 2.0 * apart.max()
     assert numerics == pytest.approx(found["error_estimate"].values.max() * 0.09, rel=0.05)
+
+
+def test_the_crest_is_that_of_the_last_time_about_the_background(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of a wave that falls from 1.5 to 0.5 on a background of 2, theory 0.1 below at sample 3."""
+    sweep = sampled_sweep("wave.toml", FEWEST)
+    wave = np.zeros((FEWEST, 2, 5))
+    wave[:, 0, 1], wave[:, 1, 3] = 1.5, -0.5
+    theory = wave.copy()
+    theory[3, 1, 3] = -0.4
+    data = {
+        name: (("sample", "time", "site"), values)
+        for name, values in (
+            ("strain", wave + 2),
+            ("analytic", theory + 2),
+            ("background", 0 * wave + 2),
+        )
+    }
+    status = ("sample", np.array(["refused"] + ["done"] * (FEWEST - 1), dtype=object))
+    estimates = ("sample", np.where(np.arange(FEWEST) == 5, 4e-6, 1e-6))
+    found = xr.Dataset({**data, "status": status, "error_estimate": estimates})
+    monkeypatch.setattr(sweep_dataset, "cell_run", lambda *_, **__: xr.Dataset(attrs={"power": 2}))
+    [crest] = room.observed(sweep, RunStore("none"), found)
+    np.testing.assert_allclose(crest.samples, 0.5)
+    assert crest.reduction == pytest.approx(0.1)
+    assert crest.numerics == pytest.approx(4e-6 * 0.3**2)
 
 
 def test_an_interval_is_told_in_its_parts() -> None:

@@ -1,0 +1,126 @@
+"""What sensors on a chain recorded: times, and a column for each sensor and quantity.
+
+    time,displacement_0,velocity_7,displacement_0_deviation,velocity_7_deviation
+    0.5,0.0312,-0.0021,0.001,0.002
+    1.0,0.0588,0.0013,0.001,0.002
+
+A column is the quantity (displacement, velocity, strain, force) and the cell, of several fields or
+bonds also the field's name or the bond's number from 1: ``velocity_7_v``, ``strain_7_2``.  Standard
+deviations are there for all columns or for none.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from longwave.lattice.numeric_lattice import NumericLattice
+from longwave.lattice.sensitivities import Sensor
+from longwave.scenes.bench import SENSED
+from longwave.scenes.bench_chain import READINGS
+from longwave.scenes.csv_table import table_columns
+from longwave.scenes.fits.force_data import LARGEST
+from longwave.support.known_names import one_of
+from longwave.support.user_files import read_text, shown, shown_path
+
+Array = NDArray[np.float64]
+
+DEVIATION = "_deviation"
+
+COLUMN = re.compile(rf"({'|'.join(SENSED)})_(\d{{1,7}})(?:_([A-Za-z]+|\d{{1,3}}))?", re.ASCII)
+
+
+@dataclass(frozen=True)
+class SensorRecord:
+    """Readings (times, sensors) of one run; ``deviations`` are None where they are not known."""
+
+    times: Array
+    sensors: tuple[Sensor, ...]
+    values: Array
+    deviations: Array | None
+
+
+def read_record(
+    path: str | Path, lattice: NumericLattice, cells: int, span: tuple[float, float]
+) -> SensorRecord:
+    """The record in a file, of sensors on so many cells and times in the ``span``.
+
+    Raises ValueError, with the file and the line, for what is none; OSError where the file cannot
+    be read.
+    """
+    text = read_text(path, "record of sensors", LARGEST)
+    try:
+        columns = {name: np.array(column) for name, column in table_columns(text).items()}
+        return _record(columns, lattice, cells, span)
+    except ValueError as error:
+        raise ValueError(f"{shown_path(path)}: {error}") from None
+
+
+def _record(
+    columns: Mapping[str, Array], lattice: NumericLattice, cells: int, span: tuple[float, float]
+) -> SensorRecord:
+    told = [name for name in columns if name.endswith(DEVIATION)]
+    names = [name for name in columns if name != "time" and name not in told]
+    if "time" not in columns or not names:
+        raise ValueError(
+            "line 1 must name the columns time and what each sensor reads, got "
+            f"{shown(','.join(columns))} (such as time,displacement_0,velocity_7)"
+        )
+    sensors = tuple(_sensor(name, lattice, cells) for name in names)
+    if told and {*told} != {name + DEVIATION for name in names}:
+        raise ValueError(
+            f"deviations must be there for all sensors or for none, got {', '.join(told)} of "
+            f"{', '.join(names)} (NAME{DEVIATION} is a column's)"
+        )
+    _check_times(columns["time"], span)
+    deviations = None
+    if told:
+        deviations = np.stack([columns[name + DEVIATION] for name in names], axis=1)
+        for place in np.flatnonzero((deviations <= 0.0).any(axis=1)):
+            raise ValueError(
+                f"deviations must be above 0, got {deviations[place].min():g} in line {place + 2} "
+                "(leave the columns out if they are not known)"
+            )
+    values = np.stack([columns[name] for name in names], axis=1)
+    return SensorRecord(columns["time"], sensors, values, deviations)
+
+
+def _sensor(name: str, lattice: NumericLattice, cells: int) -> Sensor:
+    match = COLUMN.fullmatch(name)
+    if match is None:
+        raise ValueError(
+            f"columns must be time, or {', '.join(SENSED)} with a cell, got {shown(name)} (such as "
+            "displacement_0)"
+        )
+    quantity, cell, inner = match[1], int(match[2]), match[3]
+    if cell >= cells:
+        raise ValueError(
+            f"cell of {name} must be 0 to {cells - 1}, got {cell} (the chain has {cells} cells)"
+        )
+    known = lattice.fields
+    if READINGS[quantity].inner == "bond":
+        known = tuple(str(number) for number in range(1, len(lattice.bonds) + 1))
+    if inner is not None and inner not in known:
+        raise ValueError(
+            f"sensor {name} must be of what {lattice.name} has, got {shown(inner)} "
+            f"({one_of(inner, known)})"
+        )
+    return Sensor(quantity, known.index(inner) if inner else 0, cell)
+
+
+def _check_times(times: Array, span: tuple[float, float]) -> None:
+    for place in np.flatnonzero((times < span[0]) | (times > span[1])):
+        raise ValueError(
+            f"time must lie in the scene, {span[0]:g} to {span[1]:g}, got {times[place]:g} in line "
+            f"{place + 2} (leave the line out, or let the scene end later)"
+        )
+    for place in np.flatnonzero(np.diff(times) <= 0.0):
+        raise ValueError(
+            f"time must rise from line to line, got {times[place + 1]:g} in line {place + 3} "
+            "(sort them; another run is another file)"
+        )
