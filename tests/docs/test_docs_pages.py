@@ -23,10 +23,12 @@ PAGES = sorted(
     and path.name != "many-runs.md"  # is one session of a shell, and has a test of its own
 )
 LONG = (
+    "chain-on-a-bench.md",
     "how-to/bench.md",
     "how-to/command-line.md",
     "how-to/derive.md",
     "how-to/disorder.md",
+    "how-to/fit.md",
     "how-to/lattice-scene.md",
     "how-to/limits.md",
     "how-to/pictures.md",
