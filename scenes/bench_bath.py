@@ -37,8 +37,8 @@ FIRST_RUNS, MOST_RUNS = 64, 100_000
 after 8 or more, 86 of 100 held for energies of modes, which are spread like exponentials."""
 
 CONFIDENCE, NOMINAL = 0.95, 0.97
-"""Of the interval of each mean, and of Student's that is taken for it: after 64 runs or more of such
-energies those of 0.95 held in 92 to 94 of 100, these in 93 to 97."""
+"""Of the interval of each mean, and of Student's that is taken for it: after 64 runs or more those
+of 0.95 held in 92 to 94 of 100 for such energies, these in 93 to 97."""
 
 LONGEST_STEP = 0.5
 """In units of the inverse highest frequency, and of the inverse rate at which velocities shrink."""

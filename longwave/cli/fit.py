@@ -18,7 +18,7 @@ from longwave.scenes.fits.force_data import read_force
 from longwave.scenes.fits.force_fit import AS_GOOD, SMOOTH, ForceFit, fit_points
 from longwave.scenes.fits.force_law import stated_law
 from longwave.scenes.fits.least_squares import LeastSquares
-from longwave.scenes.fits.scene_fit import LAGS, LOSSES, SceneFit, fit_scene
+from longwave.scenes.fits.scene_fit import LAGS, SceneFit, fit_scene
 from longwave.scenes.scene_file import toml_text
 from longwave.support.atomic_file import write_atomically
 from longwave.support.console import (
@@ -146,7 +146,7 @@ def fit_scene_and_print(
         lost = [
             f"{name} = {rounded(value, sd)} +- {rounded(sd, sd)}: belongs into the scene"
             for name, value, sd in values
-            if name in LOSSES
+            if name not in found.document()["constants"]
         ]
         head = [f"# {line}" for line in (f"fitted to {where}", *told, *lost)]
         text = "\n".join([*head, toml_text(found.document())])

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -17,19 +17,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import optimize, stats
+from sympy import Expr
 
+from longwave.derive.algebra.exact_numbers import exact
 from longwave.derive.lattice_file import document_of_lattice
 from longwave.derive.symbols import number_value
 from longwave.lattice.driving import DrivenChain
 from longwave.lattice.force_program import program_of
 from longwave.lattice.integration import integrate
-from longwave.lattice.numeric_lattice import numeric_lattice
 from longwave.lattice.sensitivities import Parameter, Sensor, VariedChain
 from longwave.scenes.bench import Bench
 from longwave.scenes.bench_chain import chain_on_bench, start_on_bench
 from longwave.scenes.fits.least_squares import DOUBTFUL, SPARE, LeastSquares, inverse_square
 from longwave.scenes.fits.sensor_records import SensorRecord, read_record
 from longwave.scenes.lattice_derivation import declared_lattice
+from longwave.scenes.losses import LossRates, without_losses
 from longwave.scenes.named_scenes import load_scene
 from longwave.scenes.scene import Scene
 from longwave.support.known_names import one_of
@@ -37,7 +39,7 @@ from longwave.support.user_files import shown
 
 Array = NDArray[np.float64]
 
-FITTED = ("chain", "start", "losses", "force", "observables")
+FITTED = ("chain", "start", "force", "observables")
 """Tables of a bench of which readings have derivatives."""
 
 LOSSES = ("losses.site", "losses.bond")
@@ -77,9 +79,11 @@ class SceneModel:
         self._bench, self._lattice = Bench.of_json(scene.bench), declared_lattice(scene)
         stated = {name: float(number_value(name, value)) for name, value in scene.constants}
         self._symbols = {str(symbol): symbol for symbol in self._lattice.constants}
-        losses = self._bench.losses, self._bench.dashpots
-        self._losses: dict[str, Any] = dict(zip(LOSSES, losses, strict=True))
-        self.stated = stated | {n: v for n, v in self._losses.items() if isinstance(v, int | float)}
+        losses = {"site": 0, "bond": 0} | json.loads(scene.losses or "{}")
+        told = {f"losses.{key}": value for key, value in losses.items()}
+        self.stated = stated | {
+            name: float(value) for name, value in told.items() if isinstance(value, int | float)
+        }
         for name in self.free:
             if name not in self.stated or self.free.count(name) > 1:
                 raise ValueError(
@@ -88,6 +92,7 @@ class SceneModel:
                 )
         if not self.free:
             raise ValueError("free must name what is fitted, got nothing (such as K4)")
+        self._springs = tuple(float(bond.has_reaction) for bond in self._lattice.bonds)
         self.start = np.array([self.stated[name] for name in self.free])
         positive = [name in LOSSES or self._symbols[name].is_positive for name in self.free]
         self.least = np.where(positive, 0.0, -math.inf)
@@ -98,10 +103,16 @@ class SceneModel:
 
     def chain(self, values: ArrayLike) -> DrivenChain:
         """The chain at these values."""
-        now = {**self._losses, **self.at(values)}
-        site, bond = (now.pop(name) for name in LOSSES)
-        bench = replace(self._bench, losses=site, dashpots=bond)
-        return chain_on_bench(bench, numeric_lattice(self._lattice, now))
+        now = self.at(values)
+        exactly = {name: exact(name, now[name]) for name in self._symbols}
+        lattice, told = without_losses(self._lattice, exactly)
+        sites, bonds = told or LossRates([0.0] * len(lattice.fields), [0.0] * len(lattice.bonds))
+        if LOSSES[0] in self.free:
+            sites = [now[LOSSES[0]]] * len(sites)
+        if LOSSES[1] in self.free:
+            bonds = [now[LOSSES[1]] * own for own in self._springs]
+        span = self.scene.t0, self.scene.end
+        return chain_on_bench(self._bench, lattice, span, LossRates(sites, bonds))
 
     def step(self, values: ArrayLike, times: Array) -> float:
         """The step with which displacements and velocities meet the scene's tolerance."""
@@ -121,18 +132,25 @@ class SceneModel:
             return varied.readings(start, times, step, sensors)
 
     def _parameter(self, name: str, values: ArrayLike) -> Parameter:
-        fields, bonds = (len(part) for part in (self._lattice.fields, self._lattice.bonds))
-        if name in LOSSES:
-            site = float(name == LOSSES[0])
-            rates = (site,) * fields, (1.0 - site,) * bonds
-            return Parameter((None,) * bonds, (0.0,) * fields, *rates)
-        now = self.at(values)
-        at = {symbol: now[other] for other, symbol in self._symbols.items()}
-        symbol = self._symbols[name]
-        slopes = [bond.force.diff(symbol).subs(at) for bond in self._lattice.bonds]
-        masses = (float(mass.diff(symbol).subs(at)) for mass in self._lattice.masses)
-        forces = tuple(program_of(slope) if slope else None for slope in slopes)
-        return Parameter(forces, tuple(masses), (0.0,) * fields, (0.0,) * bonds)
+        lattice = self._lattice
+        fields, bonds = (0.0,) * len(lattice.fields), (0.0,) * len(lattice.bonds)
+        if name == LOSSES[0]:
+            return Parameter((None,) * len(bonds), fields, (1.0,) * len(fields), bonds)
+        if name == LOSSES[1]:
+            return Parameter((None,) * len(bonds), fields, fields, self._springs)
+        now, symbol = self.at(values), self._symbols[name]
+        at = {other: now[key] for key, other in self._symbols.items()}
+
+        def slopes(expressions: Iterable[Expr]) -> tuple[float, ...]:
+            return tuple(float(one.diff(symbol).subs(at)) for one in expressions)
+
+        forces = [bond.force.diff(symbol).subs(at) for bond in lattice.bonds]
+        return Parameter(
+            tuple(program_of(force) if force else None for force in forces),
+            slopes(lattice.masses),
+            slopes(lattice.site_losses),
+            slopes(bond.loss for bond in lattice.bonds),
+        )
 
 
 @dataclass(frozen=True)
@@ -205,17 +223,18 @@ class SceneFit(LeastSquares):
             )
         return found
 
-    def document(self) -> dict[str, object]:
+    def document(self) -> dict[str, Any]:
         """The tables of a lattice file: the scene's lattice, with its constants and covariance."""
-        constants = {n: v for n, v in self.model.at(self.values).items() if n not in LOSSES}
+        bare = declared_lattice(self.model.scene).with_losses()
+        now, held = self.model.at(self.values), [str(symbol) for symbol in bare.constants]
         rows = (dict(zip(self.names, row, strict=True)) for row in self.covariance.tolist())
         covariance = {
-            one: {two: row[two] for two in self.names if two not in LOSSES}
+            one: {two: row[two] for two in self.names if two in held}
             for one, row in zip(self.names, rows, strict=True)
-            if one not in LOSSES
+            if one in held
         }
-        tables = document_of_lattice(declared_lattice(self.model.scene))
-        return {**tables, "constants": constants, "covariance": covariance}
+        constants = {name: now[name] for name in held}
+        return {**document_of_lattice(bare), "constants": constants, "covariance": covariance}
 
 
 def fit_scene(

@@ -234,7 +234,7 @@ def test_records_without_deviations_are_of_one_quantity() -> None:
         (SCENE, ["K2", "K2"], "each once, got 'K2'"),
         (SCENE, [], "free must name what is fitted, got nothing"),
         (SCENE | {"losses": {"site": {"u": 0.1}}}, ["losses.site"], "got 'losses.site'"),
-        (SCENE | {"noise": {"temperature": 1e-3}}, ["K2"], "must be chain, start, losses, force"),
+        (SCENE | {"noise": {"temperature": 1e-3}}, ["K2"], "must be chain, start, force"),
         ("toda_soliton", ["a"], "scene must be a chain on a bench, got toda_soliton"),
     ],
 )
