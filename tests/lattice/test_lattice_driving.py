@@ -209,6 +209,14 @@ def test_a_linear_chain_with_defects_is_its_modes() -> None:
     assert energy == pytest.approx(0.5 * np.sum(v**2 + squares * f**2), rel=1e-12)
 
 
+def test_light_masses_and_stiff_bonds_have_the_fastest_waves() -> None:
+    """A light mass alone turns at sqrt(2 / m), two masses with a stiff bond at sqrt(2 K)."""
+    defects = ({"mass_factors": {3: 0.1}}, 20.0), ({"spring_factors": {3: 8.0}}, 16.0)
+    for given, square in defects:
+        made = driven_chain(BETA, 8, left="fixed", right="fixed", **given)  # type: ignore[arg-type]
+        assert made.highest_frequency(made.rest_slopes()) > np.sqrt(square)
+
+
 @pytest.mark.parametrize("name", ["beta_fput", "mass_dimer", "klein_gordon"])
 @pytest.mark.parametrize("losses", [0.0, 0.1])
 def test_defects_are_felt_as_scipy_has_them(name: str, losses: float) -> None:
