@@ -77,8 +77,8 @@ def calls(monkeypatch: pytest.MonkeyPatch) -> Counter[str]:
     return counted
 
 
-ELSEWHERE = {"sup_error", "slow_time", "strains", "analytics"}
-"""Told with the strains of other lattices."""
+ELSEWHERE = {"sup_error", "slow_time", "strains", "analytics", "crest_law"}
+"""Told of other lattices."""
 
 
 def stored_bytes(entry: Observable, scene: Scene, moments: int) -> Iterator[int]:
