@@ -34,7 +34,7 @@ def losses_json(given: object) -> str:
     >>> losses_json({"site": "eps**3*gamma", "bond": 0.5})
     '{"site": "eps**3*gamma", "bond": 0.5}'
     """
-    if isinstance(given, str):
+    if isinstance(given, str | None):
         given = json.loads(given or "{}")
     if not isinstance(given, Mapping):
         raise ValueError(f"losses must be a table, got {shown(given)} (write [losses])")

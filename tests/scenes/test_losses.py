@@ -287,7 +287,7 @@ def test_what_is_refused(changes: dict[str, Any], text: str) -> None:
 
 
 def test_a_table_has_one_spelling() -> None:
-    assert losses_json({}) == losses_json("") == ""
+    assert losses_json({}) == losses_json("") == losses_json(None) == ""
     assert losses_json(losses_json({"bond": (1, "eta")})) == '{"bond": [1, "eta"]}'
 
 
