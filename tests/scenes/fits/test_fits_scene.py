@@ -149,6 +149,15 @@ def test_what_cannot_be_told_apart_is_named(tmp_path: Path) -> None:
         fit_scene(still, [record(0)], FREE)
 
 
+def test_a_loss_that_is_a_constant_is_fitted_as_one() -> None:
+    named = SCENE | {"losses": {"site": "g"}, "constants": {"K2": 1, "K4": 2, "g": 0.05}}
+    found = fit_scene(Scene.of(**named), [record(0)], ["K2", "K4", "g"])
+    same = fit_scene(Scene.of(**SCENE), [record(0)], FREE)
+    np.testing.assert_allclose(found.values, same.values, rtol=1e-6)
+    np.testing.assert_allclose(found.covariance, same.covariance, rtol=1e-4)
+    assert list(found.document()["constants"]) == ["K2", "K4"]
+
+
 def test_one_that_says_little_is_told() -> None:
     weak = Scene.of(**SCENE | {"start": {"impact": {"site": 1, "velocity": 0.02}}})
     model = SceneModel(weak, ["K2", "K4"])
