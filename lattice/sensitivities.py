@@ -32,7 +32,7 @@ SMALL = 256
 
 
 @dataclass(frozen=True)
-class Parameter:
+class FreeParameter:
     """What a unit of it adds to each bond's force, to masses, and to the factors of losses."""
 
     forces: tuple[ForceProgram | None, ...]
@@ -53,7 +53,7 @@ class Sensor:
 class VariedChain:
     """A chain and its derivatives by ``parameters``."""
 
-    def __init__(self, chain: DrivenChain, parameters: Sequence[Parameter]) -> None:
+    def __init__(self, chain: DrivenChain, parameters: Sequence[FreeParameter]) -> None:
         self._chain, self._parameters = chain, parameters
         self._ring = chain.deviations.shape[1]
         fields, bonds = len(chain.fields), len(chain.bonds)

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
-from scipy.stats import linregress
+from scipy import stats
 
 from longwave.scenes.bench import Bench
 from longwave.scenes.named_scenes import load_scene
@@ -65,7 +65,7 @@ def struck_exponent() -> tuple[float, float]:
         read = run.sensor_velocity.values
         peaks = [_peak(run.time.values, one, int(np.argmax(one)))[0] for one in read.T]
         speeds.append((SECOND - FIRST) / (peaks[1] - peaks[0]))
-    fitted = linregress(np.log(VELOCITIES), np.log(speeds))
+    fitted = stats.linregress(np.log(VELOCITIES), np.log(speeds))
     return float(fitted.slope), float(fitted.stderr)
 
 

@@ -25,7 +25,7 @@ from longwave.derive.symbols import number_value
 from longwave.lattice.driving import DrivenChain
 from longwave.lattice.force_program import program_of
 from longwave.lattice.integration import integrate
-from longwave.lattice.sensitivities import Parameter, Sensor, VariedChain
+from longwave.lattice.sensitivities import FreeParameter, Sensor, VariedChain
 from longwave.scenes.bench import Bench
 from longwave.scenes.bench_chain import chain_on_bench, start_on_bench
 from longwave.scenes.fits.least_squares import DOUBTFUL, SPARE, LeastSquares, inverse_square
@@ -131,13 +131,13 @@ class SceneModel:
             varied = VariedChain(chain, [self._parameter(name, values) for name in self.free])
             return varied.readings(start, times, step, sensors)
 
-    def _parameter(self, name: str, values: ArrayLike) -> Parameter:
+    def _parameter(self, name: str, values: ArrayLike) -> FreeParameter:
         lattice = self._lattice
         fields, bonds = (0.0,) * len(lattice.fields), (0.0,) * len(lattice.bonds)
         if name == LOSSES[0]:
-            return Parameter((None,) * len(bonds), fields, (1.0,) * len(fields), bonds)
+            return FreeParameter((None,) * len(bonds), fields, (1.0,) * len(fields), bonds)
         if name == LOSSES[1]:
-            return Parameter((None,) * len(bonds), fields, fields, self._springs)
+            return FreeParameter((None,) * len(bonds), fields, fields, self._springs)
         now, symbol = self.at(values), self._symbols[name]
         at = {other: now[key] for key, other in self._symbols.items()}
 
@@ -145,7 +145,7 @@ class SceneModel:
             return tuple(float(one.diff(symbol).subs(at)) for one in expressions)
 
         forces = [bond.force.diff(symbol).subs(at) for bond in lattice.bonds]
-        return Parameter(
+        return FreeParameter(
             tuple(program_of(force) if force else None for force in forces),
             slopes(lattice.masses),
             slopes(lattice.site_losses),

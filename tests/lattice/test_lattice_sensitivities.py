@@ -11,7 +11,7 @@ from longwave.lattice import DrivenChain, SiteForce, State, driven_chain, integr
 from longwave.lattice import sensitivities as room
 from longwave.lattice.force_program import ForceProgram, program_of
 from longwave.lattice.numeric_lattice import numeric_lattice
-from longwave.lattice.sensitivities import Parameter, Sensor, VariedChain
+from longwave.lattice.sensitivities import FreeParameter, Sensor, VariedChain
 from longwave.scenes.time_functions import time_function
 
 Array = NDArray[np.float64]
@@ -30,10 +30,10 @@ SENSORS = (
     *(Sensor("strain", 0, 7), Sensor("force", 0, 1), Sensor("force", 0, 7)),
 )
 FPUT = (
-    Parameter((ForceProgram((1.0,)),), (0.0,), (0.0,), (0.0,)),
-    Parameter((ForceProgram((0.0, 0.0, 1.0)),), (0.0,), (0.0,), (0.0,)),
-    Parameter((None,), (0.0,), (1.0,), (0.0,)),
-    Parameter((None,), (0.0,), (0.0,), (1.0,)),
+    FreeParameter((ForceProgram((1.0,)),), (0.0,), (0.0,), (0.0,)),
+    FreeParameter((ForceProgram((0.0, 0.0, 1.0)),), (0.0,), (0.0,), (0.0,)),
+    FreeParameter((None,), (0.0,), (1.0,), (0.0,)),
+    FreeParameter((None,), (0.0,), (0.0,), (1.0,)),
 )
 
 
@@ -107,7 +107,7 @@ def test_masses_and_several_fields_have_derivatives() -> None:
 
     at = dict(zip(lattice.constants, values.tolist(), strict=True))
     parameters = [
-        Parameter(
+        FreeParameter(
             tuple(program_of(bond.force.diff(s).subs(at)) for bond in lattice.bonds),
             tuple(float(mass.diff(s).subs(at)) for mass in lattice.masses),
             (0.0, 0.0),
