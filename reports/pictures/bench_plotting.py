@@ -106,7 +106,8 @@ def sensor_spectra(figure: FigureBase, data: xr.Dataset) -> None:
             panels[1].set_ylabel(f"ratio to cell {cells[0]}", fontsize="small")
     panels[-1].set_xlabel(r"frequency $\omega$  (per lattice time)")
     for ax in panels:
-        ax.set_yscale("log")
+        if any(np.fmax.reduce(line.get_ydata(), initial=0.0) > 0.0 for line in ax.lines):
+            ax.set_yscale("log")
     panels[0].legend(fontsize="small", loc="center left", bbox_to_anchor=(1.0, 0.5))
 
 

@@ -136,6 +136,7 @@ def test_a_driven_bench_is_drawn_with_its_energies_and_spectra() -> None:
     drawn = [np.asarray(line.get_ydata())[-1] / times[-1] for line in panel.lines]
     assert drawn == [2.0, 3.0, 1.0]
     assert labels(plot(data, kind="flux")) == ["something", "something"]
+    assert len(plot(0.0 * data.isel(sensor=[0]), kind="transmission").get_axes()) == 1
     with pytest.raises(ValueError, match="source must hold what is drawn"):
         plot(data.isel(time=slice(0, 8)), kind="transmission")
 
