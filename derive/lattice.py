@@ -276,6 +276,18 @@ class Lattice(Displayed):
         )
 
     @property
+    def unfelt_constants(self) -> set[Symbol]:
+        """Constants of contacts alone that are open at rest: small waves know nothing of them."""
+        closed = replace(
+            self,
+            bonds=tuple(
+                replace(b, force=b.force.replace(contact, lambda at: _closed_at_rest(at)))
+                for b in self.bonds
+            ),
+        )
+        return {*self.constants} - {*closed.constants}
+
+    @property
     def has_losses(self) -> bool:
         """Whether there is any loss."""
         return bool(self.leading_losses)
@@ -415,6 +427,11 @@ def _loss(label: str, value: Expr) -> Expr:
     if found.is_negative:
         raise ValueError(f"{label} must satisfy {label} >= 0, got {found} (it takes energy out)")
     return found
+
+
+def _closed_at_rest(opening: Expr) -> Expr:
+    """A contact, or 0 if it is open at no stretch."""
+    return S.Zero if opening.subs(x, 0).is_negative else contact(opening)
 
 
 def _each(

@@ -168,7 +168,8 @@ def _long_wave(
     """
     given = given_constants(lattice, options)
     space, along = _space(lattice, options, given)
-    small = {name: value for name, value in given.items() if value.has(eps)}
+    unfelt = {*map(str, lattice.unfelt_constants)}
+    small = {n: value for n, value in given.items() if value.has(eps) or n in unfelt}
     left = {**{name: value for name, value in given.items() if name not in small}, **along}
     symbolic = _Ansatz.of(lattice, options, space, small)
     usual, refused = None, ""
@@ -355,7 +356,7 @@ def varied(
         return None, ""
     names = {str(symbol) for symbol in left}
     uncertain = {name for name, deviation in lattice.measured.deviations.items() if deviation}
-    uncertain -= options.constants.keys()
+    uncertain -= {*options.constants, *map(str, lattice.unfelt_constants)}
     if fixed := sorted(uncertain - names):
         return None, f"(no intervals: {', '.join(fixed)} had to be put in before the expansion)"
     if unknown := sorted(names - values.keys()):

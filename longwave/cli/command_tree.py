@@ -104,7 +104,7 @@ for command in (derive, prove, library, check, verify):
 @click.argument("points", metavar="FILE.csv...", nargs=-1, required=True, type=click.Path())
 @click.option("--scene", metavar="SCENE", help="Fit this chain on a bench to its sensors' records.")
 @click.option("--free", metavar="NAME,...", help="Its constants, losses.site, losses.bond.")
-@click.option("--law", metavar="FORMULA", help="In the stretch x and constants, or hertz.")
+@click.option("--law", metavar="FORMULA", help="In the stretch x and constants; hertz, or table.")
 @click.option("--fix", "fixed", multiple=True, metavar="NAME=VALUE,...", help="Not to be fitted.")
 @click.option("--units", metavar="LENGTH,FORCE", help="Of the columns, as mm,N; made m and N.")
 @path_option("--output", "LATTICE.toml", "Write the lattice, its constants and covariance.")

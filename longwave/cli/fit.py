@@ -30,6 +30,9 @@ from longwave.support.console import (
 )
 from longwave.support.user_files import STANDARD_INPUT, on_one_line
 
+MOST_ACROSS = 6
+"""Constants of which all correlations are told."""
+
 
 def fit_and_print(
     points: str,
@@ -109,7 +112,7 @@ def print_fit(found: ForceFit, where: str) -> None:
 def _print_constants(found: LeastSquares, free: Sequence[object]) -> None:
     """Print a table of the constants with intervals and correlations."""
     names = [str(name) for name in free]
-    across = [f"with {name}" for name in names] if len(names) > 1 else []
+    across = [f"with {name}" for name in names] if 1 < len(names) <= MOST_ACROSS else []
     table = Table("constant", "value", "95 % interval", *across)
     rows = zip(names, found.values, found.deviations, found.correlations, strict=True)
     for name, value, deviation, correlations in rows:

@@ -8,8 +8,9 @@ from matplotlib.figure import Figure
 from longwave.derive.intervals import WIDE
 from longwave.reports.pictures.drawing import CURVES, STABLE, TEXT_WIDTH
 from longwave.scenes.fits.force_fit import ForceFit
+from longwave.support.user_files import cut
 
-CURVE_POINTS = 400
+CURVE_POINTS, LONGEST_TITLE = 400, 60
 
 
 def force_figure(found: ForceFit, where: str) -> Figure:
@@ -28,5 +29,7 @@ def force_figure(found: ForceFit, where: str) -> Figure:
     below.plot(stretch, found.residuals, **(CURVES[0] | {"linestyle": ""}))
     below.set_xlabel("stretch")
     below.set_ylabel("residual / deviation")
-    figure.suptitle(f"F(x) = {found.law.text}", parse_math=False, fontsize="medium")
+    figure.suptitle(
+        cut(f"F(x) = {found.law.text}", LONGEST_TITLE), parse_math=False, fontsize="medium"
+    )
     return figure

@@ -13,19 +13,21 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy import linalg, optimize, stats
-from sympy import Expr, Symbol
+from sympy import Expr, Rational, Symbol, symbols
 
+from longwave.derive.algebra.contact import contact
 from longwave.derive.algebra.exact_numbers import Number
 from longwave.derive.lattice import Lattice
 from longwave.derive.lattice_file import lattice_of
 from longwave.derive.measured import Measured
 from longwave.derive.symbols import x
 from longwave.scenes.fits.force_data import ForceData, Points
-from longwave.scenes.fits.force_law import ForceLaw, stated_law
+from longwave.scenes.fits.force_law import TABLE, ForceLaw, stated_law
 from longwave.scenes.fits.least_squares import (
     DOUBTFUL,
     SAME,
@@ -37,6 +39,9 @@ from longwave.scenes.fits.least_squares import (
 
 HIGHEST = 6
 """Power of the stretch in the polynomials that are tried."""
+
+KNOTS, NEAR = 12, 0.1
+"""The most of a spline; the share of the largest stretch within which there are none of 0."""
 
 AS_GOOD = 2.0
 """Differences of AICc that do not tell two laws apart (Burnham and Anderson)."""
@@ -146,7 +151,7 @@ class ForceFit(LeastSquares):
             "fields": ["u"],
             "masses": [1],
             "positive": sorted(positive),
-            "spring": [{"between": ["u[n]", "u[n+1]"], "force": self.law.text}],
+            "spring": [{"between": ["u[n]", "u[n+1]"], "force": text} for text in self.law.parts],
             "constants": {name: float(value) for name, value in measured.values},
             "covariance": {n: row for n, row in measured.table.items() if any(row.values())},
         }
@@ -167,9 +172,10 @@ def fit_force(
     """Fit a force law to points, in the order in which they were measured.
 
     ``law`` is a formula in the stretch x and constants, of which those in ``fixed`` have values, or
-    "hertz".  Without one it is a polynomial K2 x + K3 x^2 + ..., or an odd one: that of the fewest
-    constants among those whose AICc is within `AS_GOOD` of the least.  Raises ValueError for points
-    and laws that are none, and for constants that the points do not tell apart.
+    "hertz", or "table", a cubic spline.  Without one it is a polynomial K2 x + K3 x^2 + ..., or an
+    odd one.  Of these, and of splines, it is that of the fewest constants among those whose AICc is
+    within `AS_GOOD` of the least.  Raises ValueError for points and laws that are none, and for
+    constants that the points do not tell apart.
 
     >>> fitted = fit_force([-2, -1, 0, 1, 2], [-2.1, -0.9, 0.1, 1.0, 1.9], law="K2*x")
     >>> f"{fitted.values[0]:.2f} +- {fitted.deviations[0]:.2f}"
@@ -178,11 +184,12 @@ def fit_force(
     return fit_points(ForceData.of(stretch, force, deviation), stated_law(law, fixed))
 
 
-def fit_points(data: ForceData, law: ForceLaw | None = None) -> ForceFit:
+def fit_points(data: ForceData, law: ForceLaw | Literal["table"] | None = None) -> ForceFit:
     """The same of points and a law that are checked."""
-    if law is not None:
+    if isinstance(law, ForceLaw):
         return _fitted(data, law)
-    fits = [_fitted(data, ForceLaw(force)) for force in _polynomials(data)]
+    tried = _splines(data) if law == TABLE else _polynomials(data)
+    fits = [_fitted(data, ForceLaw(force)) for force in tried]
     evidence = [_aicc(fit) for fit in fits]
     good = [f for f, value in zip(fits, evidence, strict=True) if value <= min(evidence) + AS_GOOD]
     names = (" ".join(map(str, fit.law.free)) for fit in fits)
@@ -198,6 +205,24 @@ def _polynomials(data: ForceData) -> Iterator[Expr]:
             powers = range(1, highest + 1, step)
             if min(data.stretch.size - SPARE, len(np.unique(data.stretch)) - 1) >= len(powers):
                 yield sum(Symbol(f"K{power + 1}", real=True) * x**power for power in powers)
+
+
+def _splines(data: ForceData) -> Iterator[Expr]:
+    """Cubics, and cubics to which others are added beyond up to `KNOTS` knots among the points.
+
+    About no stretch, within `NEAR` of the largest, the law is that of K2, K3 and K4 alone.
+    """
+    near = NEAR * float(np.max(np.abs(data.stretch)))
+    cubic = sum(Symbol(f"K{power + 1}", real=True) * x**power for power in (1, 2, 3))
+    tried = set()
+    for count in range(min(KNOTS, data.stretch.size - SPARE - 3) + 1):
+        places = np.quantile(data.stretch, np.arange(1, count + 1) / (count + 1))
+        far = places[abs(places) > near].tolist()
+        tried.add(tuple(sorted({Rational(f"{place:.3g}") for place in far})))
+    for knots in sorted(tried, key=len):
+        beyond = (contact(x - knot if knot > 0 else knot - x) ** 3 for knot in knots)
+        names = symbols(f"C1:{len(knots) + 1}", real=True)
+        yield cubic + sum(name * part for name, part in zip(names, beyond, strict=True))
 
 
 def _aicc(fit: ForceFit) -> float:

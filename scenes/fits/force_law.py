@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Literal
 
 import numpy as np
 from sympy import Expr, Symbol, lambdify
 
+from longwave.derive.algebra.contact import contact
 from longwave.derive.algebra.exact_numbers import Number
 from longwave.derive.algebra.formula_printing import formula_as_text
 from longwave.derive.lattice import spring
@@ -21,6 +23,9 @@ from longwave.support.user_files import shown
 
 HERTZ = "hertz"
 """The law of the catalogue's granular chain, by its word."""
+
+TABLE: Literal["table"] = "table"
+"""The word for a spline, as a law of no known formula."""
 
 
 @dataclass(frozen=True)
@@ -44,6 +49,16 @@ class ForceLaw:
     def text(self) -> str:
         """The force as text."""
         return formula_as_text(self.force)
+
+    @property
+    def parts(self) -> list[str]:
+        """The force as texts of forces with one contact each, for a spring opens at one stretch."""
+        terms = self.force.as_ordered_terms()
+        apart = [term for term in terms if term.has(contact)]
+        whole = (
+            [sum(term for term in terms if term not in apart)] if len(apart) < len(terms) else []
+        )
+        return [formula_as_text(part) for part in (*whole, *apart)] if apart[1:] else [self.text]
 
     @property
     def free(self) -> tuple[Symbol, ...]:
@@ -86,25 +101,25 @@ class LawValues:
         return np.broadcast_to(np.asarray(found, dtype=float), stretch.shape)
 
 
-def stated_law(text: str | None, fixed: Mapping[str, Number] | None = None) -> ForceLaw | None:
+def stated_law(
+    text: str | None, fixed: Mapping[str, Number] | None = None
+) -> ForceLaw | Literal["table"] | None:
     """The law of a formula, or ``hertz``, with the values of constants that are not to be fitted.
 
-    None for none.  Raises ValueError for a formula that is no force of a lattice, and for a wrong
-    name or value.
+    None for none, and ``table``, whose formula follows from the points.  Raises ValueError for a
+    formula that is no force of a lattice, and for a wrong name or value.
 
-    >>> stated_law("K2*x + K4*x**3").free, stated_law("hertz").text
-    ((K2, K4), '-A*contact(d - x)**(3/2)')
+    >>> stated_law("K2*x + K4*x**3").free, stated_law("hertz").text, stated_law("table")
+    ((K2, K4), '-A*contact(d - x)**(3/2)', 'table')
     """
-    if text is None:
+    if text is None or text == TABLE:
         if fixed:
+            got = "table" if text else "none"
             raise ValueError(
-                f"fixed constants must come with a law, got {', '.join(fixed)} alone (state it)"
+                f"fixed constants must come with a formula, got {', '.join(fixed)} and {got} "
+                "(state the law)"
             )
-        return None
-    if text == "table":
-        raise ValueError(
-            "law must be a formula or hertz, got table (a lattice's forces are formulas: state one)"
-        )
+        return TABLE if text else None
     if text == HERTZ:
         force = LATTICES["granular"].bonds[0].force
     else:

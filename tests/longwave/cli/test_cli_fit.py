@@ -79,9 +79,12 @@ def test_json_has_no_numbers_that_are_none(points: Path, capsys: Output) -> None
     ("words", "message"),
     [
         (["--law", "K2*z"], "law must be a formula in the stretch x and constants"),
-        (["--law", "table"], "law must be a formula or hertz, got table"),
+        (
+            ["--law", "table", "--fix", "K2=1"],
+            "fixed constants must come with a formula, got K2 and table (state the law)",
+        ),
         (["--fix", "K4"], "--fix must be NAME=VALUE, got K4"),
-        (["--fix", "K4=1"], "fixed constants must come with a law, got K4 alone"),
+        (["--fix", "K4=1"], "fixed constants must come with a formula, got K4 and none"),
         (["--units", "mm"], "--units must be a length and a force, got 'mm'"),
         (["--output", "chain.nc"], "--output must end in .toml, got 'chain.nc'"),
         (["--plot", "/nowhere/fit.png"], "--plot must lie in an existing folder"),

@@ -10,10 +10,12 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from scipy import optimize, stats
+from sympy import Symbol
 
 from longwave import fit_force
 from longwave.derive import LATTICES
 from longwave.derive.intervals import WIDE
+from longwave.lattice.numeric_lattice import numeric_lattice
 from longwave.scenes.fits.force_data import ForceData, read_force
 from longwave.scenes.fits.force_fit import ForceFit, fit_points
 from longwave.scenes.fits.force_law import stated_law
@@ -219,7 +221,6 @@ def test_points_without_noise_are_no_wrong_law() -> None:
 @pytest.mark.parametrize(
     ("law", "message"),
     [
-        ("table", "law must be a formula or hertz, got table"),
         ("K2*x + ", "law: expected a number, a name or '\\(', got the end"),
         ("__import__('os')", "law: expected a formula, got '_'"),
         ("x", "a formula in the stretch x and constants, one of them not fixed, got 'x'"),
@@ -243,7 +244,7 @@ def test_what_is_no_law_is_told(law: str, message: str) -> None:
         ("K2*x", {"K3": 1}, "fixed constants must be among K2, got 'K3'"),
         ("K2*x", {"K2": 1}, "one of them not fixed"),
         ("K2*x + K3*x**2", {"K3": "eps"}, "K3 must not depend on eps"),
-        (None, {"K2": 1}, "fixed constants must come with a law, got K2 alone"),
+        (None, {"K2": 1}, "fixed constants must come with a formula, got K2 and none"),
     ],
 )
 def test_what_cannot_be_fixed_is_told(law: str | None, fixed: dict[str, str], message: str) -> None:
@@ -406,3 +407,35 @@ def test_without_pint_units_say_what_to_install(
     monkeypatch.setitem(sys.modules, "pint", None)
     with pytest.raises(ValueError, match=r"pip install 'longwave\[units\]'"):
         read_force(written(tmp_path), "mm,N")
+
+
+def softening(stretch: Points) -> Points:
+    return np.tanh(2 * stretch) + 0.1 * stretch
+
+
+def test_a_spline_follows_what_no_polynomial_does() -> None:
+    """Its law is 0 at no stretch and smooth there, and its slope is that of the law behind."""
+    stretch = np.linspace(-1.2, 1.5, 91)
+    deviation = np.full(91, 0.004)
+    force = softening(stretch) + deviation * np.random.default_rng(5).normal(size=91)
+    found = fit_force(stretch, force, deviation, law="table")
+    assert not found.doubts
+    assert fit_force(stretch, force, deviation).doubts
+    fine = np.linspace(-1.2, 1.5, 400)
+    assert np.abs(found.forces(fine) - softening(fine)).max() < 0.01
+    assert found.forces(np.zeros(1)) == 0.0
+    place = found.law.free.index(Symbol("K2", real=True))
+    assert abs(found.values[place] - 2.1) < 3.0 * found.deviations[place]
+    chain = found.lattice
+    assert len(chain.bonds) == 1 + len(chain.unfelt_constants)
+    numbers = numeric_lattice(chain, dict(found.measured.values))
+    total = sum(bond.force(fine) for bond in numbers.bonds)
+    np.testing.assert_allclose(total, found.forces(fine), atol=1e-12)
+
+
+def test_splines_of_exact_cubics_have_no_knots() -> None:
+    force = noisy(cubic, 3)
+    found = fit_force(STRETCH, force, np.full(21, NOISE), law="table")
+    assert [str(name) for name in found.law.free] == ["K2", "K3", "K4"]
+    with pytest.raises(ValueError, match="fixed constants must come with a formula, got K2 and"):
+        fit_force(STRETCH, force, law="table", fixed={"K2": 1})
