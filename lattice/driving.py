@@ -8,7 +8,7 @@ splitting of Nystroem's kind keeps its order. Forces from outside are taken at e
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from types import MappingProxyType
 from typing import Literal, NamedTuple
@@ -49,6 +49,10 @@ that go back in time let velocities grow by less than exp(10), far from what dou
 
 LOOKED_AT = 2**17 + 1
 """Times at which what drives a chain is looked at before it is run. Steps resolve what is seen."""
+
+JUMP, MOST_CORNERS = 0.25, 100
+"""Share of the range of slopes by which one jumps at a corner, and corners beyond which it is taken
+for a drive that is fast."""
 
 CLOSER, MOST_HIDDEN, HIDDEN = 6, 2**12, 0.1
 """Times that a formula is looked at 64 times closer, in at most so many gaps in which it may change
@@ -176,19 +180,31 @@ class DrivenChain(DisorderedLattice):
 
         Or in which losses change velocities as much as a drift takes.
         """
-        times = np.linspace(begin, end, LOOKED_AT)
-        driven = [force.value for force in self.outer_forces]
-        driven += [wall.displacement for wall in self._moved if wall.displacement is not None]
         found = math.inf
-        for value in driven:
-            seen = _looked_closer(value, times)
-            values = _values(value, seen)
-            slopes = np.diff(values) / (np.diff(seen) if end > begin else 1.0)
+        for values, slopes in self._drives_within(begin, end):
             steepest = float(np.abs(slopes).max())
             found = min(found, float(np.ptp(values)) / steepest if steepest else math.inf)
         if any(self.losses):
             found = min(found, LOSS_TIME / max(self.losses))
         return min(found, SPREAD_TIME / self._spreading) if self._spreading else found
+
+    def turns_within(self, begin: float, end: float) -> bool:
+        """Whether a force or a wall turns at corners: its slope jumps between times looked at."""
+        for _, slopes in self._drives_within(begin, end):
+            jumps = np.abs(np.diff(slopes)) > JUMP * np.ptp(slopes)
+            if np.ptp(slopes) > 0.0 and 0 < np.count_nonzero(jumps) <= MOST_CORNERS:
+                return True
+        return False
+
+    def _drives_within(self, begin: float, end: float) -> Iterator[tuple[Array, Array]]:
+        """The values and slopes of each force and moving wall at the times looked at."""
+        times = np.linspace(begin, end, LOOKED_AT)
+        driven = [force.value for force in self.outer_forces]
+        driven += [wall.displacement for wall in self._moved if wall.displacement is not None]
+        for value in driven:
+            seen = _looked_closer(value, times)
+            values = _values(value, seen)
+            yield values, np.diff(values) / (np.diff(seen) if end > begin else 1.0)
 
     def spread_within(self, duration: float) -> int:
         """Cells by which signals run ahead of their speed: dashpots smear their fronts."""

@@ -58,7 +58,7 @@ RUNAWAY, LEAST_RUNAWAY = 4e4, 1e5
 with an order of 2 a tolerance of 1e-9 takes 3e4 times the longest one's."""
 
 ORDER_AT_OPENINGS = 2
-"""With which errors fall at least where contacts open and close, whatever the scheme."""
+"""With which errors fall at least where contacts open and close, or where a drive has a corner."""
 
 KEPT_AT_OPENINGS = 0.5
 """The most of a step that is kept where it was too long and contacts open: what a step changes
@@ -255,10 +255,12 @@ class CellRingEngine(StepSearch):
         if judged is not None:
             self._judged = lambda f, v, t: judged(f[:, :cells], v[:, :cells], t)
         stops = np.concatenate([[state.t], times])
+        begin, end = float(stops[0]), float(stops[-1])
         opens = any(bond.force.opening is not None for bond in lattice.bonds)
+        opens = opens or lattice.turns_within(begin, end)
         order = min(scheme.order, ORDER_AT_OPENINGS) if opens else scheme.order
         self._most_kept = KEPT_AT_OPENINGS if opens else 1.0
-        driven = DRIVEN_SHARE * lattice.driven_within(float(stops[0]), float(stops[-1]))
+        driven = DRIVEN_SHARE * lattice.driven_within(begin, end)
         first = min(LIMIT_SHARE * self._admitted, driven)
         super().__init__(order, first, stops, state.size)
         self.most_work = max(RUNAWAY * self.work(self.first()), LEAST_RUNAWAY)

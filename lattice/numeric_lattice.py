@@ -145,6 +145,10 @@ class NumericLattice:
         """The least time in which what drives it changes by all that it does; inf without any."""
         return math.inf
 
+    def turns_within(self, begin: float, end: float) -> bool:
+        """Whether what drives it has corners: nothing does."""
+        return False
+
     def spread_within(self, duration: float) -> int:
         """Cells by which signals run ahead of their speed for losses: 0 without any."""
         return 0
