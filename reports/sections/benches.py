@@ -113,7 +113,7 @@ def bench_laws(runs: Mapping[str, SceneRun], struck: Sequence[tuple[float, float
         lines.append(["first return of mode 1 (FPUT, 32 springs)", "about 147 periods", when])
         lines.append(["energy of mode 1 then", "98 \\%", f"{found.share * 100:.1f} \\%"])
     for slope, error in struck:
-        told = rf"${slope:.5f}\pm {error:.5f}$"
+        told = rf"${slope:.7f}\pm {error:.7f}$"
         lines.append(["exponent of the speed of struck grains in the velocity", "$1/5$", told])
     return table("lll", ["what", "known", "measured"], lines)
 

@@ -90,6 +90,6 @@ def test_what_is_known_of_chains_is_measured() -> None:
     exponent, error = struck_exponent()
     assert abs(exponent - 0.2) < 3.0 * error < 1e-5
     text = bench_laws({"fput_1955": found}, [(exponent, error)])
-    assert rf"${exponent:.5f}\pm {error:.5f}$" in text
+    assert rf"${exponent:.7f}\pm {error:.7f}$" in text
     assert rf"{100 * back.share:.1f} \%" in text
     assert rf"${back.periods:.1f}\pm" in text
