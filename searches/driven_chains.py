@@ -12,10 +12,12 @@ other, for what is gained must be what was done less what was lost.
 from __future__ import annotations
 
 import argparse
+import math
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from functools import partial
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,8 +38,10 @@ from longwave.lattice.numeric_lattice import NumericBond, numeric_lattice
 from longwave.lattice.refine import Refined, refine
 from longwave.lattice.schemes import REDUCED_PHASE_6
 from longwave.scenes.time_functions import Integral, time_function
+from longwave.support.request_limits import OverBudgetError
 
 Array = NDArray[np.float64]
+T = TypeVar("T")
 CHAINS = ("beta_fput", "alpha_fput", "toda", "klein_gordon", "mass_dimer", "granular")
 FINER = 1e-5
 """Absolute tolerance of the reference, in units of the one that is asked for."""
@@ -45,6 +49,9 @@ FINER = 1e-5
 LONGEST_STEP, SHORT_STEP = 0.1, 0.003
 """Of the reference, which must not step over what is short; where contacts open, as its own
 estimate does not see that (with 0.1 it was off by 2e-7 at a tolerance of 1e-12)."""
+
+REFUSALS = ("times must end", "tolerance must satisfy", "measured values must be dense")
+"""How what cannot be run is refused."""
 
 NEAR = 0.5
 """Errors above this share of their estimate are told."""
@@ -284,19 +291,24 @@ def attacked(seed: int) -> tuple[float, float, str]:
     nan where it is refused.
     """
     case = drawn(seed)
-    exact = exact_end(case)
     ends = ", ".join("moved" if callable(end) else str(end) for end in case.ends)
     text = f"{case.name}, ends {ends}, to {case.tolerance:.1e} until {case.end:.3g}"
-    shares = []
-    for share in (run_share, balance_share):
-        try:
-            shares.append(share(case, exact))
-        except ValueError as refusal:
-            if not str(refusal).startswith(("times must end", "tolerance must satisfy")):
-                raise
-            shares.append(float("nan"))
-            text += f" ({refusal})"
-    return shares[0], shares[1], text
+    exact = _unless_refused(partial(exact_end, case))
+    if exact is None:
+        return math.nan, math.nan, text
+    found = (_unless_refused(partial(one, case, exact)) for one in (run_share, balance_share))
+    run, balance = (math.nan if share is None else share for share in found)
+    return run, balance, text
+
+
+def _unless_refused(work: Callable[[], T]) -> T | None:
+    """What the work gives, None where the chain is refused."""
+    try:
+        return work()
+    except ValueError as refusal:
+        if isinstance(refusal, OverBudgetError) or str(refusal).startswith(REFUSALS):
+            return None
+        raise
 
 
 def run_share(case: DrivenCase, exact: tuple[Array, Array]) -> float:
