@@ -175,7 +175,7 @@ def exact_end(case: DrivenCase) -> tuple[Array, Array]:
     opens = any(bond.force.opening is not None for bond in case.chain.bonds)
     longest = min(SHORT_STEP if opens else LONGEST_STEP, within / 4.0)
     begin = np.concatenate([case.state.f.ravel(), case.state.v.ravel(), [0.0, 0.0]])
-    words = {"rtol": 1e-11, "atol": FINER * case.tolerance, "max_step": longest}
+    words = {"rtol": 1e-13, "atol": FINER * case.tolerance, "max_step": longest}
     with np.errstate(invalid="ignore"):  # where nothing moves its estimate is 0 / 0
         found = solve_ivp(_slopes(case), (0.0, case.end), begin, method="DOP853", **words)
     end = np.asarray(found.y[:, -1])
