@@ -43,7 +43,7 @@ from longwave.support.request_limits import OverBudgetError
 Array = NDArray[np.float64]
 T = TypeVar("T")
 CHAINS = ("beta_fput", "alpha_fput", "toda", "klein_gordon", "mass_dimer", "granular")
-FINER = 1e-5
+FINER = 1e-8
 """Absolute tolerance of the reference, in units of the one that is asked for."""
 
 LONGEST_STEP, SHORT_STEP = 0.1, 0.003
