@@ -8,7 +8,7 @@ splitting of Nystroem's kind keeps its order. Forces from outside are taken at e
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from types import MappingProxyType
 from typing import Literal, NamedTuple
@@ -137,15 +137,10 @@ class DrivenChain(DisorderedLattice):
     def energy(self, f: Array, v: Array) -> float:
         """Kinetic energy and what all bonds store: ends give way to forces at rest, too."""
         found = super().energy(f, v)
-        for bond, kept in zip(self.bonds, self._kept, strict=True):
+        for bond, kept in zip(self.bonds, self.bond_shares, strict=True):
             if resting := float(bond.force(np.zeros(()))):
                 found += resting * float(np.sum(kept * bond.stretched(f)))
         return found
-
-    @property
-    def _kept(self) -> list[Array]:
-        """Of each bond its factor: 1 where it is as everywhere, 0 where it is cut."""
-        return [np.ones(()) if varied is None else 1.0 + varied[1] for varied in self._varied()]
 
     @property
     def bond_shares(self) -> Array:
@@ -175,36 +170,22 @@ class DrivenChain(DisorderedLattice):
         forces = [f"force {count}" for count in range(1, len(self.outer_forces) + 1)]
         return (*(f"{side} wall" for side in sides), *forces)
 
-    def driven_within(self, begin: float, end: float) -> float:
+    def drive_within(self, begin: float, end: float) -> tuple[float, bool]:
         """The least time in which a force or a wall's displacement changes by all that it does.
 
-        Or in which losses change velocities as much as a drift takes.
+        Or in which losses change velocities as much as a drift takes. And whether a force or a wall
+        turns at corners: its slope jumps between times looked at.
         """
-        found = math.inf
-        for values, slopes in self._drives_within(begin, end):
-            steepest = float(np.abs(slopes).max())
-            found = min(found, float(np.ptp(values)) / steepest if steepest else math.inf)
+        found, turns = _looked_at(self._drives, begin, end)
         if any(self.losses):
             found = min(found, LOSS_TIME / max(self.losses))
-        return min(found, SPREAD_TIME / self._spreading) if self._spreading else found
+        return min(found, SPREAD_TIME / self._spreading) if self._spreading else found, turns
 
-    def turns_within(self, begin: float, end: float) -> bool:
-        """Whether a force or a wall turns at corners: its slope jumps between times looked at."""
-        for _, slopes in self._drives_within(begin, end):
-            jumps = np.abs(np.diff(slopes)) > JUMP * np.ptp(slopes)
-            if np.ptp(slopes) > 0.0 and 0 < np.count_nonzero(jumps) <= MOST_CORNERS:
-                return True
-        return False
-
-    def _drives_within(self, begin: float, end: float) -> Iterator[tuple[Array, Array]]:
-        """The values and slopes of each force and moving wall at the times looked at."""
-        times = np.linspace(begin, end, LOOKED_AT)
-        driven = [force.value for force in self.outer_forces]
-        driven += [wall.displacement for wall in self._moved if wall.displacement is not None]
-        for value in driven:
-            seen = _looked_closer(value, times)
-            values = _values(value, seen)
-            yield values, np.diff(values) / (np.diff(seen) if end > begin else 1.0)
+    @property
+    def _drives(self) -> tuple[TimeFunction, ...]:
+        """What acts in time: forces, and displacements of walls that move."""
+        moved = (wall.displacement for wall in self._moved if wall.displacement is not None)
+        return (*(force.value for force in self.outer_forces), *moved)
 
     def spread_within(self, duration: float) -> int:
         """Cells by which signals run ahead of their speed: dashpots smear their fronts."""
@@ -259,7 +240,7 @@ class DrivenChain(DisorderedLattice):
         self.place_walls(f, v, times, moving=True)
         masses = np.array(self.masses)[:, np.newaxis, np.newaxis]
         rates = [bond.stretched(v) - bond.offset for bond in self.bonds]
-        pots = [*zip(self.dashpots, self._kept, strict=True)]
+        pots = [*zip(self.dashpots, self.bond_shares, strict=True)]
         forces = [
             force + dashpot * kept * rate
             for force, (dashpot, kept), rate in zip(self.forces(f), pots, rates, strict=True)
@@ -358,6 +339,21 @@ def _values(value: TimeFunction, times: Array) -> Array:
             f"at t = {t:g} (end earlier or change the formula)"
         )
     return found
+
+
+def _looked_at(drives: Sequence[TimeFunction], begin: float, end: float) -> tuple[float, bool]:
+    """The least time in which a drive changes by all that it does, and whether one has a corner."""
+    times = np.linspace(begin, end, LOOKED_AT)
+    least, turns = math.inf, False
+    for value in drives:
+        seen = _looked_closer(value, times)
+        values = _values(value, seen)
+        slopes = np.diff(values) / (np.diff(seen) if end > begin else 1.0)
+        steepest, spread = float(np.abs(slopes).max()), float(np.ptp(slopes))
+        least = min(least, float(np.ptp(values)) / steepest if steepest else math.inf)
+        jumps = np.count_nonzero(np.abs(np.diff(slopes)) > JUMP * spread)
+        turns = turns or bool(spread > 0.0 and 0 < jumps <= MOST_CORNERS)
+    return least, turns
 
 
 def _looked_closer(value: TimeFunction, times: Array) -> Array:

@@ -257,10 +257,11 @@ class CellRingEngine(StepSearch):
         stops = np.concatenate([[state.t], times])
         begin, end = float(stops[0]), float(stops[-1])
         opens = any(bond.force.opening is not None for bond in lattice.bonds)
-        opens = opens or lattice.turns_within(begin, end)
+        within, turns = lattice.drive_within(begin, end)
+        opens = opens or turns
         order = min(scheme.order, ORDER_AT_OPENINGS) if opens else scheme.order
         self._most_kept = KEPT_AT_OPENINGS if opens else 1.0
-        driven = DRIVEN_SHARE * lattice.driven_within(begin, end)
+        driven = DRIVEN_SHARE * within
         first = min(LIMIT_SHARE * self._admitted, driven)
         super().__init__(order, first, stops, state.size)
         self.most_work = max(RUNAWAY * self.work(self.first()), LEAST_RUNAWAY)

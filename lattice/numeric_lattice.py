@@ -141,13 +141,16 @@ class NumericLattice:
         """Whether stages take weights of their own times (`DrivenChain.stage_weights`): no."""
         return False
 
-    def driven_within(self, begin: float, end: float) -> float:
-        """The least time in which what drives it changes by all that it does; inf without any."""
-        return math.inf
+    def drive_within(self, begin: float, end: float) -> tuple[float, bool]:
+        """The least time in which what drives it changes by all that it does; inf without any.
 
-    def turns_within(self, begin: float, end: float) -> bool:
-        """Whether what drives it has corners: nothing does."""
-        return False
+        And whether that has corners.
+        """
+        return math.inf, False
+
+    def driven_within(self, begin: float, end: float) -> float:
+        """The least time of `drive_within`."""
+        return self.drive_within(begin, end)[0]
 
     def spread_within(self, duration: float) -> int:
         """Cells by which signals run ahead of their speed for losses: 0 without any."""

@@ -436,4 +436,4 @@ def test_corners_are_told_from_what_is_fast() -> None:
     ):
         drive = SiteForce(0, time_function("force", text))
         made = driven_chain(LINEAR, 2, left="fixed", right="fixed", forces=[drive])
-        assert made.turns_within(0.0, 10.0) == turns, text
+        assert made.drive_within(0.0, 10.0)[1] == turns, text
