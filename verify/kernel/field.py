@@ -133,7 +133,7 @@ class Field:
         """The image of a node; raises CertificateError where it does not follow from generators."""
         if node not in self._images:
             if node in self._underway:
-                raise CertificateError("an image must not be made of itself")
+                raise CertificateError("an image must not be defined by itself")
             self._underway.add(node)
             try:
                 self._images[node] = self._image(node)
@@ -270,7 +270,7 @@ class Field:
             return None
         found = self.nodes.made(name, *self.nodes.all[value][1:])
         if found != node and not self._alike(key, value):
-            raise CertificateError("an argument is not the sum that it is said to be")
+            raise CertificateError("the sum given for an argument is not equal to it")
         return found
 
     def _turned(self, node: int) -> Element | None:

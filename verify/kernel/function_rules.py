@@ -26,9 +26,9 @@ def root(field: Field, node: int) -> Element:
     if value is None:
         raise CertificateError("there is no generator for a Pow")
     if not (field.image(value) ** int(exponent.q) - field.image(base)).is_zero:
-        raise CertificateError("the power of what a root is said to be is another")
+        raise CertificateError("the power of the value given for a root is not the radicand")
     if not any(shown(field, value, exponent) for shown in BRANCHES):
-        raise CertificateError("what a root is said to be is not shown to be >= 0 there")
+        raise CertificateError("the value given for a root is not shown to be >= 0 on the domain")
     return field.image(value)
 
 
@@ -57,9 +57,11 @@ def absolute_value(field: Field, node: int) -> Element:
     if value is None:
         raise CertificateError("there is no generator for a Abs")
     if not (field.image(value) ** 2 - field.squared(field.nodes.all[node][1])).is_zero:
-        raise CertificateError("what an absolute value is said to be has another square")
+        raise CertificateError(
+            "the square of the value given for an abs is not the square of its argument"
+        )
     if not field.signs.not_negative(value):
-        raise CertificateError("what an absolute value is said to be is not shown to be >= 0 there")
+        raise CertificateError("the value given for an abs is not shown to be >= 0 on the domain")
     return field.image(value)
 
 

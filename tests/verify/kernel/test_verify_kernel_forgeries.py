@@ -84,7 +84,7 @@ def test_a_real_part_is_not_positive_where_its_witness_is_undefined(
         f"u - sqrt(({w})**2)", f"u = {w}", atoms, {"x": point},
         values={f"sqrt(({w})**2)": value}, signs=signs,
     )  # fmt: skip
-    refused(data, "not shown to be >= 0 there|not shown to be finite")
+    refused(data, "not shown to be >= 0 on the domain|not shown to be finite")
 
 
 @pytest.mark.parametrize(

@@ -60,7 +60,7 @@ def logarithm(field: Field, node: int) -> Element | None:
         return _logarithm_of_exponential(field, inner) or _logarithm_of_negative(field, inner)
     terms = [nodes.multiple(term) for term in nodes.terms(value)]
     if any(nodes.all[u][0] != "log" for _, u in terms):
-        raise CertificateError("what a logarithm is said to be must be a sum of logarithms")
+        raise CertificateError("the value given for a logarithm must be a sum of logarithms")
     factors = [(q, nodes.all[u][1]) for q, u in terms]
     powers = [q for q, f in factors if not field.signs.not_negative(f)]
     if powers not in ([], [1]):
@@ -68,7 +68,7 @@ def logarithm(field: Field, node: int) -> Element | None:
     # It is not 0 where the logarithm is smooth.
     product = reduce(mul, (field.made("Pow", f, q) for q, f in factors))
     if product.is_zero or not (product - field.image(inner)).is_zero:
-        raise CertificateError("a logarithm is not of the product that it is said to be of")
+        raise CertificateError("the value given for a logarithm is that of another argument")
     return field.image(value)
 
 
@@ -101,9 +101,9 @@ def inverse_function(field: Field, node: int) -> Element | None:
     if value is None:
         return None
     if not (field.signs.is_between(value, *PRINCIPAL[name]) or field.is_kept(name, f, value)):
-        raise CertificateError(f"what an {name} is said to be is not shown to be a principal value")
+        raise CertificateError(f"the value given for {name} is not shown to be a principal value")
     if not is_value(field, name, f, value):
-        raise CertificateError(f"what an {name} is said to be is that of another argument")
+        raise CertificateError(f"the value given for {name} is that of another argument")
     return field.image(value)
 
 
