@@ -14,6 +14,7 @@ from longwave.solutions.run.linear_phase import LONG, LinearPhase, Variables, lo
 from longwave.solutions.run.machine import add_row, scale_rows
 
 if TYPE_CHECKING:
+    from longwave.solutions.quadrature import IntegralFromZero
     from longwave.solutions.run.evaluator import Evaluator, PointEvaluator
 
 Array = NDArray[np.float64]
@@ -32,6 +33,9 @@ NOTHING = 1e-10
 
 HIGHEST = 20
 """Highest order of a jet."""
+
+MOST_KEPT = 4
+"""Integrals that are kept: of compared cells, of a ring, and of the ring's ends."""
 
 MOST_UNCERTAIN = 1000
 """Points with larger bounds that mpmath settles, at 5 to 100 ms each; more are refused."""
@@ -111,6 +115,7 @@ class NumericWave:
         self._known_phases: dict[tuple[Part, object], list[LinearPhase]] = {}
         self._lattices: dict[object, Variables] = {}
         self._series: dict[int, Evaluator] = {}
+        self._integrals: dict[tuple[float, float, float], IntegralFromZero] = {}
 
     def __reduce__(self) -> tuple[Callable[..., "NumericWave"], tuple[Any, ...]]:
         """What makes the wave again: no program and no kernel is pickled."""
@@ -196,14 +201,25 @@ class NumericWave:
         """W at the points X and one time T, with W_X = Y and W = 0 at X = 0.
 
         By quadrature, its error below 1e-12 of the largest |W|; raises ValueError as
-        `solutions.quadrature.integral_from_zero` does.
+        `solutions.quadrature.IntegralFromZero` does. The panels of the last calls are kept: data
+        and theory of a run ask for the same places again.
         """
-        from longwave.solutions.quadrature import integral_from_zero
-
         (points, _) = check_points(X, T)
+        if not points.size:
+            return np.empty(points.shape)
         fastest = max(abs(phase.rate) for phase in self._phases("formula", self._slow))
-        width = 1.0 / fastest if fastest else np.inf
-        return integral_from_zero(lambda x: self(x, T).Y, points, width)
+        low, high = float(points.min()), float(points.max())
+        if fastest:
+            low, high = np.floor(low * fastest) / fastest, np.ceil(high * fastest) / fastest
+        key = (T, low, high)
+        if key not in self._integrals:
+            from longwave.solutions.quadrature import IntegralFromZero
+
+            width = 1.0 / fastest if fastest else np.inf
+            found = IntegralFromZero(lambda x: self(x, T).Y, low, high, width)
+            kept = list(self._integrals.items())[1 - MOST_KEPT :]
+            self._integrals = {**dict(kept), key: found}
+        return self._integrals[key](points)
 
     def potential(self, X: ArrayLike, T: ArrayLike, *, Z: ArrayLike) -> PlanarValues:
         """W, W_X, W_T, W_Z at the points (X, T, Z), with W_X = Y and W constant on the left.

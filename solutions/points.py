@@ -5,6 +5,7 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from decimal import Decimal
 from functools import lru_cache
+from itertools import chain
 from numbers import Integral, Real
 from typing import Any
 
@@ -41,8 +42,11 @@ def evaluate_points(function: Callable[..., Array], *points: Array) -> Array:
         out = function(*(axis.copy() for axis in flat))
     else:
         go = map if usable_cores() == 1 else _executor(os.getpid()).map
-        chunks = go(lambda s: function(*(axis[s].copy() for axis in flat)), slices)
-        out = np.concatenate(list(chunks), axis=-1)
+        chunks = iter(go(lambda s: function(*(axis[s].copy() for axis in flat)), slices))
+        first = next(chunks)
+        out = np.empty((*first.shape[:-1], flat[0].size), first.dtype)
+        for place, chunk in zip(slices, chain([first], chunks), strict=True):
+            out[..., place] = chunk
     return out.reshape(*out.shape[:-1], *points[0].shape)
 
 

@@ -1,12 +1,51 @@
-"""Integrals from 0: what is too far away is refused."""
+"""Integrals from 0: exact between the panels' ends too, and what is too far away is refused."""
+
+from collections.abc import Callable
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
-from longwave.solutions.quadrature import integral_from_zero
+from longwave.solutions.quadrature import IntegralFromZero
+
+Array = NDArray[np.float64]
 
 
 @pytest.mark.parametrize("width", [1e-9, 1e-18, 1e-300])
 def test_points_that_are_too_many_panels_apart_are_refused(width: float) -> None:
     with pytest.raises(ValueError, match=r"^points must span at most"):
-        integral_from_zero(np.cos, np.array([-7.0, 15.0]), width)
+        IntegralFromZero(np.cos, -7.0, 15.0, width)
+
+
+def sharp(x: Array) -> Array:
+    """1e-2 wide, in panels of width 1: halved many times."""
+    return np.asarray(1e-2 / (1e-4 + (x - 0.3) ** 2))
+
+
+@pytest.mark.parametrize(
+    ("function", "integral", "low", "high"),
+    [
+        (np.cos, np.sin, -7.3, 15.1),
+        (np.cos, np.sin, 3.0, 4.0),
+        (np.cos, np.sin, -4.0, -3.0),
+        (np.cos, np.sin, 0.0, 0.0),
+        (lambda x: np.cosh(x) ** -2, np.tanh, -300.0, 300.0),
+        (sharp, lambda x: np.arctan(1e2 * (x - 0.3)) + np.arctan(30.0), -2.0, 2.0),
+        (lambda x: np.exp(1j * x), lambda x: -1j * (np.exp(1j * x) - 1.0), -9.0, 9.0),
+    ],
+)
+def test_integrals_at_many_points_within_a_panel(
+    function: Callable[[Array], Array],
+    integral: Callable[[Array], Array],
+    low: float,
+    high: float,
+) -> None:
+    """Catches: a panel confirmed at its ends alone, whose polynomial is wrong between them."""
+    points = np.random.default_rng(5).uniform(low, high, (3, 50_000))
+    found = IntegralFromZero(function, low, high, 1.0)(points)
+    assert np.max(np.abs(found - integral(points))) <= 2e-13 * max(1.0, high - low) ** 0.5
+
+
+def test_a_function_that_is_not_smooth_is_refused() -> None:
+    with pytest.raises(ValueError, match="not smooth there"):
+        IntegralFromZero(lambda x: np.sign(x - 0.3), 0.0, 1.0, 1.0)
