@@ -169,7 +169,7 @@ class LatticeWave(ABC):
         f, v = self.state(where, t)
         axes = where if len(mean) > 1 else where[np.newaxis]
         grown = sum(slope * axis for slope, axis in zip(mean, axes, strict=True))
-        f = f - np.multiply.outer(self.growth_shares, grown)
+        f -= np.multiply.outer(self.growth_shares, grown)
         lattice = self.strained(mean)
         if self.disorder is not None:
             lattice = self.disorder.on(lattice, where)

@@ -7,7 +7,7 @@ the reduced equation.  All of it is one series in eps of polynomials in X-deriva
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Protocol, cast
@@ -25,7 +25,7 @@ from longwave.derive.symbols import eps as EPS
 from longwave.lattice.numeric_lattice import NumericLattice, numeric_lattice, place_text
 from longwave.scenes.damped_soliton import DampedSoliton
 from longwave.scenes.first_correction import FirstCorrection
-from longwave.scenes.jet_polynomial import with_numbers
+from longwave.scenes.jet_polynomial import JetPolynomial, with_numbers
 from longwave.scenes.lattice_wave import LatticeWave
 from longwave.solutions import WaveValues
 
@@ -38,6 +38,9 @@ Array = NDArray[np.float64]
 
 FLAT = 1e-9
 """A wave has ended where it changes by less than that share of its size."""
+
+PIECE = 65_536
+"""Cells whose jets are made at once, a few megabytes."""
 
 FARTHEST = 400.0
 """A wave that has not ended so far in X fills the line."""
@@ -189,27 +192,49 @@ class LongWaveData(LatticeWave):
         """Fields and their time derivatives, (fields, *sites)."""
         if self._planar is not None:
             return self._planar.state(cells, t)
-        X, T = self.slow_place(cells, t), self.slow_time(t)
-        polynomials = [polynomial for pair in self._series for polynomial in pair]
-        jets = self._unknown(X, T, max(polynomial.highest for polynomial in polynomials))
-        f, v = (
-            [polynomial(jets) for polynomial in part] for part in zip(*self._series, strict=True)
-        )
-        return np.array(f), np.array(v)
+        places, rates = zip(*self._series, strict=True)
+        f, v = self._valued([places, rates], cells, t)
+        return f, v
+
+    def _valued(
+        self, groups: Sequence[Sequence[JetPolynomial]], cells: ArrayLike, t: float
+    ) -> list[Array]:
+        """The values of groups of polynomials in the unknown, each (polynomials, *sites).
+
+        Jets are made for `PIECE` cells at a time, of which they take many times the memory.
+        """
+        place, T = self.slow_place(cells, t), self.slow_time(t)
+        X = place.ravel()
+        highest = max(polynomial.highest for group in groups for polynomial in group)
+        W = self._displacement(X, T) if self._is_displacement else None
+        found = [np.empty((len(group), X.size)) for group in groups]
+        for first in range(0, X.size, PIECE):
+            piece = slice(first, first + PIECE)
+            jets = self._unknown(X[piece], T, highest, None if W is None else W[piece])
+            for values, group in zip(found, groups, strict=True):
+                for row, polynomial in zip(values, group, strict=True):
+                    row[piece] = polynomial(jets)
+        return [values.reshape(-1, *place.shape) for values in found]
 
     def strain(self, cells: ArrayLike, t: float) -> Array:
         """The fields of strains; of displacements what they grow by along each axis of the wave."""
         if not self._is_displacement:
-            return self.state(cells, t)[0]
-        here = self.state(cells, t)[0]
+            return self._fields(cells, t)
+        here = self._fields(cells, t)
         rows = []
         for axis in self._axes:
             step = np.zeros(len(self._direction))
             step[axis] = 1.0
             places = np.asarray(cells, dtype=np.float64)
             shift = step.reshape(-1, *(1,) * (places.ndim - 1)) if step.size > 1 else step[0]
-            rows.append(self.state(places + shift, t)[0] - here)
+            rows.append(self._fields(places + shift, t) - here)
         return np.concatenate(rows)
+
+    def _fields(self, cells: ArrayLike, t: float) -> Array:
+        """The fields without their rates."""
+        if self._planar is not None:
+            return self._planar.state(cells, t)[0]
+        return self._valued([[place for place, _ in self._series]], cells, t)[0]
 
     @property
     def quantities(self) -> tuple[str, ...]:
@@ -270,7 +295,7 @@ class LongWaveData(LatticeWave):
             first, last = (np.take(places, [end], 1 + axis) for end in (0, -1))
             last[axis] += 1.0
             low, high = (
-                self.state(end if len(slopes) > 1 else end[0], t)[0] for end in (first, last)
+                self._fields(end if len(slopes) > 1 else end[0], t) for end in (first, last)
             )
             grown = float(np.mean(high[leader] - low[leader])) / shares[leader]
             slopes[axis] = grown / places.shape[1 + axis]
@@ -306,18 +331,23 @@ class LongWaveData(LatticeWave):
     def _quantities(self) -> int:
         return len(self.lattice.fields) * (len(self._axes) if self._is_displacement else 1)
 
-    def _unknown(self, X: Array, T: float, highest: int) -> Array:
-        """The jets that the series are written in: of W or of Y."""
-        if not self._is_displacement:
+    def _unknown(self, X: Array, T: float, highest: int, W: Array | None) -> Array:
+        """The jets that the series are written in: of W, which is given, or of Y."""
+        if W is None:
             return self._corrected(self.wave.jets(X, T, highest), X, T, highest)
         jets = np.empty((highest + 1, *X.shape))
-        jets[0] = self.wave.antiderivative(X, T)
-        if self.correction is not None:
-            jets[0] += self._share * self.correction.antiderivative(X, T)
+        jets[0] = W
         if highest:
             found = self.wave.jets(X, T, highest - 1)
             jets[1:] = self._corrected(found, X, T, highest - 1)
         return jets
+
+    def _displacement(self, X: Array, T: float) -> Array:
+        """W with ``W_X = Y``."""
+        W = self.wave.antiderivative(X, T)
+        if self.correction is not None:
+            W = W + self._share * self.correction.antiderivative(X, T)
+        return W
 
     def _corrected(self, jets: Array, X: Array, T: float, highest: int) -> Array:
         if self.correction is None:
