@@ -59,6 +59,16 @@ class StatedProblem:
 
 
 @dataclass(frozen=True)
+class UnreadableProblem:
+    """A problem whose formulas cannot be read, and why not."""
+
+    name: str
+    error: FormulaError
+    expect: str = ""
+    source: str = ""
+
+
+@dataclass(frozen=True)
 class ProblemText:
     """A problem as a file has it, before its formulas are read.
 
@@ -94,6 +104,13 @@ class ProblemText:
             return StatedProblem(statement, self.expect, self.source)
         except FormulaError as error:
             raise error.within(f"{self.where} ({self.name})") from None
+
+    def problem_or_error(self) -> StatedProblem | UnreadableProblem:
+        """`problem`, or what cannot be read of it."""
+        try:
+            return self.problem()
+        except FormulaError as error:
+            return UnreadableProblem(self.name, error, self.expect, self.source)
 
 
 def problem_texts(path: Path) -> list[ProblemText]:

@@ -14,13 +14,14 @@ class Outcome(enum.StrEnum):
 
     ``PROVED`` is exact (`verify.proof`).  ``CHECKED`` is a residual that vanishes at the stated
     digits and points, which is evidence and not a proof.  ``REFUTED`` has a witness,
-    ``UNDECIDED`` a reason.
+    ``UNDECIDED`` a reason.  ``UNREADABLE`` is a text that is no statement.
     """
 
     PROVED = "PROVED"
     CHECKED = "CHECKED"
     REFUTED = "REFUTED"
     UNDECIDED = "UNDECIDED"
+    UNREADABLE = "UNREADABLE"
 
     @property
     def passed(self) -> bool:

@@ -68,6 +68,8 @@ def _deciding(command: Wrapped) -> Wrapped:
         click.option("--latex", is_flag=True, help="Print a sentence on each in LaTeX."),
         click.option("--scheduler", metavar="ADDRESS", help="A Dask cluster, tcp://HOST:PORT."),
         click.option("--limit", type=float, metavar="SECONDS", help="For each (default 60)."),
+        click.option("--keep-going", is_flag=True, help="Decide the others if one is unreadable."),
+        path_option("--lines", "FILE.jsonl", "Append each verdict; what it has is not done again."),
     ):
         command = option(command)
     return command

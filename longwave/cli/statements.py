@@ -17,6 +17,7 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from longwave.cli.certificates import ProofFile
+from longwave.cli.verdict_lines import VerdictLines
 from longwave.cli.verdicts import STYLES, summary
 from longwave.derive.algebra.formula_text import FormulaError
 from longwave.support.command_line import fail
@@ -35,7 +36,12 @@ from longwave.support.processes import (
 )
 from longwave.support.request_limits import duration
 from longwave.support.slow_work import give_notice
-from longwave.verify.problem_file import ProblemText, StatedProblem, problem_texts
+from longwave.verify.problem_file import (
+    ProblemText,
+    StatedProblem,
+    UnreadableProblem,
+    problem_texts,
+)
 from longwave.verify.proof.conditions import ConditionalVerdict, conditional_sentence
 from longwave.verify.proof.near_misses import with_hint
 from longwave.verify.proof.statement_text import read_statement
@@ -72,6 +78,9 @@ GRACE = 1.0
 MEMORY = 2_000_000_000
 """Bytes for a statement, beyond what the process has."""
 
+MOST_SHOWN = 20
+"""Statements that cannot be read and are shown."""
+
 THE_BEGINNING = "the beginning"
 
 STAGES = {
@@ -97,9 +106,9 @@ def prove_and_print(
 ) -> int:
     """Decide a statement in texts, or those of problem files; as `decide_and_print`."""
 
-    def read() -> list[StatedProblem]:
+    def read() -> Sequence[Reading]:
         if files:
-            return stated([text for path in files for text in problem_texts(Path(path))])
+            return read_problems([text for path in files for text in problem_texts(Path(path))])
         texts = parameters or "", domain or ""
         names = {"solve": solve or "", "variables": variables or ""}
         return [StatedProblem(read_statement(equations, solutions, *texts, **names))]
@@ -113,11 +122,13 @@ def decide_library_and_print(program: str, names: Sequence[str], **options: Any)
     Of all of them without hints at what would hold, which take longer than the verdicts.
     """
     hinting = HINT_SECONDS if names else 0.0
-    return decide_and_print(lambda: stated(chosen(names)), program, hinting=hinting, **options)
+    return decide_and_print(
+        lambda: read_problems(chosen(names)), program, hinting=hinting, **options
+    )
 
 
 def decide_and_print(
-    read: Callable[[], list[StatedProblem]],
+    read: Callable[[], Sequence[Reading]],
     program: str,
     *,
     files: Sequence[str] = (),
@@ -129,36 +140,56 @@ def decide_and_print(
     force: bool = False,
     latex: bool = False,
     json_wanted: bool = False,
+    keep_going: bool = False,
+    lines: str | None = None,
 ) -> int:
     """Decide the statements that are ``read``, of ``files`` if of any, and print the verdicts.
 
-    Returns 0 if all are proved or as expected, 1 if not, 2 for a wrong formula, which is shown, 130
-    after Ctrl-C, which ``program`` tells. Proofs are written as `ProofFile` does. Raises ValueError
-    and OSError for what else cannot be read or written.
+    Returns 0 if all are proved or as expected, 1 if not, 2 for wrong formulas, which are shown
+    unless ``keep_going`` has the others decided, 130 after Ctrl-C, which ``program`` tells.
+    Verdicts are appended to the file of ``lines`` as they are reached, and those that it has are
+    not decided again. Proofs are written as `ProofFile` does. Raises ValueError and OSError for
+    what else cannot be read or written.
     """
+    proofs = ProofFile(output, system, force)
+    proofs.check(files)
+    seconds = _limit(limit)
+    kept = VerdictLines(lines, seconds, proof_digest)
     try:
-        proofs = ProofFile(output, system, force)
-        proofs.check(files)
-        seconds = _limit(limit)
         problems = read()
-        verdicts = _decided(problems, seconds, hinting, scheduler)
-        found, complete = finished(tracked(verdicts, len(problems), "deciding"))
-        found.sort(key=lambda pair: pair[0])
-        proofs.write([c for _, verdict in found for c in verdict.certificates])
     except FormulaError as error:
-        status = fail(error)
-        print(error.picture, file=sys.stderr)
-        return status
+        return _show_unreadable([error])
+    unreadable = [problem.error for problem in problems if isinstance(problem, UnreadableProblem)]
+    if unreadable and not keep_going:
+        return _show_unreadable(unreadable, len(problems))
+    verdicts = _all_decided(
+        problems, kept, partial(_decided, limit=seconds, hinting=hinting, scheduler=scheduler)
+    )
+    found, complete = finished(tracked(verdicts, len(problems), "deciding"))
+    found.sort(key=lambda pair: pair[0])
+    proofs.write([c for _, verdict in found for c in verdict.certificates])
     decisions = [Decision(problems[place], verdict) for place, verdict in found]
     show, asked = partial(_print, latex=latex), f"{len(problems)} statements"
     status = print_found(decisions, complete, show, json_wanted, program, asked)
     return status or int(not all(decision.is_met for decision in decisions))
 
 
+def _show_unreadable(errors: Sequence[FormulaError], of: int = 1) -> int:
+    """Show what cannot be read, each with its place, and what may be done; the exit status."""
+    status = 0
+    for error in errors[:MOST_SHOWN]:
+        status = fail(error)
+        print(error.picture, file=sys.stderr)
+    if of > 1:
+        words = f"{len(errors)} of {of} statements cannot be read"
+        print(f"{words} (mend them; --keep-going decides the others)", file=sys.stderr)
+    return status
+
+
 class Decision(NamedTuple):
     """A problem with the verdict on it."""
 
-    problem: StatedProblem
+    problem: Reading
     verdict: StatementVerdict
 
     @property
@@ -172,11 +203,38 @@ class Decision(NamedTuple):
         return self.verdict.json() | {name: text for name, text in told.items() if text}
 
 
-def stated(texts: Sequence[ProblemText]) -> list[StatedProblem]:
+Reading = StatedProblem | UnreadableProblem
+
+
+def read_problems(texts: Sequence[ProblemText]) -> list[Reading]:
     """The statements in the texts, which take a while where they are many."""
     if len(texts) > MANY:
         give_notice(f"{len(texts)} statements to be read and decided")
-    return [text.problem() for text in tracked(texts, len(texts), "reading")]
+    return [text.problem_or_error() for text in tracked(texts, len(texts), "reading")]
+
+
+def _all_decided(
+    problems: Sequence[Reading],
+    kept: VerdictLines,
+    decide: Callable[[Sequence[StatedProblem]], Iterator[tuple[int, StatementVerdict]]],
+) -> Iterator[tuple[int, StatementVerdict]]:
+    """The verdicts on all problems: on what cannot be read, those that are kept, and the others."""
+    left: list[tuple[int, StatedProblem]] = []
+    for place, problem in enumerate(problems):
+        if isinstance(problem, UnreadableProblem):
+            words = str(problem.error)
+            yield (
+                place,
+                StatementVerdict(problem.name, "", "reading", Outcome.UNREADABLE, words),
+            )
+        elif (verdict := kept.taken(problem.statement)) is not None:
+            yield place, verdict
+        else:
+            left.append((place, problem))
+    for number, verdict in decide([problem for _, problem in left]):
+        place, problem = left[number]
+        kept.add(problem.statement, verdict)
+        yield place, verdict
 
 
 def _decided(
@@ -319,6 +377,8 @@ def _print(found: Sequence[Decision], latex: bool) -> None:
             conditional_sentence(verdict)
             if isinstance(verdict, ConditionalVerdict)
             else verified_sentence(problem.statement, verdict)
+            if isinstance(problem, StatedProblem)
+            else f"% {verdict.name}: {verdict.outcome}: {verdict.detail}"
             for problem, verdict in found
         )
         print("\n\n".join(sentences))

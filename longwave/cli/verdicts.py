@@ -136,6 +136,7 @@ STYLES = {
     Outcome.CHECKED: "cyan",
     Outcome.REFUTED: "bold red",
     Outcome.UNDECIDED: "yellow",
+    Outcome.UNREADABLE: "magenta",
 }
 
 MEANINGS = {
@@ -143,6 +144,7 @@ MEANINGS = {
     Outcome.CHECKED: "checked to the digits shown, which is no proof",
     Outcome.REFUTED: "refuted",
     Outcome.UNDECIDED: "undecided",
+    Outcome.UNREADABLE: "unreadable",
 }
 
 

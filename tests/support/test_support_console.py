@@ -44,5 +44,5 @@ def test_many_statements_are_told_before_they_are_read(
 ) -> None:
     monkeypatch.setattr(statements, "MANY", 0)
     name = next(iter(chosen(()))).name
-    statements.stated(chosen([name]))
+    statements.read_problems(chosen([name]))
     assert "to be read and decided: takes more" in capsys.readouterr().err

@@ -1,0 +1,98 @@
+"""A file of verdicts, each a line of JSON, written as they are reached and read by the next run."""
+
+from __future__ import annotations
+
+import json
+import os
+import stat
+from collections.abc import Callable
+from dataclasses import asdict
+from functools import cached_property
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+from longwave.support.user_files import read_text, shown_path
+from longwave.verify.proof.kept_verdict import kept_record, taken_again
+from longwave.verify.proof.statement_verdict import StatementVerdict
+from longwave.verify.proof.typed_statement import Statement
+
+MOST_BYTES = 1_000_000_000
+
+
+class VerdictLines:
+    """The verdicts in ``file``, or nothing without one; ``limit`` is the seconds for each.
+
+    A verdict is known by its statement's texts, the limit and what ``digest`` gives, that of the
+    sources. What a file says is believed as far as `taken_again` can check it. A line that is not
+    whole, as one that a kill cut, is passed over.
+
+    Raises ValueError for a file that others may write or that has no verdicts, and OSError as
+    opening does.
+    """
+
+    def __init__(self, file: str | None, limit: float, digest: Callable[[], str]) -> None:
+        self._path = None if file is None else Path(file)
+        self._limit, self._digest = limit, digest
+        self._records = {} if self._path is None else _read(self._path)
+
+    def taken(self, statement: Statement) -> StatementVerdict | None:
+        """The verdict on the statement that the file has; None if there is none to be believed."""
+        record = self._records.get(self._key(statement)) if self._records else None
+        return None if record is None else taken_again(statement, record)
+
+    def add(self, statement: Statement, verdict: StatementVerdict) -> None:
+        """Append the verdict."""
+        if self._path is None:
+            return
+        line = json.dumps({"key": self._key(statement)} | kept_record(verdict)) + "\n"
+        descriptor = os.open(self._path, os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o600)
+        with os.fdopen(descriptor, "a", encoding="utf-8") as stream:
+            stream.write(line if self._is_whole else "\n" + line)
+        self._is_whole = True
+
+    @cached_property
+    def _sources(self) -> str:
+        return self._digest()
+
+    def _key(self, statement: Statement) -> str:
+        texts = asdict(statement.texts) if statement.texts is not None else {}
+        wanted = list(map(str, statement.wanted))
+        parts = [texts, wanted, self._limit, self._sources]
+        return sha256(json.dumps(parts).encode()).hexdigest()
+
+    @cached_property
+    def _is_whole(self) -> bool:
+        """Whether the file ends with a line's end."""
+        assert self._path is not None
+        try:
+            with self._path.open("rb") as stream:
+                stream.seek(-1, os.SEEK_END)
+                return stream.read() == b"\n"
+        except OSError:  # not there, or empty
+            return True
+
+
+def _read(path: Path) -> dict[str, Any]:
+    try:
+        state = path.stat()
+    except FileNotFoundError:
+        return {}
+    if state.st_uid != os.geteuid() or state.st_mode & (stat.S_IWGRP | stat.S_IWOTH):
+        raise ValueError(
+            f"--lines must be a file that nobody else may write, got {shown_path(path)} "
+            "(chmod go-w, or name a new one)"
+        )
+    found = {}
+    for line in read_text(path, "--lines", MOST_BYTES).splitlines():
+        try:
+            record = json.loads(line)
+            found[record["key"]] = record
+        except (ValueError, TypeError, KeyError, RecursionError):
+            continue
+    if state.st_size and not found:
+        raise ValueError(
+            f"--lines must name a file of verdicts or a new one, got {shown_path(path)}, which "
+            "has none (take another name)"
+        )
+    return found

@@ -1,0 +1,128 @@
+"""Many statements: those that cannot be read, and verdicts that the next run takes up."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from longwave.__main__ import main
+from longwave.cli import statements
+
+Output = pytest.CaptureFixture[str]
+
+RIGHT = 'equation = "u_x - 1"\nsolution = "u = x"'
+WRONG = 'equation = "u_x - 1"\nsolution = "u = 2*x"'
+OPEN = 'equation = "u_x*(x + I) + conjugate(u) - log(x - I) - 1"\nsolution = "u = log(x + I)"'
+UNREADABLE = 'equation = "u_x - 1"\nsolution = "u = 2*/x"'
+
+
+def written(folder: Path, *problems: str) -> str:
+    path = folder / "mine.toml"
+    path.write_text("\n".join(f"[[problem]]\n{text}" for text in problems), encoding="utf-8")
+    return str(path)
+
+
+def test_all_unreadable_statements_are_named_at_once(tmp_path: Path, capsys: Output) -> None:
+    file = written(tmp_path, UNREADABLE, RIGHT, UNREADABLE)
+    assert main(["prove", file]) == 2
+    out, err = capsys.readouterr()
+    assert not out
+    assert "problem 1" in err
+    assert "problem 3" in err
+    assert err.count("^") == 2
+    assert "2 of 3 statements cannot be read" in err
+    assert "--keep-going" in err
+
+
+def test_the_others_are_decided_and_the_unreadable_are_never_true_or_false(
+    tmp_path: Path, capsys: Output
+) -> None:
+    file = written(tmp_path, UNREADABLE, RIGHT)
+    assert main(["prove", file, "--keep-going", "--json"]) == 1
+    unreadable, proved = json.loads(capsys.readouterr().out)
+    assert [unreadable["verdict"], proved["verdict"]] == ["UNREADABLE", "PROVED"]
+    assert "problem 1" in unreadable["reason"]
+    assert "column" in unreadable["reason"]
+    assert main(["prove", file, "--keep-going"]) == 1
+    assert "1 unreadable" in capsys.readouterr().out
+    assert main(["prove", file, "--keep-going", "--latex"]) == 1
+    assert capsys.readouterr().out.startswith("% mine 1: UNREADABLE")
+
+
+@pytest.fixture
+def decided(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """The names of the statements that are decided, and not taken from a file."""
+    names: list[str] = []
+    decide = statements.decided
+
+    def counted(problems: Any, *args: Any, **options: Any) -> Any:
+        names.extend(problem.statement.name for problem in problems)
+        return decide(problems, *args, **options)
+
+    monkeypatch.setattr(statements, "decided", counted)
+    return names
+
+
+def test_a_run_that_was_ended_is_taken_up(
+    tmp_path: Path, capsys: Output, decided: list[str]
+) -> None:
+    """Catches: a line that a kill cut, and verdicts of which the next run knows nothing."""
+    file, lines = written(tmp_path, RIGHT, WRONG, OPEN), tmp_path / "verdicts.jsonl"
+    words = ["prove", file, "--json", "--lines", str(lines)]
+    assert main(words) == 1
+    first = json.loads(capsys.readouterr().out)
+    assert main(words) == 1
+    assert json.loads(capsys.readouterr().out) == first
+    assert decided == ["mine 1", "mine 2", "mine 3"]
+    lines.write_text(lines.read_text(encoding="utf-8")[:-20], encoding="utf-8")
+    assert main(words) == 1
+    found = json.loads(capsys.readouterr().out)
+    assert [one["verdict"] for one in found] == [one["verdict"] for one in first]
+    assert len(decided) == 4
+    assert main(words) == 1
+    assert len(decided) == 4
+    assert main([*words, "--limit", "30"]) == 1
+    assert len(decided) == 7
+
+
+def forged_outcome(records: dict[str, Any]) -> None:
+    records["mine 2"] |= {"verdict": "PROVED", "witness": None}
+
+
+def forged_certificate(records: dict[str, Any]) -> None:
+    records["mine 2"] |= {"verdict": "PROVED", "certificates": records["mine 1"]["certificates"]}
+
+
+def forged_refutation(records: dict[str, Any]) -> None:
+    records["mine 1"] |= {"verdict": "REFUTED", "witness": {"x": "1"}, "certificates": []}
+
+
+@pytest.mark.parametrize("forge", [forged_outcome, forged_certificate, forged_refutation])
+def test_a_forged_line_is_not_believed(
+    forge: Callable[[dict[str, Any]], None], tmp_path: Path, capsys: Output
+) -> None:
+    file, lines = written(tmp_path, RIGHT, WRONG), tmp_path / "verdicts.jsonl"
+    words = ["prove", file, "--json", "--lines", str(lines)]
+    main(words)
+    records = {r["name"]: r for r in map(json.loads, lines.read_text().splitlines())}
+    forge(records)
+    lines.write_text("".join(json.dumps(one) + "\n" for one in records.values()))
+    capsys.readouterr()
+    assert main(words) == 1
+    found = json.loads(capsys.readouterr().out)
+    assert [one["verdict"] for one in found] == ["PROVED", "REFUTED"]
+
+
+def test_other_files_are_left_alone(tmp_path: Path, capsys: Output) -> None:
+    file = written(tmp_path, RIGHT)
+    before = Path(file).read_text(encoding="utf-8")
+    assert main(["prove", file, "--lines", file]) == 2
+    assert "file of verdicts" in capsys.readouterr().err
+    assert Path(file).read_text(encoding="utf-8") == before
+    lines = tmp_path / "verdicts.jsonl"
+    lines.touch()
+    lines.chmod(0o666)
+    assert main(["prove", file, "--lines", str(lines)]) == 2
+    assert "nobody else may write" in capsys.readouterr().err
