@@ -14,6 +14,7 @@ from sympy import Expr
 
 from longwave.derive.algebra.exact_numbers import Number
 from longwave.derive.symbols import number_value
+from longwave.support.known_names import one_of
 from longwave.support.user_files import shown
 
 ROUNDING = 1e-9
@@ -42,7 +43,7 @@ class Measured:
             if name not in values:
                 raise ValueError(
                     f"covariance must name constants that have a value, got {shown(name)} "
-                    f"(one of {', '.join(values) or 'none'})"
+                    f"({one_of(name, values)})"
                 )
         rows = {
             one: {two: _entry(one, two, covariance.get(one, {}).get(two, 0)) for two in values}

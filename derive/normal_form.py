@@ -16,6 +16,7 @@ from dataclasses import dataclass, fields
 from sympy import Abs, Expr, S, latex, sign, sqrt
 
 from longwave.derive.algebra.exact_numbers import exact
+from longwave.support.known_names import one_of
 from longwave.support.user_files import shown
 
 Scales = dict[str, Expr]
@@ -200,7 +201,8 @@ class NormalForm:
                 )
         if self.equation not in NORMAL_EQUATIONS:
             raise ValueError(
-                f"equation must be one of {', '.join(NORMAL_EQUATIONS)}, got {shown(self.equation)}"
+                f"equation must be a known one, got {shown(self.equation)} "
+                f"({one_of(self.equation, NORMAL_EQUATIONS)})"
             )
         for name in ("a", "b", "h", "e")[: 4 if self.is_transverse else 3]:
             if getattr(self, name).is_zero:

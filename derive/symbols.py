@@ -15,6 +15,7 @@ from collections.abc import Callable, Mapping, Sequence
 from sympy import Expr, Pow, Symbol, fraction, together
 
 from longwave.derive.algebra.exact_numbers import Number, exact
+from longwave.support.known_names import did_you_mean
 from longwave.support.user_files import shown
 
 K2 = Symbol("K2", positive=True)
@@ -118,7 +119,7 @@ def values_of(
         if name not in constants:
             raise ValueError(
                 f"constants must be among {', '.join(constants) or 'none'}, got {shown(name)} "
-                f"(those are the constants of {lattice})"
+                f"({did_you_mean(name, constants) or f'those are the constants of {lattice}'})"
             )
     return {constants[name]: value(name, number) for name, number in given.items()}
 

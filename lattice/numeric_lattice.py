@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from longwave.lattice.force_program import ForceProgram, force_program
+from longwave.support.known_names import one_of
 
 if TYPE_CHECKING:
     from longwave.derive.algebra.exact_numbers import Number
@@ -336,9 +337,7 @@ def numeric_lattice(
     for name in (*constants, *names):
         if name not in names or name not in constants:
             word = "must be given, got none" if name in names else "is not known"
-            raise ValueError(
-                f"constant {name} of {lattice.name} {word} (it takes {', '.join(names) or 'none'})"
-            )
+            raise ValueError(f"constant {name} of {lattice.name} {word} ({one_of(name, names)})")
     values = {names[name]: exact(name, value) for name, value in constants.items()}
     touched = lattice.contact_constants if 0 in values.values() else set()
     for symbol, value in values.items():

@@ -15,6 +15,7 @@ from longwave.lattice.force_program import ForceProgram, force_program
 from longwave.lattice.random_sites import mean_inverse
 from longwave.scenes.pulse_meter import PulseMeter
 from longwave.scenes.scene_disorder import MASS, Disorder
+from longwave.support.known_names import one_of
 from longwave.support.user_files import shown
 
 if TYPE_CHECKING:
@@ -101,7 +102,7 @@ def variation_of(
     if name not in constants:
         raise ValueError(
             f"of in [disorder] must be mass or a constant of the springs of {lattice.name}, got "
-            f"{shown(name)} (one of {', '.join((MASS, *constants))})"
+            f"{shown(name)} ({one_of(name, (MASS, *constants))})"
         )
     symbol = constants[name]
     at = {s: values[str(s)] for s in symbolic.constants}

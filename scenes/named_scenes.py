@@ -23,6 +23,10 @@ def shipped_scenes(folder: str = "paper") -> tuple[str, ...]:
     >>> "rational_2_eps_0.05" in shipped_scenes(), "toda_soliton" in shipped_scenes("lattices")
     (True, True)
     """
+    if folder not in FOLDERS:
+        raise ValueError(
+            f"folder must be a known one, got {shown(folder)} ({one_of(folder, FOLDERS)})"
+        )
     return _names(folder)
 
 

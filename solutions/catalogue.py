@@ -67,8 +67,12 @@ class Catalogue(Sequence["ClosedForm"]):
     @overload
     def __getitem__(self, place: int) -> "ClosedForm": ...
     @overload
+    def __getitem__(self, place: str) -> "ClosedForm": ...
+    @overload
     def __getitem__(self, place: slice) -> "Sequence[ClosedForm]": ...
-    def __getitem__(self, place: int | slice) -> "ClosedForm | Sequence[ClosedForm]":
+    def __getitem__(self, place: int | str | slice) -> "ClosedForm | Sequence[ClosedForm]":
+        if isinstance(place, str):
+            return closed_form(place)
         if isinstance(place, slice):
             return tuple(_made(name) for name in self.names[place])
         return _made(self.names[place])

@@ -12,6 +12,7 @@ import sympy as sp
 
 from longwave.derive.algebra.exact_numbers import exact_number, instance
 from longwave.solutions.equation import Equation
+from longwave.support.known_names import did_you_mean
 
 COMPARISON_DIGITS = 60
 
@@ -226,9 +227,9 @@ class ClosedForm:
         known = [parameter.name for parameter in self.parameters]
         for name in values:
             if name not in known:
-                accepted = ", ".join(known) or "no parameters"
+                accepted = f"it takes {', '.join(known) or 'no parameters'}"
                 raise ValueError(
-                    f"parameters must be those of {self.name}, got {name!s:.60} (it takes "
-                    f"{accepted})"
+                    f"parameters must be those of {self.name}, got {name!s:.60} "
+                    f"({' '.join(filter(None, (did_you_mean(name, known), accepted)))})"
                 )
         return {parameter.symbol: parameter.check(values) for parameter in self.parameters}

@@ -30,7 +30,7 @@ from longwave.derive.algebra.formula_tree import (
     Unknown,
     rational,
 )
-from longwave.derive.algebra.typing_mistakes import similar
+from longwave.support.known_names import did_you_mean
 
 LONGEST = 20_000
 """Characters of a text."""
@@ -399,8 +399,8 @@ class Parser:
     def _nearest(self, name: str, among: Iterable[str] | None = None) -> str:
         words = self.vocabulary
         known = [*words.functions, *words.names, *words.fields] if among is None else [*among]
-        close = similar(name, known)
-        return f" (did you mean {close}?)" if close else ""
+        close = did_you_mean(name, known, 1)
+        return f" ({close})" if close else ""
 
 
 def _product(factors: list[FormulaTree], at: int) -> FormulaTree:

@@ -8,9 +8,8 @@ shows it only if it is of the grammar.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Collection, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass
-from difflib import get_close_matches
 
 from longwave.derive.algebra.foreign_characters import GREEK, ascii_text
 from longwave.derive.algebra.typing_rules import (
@@ -26,6 +25,7 @@ from longwave.derive.algebra.typing_rules import (
     VARIABLES,
     Rule,
 )
+from longwave.support.known_names import close_names
 
 LONGEST_CORRECTED = 400
 """Characters of a text that is rewritten, and of what comes out: an error is one line."""
@@ -84,13 +84,6 @@ def corrected(text: str, spelling: Spelling) -> str:
             if text == before or len(text) > 4 * LONGEST_CORRECTED:
                 break
     return balanced(text)
-
-
-def similar(name: str, known: Iterable[str]) -> str | None:
-    """The known name that a misspelled one is nearest to, or None."""
-    known = [*known]
-    swapped = [other for other in known if sorted(other) == sorted(name.lower())]
-    return next(iter(swapped or get_close_matches(name[:40].lower(), known, 1)), None)
 
 
 def balanced(text: str) -> str:
@@ -295,9 +288,9 @@ def _products(spelling: Spelling) -> tuple[Rule, ...]:
         if name in {*spelling.functions, "diff"}:
             return found[0]
         free = len(name) > 2 and name not in {*spelling.declared, *GREEK}
-        meant = similar(name, spelling.functions) if free else None
+        meant = close_names(name, spelling.functions, 1) if free else []
         if meant:
-            return found[0].replace(name, meant)
+            return found[0].replace(name, meant[0])
         called = found[0] == name and found.string[found.end() :].startswith("(")
         is_function = free or (name in FUNCTIONS_BY_NAME and name not in spelling.declared)
         return found[0] if called and is_function else f"{name}*"

@@ -7,6 +7,7 @@ from sympy import Expr, Integer, Rational, Symbol, exp
 from longwave.derive.algebra.contact import contact
 from longwave.derive.lattice import Bond, Lattice, Stencil, on_site, spring
 from longwave.derive.symbols import K2, K3, K4, x
+from longwave.support.known_names import NamedEntries
 
 H2 = Symbol("H2", positive=True)
 H3, H4, L2, L3, L4 = (Symbol(name, real=True) for name in ("H3", "H4", "L2", "L3", "L4"))
@@ -134,5 +135,5 @@ _ALL = (
     ),
 )
 
-LATTICES: dict[str, Lattice] = {lattice.name: lattice for lattice in _ALL}
+LATTICES = NamedEntries("lattice", {lattice.name: lattice for lattice in _ALL})
 """The lattices by name."""

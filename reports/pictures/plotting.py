@@ -61,6 +61,7 @@ from longwave.scenes.scene import Scene
 from longwave.support.command_line import fail, fail_for_memory, one_line
 from longwave.support.console import check_output, picture_path, progress_bar
 from longwave.support.interruption import interrupted
+from longwave.support.known_names import one_of
 from longwave.support.request_limits import Announcer
 from longwave.support.user_files import shown
 
@@ -118,8 +119,8 @@ def plot(
     """
     path = None if output is None else picture_path(output)
     if kind not in (ALL, *PICTURES, *SWEEP_PICTURES):
-        known = ", ".join((ALL, *PICTURES, *SWEEP_PICTURES))
-        raise ValueError(f"kind must be a known one, got {kind!r} (one of {known})")
+        known = one_of(kind, (ALL, *PICTURES, *SWEEP_PICTURES))
+        raise ValueError(f"kind must be a known one, got {kind!r} ({known})")
     found = read_source(source)
     of_sweep = isinstance(found, xr.Dataset) and is_sweep(found)
     _check_words(of_sweep, kind, at or {}, variable)

@@ -23,6 +23,7 @@ from longwave.reports.pictures.sweep_drawing import (
     swept_curves,
     work_precision,
 )
+from longwave.support.known_names import one_of
 from longwave.support.user_files import shown
 
 SAMPLE = "sample"
@@ -100,7 +101,7 @@ def chosen(data: xr.Dataset, at: Choice) -> xr.Dataset:
         known = [str(field) for field in data.coords if data[field].ndim == 1]
         if name not in known:
             raise ValueError(
-                f"at must name a swept field, got {shown(name)} (one of {', '.join(known)})"
+                f"at must name a swept field, got {shown(name)} ({one_of(name, known)})"
             )
         column = data[name]
         data = data.isel({column.dims[0]: _places(name, column.values, value)})
@@ -182,8 +183,8 @@ def _numbers(data: xr.Dataset, variable: str, needed: bool = True) -> xr.DataArr
     known = [str(n) for n in data if data[n].dtype.kind in "fiu" and data[n].dims == dims]
     if variable not in known:
         raise ValueError(
-            f"variable must be a number of each cell, got {shown(variable)} (one of "
-            f"{', '.join(known)})"
+            f"variable must be a number of each cell, got {shown(variable)} "
+            f"({one_of(variable, known)})"
         )
     values = data[variable].astype(float)
     values = values.where(data["status"].isin(ENDED) & np.isfinite(values))

@@ -64,7 +64,7 @@ def test_statements_are_chosen_by_their_name_or_their_equation() -> None:
     assert [text.name for text in chosen(["kdv_one_soliton"])] == ["kdv_one_soliton"]
     assert {text.equation_name for text in chosen(["Korteweg-de Vries"])} == {"Korteweg-de Vries"}
     assert len(chosen(["Korteweg-de Vries"])) > 1
-    with pytest.raises(ValueError, match=r"got 'kdv_one_solition' .did you mean kdv_one_soliton,"):
+    with pytest.raises(ValueError, match=r"got 'kdv_one_solition' .did you mean kdv_one_soliton."):
         chosen(["kdv_one_solition"])
 
 
