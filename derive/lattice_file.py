@@ -50,6 +50,7 @@ from longwave.derive.algebra.formula_text import Vocabulary
 from longwave.derive.lattice import Bond, Cell, Lattice, Stencil, on_site, spring
 from longwave.derive.measured import Measured
 from longwave.derive.symbols import eps, x
+from longwave.support.known_names import one_of
 from longwave.support.user_files import file_stem, read_toml, shown, shown_path
 
 LARGEST = 100_000
@@ -234,7 +235,8 @@ def _check_keys(table: object, kind: str) -> None:
         raise ValueError(f"[[{kind}]] must be a table, got {shown(table)}")
     for key in table:
         if key not in known:
-            raise ValueError(f"keys must be among {', '.join(sorted(known))}, got {shown(key)}")
+            known_ones = one_of(key, sorted(known))
+            raise ValueError(f"keys must be known ones, got {shown(key)} ({known_ones})")
 
 
 def _entries(document: Mapping[str, Any], kind: str) -> Iterator[tuple[str, Mapping[str, Any]]]:
