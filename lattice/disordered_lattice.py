@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from longwave.lattice.force_program import ForceProgram
 from longwave.lattice.numeric_lattice import Complex, Entry, NumericLattice
+from longwave.support.real_arrays import real_array
 
 Array = NDArray[np.float64]
 
@@ -290,7 +291,7 @@ def disordered(
             "(take a lattice of one axis)"
         )
     held = {item.name: getattr(lattice, item.name) for item in fields(NumericLattice)}
-    rows = np.asarray(deviations, dtype=np.float64)
+    rows = real_array("every deviation", deviations)
     made = DisorderedLattice(**held, variation=variation, deviations=rows)
     if not made.stays_at_rest:
         raise ValueError(

@@ -15,6 +15,7 @@ from longwave.lattice.model import chain_constants
 from longwave.lattice.numeric_lattice import NumericLattice, value_range
 from longwave.lattice.schemes import DriftKick, Scheme
 from longwave.lattice.state import GROWTH, BlowUp, State
+from longwave.support.real_arrays import real_array
 
 Array = NDArray[np.float64]
 
@@ -43,7 +44,12 @@ class Dynamics:
     def checked(self, state: State) -> State:
         """The state with arrays of doubles of the lattice's shape."""
         fields, axes = len(self.lattice.fields), self.lattice.dimension
-        f, v = _doubles(state.f, state.v)
+        f, v = (
+            np.ascontiguousarray(
+                real_array(f"every value of state.{name}", values, allows_nan=True)
+            )
+            for name, values in (("f", state.f), ("v", state.v))
+        )
         found = State(state.t, f, v, state.left)
         for name, values in (("f", found.f), ("v", found.v)):
             fits = values.ndim == 1 + axes and values.shape == found.f.shape
@@ -206,10 +212,6 @@ class Dynamics:
             if not slopes.min() > np.abs(np.diff(slopes)).max():
                 return False
         return True
-
-
-def _doubles(*arrays: Array) -> list[Array]:
-    return [np.ascontiguousarray(values, dtype=np.float64) for values in arrays]
 
 
 def _check_finite(name: str, values: Array) -> None:

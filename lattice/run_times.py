@@ -6,6 +6,8 @@ from numbers import Real
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from longwave.support.real_arrays import real_array
+
 Array = NDArray[np.float64]
 
 
@@ -17,11 +19,8 @@ def check_positive(name: str, value: float, remedy: str) -> None:
 
 def checked_times(times: ArrayLike, begin: float) -> Array:
     """The times as an array; ValueError unless they increase from the state's on."""
-    try:
-        wanted = np.atleast_1d(np.asarray(times, dtype=np.float64))
-    except (TypeError, ValueError):
-        wanted = np.empty(0)
-    if wanted.ndim != 1 or wanted.size == 0 or not np.all(np.isfinite(wanted)):
+    wanted = np.atleast_1d(real_array("every time", times))
+    if wanted.ndim != 1 or wanted.size == 0:
         shown = " ".join(repr(times).split())[:60]
         raise ValueError(
             f"times must be one or more finite numbers, got {shown} (give a list of them)"

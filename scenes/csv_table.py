@@ -11,8 +11,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
+from longwave.support.real_arrays import real_array
 from longwave.support.user_files import read_text, shown, shown_path
 
 Numbers = NDArray[np.float64]
@@ -80,12 +81,9 @@ def _numbers(line: str, mark: str, names: Sequence[str], place: int) -> list[flo
     return found
 
 
-def number_list(label: str, given: object) -> Numbers:
+def number_list(label: str, given: ArrayLike) -> Numbers:
     """A list of finite numbers; ValueError in one line for what is none."""
-    try:
-        found = np.asarray(given, dtype=float)
-    except (TypeError, ValueError):
-        found = np.array(np.nan)
+    found = real_array(f"every {label}", given, allows_nan=True)
     if found.ndim != 1:
         raise ValueError(
             f"{label} must be a list of numbers, got {shown(given)} (such as [0, 0.1])"

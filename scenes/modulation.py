@@ -17,6 +17,7 @@ from sympy import Expr
 from longwave.derive import Envelope, Lattice, envelope
 from longwave.derive.algebra.exact_numbers import exact
 from longwave.derive.algebra.rational_functions import RationalFunction
+from longwave.support.real_arrays import real_array
 
 if TYPE_CHECKING:
     from longwave.scenes.scene import Scene
@@ -65,11 +66,11 @@ def modulation_grid(
     >>> np.where(found.product > 0, "+", "-").tolist()
     [['+', '+', '+'], ['-', '+', '+'], ['-', '-', '-']]
     """
-    angle = np.asarray(k, float)
+    angle = real_array("every k", k)
     if not np.all((angle > 0) & (angle <= np.pi)):
         raise ValueError(f"k must satisfy 0 < k <= pi, got {angle.min():g} .. {angle.max():g}")
     fixed = {n: exact(n, np.asarray(v).item()) for n, v in constants.items() if np.ndim(v) == 0}
-    moving = {n: np.asarray(v, float) for n, v in constants.items() if n not in fixed}
+    moving = {n: real_array(f"every {n}", v) for n, v in constants.items() if n not in fixed}
     found = envelope(lattice, branch=branch, **({} if lattice.definitions else fixed))
     return _grid(found, _values(found, fixed, moving), angle, amplitude)
 

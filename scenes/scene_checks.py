@@ -161,6 +161,7 @@ def one_of(name: str, value: object, known: tuple[str, ...]) -> None:
 
 def times(name: str, values: object, least: int = 1, start: float = -math.inf) -> tuple[float, ...]:
     """Increasing times from ``start`` on: one, or two, at the least."""
+    values = values.tolist() if hasattr(values, "tolist") else values  # an array of NumPy's
     if not isinstance(values, list | tuple) or len(values) < least:
         raise ValueError(
             f"{name} must be a list of at least {('one time', 'two times')[least - 1]}, got "

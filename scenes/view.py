@@ -35,7 +35,8 @@ def relative_sup_error(numeric: Array, analytic: Array, background: Array) -> fl
     0.125
     """
     for array in (numeric, analytic, background):
-        if not isinstance(array, np.ndarray) or array.dtype.kind not in "fiu":
+        is_real = isinstance(array, np.ndarray) and array.dtype.kind in "fiu"
+        if not is_real or np.ma.is_masked(array):
             raise ValueError(
                 f"compared arrays must be NumPy's, of real numbers, got {shown(array)} "
                 "(np.asarray makes one)"

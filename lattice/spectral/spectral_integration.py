@@ -41,6 +41,7 @@ from longwave.lattice.trial import (
     rounding_error,
 )
 from longwave.support.checkpoint import Memory, begin_loop
+from longwave.support.real_arrays import real_array
 
 Array = NDArray[np.float64]
 Judged = Callable[[FieldRing], Array]
@@ -126,7 +127,11 @@ def _checked_ring(lattice: NumericLattice, state: FieldRing) -> FieldRing:
             f"lattice must be the same in all cells, got disorder in {lattice.name} (a wave's "
             "points lie between cells; lattice.integrate runs it)"
         )
-    found = replace(state, f=np.asarray(state.f, np.float64), v=np.asarray(state.v, np.float64))
+    f, v = (
+        real_array(f"every value of state.{name}", values, allows_nan=True)
+        for name, values in (("f", state.f), ("v", state.v))
+    )
+    found = replace(state, f=f, v=v)
     for name, values in (("f", found.f), ("v", found.v)):
         shape = values.shape
         fitting = len(shape) == 1 + lattice.dimension and shape[:1] == (len(lattice.fields),)
@@ -152,7 +157,7 @@ def _checked_ring(lattice: NumericLattice, state: FieldRing) -> FieldRing:
 
 
 def _frame(lattice: NumericLattice, speed: float | tuple[float, ...]) -> tuple[float, ...]:
-    found = tuple(np.atleast_1d(np.asarray(speed, dtype=np.float64)).tolist())
+    found = tuple(np.atleast_1d(real_array("every speed", speed)).tolist())
     if len(found) < lattice.dimension and not any(found):
         found = (0.0,) * lattice.dimension
     if len(found) != lattice.dimension or not all(map(math.isfinite, found)):

@@ -26,6 +26,7 @@ from longwave.scenes.bench_chain import READINGS
 from longwave.scenes.csv_table import table_columns
 from longwave.scenes.fits.force_data import LARGEST
 from longwave.support.known_names import one_of
+from longwave.support.real_arrays import real_array
 from longwave.support.user_files import read_text, shown, shown_path
 
 Array = NDArray[np.float64]
@@ -37,12 +38,28 @@ COLUMN = re.compile(rf"({'|'.join(SENSED)})_(\d{{1,7}})(?:_([A-Za-z]+|\d{{1,3}})
 
 @dataclass(frozen=True)
 class SensorRecord:
-    """Readings (times, sensors) of one run; ``deviations`` are None where they are not known."""
+    """Readings (times, sensors) of one run; ``deviations`` are None where they are not known.
+
+    Raises ValueError for what are no real numbers, and for other shapes.
+    """
 
     times: Array
     sensors: tuple[Sensor, ...]
     values: Array
     deviations: Array | None
+
+    def __post_init__(self) -> None:
+        for name in ("times", "values", "deviations"):
+            if (given := getattr(self, name)) is None:
+                continue
+            found = real_array(f"every one of {name}", given)
+            shape = (np.size(self.times), len(self.sensors))[: 1 if name == "times" else 2]
+            if found.shape != shape:
+                raise ValueError(
+                    f"{name} must have the shape {shape}, got {found.shape} (rows are times, "
+                    "columns are sensors)"
+                )
+            object.__setattr__(self, name, found)
 
 
 def read_record(

@@ -230,10 +230,10 @@ def test_what_cannot_be_run_is_refused_in_one_line(message: str) -> None:
     ("times", "message"),
     [
         ([], "times must be one or more finite numbers"),
-        ("soon", "times must be one or more finite numbers, got 'soon'"),
+        ("soon", "every time must be a real number, got 'soon'"),
         ([[1.0]], "times must be one or more finite numbers"),
         (np.ones((3, 3)), "times must be one or more finite numbers"),
-        ([1.0, math.inf], "times must be one or more finite numbers"),
+        ([1.0, math.inf], "every time must be finite"),
         ([-1.0, 2.0], r"times must increase from state.t = 0 on, got -1 at place 0"),
         ([1.0, 3.0, 2.0], r"times must increase from state.t = 0 on, got 2 at place 2"),
         ([1.0, 1.0], r"times must increase from state.t = 0 on, got 1 at place 1"),

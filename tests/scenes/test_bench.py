@@ -391,7 +391,7 @@ REFUSED: list[tuple[dict[str, Any], str]] = [
     ({"chain": {"sites": 8, "left": {"velocity": {"t": [0, 9]}}}}, "a table of t and value, got {"),
     ({"force": [{"site": 1, "t": [0, 1], "value": [0, 1]}]}, "at least 6 times and as many values"),
     ({"force": [{"site": 1, "t": [*range(9)], "value": [0] * 8}]}, "values, got 9 and 8"),
-    ({"force": [{"site": 1, "t": [*range(9)], "value": "t"}]}, "must be a list of numbers"),
+    ({"force": [{"site": 1, "t": [*range(9)], "value": "t"}]}, "must be a real number, got 't'"),
     (
         {"force": [{"site": 1, "t": "0", "value": [0] * 9}]},
         "t of value in [[force]] must be",

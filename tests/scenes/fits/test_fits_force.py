@@ -359,7 +359,7 @@ def test_jitter_of_the_stretch_is_no_turn() -> None:
 def test_lists_that_are_none_are_told() -> None:
     for given, message in (
         (([1, 2, 3, 4], [1, 2, 3]), "force must have a number for each stretch, 4, got 3"),
-        (("a", [1]), "stretch must be a list of numbers, got 'a'"),
+        (("a", [1]), "every stretch must be a real number, got 'a'"),
         (([1, 2, 3, 4], [1, math.nan, 3, 4]), "force must be finite, got nan in row 2"),
         (([[1, 2], [3, 4]], [1, 2]), "stretch must be a list of numbers"),
     ):
