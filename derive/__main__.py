@@ -73,7 +73,13 @@ def derive(
     if len(models) > 1:
         raise click.UsageError(f"MODEL must be one, got {' '.join(models)} (derive them in turn)")
     given = {name: text for name in CONSTANTS if (text := options.pop(name)) is not None}
-    given |= named_values("--set", sets)
+    for name, value in named_values("--set", sets).items():
+        if name in given:
+            raise click.UsageError(
+                f"{name} must be given once, got --{name.lower()} {given[name]} and --set "
+                f"{name}={value} (leave one out)"
+            )
+        given[name] = value
     from longwave.derive.output.printout import DeriveOptions, print_derivation
 
     return print_derivation(

@@ -137,28 +137,30 @@ class Sweep:
         return make_scene(document, self.base, self.folder)
 
 
-def load_sweep(source: str | Path) -> Sweep:
+def load_sweep(source: str | Path, changes: Mapping[str, Any] | None = None) -> Sweep:
     """The sweep in a TOML file, or the shipped one of that name.
+
+    ``changes`` are values for fields that it does not vary, in the place of those in its [set].
 
     Raises ValueError, with the file's name, for what is no sweep. Whether each cell's scene is
     admissible is not looked at: a cell that is not fails by itself.
     """
     path = Path(source)
     if path.suffix == ".toml" or path.is_file():
-        return _read(path)
+        return _read(path, changes or {})
     if str(source) in shipped_sweeps():
         with as_file(FOLDER / f"{source}.toml") as found:
-            return _read(found)
+            return _read(found, changes or {})
     raise ValueError(
         f"sweep must be a TOML file or a shipped sweep, got {shown(str(source))} "
         f"({one_of(source, shipped_sweeps())})"
     )
 
 
-def _read(path: Path) -> Sweep:
+def _read(path: Path, changes: Mapping[str, Any]) -> Sweep:
     document = read_document(path, "sweep")
     try:
-        return sweep_of(document, path.stem, path.parent)
+        return sweep_of(document, path.stem, path.parent, changes)
     except ValueError as error:
         raise ValueError(f"{path.name}: {error}") from None
 
@@ -169,8 +171,14 @@ def shipped_sweeps() -> tuple[str, ...]:
     return tuple(sorted(name.removesuffix(".toml") for name in found if name.endswith(".toml")))
 
 
-def sweep_of(document: Mapping[str, Any], name: str = "sweep", folder: Path = Path()) -> Sweep:
-    """The sweep that the tables of a file say; ValueError in one line for what is none."""
+def sweep_of(
+    document: Mapping[str, Any],
+    name: str = "sweep",
+    folder: Path = Path(),
+    changes: Mapping[str, Any] | None = None,
+) -> Sweep:
+    """The sweep that the tables of a file say, with ``changes`` to its [set]; ValueError in one
+    line for what is none."""
     refuse_unknown(document, TOP, "")
     title = document.get("title", "")
     text("title", title)
@@ -178,12 +186,17 @@ def sweep_of(document: Mapping[str, Any], name: str = "sweep", folder: Path = Pa
         raise ValueError("scene must be stated, got nothing (a shipped scene, a file or a table)")
     base, base_tables = base_document(document["scene"], folder)
     fixed = dict(_flat(table(document, "set"), "set"))
+    fixed |= {field_in_one_spelling(field): value for field, value in (changes or {}).items()}
     dimensions = tuple(_dimensions(document))
     if not dimensions:
         raise ValueError("[grid], [list] or [random] must be stated, got none (such as [grid])")
     swept = [field for dimension in dimensions for field in dimension.fields]
     for field in (*fixed, *swept):
-        check_field(field)
+        check_field(field, base_tables)
+        if field in swept and field in (changes or {}):
+            raise ValueError(
+                f"--set must name what the sweep does not vary, got {field} (leave it)"
+            )
     for place, field in enumerate(swept):
         others = {*swept[:place], *fixed}
         if field in others or any(

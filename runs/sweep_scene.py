@@ -1,4 +1,4 @@
-"""The scenes of a sweep: a scene's file as tables, with other values in some of its fields."""
+"""A scene's file as tables, with other values in some of its fields: by a sweep, or by `--set`."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 
 from longwave.scenes.bench import KEYS
 from longwave.scenes.losses import KINDS
-from longwave.scenes.named_scenes import load_scene
+from longwave.scenes.named_scenes import load_scene, names_a_file
 from longwave.scenes.observables import OBSERVABLES
 from longwave.scenes.scene import Scene, said_otherwise
 from longwave.scenes.scene_checks import CHAIN_CONSTANTS
@@ -24,7 +24,7 @@ from longwave.scenes.scene_file import (
     scene_fields,
 )
 from longwave.support.known_names import one_of
-from longwave.support.user_files import shown
+from longwave.support.user_files import STANDARD_INPUT, file_stem, shown
 
 Document: TypeAlias = Mapping[str, Any]
 
@@ -41,7 +41,7 @@ VARIED = {
 """What may vary: fields, and tables with their keys."""
 
 
-def base_document(given: object, folder: Path) -> tuple[str, Document]:
+def base_document(given: object, folder: Path = Path()) -> tuple[str, Document]:
     """Name and tables of a sweep's base: a shipped scene, a file in ``folder``, or tables.
 
     Raises ValueError in one line.
@@ -52,11 +52,45 @@ def base_document(given: object, folder: Path) -> tuple[str, Document]:
         raise ValueError(
             f"scene must be a name, a file or a table, got {shown(given)} (such as 'toda_soliton')"
         )
-    if given.endswith(".toml"):
-        path = folder / given
-        return path.stem, in_one_spelling(read_document(path))
+    if names_a_file(given, folder):
+        path = given if given == STANDARD_INPUT else folder / given
+        return file_stem(path), in_one_spelling(read_document(path))
     scene = load_scene(given)
     return scene.name, tomllib.loads(scene.toml())
+
+
+def changed_scene(
+    source: str,
+    changes: Mapping[str, Any],
+    tolerance: float | None = None,
+    engine: str | None = None,
+) -> Scene:
+    """The scene in a file or of that name, with other values for some of its fields.
+
+    ``tolerance`` and ``engine`` are options of their own. Raises ValueError in one line for fields
+    that no scene has, and for what no scene may be.
+
+    >>> changed_scene("toda_soliton", {"eps": 0.05, "parameters.kappa": 2})
+    <Scene toda_soliton: kdv_soliton with kappa = 2 on toda, eps = 0.05, ...>
+    """
+    for option, value in (("tolerance", tolerance), ("engine", engine)):
+        if value is not None and option in changes:
+            raise ValueError(
+                f"{option} must be given once, got --{option} {value} and --set {option}="
+                f"{changes[option]} (leave one out)"
+            )
+    found = _changed(source, changes, tolerance) if changes else load_scene(source, tolerance)
+    return found if engine is None else found.changed(engine=engine)
+
+
+def _changed(source: str, changes: Mapping[str, Any], tolerance: float | None) -> Scene:
+    given = {field_in_one_spelling(field): value for field, value in changes.items()}
+    name, document = base_document(source)
+    for field in given:
+        check_field(field, document)
+    if tolerance is not None:
+        given = {"tolerance": tolerance, **given}
+    return make_scene(changed_document(document, given), name, Path(source).parent)
 
 
 def field_in_one_spelling(field: str) -> str:
@@ -71,13 +105,22 @@ def field_in_one_spelling(field: str) -> str:
     return f"constants.{key}" if table == "lattice" and key in CHAIN_CONSTANTS else field
 
 
-def check_field(field: str) -> None:
-    """Refuse a field that no scene has."""
+def check_field(field: str, document: Document | None = None) -> None:
+    """Refuse a field that no scene has; one that stands in a table of the ``document`` is named."""
     top, _, key = field.partition(".")
     if top in PAIRS:
         return  # a key of the table, or all of it
     if top in VARIED and (key in VARIED[top] if key else not VARIED[top]):
         return
+    held = [
+        f"{name}.{field}"
+        for name, entries in (document or {}).items()
+        if isinstance(entries, Mapping) and field in entries
+    ]
+    if held:
+        raise ValueError(
+            f"fields must be named with their table, got {field} (write {' or '.join(held)})"
+        )
     names = [
         *(
             f"{name}.{inner}" if inner else name

@@ -28,17 +28,10 @@ MOST_PROCESSES = 1024
 def sweep_workers(processes: int | None, scheduler: str | None) -> Iterator[Workers]:
     """Workers here, by default one for each core, or those of a cluster.
 
-    Raises ValueError in one line for both at once, for less than one process and for a cluster that
-    does not answer, or has workers that would make other runs than this process.
+    Raises ValueError in one line as `check_workers` does, and for a cluster that does not answer,
+    or has workers that would make other runs than this process.
     """
-    if scheduler is not None and processes is not None:
-        raise ValueError(
-            f"--processes must not be given with --scheduler, got {processes} (leave one out)"
-        )
-    if processes is not None and not 1 <= processes <= MOST_PROCESSES:
-        raise ValueError(
-            f"--processes must be 1 to {MOST_PROCESSES}, got {processes} (one a core is usual)"
-        )
+    check_workers(processes, scheduler)
     workers: Workers = (
         DaskWorkers(scheduler, "longwave.runs.sweep_workers:code_here", check_cluster)
         if scheduler is not None
@@ -48,6 +41,18 @@ def sweep_workers(processes: int | None, scheduler: str | None) -> Iterator[Work
         yield workers
     finally:
         workers.stop()
+
+
+def check_workers(processes: int | None, scheduler: str | None) -> None:
+    """Raise ValueError in one line for both at once, and for less than one process."""
+    if scheduler is not None and processes is not None:
+        raise ValueError(
+            f"--processes must not be given with --scheduler, got {processes} (leave one out)"
+        )
+    if processes is not None and not 1 <= processes <= MOST_PROCESSES:
+        raise ValueError(
+            f"--processes must be 1 to {MOST_PROCESSES}, got {processes} (one a core is usual)"
+        )
 
 
 def use_one_thread() -> None:

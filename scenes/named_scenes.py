@@ -43,10 +43,15 @@ def load_scene(text: str | Path, tolerance: float | None = None) -> Scene:
     return _named(text, {})
 
 
+def names_a_file(name: str, folder: Path = Path()) -> bool:
+    """Whether a scene of that name is in a file, in the ``folder`` or the standard input."""
+    return name == STANDARD_INPUT or name.endswith(".toml") or (folder / name).is_file()
+
+
 def _named(text: str | Path, usual: Mapping[str, Any]) -> Scene:
     """The scene, of a file that states no step with what is ``usual``."""
     name = str(text)
-    if name == STANDARD_INPUT or name.endswith(".toml") or Path(name).is_file():
+    if names_a_file(name):
         document = read_document(name)
         return _of_document({**({} if "scheme" in document else usual), **document}, Path(name))
     family = rational_family_scenes()

@@ -22,7 +22,7 @@ from longwave.support.request_limits import (
     request_limits,
 )
 from longwave.support.slow_work import SILENT, announce, notice_when_silent
-from longwave.support.user_files import cut, printable
+from longwave.support.user_files import cut, printable, toml_value
 
 WRONG = 2
 """Exit status after wrong input."""
@@ -140,16 +140,58 @@ def listed(
 def named_values(name: str, texts: Iterable[str], usual: str = "m1=1,m2=3") -> dict[str, str]:
     """The values in the texts of an option, by their names; an error shows what is ``usual``.
 
-    >>> named_values("--set", ["m1=1,m2=3"])
-    {'m1': '1', 'm2': '3'}
+    A comma in brackets or quotes is a value's own. Raises UsageError for a name that is given
+    twice.
+
+    >>> named_values("--set", ["m1=1,m2=3", "times=[0, 1]"])
+    {'m1': '1', 'm2': '3', 'times': '[0, 1]'}
     """
-    found = {}
-    for part in (part for text in texts for part in text.split(",")):
-        word, sign, value = part.partition("=")
-        if not sign:
-            raise click.UsageError(f"{name} must be NAME=VALUE, got {part} (such as {usual})")
-        found[word.strip()] = value
+    found: dict[str, str] = {}
+    for part in (part for text in texts for part in _parts(text)):
+        word, sign, value = (piece.strip() for piece in part.partition("="))
+        if not (word and sign and value):
+            raise click.UsageError(f"{name} must be NAME=VALUE, got {part!r} (such as {usual})")
+        if word in found:
+            raise click.UsageError(
+                f"{name} must give {word} one value, got {found[word]} and {value} (leave one out)"
+            )
+        found[word] = value
     return found
+
+
+def _parts(text: str) -> list[str]:
+    """What stands between the commas of a text that are in no brackets and no quotes.
+
+    >>> _parts('a=[1, 2],b="c, d"')
+    ['a=[1, 2]', 'b="c, d"']
+    """
+    parts, depth, quote = [""], 0, ""
+    for sign in text:
+        if quote or sign in "\"'":
+            quote = ("" if sign == quote else quote) if quote else sign
+        else:
+            depth += (sign in "[{(") - (sign in ")}]")
+        if sign == "," and not quote and depth <= 0:
+            parts.append("")
+        else:
+            parts[-1] += sign
+    return parts
+
+
+def _fields(_: click.Context, __: click.Parameter, texts: tuple[str, ...]) -> dict[str, Any]:
+    """The values of a scene's fields in the texts of `--set`, each as a scene's file has it."""
+    given = named_values("--set", texts, "eps=0.05,parameters.k=0.7")
+    return {field: toml_value(text) for field, text in given.items()}
+
+
+set_option = click.option(
+    "--set",
+    "changes",
+    multiple=True,
+    metavar="FIELD=VALUE,...",
+    callback=_fields,
+    help="Other values for fields of the scene, as eps=0.05,parameters.k=0.7.",
+)
 
 
 def called_by() -> str:

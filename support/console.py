@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import tempfile
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from time import process_time
@@ -70,6 +71,32 @@ def print_found(
     else:
         show(found)
     return 0 if complete else interrupted(program, f"after {len(found)} of {asked}")
+
+
+def print_json(data: object) -> None:
+    """Print one JSON document; what is no number, or infinite, is null.
+
+    >>> print_json({"error": float("nan"), "times": (0, 1.5)})
+    {
+      "error": null,
+      "times": [
+        0,
+        1.5
+      ]
+    }
+    """
+    print(json.dumps(_plain(data), indent=2, allow_nan=False))
+
+
+def _plain(data: Any) -> Any:
+    """Tables, lists, texts and finite numbers; arrays are lists."""
+    if isinstance(data, Mapping):
+        return {str(key): _plain(value) for key, value in data.items()}
+    if hasattr(data, "tolist"):
+        return _plain(data.tolist())
+    if isinstance(data, list | tuple):
+        return [_plain(value) for value in data]
+    return None if isinstance(data, float) and not math.isfinite(data) else data
 
 
 def print_lines(console: Console, lines: Iterable[str]) -> None:

@@ -160,6 +160,23 @@ def parse_toml(content: bytes, path: str | Path, what: str) -> dict[str, Any]:
     return document
 
 
+def toml_value(text: str) -> Any:
+    """What the text is as a value of TOML; the text itself where it is none, or is a date.
+
+    >>> toml_value("0.05"), toml_value("[0, 1]"), toml_value("kink"), toml_value('"pi/2"')
+    (0.05, [0, 1], 'kink', 'pi/2')
+    """
+    if "\n" in text:
+        return text
+    try:
+        found = parse_toml(f"value = {text}".encode(), "--set", "--set")
+    except ValueError:
+        return text
+    value = found["value"]
+    plain = len(found) == 1 and isinstance(value, bool | int | float | str | list | dict)
+    return value if plain else text
+
+
 def is_deep(data: object) -> bool:
     """Whether mappings and lists lie inside each other more than ``DEEPEST`` deep.
 

@@ -23,6 +23,7 @@ from longwave.support.command_line import (
     limits_of_each,
     named_values,
     path_option,
+    set_option,
 )
 
 COMPLETION = "_LONGWAVE_COMPLETE"
@@ -158,6 +159,7 @@ def fit(
     metavar="E",
     help=f"{' or '.join(ENGINES)}, with a tolerance; site by site or on a spectral ring.",
 )
+@set_option
 @path_option("--output", "FILE.nc", "Write the run as NetCDF-4.")
 @path_option(
     "--store",
@@ -166,6 +168,7 @@ def fit(
     "gone on with.",
 )
 @click.option("--force", is_flag=True, help="Let --output overwrite an older run.")
+@json_option
 @limit_options
 def run(scene: str, **options: Any) -> int:
     """Run the lattice from a wave and compare the two.
@@ -181,6 +184,7 @@ def run(scene: str, **options: Any) -> int:
 
 @longwave.command(epilog=example("longwave sweep error_over_k --processes 2 --output errors.nc"))
 @click.argument("sweep", shell_complete=complete_sweeps)
+@set_option
 @click.option("--samples", type=int, metavar="N", help="Run a scene at N draws of its constants.")
 @click.option("--seed", type=int, metavar="N", help="Of the samples (0).")
 @click.option("--processes", type=int, metavar="N", help="Worker processes (all cores).")
@@ -188,6 +192,7 @@ def run(scene: str, **options: Any) -> int:
 @path_option("--store", "FOLDER", "Keeps the runs (default SWEEP.store).")
 @path_option("--output", "FILE.nc", "The cells' numbers (SWEEP.nc).")
 @click.option("--force", is_flag=True, help="Overwrite what is no result of this sweep, too.")
+@json_option
 @limit_options
 def sweep(sweep: str, **options: Any) -> int:
     """Run a scene for many values of its fields.
@@ -207,11 +212,18 @@ def sweep(sweep: str, **options: Any) -> int:
 @longwave.command(epilog=example("longwave plot rogue_cn_k_0.5 --output rogue_cn.pdf"))
 @click.argument("source", shell_complete=complete_scenes)
 @path_option("--output", "FILE", "PNG, PDF or SVG (default SOURCE.png).")
+@set_option
 @click.option(
     "--kind", type=click.Choice(PICTURES + SWEEP_PICTURES), default="all", help="Which picture."
 )
 @click.option("--variable", metavar="NAME", default="error", help="Of a sweep: what is drawn.")
-@click.option("--at", metavar="NAME=VALUE", multiple=True, help="Of a sweep: draw these cells.")
+@click.option(
+    "--at",
+    metavar="NAME=VALUE,...",
+    multiple=True,
+    callback=lambda _, __, texts: named_values("--at", texts, "eps=0.1"),
+    help="Of a sweep: draw these cells.",
+)
 @force_option
 @limit_options
 def plot(source: str, output: str | None, **options: Any) -> int:
@@ -231,13 +243,16 @@ def plot(source: str, output: str | None, **options: Any) -> int:
 @longwave.command(epilog=example("longwave animate rational_3_eps_0.05 --times -2000 2000"))
 @click.argument("source", shell_complete=complete_scenes)
 @path_option("--output", "FILE", "MP4 or GIF (default SOURCE.mp4; SOURCE.gif without ffmpeg).")
+@set_option
 @click.option("--duration", type=float, default=6.0, show_default=True, help="Seconds.")
 @click.option("--fps", type=float, default=25.0, show_default=True, help="Frames a second.")
 @click.option("--dpi", type=float, default=110.0, show_default=True, help="Pixels an inch.")
 @click.option("--times", type=float, nargs=2, metavar="T1 T2", help="Show these lattice times.")
 @force_option
 @limit_options
-def animate(source: str, output: str | None, force: bool, **options: Any) -> int:
+def animate(
+    source: str, output: str | None, force: bool, changes: dict[str, Any], **options: Any
+) -> int:
     """Make a film of a run, or of a scene.
 
     SOURCE is a run written by `longwave run SCENE --output run.nc`, whose snapshots are the frames,
@@ -246,7 +261,7 @@ def animate(source: str, output: str | None, force: bool, **options: Any) -> int
     """
     from longwave.reports.pictures.animation import draw_film
 
-    return draw_film(source, output, options, called_by(), force)
+    return draw_film(source, output, options, called_by(), force, changes)
 
 
 longwave.add_command(report)
@@ -256,6 +271,7 @@ longwave.add_command(report)
 @click.argument("scene", shell_complete=complete_scenes)
 @click.option("--eps", metavar="E1,E2,...", help="Values of eps; 2, 1.4, 1, 0.7 times the scene's.")
 @click.option("--tolerance", type=float, metavar="X", help="In the place of the scene's.")
+@set_option
 @path_option("--output", "FILE", "Draw it: PNG, PDF or SVG.")
 @force_option
 @json_option

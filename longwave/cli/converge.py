@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-import json
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.figure import Figure
 from rich.table import Table
 
 from longwave.reports.pictures.drawing import CURVES, TEXT_WIDTH, save, styled
-from longwave.scenes.named_scenes import load_scene
+from longwave.runs.sweep_scene import changed_scene
 from longwave.scenes.scene_checks import finite
 from longwave.support.command_line import fail_for_memory, listed
 from longwave.support.console import (
     check_output,
     picture_path,
     plain_console,
+    print_json,
     print_lines,
     progress_bar,
 )
@@ -26,7 +27,9 @@ if TYPE_CHECKING:
     from longwave.scenes.convergence import SceneConvergence
 
 
-def measured_convergence(source: str, eps: str | None, tolerance: float | None) -> SceneConvergence:
+def measured_convergence(
+    source: str, eps: str | None, tolerance: float | None, changes: Mapping[str, Any]
+) -> SceneConvergence:
     """The convergence of the scene that is named."""
     from longwave.scenes.convergence import scene_convergence
 
@@ -34,7 +37,12 @@ def measured_convergence(source: str, eps: str | None, tolerance: float | None) 
     if eps is not None:
         usual = "such as 0.1,0.07,0.05"
         values = listed("--eps", eps, lambda part: finite("--eps", float(part)), "numbers", usual)
-    scene = load_scene(source, tolerance)
+        if "eps" in changes:
+            raise ValueError(
+                f"eps must be given once, got --eps {eps} and --set eps={changes['eps']} (leave "
+                "one out)"
+            )
+    scene = changed_scene(source, changes, tolerance)
     with progress_bar(scene.name, f"{scene.name} at several eps") as bar:
         return scene_convergence(scene, values, *bar)
 
@@ -42,7 +50,7 @@ def measured_convergence(source: str, eps: str | None, tolerance: float | None) 
 def print_convergence(study: SceneConvergence, json_wanted: bool) -> None:
     """Print the table and the rate, or one JSON document."""
     if json_wanted:
-        print(json.dumps(study.data(), indent=2))
+        print_json(study.data())
         return
     table = Table("eps", "sup error", "of the wave's size", "discretisation", "cells")
     for point in study.points:
@@ -92,6 +100,7 @@ def converge_and_draw(
     *,
     eps: str | None,
     tolerance: float | None,
+    changes: Mapping[str, Any],
     output: str | None,
     force: bool,
     json_wanted: bool,
@@ -103,7 +112,7 @@ def converge_and_draw(
     try:
         check_output(output, "rate.png", force=force)
         path = None if output is None else picture_path(output)
-        study = measured_convergence(scene, eps, tolerance)
+        study = measured_convergence(scene, eps, tolerance, changes)
         if path is not None:
             with styled():
                 save(convergence_figure(study), path)

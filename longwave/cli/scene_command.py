@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
@@ -19,14 +20,15 @@ from longwave.runs.run_output import (
     store_messages,
 )
 from longwave.runs.run_store import RunStore
+from longwave.runs.sweep_scene import changed_scene
 from longwave.scenes.bench import OF_MEANS
 from longwave.scenes.chain.trust import USUAL_TOLERANCE
-from longwave.scenes.named_scenes import load_scene
 from longwave.scenes.recorders import Variables
 from longwave.scenes.run_record import RunRecord, UnfinishedRun, error_unit
 from longwave.scenes.scene import Scene
+from longwave.scenes.scene_file import document_of
 from longwave.support.command_line import fail, fail_for_memory
-from longwave.support.console import plain_console, print_lines, progress_bar
+from longwave.support.console import plain_console, print_json, print_lines, progress_bar
 from longwave.support.interruption import interrupted, keeping
 
 if TYPE_CHECKING:
@@ -39,14 +41,16 @@ def run_and_print(
     *,
     tolerance: float | None = None,
     engine: str | None = None,
+    changes: Mapping[str, Any] | None = None,
     output: str | None = None,
     store: str | None = None,
     force: bool = False,
+    json_wanted: bool = False,
 ) -> int:
     """Run one scene, or the scene in a run's file again; print errors and cost, write it if asked.
 
-    ``tolerance`` and ``engine`` stand in the place of the scene's; the run is written to ``output``
-    and kept in the ``store``.
+    ``tolerance``, ``engine`` and the fields in ``changes`` stand in the place of the scene's; the
+    run is written to ``output`` and kept in the ``store``.
 
     Exit status 0, 1 if the run blew up, could not be written or has other bits than in its file, 2
     for bad input, told in one line, and 130 after Ctrl-C, which ``program`` tells: what was
@@ -56,13 +60,16 @@ def run_and_print(
     try:
         check_run_output(output, force)
         if names_a_run(source):
-            kept = _finished_run(source, {"tolerance": tolerance, "engine": engine, "store": store})
-        found = load_scene(source, tolerance) if kept is None else scene_of_run(kept)
+            said = ", ".join(f"{field}={value}" for field, value in (changes or {}).items())
+            given = {"tolerance": tolerance, "engine": engine, "set": said, "store": store}
+            kept = _finished_run(source, given)
+            scene = scene_of_run(kept)
+        else:
+            scene = changed_scene(source, changes or {}, tolerance, engine)
     except (ValueError, OSError) as error:
         return fail(error)
     checkpoint = OutputCheckpoint(output, store)
     try:
-        scene = found if engine is None else found.changed(engine=engine)
         wanted = "" if scene.tolerance is None else f" to {scene.tolerance:g}"
         work = f"{scene.name}{wanted}" if kept is None else f"{source} again"
         with checkpoint.kept(scene):
@@ -72,7 +79,7 @@ def run_and_print(
             return interrupted(program, checkpoint.left(f"{source} is as it was"))
         if not isinstance(stop, UnfinishedRun):
             return interrupted(program, checkpoint.left("nothing was recorded yet"))
-        where = _keep_unfinished(stop.record, scene, output, force)
+        where = _keep_unfinished(stop.record, scene, output, force, json_wanted)
         count = f"{len(stop.record.reached)} snapshots are kept{where}"
         return interrupted(program, checkpoint.left(count, written=bool(where)))
     except (ValueError, OSError) as error:
@@ -81,24 +88,26 @@ def run_and_print(
         return fail_for_memory(error)
     status = checkpoint.settle(lambda: run.dataset, force)
     if kept is not None:
-        differs = _compare_and_print(source, kept, run.dataset)
+        differs = _compare_and_print(source, kept, run.dataset, json_wanted)
         return status or differs
-    print_summary(run, scene, plain_console())
+    _print_run(run, scene, json_wanted)
     return status or int(bool(run.attrs["blow_up"]))
 
 
-def _keep_unfinished(record: RunRecord, scene: Scene, output: str | None, force: bool) -> str:
+def _keep_unfinished(
+    record: RunRecord, scene: Scene, output: str | None, force: bool, json_wanted: bool
+) -> str:
     """Write what was recorded, if that is asked for, and print it; in words where it is kept."""
     with keeping():
         is_written = output is not None and not save_anywhere(record.dataset, output, force)
-        print_summary(record, scene, plain_console())
+        _print_run(record, scene, json_wanted)
     return f" in {output}" if is_written else ""
 
 
 def _finished_run(source: str, changed: Mapping[str, object]) -> xr.Dataset:
     """The run in the file; ValueError for options that a repetition cannot have."""
     for name, given in changed.items():
-        if given is not None:
+        if given not in (None, ""):
             raise ValueError(
                 f"--{name} must not be given with a run, got {given} (it is run as it was)"
             )
@@ -111,13 +120,16 @@ def _finished_run(source: str, changed: Mapping[str, object]) -> xr.Dataset:
     return run
 
 
-def _compare_and_print(source: str, kept: xr.Dataset, made: xr.Dataset) -> int:
+def _compare_and_print(source: str, kept: xr.Dataset, made: xr.Dataset, json_wanted: bool) -> int:
     """Tell what differs in a run that was made again; 1 if its bits do."""
     from longwave.runs.repeated_run import compare_runs
 
     found = compare_runs(kept, made)
     first, *further = found.lines()
-    print_lines(plain_console(), [f"{source}: {first}", *further])
+    if json_wanted:
+        print_json({"run": source, "same_bits": found.is_same, "differences": [first, *further]})
+    else:
+        print_lines(plain_console(), [f"{source}: {first}", *further])
     return 0 if found.is_same else 1
 
 
@@ -155,6 +167,29 @@ COLUMNS = {
 
 MOST_SENSORS = 8
 """Sensors of which is told what they read."""
+
+
+def _print_run(run: RunRecord, scene: Scene, json_wanted: bool) -> None:
+    if json_wanted:
+        print_json(run_data(run, scene))
+    else:
+        print_summary(run, scene, plain_console())
+
+
+def run_data(run: RunRecord, scene: Scene) -> dict[str, Any]:
+    """What is told of a run as tables, numbers and texts; arrays over sites are in its file."""
+    numbers = {
+        name: {"values": values, "units": told.get("units", ""), "what": told.get("long_name", "")}
+        for name, (over, values, told) in run.variables.items()
+        if over in (("time",), ("time", "sensor"), ("sensor",))
+    }
+    return {
+        "name": scene.name,
+        "scene": document_of(json.loads(scene.json())),
+        "times": run.reached,
+        "variables": numbers,
+        "attributes": run.attrs,
+    }
 
 
 def print_summary(run: RunRecord, scene: Scene, console: Console) -> None:

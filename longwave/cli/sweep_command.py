@@ -3,23 +3,24 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from longwave.runs.run_file import SWEPT, open_run
 from longwave.runs.run_output import BROKEN, check_run_output, store_messages
-from longwave.runs.run_pack import DONE
+from longwave.runs.run_pack import DONE, NUMBERS
 from longwave.runs.run_store import RunStore
 from longwave.runs.sweep import SweepState, run_sweep, settled_keys
 from longwave.runs.sweep_cost import SweepCost, expected_sweep_cost
 from longwave.runs.sweep_file import Sweep, load_sweep
-from longwave.runs.sweep_workers import sweep_workers
+from longwave.runs.sweep_scene import changed_scene
+from longwave.runs.sweep_workers import check_workers, sweep_workers
 from longwave.support.command_line import fail
-from longwave.support.console import plain_console, print_lines, progress_bar
+from longwave.support.console import plain_console, print_json, print_lines, progress_bar
 from longwave.support.interruption import interrupted
 from longwave.support.processes import LocalWorkers, Workers
 from longwave.support.request_limits import check_request, current_limits, duration
@@ -45,10 +46,12 @@ def sweep_and_print(
     force: bool = False,
     samples: int | None = None,
     seed: int | None = None,
+    changes: Mapping[str, Any] | None = None,
+    json_wanted: bool = False,
 ) -> int:
     """Run a sweep, print how its cells ended, and write its data set to ``output``.
 
-    With ``samples`` the ``source`` is a scene, which is run at so many draws of its measured
+    ``changes`` are other values for fields of its scene that do not vary. With ``samples`` the ``source`` is a scene, which is run at so many draws of its measured
     constants; its observables are printed with their intervals. Runs are kept in the folder
     ``store``. Exit status 0, 1 if a cell did not come to its end or
     could not be written, 2 for bad input, told in one line, and 130 after Ctrl-C, which ``program``
@@ -58,18 +61,16 @@ def sweep_and_print(
     told = SweepState(0)
     try:
         with store_messages():
+            check_workers(processes, scheduler)
+            check_run_output(output, force=True)
+            _check_samples(samples, seed)
             with progress_bar("reading", "reading the sweep"):
-                sweep = _asked(source, samples, seed)
+                sweep = _asked(source, samples, seed, changes or {})
                 told.cells = len(sweep)
                 output = output or f"{sweep.name}.nc"
                 check_run_output(output, force=True)
                 _check_overwriting(sweep, Path(output), force)
-                kept = RunStore(Path(store or f"{sweep.name}.store"))
-                if Path(output).resolve() == Path(kept.folder).resolve():
-                    raise ValueError(
-                        f"--output must not be the --store, a folder, got {output} for both "
-                        "(take another name)"
-                    )
+                kept = _store_of(sweep, store, output)
                 settled = settled_keys(kept)
                 expected = expected_sweep_cost(sweep, kept, settled)
             with sweep_workers(processes, scheduler) as workers:
@@ -85,23 +86,39 @@ def sweep_and_print(
         return BROKEN
     except ValueError as error:
         return fail(error)
-    lines = [*summary_lines(sweep, found, told), *(one.text() for one in seen)]
-    lines.append(f"written: {output}; runs: {kept.folder}")
-    print_lines(plain_console(), lines)
+    if json_wanted:
+        places = {"output": output, "store": str(kept.folder)}
+        print_json(sweep_data(sweep, found, told, seen) | places)
+    else:
+        lines = [*summary_lines(sweep, found, told), *(one.text() for one in seen)]
+        print_lines(plain_console(), [*lines, f"written: {output}; runs: {kept.folder}"])
     return 0 if bool((found["status"] == DONE).all()) else 1
 
 
-def _asked(source: str, samples: int | None, seed: int | None) -> Sweep:
-    """The sweep, or the sampled scene."""
-    if samples is not None:
-        from longwave.runs.sampled_sweep import sampled_sweep
+def _store_of(sweep: Sweep, folder: str | None, output: str) -> RunStore:
+    """The store of a sweep's runs, in the ``folder`` or one of its own."""
+    kept = RunStore(Path(folder or f"{sweep.name}.store"))
+    if Path(output).resolve() == Path(kept.folder).resolve():
+        raise ValueError(
+            f"--output must not be the --store, a folder, got {output} for both (take another name)"
+        )
+    return kept
 
-        return sampled_sweep(source, samples, seed or 0)
-    if seed is not None:
+
+def _check_samples(samples: int | None, seed: int | None) -> None:
+    if seed is not None and samples is None:
         raise ValueError(
             f"--seed must be given with --samples, got {seed} alone (a sweep's is in its file)"
         )
-    return load_sweep(source)
+
+
+def _asked(source: str, samples: int | None, seed: int | None, changes: Mapping[str, Any]) -> Sweep:
+    """The sweep, or the sampled scene."""
+    if samples is None:
+        return load_sweep(source, changes)
+    from longwave.runs.sampled_sweep import sampled_sweep
+
+    return sampled_sweep(changed_scene(source, changes), samples, seed or 0)
 
 
 def _written(
@@ -163,6 +180,30 @@ def _run_with_bar(
                 tell(state.seconds_left)
 
         run_sweep(sweep, store, workers, show, told, settled)
+
+
+def sweep_data(
+    sweep: Sweep, found: xr.Dataset, told: SweepState, seen: list[Observed]
+) -> dict[str, Any]:
+    """What a sweep came to as tables, numbers and texts: its cells, with what was swept."""
+    columns = {
+        str(name): found[name].values.ravel().tolist()
+        for name in ("status", "message", *NUMBERS)
+        if name in found and found[name].size == len(sweep)
+    }
+    rows = [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+    cells = [{"set": sweep.values(place), **row} for place, row in enumerate(rows)]
+    return {
+        "name": sweep.name,
+        "title": sweep.title,
+        "dimensions": {dimension.name: dimension.size for dimension in sweep.dimensions},
+        "run_now": told.done,
+        "seconds": told.seconds,
+        "cells": cells,
+        "observed": {
+            one.name: dict(zip(("low", "median", "high"), one.ends, strict=True)) for one in seen
+        },
+    }
 
 
 def summary_lines(sweep: Sweep, found: xr.Dataset, told: SweepState) -> Iterator[str]:

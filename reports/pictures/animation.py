@@ -7,7 +7,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -21,7 +21,13 @@ from longwave.lattice.trial import Progress
 from longwave.reports.pictures.drawing import styled
 from longwave.reports.pictures.film import FILM_SIZE, ChainFilm, Film, PlaneFilm
 from longwave.reports.pictures.film_files import film_path, has_ffmpeg, save_film
-from longwave.reports.pictures.plotting import Source, default_output, read_source, shown_half_width
+from longwave.reports.pictures.plotting import (
+    Source,
+    changed_source,
+    default_output,
+    read_source,
+    shown_half_width,
+)
 from longwave.reports.pictures.run_data import check_run, placed
 from longwave.runs.run_file import SWEPT, names_a_run
 from longwave.scenes import scene_run
@@ -257,7 +263,12 @@ def film_of(data: xr.Dataset, dpi: float = 110.0, half_width: int | None = None)
 
 
 def draw_film(
-    source: str, output: str | None, options: dict[str, Any], program: str, force: bool = False
+    source: str,
+    output: str | None,
+    options: dict[str, Any],
+    program: str,
+    force: bool = False,
+    changes: Mapping[str, Any] | None = None,
 ) -> int:
     """Write the film and print its path; return the exit status: 0, 2 for wrong input, 130.
 
@@ -266,8 +277,11 @@ def draw_film(
     path = output or default_output(source, ".mp4" if has_ffmpeg() else ".gif")
     try:
         check_output(path, "run.gif", force=force)
+        film_path(path)
+        FilmOptions(**options)
+        drawn = changed_source(source, changes or {})
         with progress_bar(Path(source).name, f"film of {Path(source).name}") as (bar, tell):
-            count = animate(source, path, **options, progress=bar, announce=Announcer(tell))
+            count = animate(drawn, path, **options, progress=bar, announce=Announcer(tell))
     except KeyboardInterrupt:
         return interrupted(program, f"{path} was not written")
     except (ValueError, OSError) as error:

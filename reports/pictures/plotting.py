@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -321,15 +322,18 @@ PICTURES: Mapping[str, Picture] = {
 """The kinds of pictures, in the order in which they are drawn."""
 
 
-def _choice(at: Sequence[str]) -> Choice:
-    """Values by name; ValueError for what is no NAME=VALUE."""
-    found: dict[str, str] = {}
-    for text in at:
-        name, sign, value = text.partition("=")
-        if not (name and sign and value):
-            raise ValueError(f"--at must be NAME=VALUE, got {shown(text)} (such as eps=0.1)")
-        found[name.strip()] = value.strip()
-    return found
+def changed_source(source: str, changes: Mapping[str, Any]) -> str | Scene:
+    """A run's file or a scene's name, or the scene with the ``changes`` of `--set`."""
+    if not changes:
+        return source
+    if names_a_run(source):
+        raise ValueError(
+            f"--set must not be given with the file of a run, got {source} (it was run as it is; "
+            "name its scene)"
+        )
+    from longwave.runs.sweep_scene import changed_scene
+
+    return changed_scene(source, changes)
 
 
 def draw(
@@ -340,7 +344,8 @@ def draw(
     force: bool,
     kind: str,
     variable: str,
-    at: Sequence[str],
+    at: Choice,
+    changes: Mapping[str, Any],
 ) -> int:
     """Draw and print the picture's path; return the exit status.
 
@@ -349,9 +354,10 @@ def draw(
     path = default_output(source) if output is None else output
     try:
         check_output(path, "run.png", force=force)
-        chosen = _choice(at)
+        picture_path(path)
+        drawn = changed_source(source, changes)
         with progress_bar(Path(source).name, source) as (advance, tell):
-            plot(source, path, kind, advance, Announcer(tell), chosen, variable)
+            plot(drawn, path, kind, advance, Announcer(tell), at, variable)
     except UnfinishedRun as stop:
         with suppress(ValueError, OSError):
             plot(stop.run, path, kind)

@@ -152,7 +152,7 @@ def test_what_is_declared_is_what_the_rooms_take() -> None:
     assert tree.scene_names() == sorted(name for kind in KINDS for name in shipped_scenes(kind))
 
 
-NOTHING = (None, False, ())
+NOTHING = (None, False, (), {})
 
 
 def test_options_reach_the_rooms(monkeypatch: pytest.MonkeyPatch) -> None:
