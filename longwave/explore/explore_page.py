@@ -55,7 +55,21 @@ body, #main, #content { background: #f3f5f7; }
   background: #ffffff; border: 1px solid #dde3e9; border-radius: 8px;
   padding: 6px 4px 10px 4px; margin: 6px 10px 10px 10px;
 }
+@media (max-width: 760px) {
+  #header { padding: 2px 6px; }
+  a.title { font-size: 1.05em; }
+  #main { padding: 4px 0; }
+  #sidebar {
+    position: fixed; z-index: 10; width: 100%; height: calc(100% - 40px); left: 0;
+    transform: translateX(-100%); background: #f3f5f7;
+  }
+  #sidebar.hidden { width: 100%; transform: none; padding: 15px 10px; overflow-y: auto; }
+  :host(.panel) { margin: 4px 4px 8px 4px; }
+  :host(.maps) { display: block; }
+}
 """
+"""Where the screen is narrow the controls are a drawer: the header's button, which hides them
+beside the pictures elsewhere, brings them in over the pictures."""
 
 TEXTS_STYLE = """
 :host { font: 14px/1.45 system-ui, sans-serif; color: #22303c; }
@@ -361,12 +375,13 @@ class ExplorePage:
             pn.pane.Bokeh(one.picture, **WIDE)
             for one in (self.profile, self.errors, self.lattice_map, self.difference_map)
         )
-        both, buttons = pn.Row(*maps, **WIDE), pn.Row(self.download, self.copy)
-        file = "this scene as a file: longwave run scene.toml repeats it"
+        both = pn.Row(*maps, **WIDE, css_classes=["maps"], stylesheets=[STYLE])
+        buttons = pn.Row(self.download, self.copy)
+        file = "this scene as a file, for longwave run scene.toml"
         panels = (
             _panel("at one time", profile, self.moment, self.player),
-            _panel("at all times, in the frame that moves with the wave", both),
-            _panel("how far lattice and wave part", errors, self.lines),
+            _panel("at all times, in the moving frame", both),
+            _panel("difference of lattice and wave over time", errors, self.lines),
             _panel("the equation", self.equation, self.formula),
             _panel(file, buttons, self.toml),
         )

@@ -13,8 +13,8 @@ if TYPE_CHECKING:
 
 INTRODUCTION = (
     "A lattice of masses and springs is started from a <b>closed-form wave</b> of its own "
-    "long-wave equation. Then lattice and wave go on, each by its own law, and the page shows how "
-    "far they part. The smaller &epsilon;, the longer the waves and the closer the two."
+    "long-wave equation. Both are followed in time, each by its own equation, and the page shows "
+    "the difference. The smaller &epsilon;, the longer the waves and the smaller the difference."
 )
 
 RAISED = {ord("^"): None} | {
@@ -47,7 +47,7 @@ def figures_of_merit(found: Comparison) -> list[tuple[str, str, str]]:
         (
             "the run's own error",
             f"± {found.estimate:.2g} {unit(found)}",
-            "estimated; the difference is known to so much",
+            "estimated: the accuracy of the difference",
         ),
     ]
 

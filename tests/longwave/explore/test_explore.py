@@ -300,6 +300,29 @@ def test_a_ready_scene_is_run_and_taken_away(opened: Opened, tmp_path: Path) -> 
 
 @explored
 @pytest.mark.slow
+def test_on_a_phone_the_controls_are_a_drawer_and_nothing_is_wider_than_the_screen(
+    opened: Opened,
+) -> None:
+    page = opened.page
+    page.set_viewport_size({"width": 390, "height": 844})
+    try:
+        for selector in ("html", "#main"):
+            assert page.evaluate(f"document.querySelector('{selector}').scrollWidth") <= 390
+        places = [page.locator(name).bounding_box() for name in ("#main", "#sidebar")]
+        assert [place and (place["x"], place["width"]) for place in places] == [
+            (0, 390),
+            (-390, 390),
+        ]
+        page.locator("#sidebar-button").click()
+        page.wait_for_function("document.querySelector('#sidebar').getBoundingClientRect().x == 0")
+        assert page.locator(".choose-wave select").is_visible()
+        page.locator("#sidebar-button").click()
+    finally:
+        page.set_viewport_size({"width": 1400, "height": 2200})
+
+
+@explored
+@pytest.mark.slow
 def test_no_request_leaves_this_machine(opened: Opened, served: Served) -> None:
     outside = [
         address
