@@ -12,9 +12,15 @@ project = _about["Name"]
 author = _about["Author"]
 release = version = _about["Version"]
 
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.viewcode", "longwave_site"]
+extensions = [
+    "myst_parser",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.viewcode",
+    "sphinx_copybutton",
+    "longwave_site",
+]
 exclude_patterns = ["build"]
-myst_enable_extensions = ["dollarmath"]
+myst_enable_extensions = ["deflist", "dollarmath"]
 default_role = "code"
 toc_object_entries = False
 nitpicky = True
@@ -34,3 +40,9 @@ html_title = "longwave"
 html_math_renderer = "mathml"
 html_copy_source = False
 html_show_copyright = False
+html_static_path = ["static"]
+html_css_files = ["site.css"]
+
+# Copied is what is typed: no prompts, and no output where there are prompts.
+copybutton_prompt_text = r">>> |\.\.\. |\$ "
+copybutton_prompt_is_regexp = True

@@ -11,8 +11,7 @@ from longwave.scenes.named_scenes import load_scene, shipped_scenes
 from longwave.scenes.observables import OBSERVABLES
 from longwave.scenes.scene import Scene
 from longwave.solutions import CATALOGUE, ClosedForm
-from longwave.verify.problem_file import ProblemText
-from longwave.verify.published import published, source_of
+from longwave.verify.published import published
 from paper_map import Holder, Row, paper_map
 
 MOST_OPERATIONS = 20
@@ -65,30 +64,30 @@ def _files(holders: Iterable[Holder]) -> str:
 
 
 def waves() -> str:
-    """The closed forms: name, title, equation, domains, formula where it is short."""
-    rows = [
-        [
-            f"`{form.name}`",
-            form.title,
-            form.equation.name,
-            "<br>".join(domain_latex(parameter.domain) for parameter in form.parameters),
-            _formula(form),
-        ]
-        for form in CATALOGUE
-    ]
-    return table(["name", "wave", "equation", "parameters", "$U$"], rows)
+    """The closed forms by equation: name and title, domains, formula where it is short."""
+    head = ["wave", "parameters", "$U$"]
+    return "\n\n".join(
+        f"### {equation}\n\n"
+        + table(head, [_wave_row(form) for form in CATALOGUE if form.equation.name == equation])
+        for equation in dict.fromkeys(form.equation.name for form in CATALOGUE)
+    )
+
+
+def _wave_row(form: ClosedForm) -> list[str]:
+    domains = "<br>".join(domain_latex(parameter.domain) for parameter in form.parameters)
+    return [f"`{form.name}`<br>{form.title}", domains, _formula(form)]
 
 
 def _formula(form: ClosedForm) -> str:
     if form.expression.count_ops() > MOST_OPERATIONS:
-        return f"in {{py:mod}}`{CATALOGUE.module(form.name)}`"
+        return f"{{py:mod}}`~{CATALOGUE.module(form.name)}`"
     return f"$\\displaystyle {latex(form.expression)}$"
 
 
 def scenes() -> str:
     """The shipped scenes, the paper's first: name, title, wave, eps, times, how it is computed."""
     return table(
-        ["scene", "what", "wave", "$\\epsilon$", "times", "computed"],
+        ["scene", "wave", "$\\epsilon$", "times", "computed"],
         (
             list(_scene_row(load_scene(name)))
             for name in (*shipped_scenes(), *shipped_scenes("further"))
@@ -97,8 +96,7 @@ def scenes() -> str:
 
 
 def _scene_row(scene: Scene) -> Iterator[str]:
-    yield f"`{scene.name}`"
-    yield scene.title
+    yield f"`{scene.name}`<br>{scene.title}"
     yield f"`{scene.wave_name}`"
     yield f"{scene.eps:g}"
     yield f"{scene.t0:g} to {scene.end:g}"
@@ -134,33 +132,16 @@ def schemes() -> str:
     return table(["scheme", "order", "forces a step", limit, "from"], rows)
 
 
-def library() -> str:
-    """The published solutions by equation: name, source, expected verdict, what is to be known."""
-    head = ["statement", "source", "expected", "note"]
-    equations = list(dict.fromkeys(text.equation_name for text in published()))
-    parts = [
-        (equation, [text for text in published() if text.equation_name == equation])
-        for equation in equations
-    ]
-    return "\n\n".join(
-        f"### {equation}\n\n{table(head, (_statement_row(text) for text in texts))}"
-        for equation, texts in parts
-    )
-
-
 def misprints() -> str:
     """The wrong formulas that were found in publications: name, publication, what is wrong."""
     rows = [
-        [f"`{text.name}`", _linked(text.misprint_in, text.looked_up), text.note]
+        [f"`{text.name}`", linked(text.misprint_in, text.looked_up), text.note]
         for text in published()
         if text.misprint_in
     ]
     return table(["statement", "publication", "what is wrong"], rows)
 
 
-def _statement_row(text: ProblemText) -> list[str]:
-    return [f"`{text.name}`", _linked(source_of(text), text.looked_up), text.expect, text.note]
-
-
-def _linked(words: str, address: str) -> str:
+def linked(words: str, address: str) -> str:
+    """The words, as a link where there is an address."""
     return f"[{words}]({address})" if address else words

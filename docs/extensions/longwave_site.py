@@ -11,6 +11,7 @@ from sphinx.util.docutils import SphinxDirective
 
 import docstrings
 import gallery
+import library_pages
 import lists
 import mathml
 from house import HOUSE
@@ -24,7 +25,7 @@ CONTENTS: dict[str, Callable[[], str]] = {
     "scenes": lists.scenes,
     "observables": lists.observables,
     "schemes": lists.schemes,
-    "published-solutions": lists.library,
+    "published-solutions": library_pages.contents,
     "published-misprints": lists.misprints,
     "gallery": lambda: gallery.markdown(gallery.scripts(GALLERY)),
 }
@@ -58,6 +59,7 @@ class Generated(SphinxDirective):
 def _write(app: Sphinx) -> None:
     generated = Path(app.srcdir) / "generated"
     write_reference(generated / "reference")
+    library_pages.write_pages(generated / "library")
     for script in gallery.scripts(GALLERY):
         gallery.draw(script, generated / "gallery")
 

@@ -1,4 +1,4 @@
-"""The reference: one page for each package of the house, written from its docstrings."""
+"""The reference: the face in full, then a page for each package, written from the docstrings."""
 
 from functools import cache
 from importlib import import_module
@@ -6,6 +6,9 @@ from pathlib import Path
 
 from house import HOUSE, ROOMS, modules, packages
 from paper_map import Row, paper_map
+
+FACE = ROOMS[-1]
+"""The package whose nouns a user imports."""
 
 
 @cache
@@ -16,7 +19,8 @@ def _map() -> list[Row]:
 def write_reference(folder: Path) -> None:
     """Write a page for each package into the folder, and remove pages of packages that are gone."""
     folder.mkdir(parents=True, exist_ok=True)
-    pages = {f"{package}.rst": _page(package) for package in _packages()}
+    pages = {f"{package}.rst": _page(package) for package in _packages() if package != FACE}
+    pages[f"{FACE}.rst"] = _face_page()
     pages["index.rst"] = _index()
     for stale in set(folder.glob("*.rst")) - {folder / name for name in pages}:
         stale.unlink()
@@ -27,18 +31,68 @@ def write_reference(folder: Path) -> None:
 
 
 def _packages() -> list[str]:
-    """The rooms, each with the packages inside it that hold modules, not only data."""
+    """The face, then the rooms, each with the packages inside it that hold modules."""
     return [
         package
-        for room in ROOMS
+        for room in (FACE, *ROOMS[:-1])
         for package in packages(room)
         if package == room or any(modules(package))
     ]
 
 
 def _index() -> str:
-    names = "\n".join(f"   {package}" for package in _packages())
-    return f"{_title('Reference', '=')}.. toctree::\n   :maxdepth: 1\n\n{names}\n"
+    """What is imported from ``longwave``, and below it the rooms that it comes from."""
+    names = "".join(f"   {package}\n" for package in _packages() if package != FACE)
+    return (
+        f"{_title('Reference', '=')}"
+        "Everything that a script needs is imported from ``longwave`` itself. The packages behind\n"
+        "it are for those who extend the program; what they import is in ``CONTRIBUTING.md``.\n\n"
+        f".. toctree::\n   :maxdepth: 2\n\n   {FACE}\n\n"
+        f".. toctree::\n   :maxdepth: 1\n   :caption: The packages behind it\n\n{names}"
+    )
+
+
+def _face_page() -> str:
+    """The face: every public noun with its docstring, by the room that it comes from."""
+    parts = [_title(FACE, "="), f".. automodule:: {FACE}\n   :no-members:\n\n"]
+    for room, names in _nouns_by_room().items():
+        text = (import_module(f"{FACE}.{room}").__doc__ or room).partition("\n")[0]
+        parts.append(_title(f"From {FACE}.{room}", "-") + f"{text}\n\n")
+        parts += [_documented(name) for name in names]
+    return "".join(parts)
+
+
+def _nouns_by_room() -> dict[str, list[str]]:
+    """The face's nouns by the room that offers them, or in which they are defined."""
+    found: dict[str, list[str]] = {room: [] for room in ROOMS[:-1]}
+    for name in import_module(FACE).__all__:
+        if not name.startswith("__"):
+            found[_room_of(name)].append(name)
+    return {room: names for room, names in found.items() if names}
+
+
+def _room_of(name: str) -> str:
+    home = str(getattr(getattr(import_module(FACE), name), "__module__", "")).split(".")
+    if home[0] == FACE and len(home) > 1:
+        return home[1]
+    offered = (
+        room
+        for room in ROOMS[:-1]
+        if name in getattr(import_module(f"{FACE}.{room}"), "__all__", ())
+    )
+    return next(offered)
+
+
+def _documented(name: str) -> str:
+    """The noun's entry: a class, a function, or a catalogue with its names."""
+    value = getattr(import_module(FACE), name)
+    if isinstance(value, type):
+        return f".. autoclass:: {FACE}.{name}\n\n"
+    if callable(value):
+        return f".. autofunction:: {FACE}.{name}\n\n"
+    named = ", ".join(f"``{key}``" for key in getattr(value, "names", value))
+    room = f":py:mod:`{FACE}.{_room_of(name)}`"
+    return f".. py:data:: {name}\n   :module: {FACE}\n\n   By name, from {room}: {named}.\n\n"
 
 
 def _page(package: str) -> str:

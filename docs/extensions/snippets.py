@@ -46,8 +46,8 @@ def snippets(page: str) -> Iterator[Snippet]:
 def commands(text: str) -> Iterator[Command]:
     r"""Yield the commands of a console block.
 
-    >>> list(commands("$ longwave --version\nlongwave 0.1.0\n"))
-    [Command(line='longwave --version', output='longwave 0.1.0\n')]
+    >>> list(commands("$ longwave --version\nlongwave 1.2\n"))
+    [Command(line='longwave --version', output='longwave 1.2\n')]
     """
     for part in re.split(r"^\$ ", text, flags=re.MULTILINE)[1:]:
         line, _, output = part.partition("\n")

@@ -3,12 +3,15 @@
 import doctest
 import importlib
 import re
+from itertools import chain
 from pathlib import Path
 
 import pytest
 
 import gallery
+import library_pages
 import lists
+import longwave
 from docstrings import as_restructured_text
 from house import HOUSE, ROOMS, modules, packages
 from longwave import CATALOGUE
@@ -18,8 +21,13 @@ from longwave.verify.published import published
 from reference import write_reference
 from snippets import snippets
 
+NAMED = re.compile(r"(?m)^(?:### |\* \*\*[A-Z]+\*\* )`(\w+)`")
+"""The name of a statement on a page of the library."""
 
-@pytest.mark.parametrize("name", ["docstrings", "lists", "mathml", "paper_map", "snippets"])
+
+@pytest.mark.parametrize(
+    "name", ["docstrings", "library_pages", "lists", "mathml", "paper_map", "snippets"]
+)
 def test_the_examples_in_docstrings(name: str) -> None:
     if name == "mathml":
         pytest.importorskip("sphinx", reason="make docs installs it")
@@ -49,7 +57,6 @@ def test_code_and_doctests_are_left_as_they_are() -> None:
 
 def test_the_tables_hold_every_object() -> None:
     for made, names in (
-        (lists.waves(), [form.name for form in CATALOGUE]),
         (lists.scenes(), [*shipped_scenes(), *shipped_scenes("further")]),
         (lists.schemes(), [scheme.name for scheme in SCHEMES]),
     ):
@@ -58,12 +65,33 @@ def test_the_tables_hold_every_object() -> None:
         assert len({len(re.findall(r"(?<!\\)\|", row)) for row in made.splitlines()}) == 1
 
 
-def test_the_library_is_listed_with_its_sources_and_misprints() -> None:
-    made = lists.library()
-    assert re.findall("(?m)^. `(.+?)`", made) == [text.name for text in published()]
+def test_the_waves_stand_below_their_equation() -> None:
+    parts = lists.waves().split("### ")[1:]
+    held = {part.splitlines()[0]: re.findall("(?m)^. `(.+?)`", part) for part in parts}
+    assert held["KdV"][0] == "kdv_soliton"
+    assert sorted(chain.from_iterable(held.values())) == sorted(CATALOGUE.names)
+
+
+@pytest.mark.slow
+def test_the_library_has_a_page_for_each_family_with_every_statement(tmp_path: Path) -> None:
+    library_pages.write_pages(tmp_path)
+    pages = {path.stem: path.read_text(encoding="utf-8") for path in tmp_path.glob("*.md")}
+    named = [name for page in pages.values() for name in re.findall(NAMED, page)]
+    assert sorted(named) == sorted(text.name for text in published())
+    kdv = pages["korteweg_de_vries"]
+    assert "[Wikipedia, Benjamin-Bona-Mahony equation](https://" in "".join(pages.values())
+    assert "6 u u_{x} + u_{t} + u_{xxx} = 0" in kdv
+    assert kdv.index("### `kdv_one_soliton`") < kdv.index("* **REFUTED** `kdv_soliton_speed`")
+    contents = library_pages.contents()
+    for page in pages:
+        assert f"generated/library/{page}.md" in contents
+    numbers = [int(n) for row in contents.splitlines()[2:] for n in row.split("|")[3:5]]
+    assert sum(numbers) == len(published())
+
+
+def test_the_misprints_are_listed() -> None:
     found = re.findall("(?m)^. `(.+?)`", lists.misprints())
     assert found == [text.name for text in published() if text.misprint_in]
-    assert "[Wikipedia, Benjamin-Bona-Mahony equation](https://" in made
 
 
 def test_the_maps_table_names_object_file_and_scenes() -> None:
@@ -83,6 +111,16 @@ def test_the_reference_has_every_module_and_drops_what_is_gone(tmp_path: Path) -
         for package in packages(room):
             for module in modules(package):
                 assert f".. automodule:: {module}\n" in text
+
+
+def test_the_reference_begins_with_the_face_and_describes_each_of_its_nouns(tmp_path: Path) -> None:
+    write_reference(tmp_path)
+    index = (tmp_path / "index.rst").read_text(encoding="utf-8")
+    assert re.findall(r"(?m)^   (longwave\S*)$", index)[0] == "longwave"
+    face = (tmp_path / "longwave.rst").read_text(encoding="utf-8")
+    described = re.findall(r"(?m)^.. auto\w+:: longwave\.(\w+)$", face)
+    described += re.findall(r"(?m)^.. py:data:: (\w+)$", face)
+    assert sorted(["__version__", *described]) == sorted(longwave.__all__)
 
 
 def test_every_script_of_the_gallery_is_shown_with_its_text() -> None:
