@@ -17,29 +17,36 @@ LONGEST_STEM, LONGEST_SUFFIX = 40, 12
 
 
 def write_atomically(
-    path: str | Path, write: Callable[[Path], object], force: bool = True, durable: bool = True
+    path: str | Path,
+    write: Callable[[Path], object],
+    force: bool = True,
+    durable: bool = True,
+    follow: bool = True,
 ) -> None:
     """Have ``write(draft)`` write a file beside ``path``, and give it that name when it is whole.
 
     The draft has the suffix of ``path``. Without ``force`` nothing is overwritten: of several
     processes one wins. A file that is there keeps its permissions, and a link still leads to the
-    file that it led to. What can be lost if the power fails need not be ``durable``, on the disk
-    before this returns.
+    file that it led to; unless told to ``follow`` it, where nobody has typed the name, the file
+    takes its place. What can be lost if the power fails need not be ``durable``, on the disk before
+    this returns.
 
     Raises OSError that names the file where it cannot be written (FileExistsError if it is there
     and is not to be overwritten, and for a folder or a device) and what ``write`` raises; the draft
     is gone then, and ``path`` as it was.
     """
     path = Path(path)
-    place = Path(os.path.realpath(path))
+    place = Path(os.path.realpath(path)) if follow else path
     draft = draft_path(place)
     try:
-        _check_place(place, force)
+        is_link = not follow and place.is_symlink()
+        if not is_link:  # which is replaced, wherever it leads
+            _check_place(place, force)
         write(draft)
         if durable:
             with draft.open("rb+") as stream:
                 os.fsync(stream.fileno())
-        if place.exists():
+        if place.exists() and not is_link:
             draft.chmod(stat.S_IMODE(place.stat().st_mode))
         if force:
             draft.replace(place)

@@ -6,9 +6,11 @@ that was damaged since.
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import logging
 import os
+import stat
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
@@ -30,32 +32,59 @@ PART = 2**20
 
 
 def write_sealed(path: Path, content: bytes, force: bool = True, durable: bool = True) -> None:
-    """Write the content and its seal, whole or not at all; raises as `write_atomically`."""
+    """Write the content and its seal, whole or not at all, in the place of a link too.
+
+    Nobody has typed the name; raises as `write_atomically`.
+    """
 
     def write(draft: Path) -> None:
         with draft.open("wb") as stream:
             stream.write(content)
             stream.write(_seal(hashlib.sha256(content)))
 
-    write_atomically(path, write, force, durable)
+    write_atomically(path, write, force, durable, follow=False)
+
+
+def open_plain(path: str | Path, folder: int | None = None) -> int:
+    """The number of a file that is opened to be read, by a name that nobody has typed.
+
+    ``path`` may be one in an open ``folder``. Raises OSError for what is not there and what is no
+    file: a link might lead anywhere, a pipe would be waited for.
+    """
+    flags = os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
+    number = os.open(path, flags | getattr(os, "O_BINARY", 0), dir_fd=folder)
+    if not stat.S_ISREG(os.fstat(number).st_mode):
+        os.close(number)
+        raise OSError(errno.EINVAL, "is no file", str(path))
+    return number
 
 
 def read_sealed(path: Path) -> bytes | None:
-    """The content of such a file; None if it is not there, or damaged."""
+    """The content of such a file; None if it is not there, a link, or damaged."""
     try:
-        held = path.read_bytes()
+        with open(open_plain(path), "rb") as stream:
+            return sealed_content(stream.read())
     except OSError:
         return None
+
+
+def sealed_content(held: bytes) -> bytes | None:
+    """What was sealed, of all that a file holds; None if it is damaged."""
     content = held[:-SEAL_LENGTH]
     return content if held[len(content) :] == _seal(hashlib.sha256(content)) else None
 
 
 def is_whole(path: Path) -> bool:
-    """Whether there is a run's file as it was written; one that is damaged is told."""
+    """Whether there is a run's file as it was written; one that is damaged is told, and a link."""
     try:
-        with path.open("rb") as stream:
+        with open(open_plain(path), "rb") as stream:
             whole = _is_sealed(stream, os.fstat(stream.fileno()).st_size - SEAL_LENGTH)
     except FileNotFoundError:
+        return False
+    except OSError as error:
+        if error.errno not in (errno.ELOOP, errno.EINVAL, errno.EMLINK):
+            raise
+        LOG.warning("%s is a link, or no file: it counts as missing, and is made anew", path)
         return False
     if not whole:
         LOG.warning("%s is damaged: it counts as missing, and is made anew", path)

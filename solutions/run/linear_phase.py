@@ -137,11 +137,13 @@ def long_number(exact: Expr | Fraction) -> Any:
     return LONG.mpf(exact._to_mpmath(LONG.prec))
 
 
-def _long(parts: Any) -> Any:
-    return LONG.make_mpf(parts)
+def long_of(parts: tuple[int, int, int, int]) -> Any:
+    """The mpf of a sign, mantissa, exponent and count of bits, as mpmath has them."""
+    sign, mantissa, exponent, bits = parts
+    return LONG.make_mpf((sign, mpmath.libmp.MPZ(mantissa), exponent, bits))
 
 
-copyreg.pickle(LONG.mpf, lambda number: (_long, (number._mpf_,)))
+copyreg.pickle(LONG.mpf, lambda number: (long_of, (tuple(map(int, number._mpf_)),)))
 
 
 @dataclass(frozen=True)
