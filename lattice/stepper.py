@@ -11,7 +11,7 @@ from longwave.lattice.dynamics import Dynamics
 from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.lattice.schemes import Scheme
 from longwave.lattice.state import BlowUp, Domain, State
-from longwave.support.checkpoint import Memory
+from longwave.support.checkpoint import Memory, fitting
 
 Array = NDArray[np.float64]
 
@@ -103,7 +103,7 @@ class Stepper:
         for name in ("steps", "ranges", "_between"):
             setattr(self, name, memory[name])
         for name, value in memory["state"].items():
-            setattr(self.state, name, value)
+            setattr(self.state, name, fitting(value, vars(self.state)[name]))
         self.domain.recall(memory["domain"], self.state.t)
 
     def _stops_until(self, t: float) -> Iterator[State]:

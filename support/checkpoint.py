@@ -6,14 +6,15 @@ later decides the same again, and its n-th loop is the n-th of the one before. S
 its name, and what it must remember is its own state alone.
 
 A `CheckpointFolder` keeps that as files, for all loops in `kept_by`; without one a loop remembers
-nothing. A file, which is sealed, has the stamp of its run, the loop's task and memory. One that is
-damaged, of another run, another machine or another task is not read.
+nothing. A file, which is sealed, has the stamp of its run, the loop's task and memory as plain data
+(`support.plain_data`). One that is damaged, of another run, another machine or another task is not
+read, nor is a link.
 """
 
 from __future__ import annotations
 
-import io
-import pickle
+import errno
+import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from contextvars import Context, ContextVar
@@ -23,7 +24,10 @@ from threading import Lock
 from time import perf_counter
 from typing import Any
 
+import numpy as np
+
 from longwave.support.compiled.source_digest import compiler_settings
+from longwave.support.plain_data import plain_bytes, plain_value
 from longwave.support.sealed_file import LOG, read_sealed, write_sealed
 
 Memory = dict[str, Any]
@@ -42,15 +46,6 @@ SHARE = 0.01
 
 PATIENCE = 60.0
 """Seconds until it is tried again where a checkpoint could not be written."""
-
-PLAIN = {
-    ("numpy", "dtype"),
-    ("numpy", "ndarray"),
-    ("numpy._core.multiarray", "_reconstruct"),
-    ("numpy._core.multiarray", "scalar"),
-    ("numpy._core.numeric", "_frombuffer"),
-}
-"""What may stand in a checkpoint beside numbers, texts, lists and dictionaries: arrays."""
 
 
 def run_stamp(key: str) -> str:
@@ -79,7 +74,7 @@ class CheckpointFolder:
     def read(self, name: str, task: str) -> Memory | None:
         """What was kept of the loop of that name; None if nothing that fits was."""
         path = self._path(name)
-        data = read_sealed(path)
+        data = read_sealed(path) if path in self._loops() else None
         if data is None:
             if path in self._loops():
                 LOG.warning("%s is damaged: that part of the run is done again", path)
@@ -89,8 +84,10 @@ class CheckpointFolder:
 
     def write(self, name: str, task: str, memory: Memory) -> None:
         """Keep it at once, in the place of what was kept before; what is in it changes later."""
-        data = pickle.dumps((self._stamp, task, memory), protocol=5)
+        data = plain_bytes((self._stamp, task, memory))
         try:
+            if os.path.islink(self._folder):
+                raise OSError(errno.EINVAL, "a link is there", str(self._folder))
             self._folder.mkdir(parents=True, exist_ok=True)
             write_sealed(self._path(name), data)
         except OSError as error:
@@ -124,12 +121,16 @@ class CheckpointFolder:
 
     def clear(self) -> None:
         """Remove what was kept: the run is finished. A folder that holds other files stays."""
+        if os.path.islink(self._folder):
+            return
         with suppress(OSError):
             for path in (*self._loops(), *self._folder.glob(".*.draft.loop")):
                 path.unlink(missing_ok=True)
             self._folder.rmdir()
 
     def _loops(self) -> list[Path]:
+        if os.path.islink(self._folder):  # nobody has typed its name
+            return []
         try:
             return sorted(self._folder.glob("*.loop"))
         except OSError:  # a name that is too long, say
@@ -139,22 +140,38 @@ class CheckpointFolder:
         return self._folder / f"{name}.loop"
 
 
-def _read(data: bytes) -> tuple[Any, Any, Any]:
-    """Stamp, task and memory; none of them in what this process cannot read."""
-    try:
-        stamp, task, memory = _Reader(io.BytesIO(data)).load()
-    except Exception:  # of another version of NumPy, say
-        return None, None, None
-    return stamp, task, memory
+def _read(data: bytes) -> tuple[str | None, str | None, Memory | None]:
+    """Stamp, task and memory; none of them in what no checkpoint holds."""
+    with suppress(ValueError):
+        match plain_value(data):
+            case (str(stamp), str(task), {"seconds": float()} as memory):
+                return stamp, task, memory
+    return None, None, None
 
 
-class _Reader(pickle.Unpickler):
-    """Reads numbers, texts and arrays, and calls nothing else that a file may name."""
+def fitting(value: Any, like: Any) -> Any:
+    """The value that a memory has in the place of ``like``, which machine code takes.
 
-    def find_class(self, module: str, name: str) -> Any:
-        if (module, name) in PLAIN:
-            return super().find_class(module, name)
-        raise pickle.UnpicklingError(f"{module}.{name} has no place in a checkpoint")
+    Raises ValueError for an array of another type, shape or order than it, or in its place.
+
+    >>> fitting([1.0], np.zeros(1))
+    Traceback (most recent call last):
+    ...
+    ValueError: a checkpoint must hold what its run remembers, got list for float64 (1,) (remove it)
+    """
+    one, other = _form(value), _form(like)
+    if one != other:
+        raise ValueError(
+            f"a checkpoint must hold what its run remembers, got {one} for {other} (remove it)"
+        )
+    return value
+
+
+def _form(value: Any) -> str:
+    if not isinstance(value, np.ndarray):
+        return type(value).__name__
+    order = "" if value.flags.c_contiguous else " not in the order of C"
+    return f"{value.dtype} {value.shape}{order}"
 
 
 @dataclass

@@ -174,8 +174,10 @@ class ExponentialAdams:
 
     def recall(self, memory: Memory) -> None:
         """Be where another, made alike, had that `memory`."""
+        from longwave.support.checkpoint import fitting
+
         for name in ("p", "steps", "evaluations", "_past"):
-            setattr(self, name, memory[name])
+            setattr(self, name, fitting(memory[name], getattr(self, name)))
 
     def whole_steps(self, t: float) -> int:
         """How many more whole steps lead up to the time ``t`` or just before it."""

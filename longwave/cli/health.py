@@ -107,7 +107,11 @@ def _kernels() -> Finding:
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # that there is no folder, told below
-        folder = cache_folder(machine.__name__).path
+        cache = cache_folder(machine.__name__)
+    folder = cache.path
+    if cache.refused:
+        cost = "what it holds is not used: remove it, or set NUMBA_CACHE_DIR to a folder of yours"
+        return Finding(part, cache.refused[0], "costs", cost)
     if folder is None:
         cost = "every process compiles anew: set NUMBA_CACHE_DIR to a folder that can be written"
         return Finding(part, "no folder can be written", "costs", cost)

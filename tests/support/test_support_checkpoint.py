@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import os
 import pickle
+import subprocess
+import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,6 +17,7 @@ from longwave.support.checkpoint import (
     Memory,
     begin_loop,
     branches,
+    fitting,
     kept_by,
 )
 from longwave.support.sealed_file import write_sealed
@@ -47,11 +51,81 @@ def test_a_damaged_checkpoint_is_told_and_not_read(
         assert f"{path} is damaged" in caplog.text
 
 
-def test_a_checkpoint_calls_nothing(tmp_path: Path) -> None:
-    """Whoever may write into the folder may not run a program by it."""
-    data = pickle.dumps(("this run", "this task", os.getcwd), protocol=5)
-    write_sealed(tmp_path / "1.loop", data)
-    assert CheckpointFolder(tmp_path, "this run").read("1", "this task") is None
+def pickled(what: object) -> bytes:
+    return pickle.dumps(("this run", "this task", what), protocol=5)
+
+
+CRAFTED = """
+import sys
+from pathlib import Path
+from longwave.support.checkpoint import CheckpointFolder
+memory = CheckpointFolder(Path(sys.argv[1]), "this run").read("1", "this task")
+print(memory)
+"""
+
+
+class HiddenObjects:
+    """A type with an object in it that says of itself that it has none."""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        fields = {"a": (np.dtype("O"), 0)}
+        return np.dtype, ("V8", False, True), (3, "|", None, ("a",), fields, 8, 1, 0)
+
+
+class Pointers:
+    """An array of objects at addresses that are chosen."""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return np._core.numeric._frombuffer, (24 * b"A", HiddenObjects(), (3,), "C")  # type: ignore
+
+
+@pytest.mark.parametrize("what", [os.getcwd, {"seconds": 1.0, "f": Pointers()}])
+def test_a_checkpoint_calls_nothing_and_has_no_addresses(what: object, tmp_path: Path) -> None:
+    """Whoever may write into the folder may not run a program by it, nor end this one."""
+    write_sealed(tmp_path / "1.loop", pickled(what))
+    words = [sys.executable, "-c", CRAFTED, str(tmp_path)]
+    done = subprocess.run(words, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "None\n", "")
+
+
+@pytest.mark.parametrize("memory", [{}, {"seconds": "1"}, {"seconds": None}])
+def test_a_memory_without_its_seconds_is_none(memory: Memory, tmp_path: Path) -> None:
+    keeper = CheckpointFolder(tmp_path, "this run")
+    keeper.write("1", "this task", memory)
+    assert keeper.read("1", "this task") is None
+
+
+def test_links_are_not_followed(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    """Nobody has typed the names: they lead into the folders of whoever goes on."""
+    folder, theirs = tmp_path / "run.unfinished", tmp_path / "theirs"
+    CheckpointFolder(theirs, "this run").write("1", "this task", MEMORY)
+    folder.symlink_to(theirs)
+    keeper = CheckpointFolder(folder, "this run")
+    assert keeper.read("1", "this task") is None
+    keeper.write("2", "this task", MEMORY)
+    assert "a link is there" in caplog.text
+    keeper.clear()
+    assert [path.name for path in theirs.iterdir()] == ["1.loop"]
+    folder.unlink()
+    folder.mkdir()
+    (folder / "1.loop").symlink_to(theirs / "1.loop")
+    assert keeper.read("1", "this task") is None
+    keeper.write("1", "this task", MEMORY | {"seconds": 2.0})
+    assert keeper.read("1", "this task") is not None
+    kept = CheckpointFolder(theirs, "this run").read("1", "this task")
+    assert kept is not None
+    assert kept["seconds"] == 1.5
+
+
+@pytest.mark.parametrize(
+    "value", [np.zeros(2), np.zeros((3, 2)).T, np.zeros((2, 3), "f4"), np.zeros((2, 4)), 1.0, None]
+)
+def test_machine_code_is_given_no_other_array_than_its_own(value: object) -> None:
+    """It asks for no size of what goes on."""
+    like = np.zeros((2, 3))
+    assert fitting(like, like) is like
+    with pytest.raises(ValueError, match=r"^a checkpoint must hold what its run remembers, got "):
+        fitting(value, like)
 
 
 def test_loops_are_numbered_by_the_order_in_which_they_begin(tmp_path: Path) -> None:
