@@ -19,8 +19,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from longwave.runs.hdf_contents import check_contents
 from longwave.runs.run_file import as_json
-from longwave.support.sealed_file import is_whole, write_sealed
+from longwave.support.sealed_file import LOG, check_no_link, is_whole, write_sealed
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -95,7 +96,13 @@ class PackedRun:
     row: int
 
     def load(self) -> xr.Dataset:
-        """The run, with the bits that it had."""
+        """The run, with the bits that it had; ValueError where its pack holds none there."""
+        try:
+            return self._load()
+        except Exception as error:  # see read_pack
+            raise ValueError(f"a pack must hold whole runs, got {self.path}: {error}") from None
+
+    def _load(self) -> xr.Dataset:
         import h5py
         import xarray as xr
 
@@ -116,7 +123,8 @@ def values_of(held: Any) -> Any:
 
 
 def new_pack(folder: Path) -> Path:
-    """A name for a further pack of the store in that folder."""
+    """A name for a further pack of the store in that folder; OSError if it is a link there."""
+    check_no_link(folder / PACKS)
     return folder / PACKS / f"{uuid.uuid4().hex}{SUFFIX}"
 
 
@@ -183,13 +191,22 @@ def _write_group(group: Any, alike: Sequence[CellRecord]) -> None:
 
 
 def read_pack(path: Path) -> list[tuple[CellRecord, PackedRun | None]]:
-    """What a pack holds, its runs still on the disk; nothing of one that was damaged."""
-    import h5py
-
+    """What a pack holds, its runs still on the disk; nothing of one that is damaged or no pack."""
     if not is_whole(path):
         return []
+    try:
+        return _records(path)
+    except Exception as error:  # what the library raises for such a file is not documented
+        LOG.warning("%s is no pack: it counts as missing (%s)", path, error)
+        return []
+
+
+def _records(path: Path) -> list[tuple[CellRecord, PackedRun | None]]:
+    import h5py
+
     found: list[tuple[CellRecord, PackedRun | None]] = []
     with h5py.File(path) as file:
+        check_contents(file, path.stat().st_size, deepest=2)
         for name, group in file.items():
             keys, states, messages = (group[text].asstr()[()] for text in TEXTS[:3])
             columns = {number: group[number][()] for number in NUMBERS if number in group}
@@ -227,4 +244,6 @@ def packed_run(folder: Path, key: str) -> PackedRun | None:
 
 
 def _packs(folder: Path) -> list[Path]:
-    return sorted(path for path in (folder / PACKS).glob(f"[!.]*{SUFFIX}") if path.is_file())
+    packs = folder / PACKS
+    found = () if packs.is_symlink() else packs.glob(f"[!.]*{SUFFIX}")
+    return sorted(path for path in found if path.is_file() and not path.is_symlink())

@@ -6,7 +6,8 @@ count. So a scene is run once, and again only when something that matters has ch
 
 A run's file is NetCDF-4, sealed (`support.sealed_file`): one that was damaged is made anew. Small
 runs of sweeps lie many to a file (`runs.run_pack`), and are found there as well. Whoever makes a
-run holds its lock; a process that is killed lets go of it.
+run holds its lock; a process that is killed lets go of it. Whoever else writes there may
+leave links instead: none that lies in the store is followed.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from typing import TYPE_CHECKING, Any
 from longwave.runs.run_pack import PackedRun, packed_run
 from longwave.support.checkpoint import LEAST, SHARE, CheckpointFolder, kept_by, run_stamp
 from longwave.support.file_lock import locked
-from longwave.support.sealed_file import LOG, is_whole, write_sealed
+from longwave.support.sealed_file import LOG, check_no_link, is_whole, write_sealed
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -153,6 +154,7 @@ class RunStore:
     def _alone(self, path: Path) -> Iterator[None]:
         """Be the only one who makes the run of that file; drafts of killed processes go."""
         path.parent.mkdir(parents=True, exist_ok=True)
+        check_no_link(path.parent)
         with locked(path.with_suffix(".lock"), lambda: LOG.info(WAITING, path)):
             for draft in path.parent.glob(f".{path.stem[:40]}.*.draft*"):
                 with suppress(OSError):

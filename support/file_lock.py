@@ -18,7 +18,7 @@ def locked(path: Path, wait: Callable[[], None] = lambda: None) -> Iterator[None
     """Hold the lock ``path`` in the body, and remove its file after it.
 
     ``wait`` is called before another holder is waited for. Raises OSError that names the file if it
-    cannot be made.
+    cannot be made, and for a link: nobody has typed its name.
     """
     number = _acquired(path, wait)
     try:
@@ -33,7 +33,8 @@ def _acquired(path: Path, wait: Callable[[], None]) -> int:
     """The number of the open file that is locked, and is the one that the path leads to."""
     told = False
     while True:
-        number = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
+        flags = os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0)
+        number = os.open(path, flags | getattr(os, "O_NONBLOCK", 0), 0o666)
         try:
             if fcntl is not None:
                 try:

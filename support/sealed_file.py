@@ -59,6 +59,12 @@ def open_plain(path: str | Path, folder: int | None = None) -> int:
     return number
 
 
+def check_no_link(folder: Path) -> None:
+    """Raise OSError for a folder that is a link, if nobody has typed its name."""
+    if folder.is_symlink():
+        raise OSError(errno.ELOOP, "a folder in a store must be no link (remove it)", str(folder))
+
+
 def read_sealed(path: Path) -> bytes | None:
     """The content of such a file; None if it is not there, a link, or damaged."""
     try:

@@ -138,6 +138,51 @@ def test_a_damaged_file_is_made_anew_and_told(
     assert runs_made == ["small", "small"]
 
 
+def test_a_planted_link_overwrites_no_file(
+    store: RunStore, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    """Whoever may write into a shared store chooses its names, and whose files they lead to."""
+    letter = tmp_path / "letter"
+    letter.write_text("mine")
+    path = store.path(SMALL)
+    path.parent.mkdir(parents=True)
+    path.symlink_to(letter)
+    store.fetch(SMALL)
+    assert letter.read_text() == "mine"
+    assert f"{path} is a link, or no file: it counts as missing" in caplog.text
+    assert not path.is_symlink()
+    assert store.find(SMALL) == path
+
+
+def test_a_link_to_a_run_is_not_followed(store: RunStore, tmp_path: Path) -> None:
+    path = store.fetch(SMALL)
+    path.rename(tmp_path / "run.nc")
+    path.symlink_to(tmp_path / "run.nc")
+    assert store.find(SMALL) is None
+
+
+@pytest.mark.parametrize("suffix", [".lock", ""])
+def test_no_lock_and_no_folder_is_made_through_a_link(
+    suffix: str, store: RunStore, tmp_path: Path
+) -> None:
+    path = store.path(SMALL)
+    planted = path.with_suffix(suffix) if suffix else path.parent
+    planted.parent.mkdir(parents=True)
+    (tmp_path / "elsewhere").mkdir()
+    planted.symlink_to(tmp_path / "elsewhere" / ("made" if suffix else ""))
+    with pytest.raises(OSError, match=r"Too many levels|must be no link") as raised:
+        store.fetch(SMALL)
+    assert raised.value.filename == str(planted)
+    assert not list((tmp_path / "elsewhere").iterdir())
+
+
+def test_a_pipe_in_the_place_of_a_run_is_not_waited_for(store: RunStore) -> None:
+    path = store.path(SMALL)
+    path.parent.mkdir(parents=True)
+    os.mkfifo(path)
+    assert store.find(SMALL) is None
+
+
 def test_an_unfinished_run_is_not_kept(store: RunStore) -> None:
     run = scene_run.run(SMALL).assign_attrs(unfinished="Ctrl-C after t = 3")
     with pytest.raises(ValueError, match="come to its end"):

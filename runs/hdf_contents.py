@@ -1,0 +1,143 @@
+"""Files in HDF5 are looked through before anything in them is read: what they may hold and claim.
+
+A file of some bytes may claim arrays of any size, for what was never written reads as its fill
+value; a text may stand at a million places and be kept once. It may name other files, whose bytes
+then come as its own. So every object of a run's file or a pack is looked at first: links of the
+file into itself alone, numbers and texts, in chunks as they are written here, and in all no more
+bytes than a file of its size can hold.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from math import prod
+from typing import Any
+
+import numpy as np
+
+MOST_SHRUNK = 1100
+"""Bytes that one byte of a file can hold at most, compressed."""
+
+SMALL = 10**6
+"""Bytes that any file may hold."""
+
+UNREAD = b"This is a netCDF dimension but not a netCDF variable"
+"""In the name of an array that is there for its length."""
+
+DEFLATE, SHUFFLE, CHECKSUM = 1, 2, 3
+"""Filters of the library's own; each once, as two that shrink would shrink by their product."""
+
+OBJECT = 64
+"""Bytes that a text in memory takes beside its letters."""
+
+
+def check_contents(file: Any, size: int, deepest: int = 0) -> None:
+    """Look through an open file of ``size`` bytes with groups nested ``deepest`` deep.
+
+    Raises ValueError for what no run's file or pack has, and one that would take more bytes than
+    such a file can hold.
+    """
+    look = _Look(size)
+    for thing in _things(file["/"], deepest):
+        look.attributes(thing)
+        look.array(thing)
+
+
+def _things(group: Any, deepest: int) -> Iterator[Any]:
+    """The group and all that is in it, by links that lead into the file itself."""
+    import h5py
+
+    yield group
+    for name in group:
+        link = group.get(name, getclass=True, getlink=True)
+        if link is not h5py.HardLink:
+            raise ValueError(f"{name} is a link ({link.__name__})")
+        thing = group[name]
+        if isinstance(thing, h5py.Group):
+            if deepest == 0:
+                raise ValueError(f"{name} is a group in which nothing may be")
+            yield from _things(thing, deepest - 1)
+        elif isinstance(thing, h5py.Dataset):
+            yield thing
+        else:
+            raise ValueError(f"{name} is no array")
+
+
+class _Look:
+    """Counts the bytes that a file's arrays and attributes take in memory."""
+
+    def __init__(self, size: int) -> None:
+        self.size, self.total = size, 0
+        self.most = SMALL + MOST_SHRUNK * size
+
+    def count(self, more: int) -> None:
+        """Count them; ValueError if there are more than the file can hold."""
+        self.total += more
+        if self.total > self.most:
+            raise ValueError(f"{self.total:.3g} bytes are claimed to be in {self.size}")
+
+    def attributes(self, thing: Any) -> None:
+        """Those of an array or group, texts as long as they are."""
+        from h5py import h5a, h5s, h5t
+
+        plain = (h5t.INTEGER, h5t.FLOAT, h5t.STRING, h5t.ENUM, h5t.REFERENCE)
+        for name in thing.attrs:
+            held = h5a.open(thing.id, name.encode())
+            if held.get_space().get_simple_extent_type() == h5s.NULL:
+                continue
+            kind, places = held.get_type(), prod(held.shape)
+            of = kind.get_class()
+            if of == h5t.STRING and kind.is_variable_str():
+                self._may_read(name, places)
+                self._letters(np.asarray(thing.attrs[name], object).ravel())
+            elif of in plain or (of == h5t.COMPOUND and not _has_lists(kind)):
+                self.count(places * kind.get_size())
+            elif of == h5t.VLEN and kind.get_super().get_class() == h5t.REFERENCE and places <= 32:
+                self.count(self.size)  # which dimensions an array has
+            else:
+                raise ValueError(f"{name} is of lists")
+
+    def array(self, thing: Any) -> None:
+        """An array; a group has none."""
+        import h5py
+
+        if not isinstance(thing, h5py.Dataset) or UNREAD in bytes(thing.attrs.get("NAME", b"")):
+            return
+        layout, kind = thing.id.get_create_plist(), thing.id.get_type()
+        if layout.get_external_count() or thing.is_virtual:
+            raise ValueError(f"{thing.name} is in other files")
+        filters = sorted(layout.get_filter(place)[0] for place in range(layout.get_nfilters()))
+        if not {*filters} <= {DEFLATE, SHUFFLE, CHECKSUM} or len({*filters}) < len(filters):
+            raise ValueError(f"{thing.name} is packed by filters {filters}")
+        of, h5t = kind.get_class(), h5py.h5t
+        if of not in (h5t.INTEGER, h5t.FLOAT, h5t.STRING, h5t.ENUM):
+            raise ValueError(f"{thing.name} is of no numbers and no texts")
+        places = prod(thing.shape or ())
+        self.count(max(places, prod(thing.chunks or (0,))) * kind.get_size())
+        if of == h5t.STRING and kind.is_variable_str():
+            self._texts(thing, places)
+
+    def _texts(self, thing: Any, places: int) -> None:
+        """Texts, read so many at a time as the file could hold if each were all of it."""
+        if thing.ndim != 1:
+            self._may_read(thing.name, places)
+            self._letters(np.asarray(thing[()], object).ravel())
+            return
+        step = max(1, self.most // self.size)
+        for begin in range(0, places, step):
+            self._letters(thing[begin : begin + step])
+
+    def _may_read(self, name: str, places: int) -> None:
+        """ValueError for more texts than the file could hold if each were all of it."""
+        if places * self.size > self.most:
+            raise ValueError(f"{name} has {places} texts")
+
+    def _letters(self, texts: Iterable[Any]) -> None:
+        self.count(sum(OBJECT + len(text) for text in texts))
+
+
+def _has_lists(kind: Any) -> bool:
+    """Whether parts of a record have no size of their own."""
+    from h5py import h5t
+
+    return kind.detect_class(h5t.VLEN) or kind.detect_class(h5t.STRING)

@@ -1,0 +1,156 @@
+"""Catches: a file of a few bytes that takes the memory, or that names other files of its reader."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pytest
+import xarray as xr
+
+from longwave.runs import load_run, save_run
+from longwave.runs.hdf_contents import MOST_SHRUNK
+from longwave.runs.run_pack import DONE, PACKS, CellRecord, read_pack, write_pack
+from longwave.support.sealed_file import write_sealed
+
+TEXT = h5py.string_dtype()
+
+
+def a_fill_value(file: Any, _: Path) -> None:
+    file.create_dataset("a", 10**4, TEXT, chunks=(100,), fillvalue=60_000 * "x")
+
+
+def a_fill_value_in_two_directions(file: Any, _: Path) -> None:
+    file.create_dataset("a", (100, 100), TEXT, chunks=(10, 10), fillvalue=60_000 * "x")
+
+
+def one_text_at_many_places(file: Any, path: Path) -> None:
+    """Each place is 16 bytes, which say where in the file its letters are."""
+    texts = file.create_dataset("a", 4000, TEXT, fillvalue="")
+    texts[0] = 60_000 * "x"
+    place = texts.id.get_offset()
+    file.close()
+    held = path.read_bytes()
+    same = 4000 * held[place : place + 16]
+    path.write_bytes(held[:place] + same + held[place + len(same) :])
+
+
+def one_chunk(file: Any, _: Path) -> None:
+    file.create_dataset("a", (4,), "f8", chunks=(2**27,), maxshape=(None,))
+
+
+def filters_upon_filters(file: Any, _: Path) -> None:
+    made = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+    made.set_chunk((1000,))
+    made.set_deflate(9)
+    made.set_deflate(9)
+    h5py.h5d.create(file.id, b"a", h5py.h5t.NATIVE_DOUBLE, h5py.h5s.create_simple((1000,)), made)
+
+
+def other_files(file: Any, path: Path) -> None:
+    secret = path.with_name("secret")
+    secret.write_bytes(bytes(range(16)))
+    file.create_dataset("a", (2,), "f8", external=[(str(secret), 0, 16)])
+
+
+def a_virtual_array(file: Any, path: Path) -> None:
+    with h5py.File(path.with_name("other.h5"), "w") as other:
+        other["b"] = [1.0, 2.0]
+    layout = h5py.VirtualLayout((2,), "f8")
+    layout[:] = h5py.VirtualSource(path.with_name("other.h5"), "b", (2,))
+    file.create_virtual_dataset("a", layout)
+
+
+def an_external_link(file: Any, path: Path) -> None:
+    with h5py.File(path.with_name("other.h5"), "w") as other:
+        other["b"] = [1.0, 2.0]
+    file["a"] = h5py.ExternalLink("other.h5", "b")
+
+
+def a_soft_link(file: Any, _: Path) -> None:
+    file["b"] = [1.0]
+    file["a"] = h5py.SoftLink("/b")
+
+
+def records(file: Any, _: Path) -> None:
+    file["a"] = np.zeros(2, [("x", "f8"), ("y", "i4")])
+
+
+def objects(file: Any, _: Path) -> None:
+    file["a"] = [1.0]
+    file.create_dataset("b", data=np.array([file["a"].ref], object), dtype=h5py.ref_dtype)
+
+
+def groups(file: Any, _: Path) -> None:
+    file.create_group("b").create_group("c")
+
+
+def a_long_attribute(file: Any, _: Path) -> None:
+    file["a"] = [1.0]
+    file["a"].attrs.create("many", 4000 * ["x"], dtype=TEXT)
+
+
+ATTACKS = [
+    (a_fill_value, "are claimed to be in"),
+    (a_fill_value_in_two_directions, "texts"),
+    (one_text_at_many_places, "are claimed to be in"),
+    (one_chunk, "are claimed to be in"),
+    (filters_upon_filters, "filters"),
+    (other_files, "in other files"),
+    (a_virtual_array, "in other files"),
+    (an_external_link, "a link"),
+    (a_soft_link, "a link"),
+    (records, "no numbers"),
+    (objects, "no numbers"),
+    (groups, "a group"),
+    (a_long_attribute, "4000 texts"),
+]
+
+
+@pytest.mark.parametrize(("attack", "said"), ATTACKS, ids=[each.__name__ for each, _ in ATTACKS])
+def test_what_no_run_has_is_refused_before_it_is_read(
+    attack: Callable[[Any, Path], None], said: str, tmp_path: Path
+) -> None:
+    path = tmp_path / "run.nc"
+    with h5py.File(path, "w") as file:
+        attack(file, path)
+    assert path.stat().st_size < 350_000
+    with pytest.raises(ValueError, match=rf"^run must be a whole NetCDF-4 [^\n]*{said}[^\n]*$"):
+        load_run(path)
+
+
+def test_many_texts_attributes_and_variables_of_ones_own_are_read(tmp_path: Path) -> None:
+    """More texts than the file could hold if each were all of it, empty ones, one that is long."""
+    texts = [f"text {number}" for number in range(5 * MOST_SHRUNK)]
+    made = xr.Dataset(
+        {"texts": ("cell", texts), "square": (("x", "y"), [["a", ""], ["c", 1000 * "d"]])}
+        | {f"v{number}": ("x", [1.0, 2.0], {"units": "1", "empty": ""}) for number in range(40)},
+        attrs={"long": 10**5 * "x", "none": "", "list": [1, "a"]},
+    )
+    save_run(made, tmp_path / "run.nc")
+    found = load_run(tmp_path / "run.nc")
+    assert found.attrs == made.attrs
+    assert found["texts"].values.tolist() == texts
+    assert found["square"].values.tolist() == made["square"].values.tolist()
+    assert found["v39"].attrs == made["v39"].attrs
+
+
+@pytest.mark.parametrize("attack", [a_fill_value, other_files, an_external_link, records])
+def test_packs_are_looked_through_as_well(
+    attack: Callable[[Any, Path], None], tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    whole = tmp_path / PACKS / "a.h5"
+    whole.parent.mkdir()
+    run = xr.Dataset({"a": ("x", [1.0, 2.0])})
+    write_pack(whole, [CellRecord("key", DONE, run=run)])
+    assert len(read_pack(whole)) == 1
+    image = io.BytesIO(whole.read_bytes())
+    with h5py.File(image, "r+") as file:
+        attack(file["0"], tmp_path / PACKS / "b.h5")
+    write_sealed(tmp_path / PACKS / "b.h5", image.getvalue())
+    assert read_pack(tmp_path / PACKS / "b.h5") == []
+    assert "is no pack: it counts as missing" in caplog.text
