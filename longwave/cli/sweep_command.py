@@ -51,11 +51,12 @@ def sweep_and_print(
 ) -> int:
     """Run a sweep, print how its cells ended, and write its data set to ``output``.
 
-    ``changes`` are other values for fields of its scene that do not vary. With ``samples`` the ``source`` is a scene, which is run at so many draws of its measured
-    constants; its observables are printed with their intervals. Runs are kept in the folder
-    ``store``. Exit status 0, 1 if a cell did not come to its end or
-    could not be written, 2 for bad input, told in one line, and 130 after Ctrl-C, which ``program``
-    tells: what was done is in the store then, and the same command goes on with what is missing.
+    ``changes`` are other values for fields of its scene that do not vary. With ``samples`` the
+    ``source`` is a scene, which is run at so many draws of its measured constants; its observables
+    are printed with their intervals. Runs are kept in the folder ``store``. Exit status 0, 1 if a
+    cell did not come to its end or could not be written, 2 for bad input, told in one line, and 130
+    after Ctrl-C, which ``program`` tells: what was done is in the store then, and the same command
+    goes on with what is missing.
     More than 5 s are announced, and 2 s that nobody foresaw.
     """
     told = SweepState(0)

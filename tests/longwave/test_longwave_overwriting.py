@@ -15,8 +15,14 @@ WRITING = {"output", "plot"}
 UNASKED: dict[tuple[str, str], str] = {}
 """Such options of commands without --force, and why they need none."""
 
-PATHS_READ = {("run", "store"), ("sweep", "store"), ("report", "estimates")}
-"""Options with a path that is read, or holds many files none of which is ever overwritten."""
+PATHS_READ = {
+    ("run", "store"),
+    ("sweep", "store"),
+    ("report", "estimates"),
+    ("prove", "lines"),
+    ("library", "lines"),
+}
+"""Options with a path that is read, is appended to, or holds many files that are not overwritten."""
 
 
 def commands(group: click.Group, above: str = "") -> Iterator[tuple[str, click.Command]]:
