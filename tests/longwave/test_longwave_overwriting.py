@@ -22,7 +22,7 @@ PATHS_READ = {
     ("prove", "lines"),
     ("library", "lines"),
 }
-"""Options with a path that is read, is appended to, or holds many files that are not overwritten."""
+"""Options with a path that is read, appended to, or holds files none of which is overwritten."""
 
 
 def commands(group: click.Group, above: str = "") -> Iterator[tuple[str, click.Command]]:
