@@ -1,7 +1,7 @@
 """longwave: derive the long-wave limit of a lattice, check its solutions, test them on the lattice.
 
-The face of the project. The public nouns of the rooms `derive`, `solutions` and `verify` are
-here under one name; each is imported when it is first asked for, so `import longwave` is quick.
+The face of the project. The public nouns of the rooms are here under one name; each is imported
+when it is first asked for, so `import longwave` is quick.
 
 >>> import longwave
 >>> longwave.mkdv_normal_form(4, 1).s
@@ -21,15 +21,14 @@ _NOUNS = {
     "longwave.verify.proof": "check_certificate prove_equal",
     "longwave.verify.proof.text_prover": "prove",
     "longwave.verify.verdict": "Verdict",
-    "longwave.reports.pictures.plotting": "plot",
-    "longwave.reports.pictures.animation": "animate",
+    "longwave.drawn_convergence": "converge",
+    "longwave.session": "animate fit_scene plot run sweep",
     "longwave.runs.run_file": "load_run save_run",
     "longwave.scenes.fits.force_fit": "fit_force",
-    "longwave.scenes.fits.scene_fit": "fit_scene",
     "longwave.scenes.named_scenes": "load_scene shipped_scenes",
     "longwave.scenes.numerics": "Discretisation Tolerance",
     "longwave.scenes.scene": "Scene",
-    "longwave.scenes.scene_run": "resume run",
+    "longwave.scenes.scene_run": "resume",
     "longwave.scenes.view": "relative_sup_error",
 }
 

@@ -50,14 +50,18 @@ from longwave.runs.sweep_scene import (
 from longwave.scenes.scene import Scene
 from longwave.scenes.scene_checks import finite, text, whole
 from longwave.scenes.scene_file import read_document, refuse_unknown, table
+from longwave.support.html_tables import html_table
 from longwave.support.known_names import one_of
-from longwave.support.user_files import shown
+from longwave.support.user_files import cut, shown
 
 MOST_CELLS = 1_000_000
 
 TOP = ("title", "scene", "set", "grid", "list", "random")
 RANGE = ("from", "to", "count", "log")
 DRAWN = ("from", "to", "log", "whole", "choose")
+
+SHOWN = 120
+"""Characters that a notebook shows of a dimension's values."""
 
 CASE, SAMPLE = "case", "sample"
 """The dimensions of a list and of a random sample."""
@@ -117,6 +121,13 @@ class Sweep:
     def __repr__(self) -> str:
         sizes = " x ".join(f"{d.size} {d.name}" for d in self.dimensions)
         return f"<Sweep of {self.base}: {sizes} = {len(self)} cells>"
+
+    def _repr_html_(self) -> str:
+        rows = [
+            (d.name, str(d.size), cut(", ".join(" ".join(map(str, row)) for row in d.rows), SHOWN))
+            for d in self.dimensions
+        ]
+        return html_table(repr(self).strip("<>"), rows, ("dimension", "size", "values"))
 
     def json(self) -> str:
         """The tables of the base scene, and what varies, as JSON."""

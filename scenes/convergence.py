@@ -23,6 +23,7 @@ from longwave.scenes.losses import weighed
 from longwave.scenes.run_record import RunRecord
 from longwave.scenes.scene import Scene
 from longwave.scenes.scene_checks import finite, positive
+from longwave.support.html_tables import html_table
 from longwave.support.user_files import shown
 
 Array = NDArray[Any]
@@ -78,7 +79,7 @@ class ConvergencePoint:
     seconds: float
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class SceneConvergence:
     """The errors of a scene at several eps, and the power of eps that fits them.
 
@@ -92,6 +93,18 @@ class SceneConvergence:
     points: tuple[ConvergencePoint, ...]
     rate: FittedRate
     theory: int | None
+
+    def __repr__(self) -> str:
+        theory = "none known" if self.theory is None else self.theory
+        return f"<{type(self).__name__} of {self.scene.name}: rate {self.rate}, theory {theory}>"
+
+    def _repr_html_(self) -> str:
+        rows = [
+            (f"{p.eps:g}", f"{p.error:.3g}", f"{p.relative:.3g}", f"{p.discretisation:.1g}")
+            for p in self.points
+        ]
+        heads = ("eps", "sup error", "of the wave's size", "runs' own error")
+        return html_table(repr(self).strip("<>"), rows, heads)
 
     @property
     def reached(self) -> bool:

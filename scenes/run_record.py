@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from longwave.lattice.refine import StoppedSearch, refine
 from longwave.scenes.observables import TIME, axis_values
 from longwave.support.checkpoint import spared_seconds
+from longwave.support.html_tables import html_table
 from longwave.support.provenance import provenance
 
 if TYPE_CHECKING:
@@ -37,7 +38,7 @@ def error_unit(power: int) -> str:
     return "eps" if power == 1 else f"eps^{power}"
 
 
-@dataclass
+@dataclass(repr=False)
 class RunRecord:
     """A run of ``scene`` as it was recorded: a `Dataset` before anyone needs one.
 
@@ -53,6 +54,19 @@ class RunRecord:
     variables: Variables
     attrs: dict[str, Any]
     asked: Scene | None = None
+
+    def __repr__(self) -> str:
+        return f"<RunRecord of {self.scene.name}: {len(self.reached)} times, {self._error}>"
+
+    def _repr_html_(self) -> str:
+        rows = [("variables", ", ".join(self.variables)), ("error", self._error)]
+        return html_table(f"Run of {self.scene.title or self.scene.name}", rows)
+
+    @property
+    def _error(self) -> str:
+        held = self.values("error") if "error" in self.variables else np.empty(0)
+        largest = np.max(held, initial=-1.0, where=np.isfinite(held))
+        return f"error at most {largest:.3g}" if largest >= 0.0 else "no error against a wave"
 
     def values(self, name: str) -> NDArray[Any]:
         """The values of a variable, in the order of its times."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass, fields
 from functools import cached_property
 from importlib import import_module
@@ -32,7 +33,8 @@ from longwave.scenes.scene_rules import (
     check_growth,
     check_moving_wave,
 )
-from longwave.support.user_files import file_stem, shown, shown_path
+from longwave.support.html_tables import html_table
+from longwave.support.user_files import cut, file_stem, shown, shown_path
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -369,6 +371,15 @@ class Scene:
             f"{'' if self.is_growth else seen}, {self.numerics}>"
         )
 
+    def _repr_html_(self) -> str:
+        """What its file says, and the formula of its wave, as notebooks show it."""
+        document = document_of(json.loads(self.json()))
+        rows = [(key, _in_words(value)) for key, value in document.items() if key != "title"]
+        if not (self.bench or self.is_growth):
+            with suppress(ValueError):  # of a wave without a closed form
+                rows.append(("formula", self.form._repr_latex_() or "too long to be read"))
+        return html_table(self.title or self.name, rows)
+
     @property
     def is_envelope(self) -> bool:
         """Whether the wave is the envelope of a carrier."""
@@ -578,6 +589,9 @@ WAVE_ALONE = (
 )
 """Fields of a wave that is compared."""
 
+LONGEST_ENTRY = 200
+"""Characters that a notebook shows of an entry of a scene."""
+
 FIELDS = tuple(field.name for field in fields(Scene) if field.name != "numerics")
 _USUAL = {field.name: field.default for field in fields(Scene)}
 
@@ -586,6 +600,15 @@ def _is_said(given: Mapping[str, Any], key: str) -> bool:
     """Whether a keyword is given, and neither None nor an empty list."""
     value = given.get(key)
     return value is not None and not (isinstance(value, list | tuple) and not value)
+
+
+def _in_words(value: object) -> str:
+    """A value of a scene's file in a few words."""
+    if isinstance(value, Mapping):
+        return cut(", ".join(f"{k} = {_in_words(v)}" for k, v in value.items()), LONGEST_ENTRY)
+    if isinstance(value, list | tuple):
+        return cut(", ".join(map(_in_words, value)), LONGEST_ENTRY)
+    return str(value)
 
 
 def said_otherwise(said: Sequence[str]) -> list[str]:

@@ -15,7 +15,7 @@ import numpy as np
 from longwave.lattice.state import State
 from longwave.scenes.named_scenes import load_scene, scene_of
 from longwave.scenes.scene import Scene
-from longwave.support.user_files import shown
+from longwave.support.user_files import shown, shown_path
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -47,13 +47,34 @@ def run(
     limits do not admit, and UnfinishedRun on Ctrl-C.
     """
     if isinstance(scene, str | Path):
+        if str(scene).endswith(".nc"):
+            raise ValueError(
+                f"scene must be a scene, its name or its file, got {shown_path(scene)} "
+                f"({INSTEAD['Dataset']})"
+            )
         scene = load_scene(scene)
     if not isinstance(scene, Scene):
+        kinds = [INSTEAD[one.__name__] for one in type(scene).__mro__ if one.__name__ in INSTEAD]
         raise ValueError(
-            f"scene must be a scene, its name or its file, got {shown(scene)} (such as "
-            "'rogue_cn_k_0.5')"
+            f"scene must be a scene, its name or its file, got {shown(scene)} "
+            f"({(*kinds, EXAMPLE)[0]})"
         )
     return scene.run(progress, announce)
+
+
+INSTEAD = {
+    "Dataset": "load_run reads a run's file, resume goes on with a run and plot draws it",
+    "Sweep": "longwave.sweep runs it",
+    "ClosedForm": "Scene.of(wave=..., lattice=...) puts a wave on a lattice",
+    "Wave": "Scene.of(wave=..., lattice=...) puts a wave on a lattice",
+    "Lattice": "Scene.of(lattice=..., wave=...) runs a wave on it, reduce derives its equation",
+    "NumericLattice": "longwave.lattice.integrate takes it, a state and times",
+    "State": "longwave.lattice.integrate takes a lattice, it and times",
+    "dict": "Scene.of(**...) makes a scene of keywords",
+}
+"""What to call for what is no scene, by its type."""
+
+EXAMPLE = "such as 'rogue_cn_k_0.5'"
 
 
 def state_at(run: xr.Dataset, t: float) -> State:

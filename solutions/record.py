@@ -16,6 +16,9 @@ from longwave.support.known_names import did_you_mean
 
 COMPARISON_DIGITS = 60
 
+LONGEST_FORMULA = 1500
+"""Signs of a formula in LaTeX beyond which nobody reads it; that of rogue_cn has 200 000."""
+
 
 @dataclass(frozen=True)
 class Bound:
@@ -208,9 +211,10 @@ class ClosedForm:
         domains = "".join(f", {parameter.domain}" for parameter in self.parameters)
         return f"<ClosedForm {self.name}: {self.title}{domains}>"
 
-    def _repr_latex_(self) -> str:
-        """The formula, as notebooks show it."""
-        return rf"$\displaystyle U = {sp.latex(self.expression)}$"
+    def _repr_latex_(self) -> str | None:
+        """The formula, as notebooks show it; None for a long one, which they show as one line."""
+        formula = sp.latex(self.expression)
+        return rf"$\displaystyle U = {formula}$" if len(formula) <= LONGEST_FORMULA else None
 
     @cached_property
     def stable(self) -> sp.Expr:

@@ -100,7 +100,7 @@ class Wave(NumericWave):
         image = self.normal_form.map_text.partition(" = ")[2]
         return f"<Wave {self.form.name}{given}: Y = {image} with {rates}>"
 
-    def _repr_latex_(self) -> str:
+    def _repr_latex_(self) -> str | None:
         """The formula, as notebooks show it."""
         return self.form._repr_latex_()
 

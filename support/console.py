@@ -8,6 +8,7 @@ import os
 import tempfile
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from time import process_time
 from typing import Any, NoReturn, TypeVar
@@ -17,6 +18,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn, 
 from rich.text import Text
 
 from longwave.support.interruption import interrupted
+from longwave.support.progress_line import ProgressLine, in_notebook
 from longwave.support.request_limits import Announcer
 from longwave.support.slow_work import announce, count_notice, notice_when_silent
 from longwave.support.user_files import printable, shown
@@ -205,12 +207,16 @@ def progress_bar(
     console: Console | None = None,
     clock: Callable[[], float] = process_time,
 ) -> Iterator[tuple[Tell, Tell]]:
-    """A bar on the standard error, where that is a terminal, as `run` takes it.
+    """A bar on the standard error of a terminal, as `run` takes it; in a notebook a line.
 
     Yields what the share done is told to, and what the seconds of ``work`` are told to: many are
     announced, and again where they have doubled. Where there is no bar, what takes `QUIET` seconds
     of the ``clock`` without a word gets one.
     """
+    if in_notebook():
+        with ProgressLine(name) as line:
+            yield partial(setattr, line, "share"), partial(setattr, line, "expected")
+        return
     console = console or plain_console(stderr=True, soft_wrap=True)
     if not console.is_terminal:
         with notice_when_silent(work, QUIET, clock):

@@ -6,6 +6,7 @@ import os
 import pickle
 import signal
 import subprocess
+import sys
 import threading
 import time
 import traceback
@@ -18,6 +19,7 @@ from itertools import islice
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from queue import SimpleQueue
+from types import ModuleType
 from typing import Any, Protocol, TypeVar
 
 from longwave.support.request_limits import Cancelled
@@ -248,7 +250,7 @@ class LocalWorkers:
         ours, theirs = context.Pipe()
         given = (theirs, ours if forked else None, self._begin, job)
         process = context.Process(target=_serve, args=given)
-        with _interrupts_blocked(), warnings.catch_warnings():
+        with _interrupts_blocked(), warnings.catch_warnings(), _without_script():
             warnings.simplefilter("ignore", DeprecationWarning)  # of a fork beside threads
             process.start()
         theirs.close()
@@ -324,6 +326,21 @@ class LocalWorkers:
         end = time.monotonic() + PATIENCE
         for worker in workers:
             worker.end(max(0.0, end - time.monotonic()))
+
+
+@contextmanager
+def _without_script() -> Iterator[None]:
+    """Start a process that does not run a user's script again, as a new interpreter would.
+
+    No job is a function of a script; what is begun with ``python -m`` is a module, and stays.
+    """
+    main = sys.modules["__main__"]
+    if main.__spec__ is None:
+        sys.modules["__main__"] = ModuleType("__main__")
+    try:
+        yield
+    finally:
+        sys.modules["__main__"] = main
 
 
 @contextmanager

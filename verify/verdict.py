@@ -8,6 +8,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from longwave.support.html_tables import html_table
+
 
 class Outcome(enum.StrEnum):
     """What a check can find.  "Could not decide" never looks like "wrong".
@@ -95,6 +97,16 @@ class Verdict:
         kind = type(self).__name__
         return f"<{kind} {self.outcome}: {self.name}, {self.equation}: {found}>"
 
+    @property
+    def told(self) -> dict[str, str]:
+        """What a notebook shows of it, by words."""
+        reached = f"{self.seconds:.2g} s, {self.method}"
+        return {"equation": self.equation, "found": self.detail, "at": self.point, "took": reached}
+
+    def _repr_html_(self) -> str:
+        rows = [(words, text) for words, text in self.told.items() if text]
+        return html_table(f"{self.outcome}: {self.name}", rows)
+
 
 @dataclass(frozen=True, repr=False)
 class ProofVerdict(Verdict):
@@ -116,6 +128,12 @@ class ProofVerdict(Verdict):
             raise ValueError(
                 "certificate must be given with a proof, got none (prove only what is checked)"
             )
+
+    @property
+    def told(self) -> dict[str, str]:
+        """The same, with assumptions and singularities."""
+        further = {"holds": self.assumptions, "except at": self.singularities}
+        return super().told | {words: "; ".join(texts) for words, texts in further.items()}
 
     @property
     def certificate_bytes(self) -> int | None:

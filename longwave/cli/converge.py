@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.figure import Figure
 from rich.table import Table
 
 from longwave.reports.pictures.drawing import CURVES, TEXT_WIDTH, save, styled
+from longwave.reports.pictures.shown import ShownFigure
 from longwave.runs.sweep_scene import changed_scene
 from longwave.scenes.scene_checks import finite
 from longwave.support.command_line import fail_for_memory, listed
@@ -73,12 +73,12 @@ def print_convergence(study: SceneConvergence, json_wanted: bool) -> None:
     print_lines(console, lines)
 
 
-def convergence_figure(study: SceneConvergence) -> Figure:
+def convergence_figure(study: SceneConvergence) -> ShownFigure:
     """The errors over eps, both in logarithms, with the runs' own errors and the fitted power."""
     eps = np.array([point.eps for point in study.points])
     errors = np.array([point.error for point in study.points])
     own = np.array([point.discretisation for point in study.points])
-    figure = Figure((0.7 * TEXT_WIDTH, 3.0), layout="constrained")
+    figure = ShownFigure((0.7 * TEXT_WIDTH, 3.0), layout="constrained")
     ax = figure.subplots()
     rate = study.rate.value
     power = np.exp(np.mean(np.log(errors) - rate * np.log(eps))) * eps**rate

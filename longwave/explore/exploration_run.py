@@ -57,10 +57,6 @@ MAP_COLUMNS = 300
 """Most columns of a space-time map."""
 
 
-LONGEST_FORMULA = 1500
-"""Signs of a formula in LaTeX beyond which nobody reads it; that of rogue_cn has 200 000."""
-
-
 class WaveTexts(NamedTuple):
     """What a wave's record says: title, source, and in LaTeX its equation's normal form and itself.
 
@@ -79,12 +75,11 @@ def wave_texts(wave: str, parameters: tuple[str, ...]) -> WaveTexts:
     from longwave.solutions import closed_form
 
     form = closed_form(wave, parameters)
-    formula = form._repr_latex_()
     return WaveTexts(
         form.title,
         str(form.reference),
         form.equation._repr_latex_(),
-        formula if len(formula) <= LONGEST_FORMULA else "",
+        form._repr_latex_() or "",
     )
 
 

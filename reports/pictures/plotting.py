@@ -14,7 +14,6 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from matplotlib.figure import Figure
 
 from longwave.lattice.refine import Announce
 from longwave.lattice.trial import Progress
@@ -51,6 +50,7 @@ from longwave.reports.pictures.run_data import (
     spectra,
     with_looks,
 )
+from longwave.reports.pictures.shown import ShownFigure
 from longwave.reports.pictures.sweep_plotting import SWEEP_PICTURES, Choice, is_sweep, sweep_parts
 from longwave.runs import load_run
 from longwave.runs.run_file import REMEDY, names_a_run
@@ -103,7 +103,7 @@ def plot(
     announce: Announce | None = None,
     at: Choice | None = None,
     variable: str = "error",
-) -> Figure:
+) -> ShownFigure:
     """Draw a run; write the figure to ``output`` (PNG, PDF or SVG by its suffix) if it is given.
 
     ``source`` is a run, the path of a file that holds one (`save_run`), or a scene, its TOML file
@@ -210,24 +210,24 @@ def _for_pictures(scene: Scene, kind: str) -> Scene:
     return replace(scene, observables=asked, look_points=scene.look_points or LOOKS)
 
 
-def _draw(data: xr.Dataset, kind: str) -> Figure:
+def _draw(data: xr.Dataset, kind: str) -> ShownFigure:
     """Draw the pictures of that kind, one below the other, the run's title above them."""
     data = with_looks(placed(data), LEAST_LOOKS if kind == ALL else 2)
     drawn = _pictures(data, kind)
     return _stacked(_title(data), [picture.part(data) for picture in drawn])
 
 
-def _draw_sweep(data: xr.Dataset, kind: str, at: Choice, variable: str) -> Figure:
+def _draw_sweep(data: xr.Dataset, kind: str, at: Choice, variable: str) -> ShownFigure:
     """Draw the pictures of a sweep, what was chosen of it in the title."""
     where = one_line(", ".join(f"{name} = {value}" for name, value in at.items()))[:WIDTH]
     title = "\n".join(filter(None, (_title(data), where)))
     return _stacked(title, sweep_parts(data, None if kind == ALL else kind, at, variable))
 
 
-def _stacked(title: str, parts: Sequence[Part]) -> Figure:
+def _stacked(title: str, parts: Sequence[Part]) -> ShownFigure:
     """A figure with a title and the parts below it."""
     heights = [part.height for part in parts]
-    figure = Figure(
+    figure = ShownFigure(
         (TEXT_WIDTH, sum(heights) + 0.25 * (1 + title.count("\n"))), layout="constrained"
     )
     figure.suptitle(title, parse_math=False, fontsize="medium")

@@ -64,7 +64,7 @@ ROUNDING = 1e-13
 """Share of the largest force that is taken for noise where residuals are smaller."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class ForceFit(LeastSquares):
     """A law fitted to points.
 
@@ -83,6 +83,11 @@ class ForceFit(LeastSquares):
     def forces(self, stretch: Points) -> Points:
         """The forces of the fitted law."""
         return self.law.values.forces(stretch, self.values)
+
+    @property
+    def names(self) -> list[str]:
+        """The names of the constants that were fitted."""
+        return [str(symbol) for symbol in self.law.free]
 
     @property
     def has_deviations(self) -> bool:
@@ -134,7 +139,7 @@ class ForceFit(LeastSquares):
     @property
     def measured(self) -> Measured:
         """The constants with their covariance, and those that were fixed without."""
-        names = [str(symbol) for symbol in self.law.free]
+        names = self.names
         rows = [dict(zip(names, row, strict=True)) for row in self.covariance.tolist()]
         fixed = {str(symbol): value for symbol, value in self.law.fixed.items()}
         values = {**dict(zip(names, self.values.tolist(), strict=True)), **fixed}

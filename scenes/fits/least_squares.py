@@ -10,6 +10,7 @@ import numpy as np
 from scipy import linalg, stats
 
 from longwave.scenes.fits.force_data import Points
+from longwave.support.html_tables import html_table
 
 DOUBTFUL = 0.01
 """Probability below which residuals are no accident."""
@@ -37,6 +38,28 @@ class LeastSquares:
     @abstractmethod
     def has_deviations(self) -> bool:
         """Whether the standard deviations were measured, and not taken from the residuals."""
+
+    @property
+    @abstractmethod
+    def names(self) -> Sequence[str]:
+        """The names of the constants."""
+
+    @property
+    @abstractmethod
+    def doubts(self) -> list[str]:
+        """Reasons, in words, to think that it does not describe what was measured."""
+
+    def _constants(self) -> list[tuple[str, str]]:
+        found = zip(self.names, self.values, self.deviations, strict=True)
+        return [(name, f"{value:.6g} \u00b1 {error:.2g}") for name, value, error in found]
+
+    def __repr__(self) -> str:
+        told = ", ".join(f"{name} = {value}" for name, value in self._constants())
+        return f"<{type(self).__name__}: {told}>"
+
+    def _repr_html_(self) -> str:
+        doubts = [("doubt", doubt) for doubt in self.doubts]
+        return html_table(type(self).__name__, [*self._constants(), *doubts])
 
     @property
     def deviations(self) -> Points:

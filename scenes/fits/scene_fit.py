@@ -153,7 +153,7 @@ class SceneModel:
         )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class SceneFit(LeastSquares):
     """Constants and losses of a scene at which its sensors read what was recorded.
 

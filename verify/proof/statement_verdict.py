@@ -19,6 +19,7 @@ import sympy as sp
 from sympy.core.function import AppliedUndef
 
 from longwave.derive.algebra.formula_printing import formula_as_text
+from longwave.solutions.record import LONGEST_FORMULA
 from longwave.verify.kernel.check import check_certificate
 from longwave.verify.kernel.further.free_functions import generic_shift
 from longwave.verify.subexpressions import abbreviated, distinct_nodes
@@ -62,7 +63,7 @@ NO_PROOF: dict[str, Any] = {"certificate": None, "residual": None, "assumptions"
 WITNESS_BITS = (160, 640)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class StatementVerdict(ProofVerdict):
     """The verdict on a statement: ``statement`` is what was read, in LaTeX.
 
@@ -72,7 +73,14 @@ class StatementVerdict(ProofVerdict):
 
     statement: str = ""
     hint: str = ""
-    certificates: tuple[Mapping[str, Any], ...] = field(default=(), repr=False, compare=False)
+    certificates: tuple[Mapping[str, Any], ...] = field(default=(), compare=False)
+
+    @property
+    def told(self) -> dict[str, str]:
+        """The same, the statement in the place of its equations, and what would hold."""
+        is_short = len(self.statement) <= LONGEST_FORMULA
+        shown = rf"$\displaystyle {self.statement}$" if is_short else self.equation
+        return super().told | {"equation": shown, "what would hold": self.hint}
 
     def json(self) -> dict[str, Any]:
         """The record as plain data."""

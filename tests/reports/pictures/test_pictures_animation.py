@@ -8,7 +8,6 @@ import pytest
 import xarray as xr
 from PIL import Image
 
-import longwave
 from longwave.__main__ import main
 from longwave.reports.pictures import animation
 from longwave.reports.pictures.animation import animate, bench_frames, film_of
@@ -47,10 +46,6 @@ def made() -> xr.Dataset:
 def frames_of(path: Path) -> int:
     with Image.open(path) as image:
         return int(image.n_frames)
-
-
-def test_it_is_a_noun_of_the_face() -> None:
-    assert longwave.animate is animate
 
 
 def test_a_run_is_shown_at_its_snapshots_between_the_times(

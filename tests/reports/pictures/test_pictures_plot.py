@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 import xarray as xr
 
-import longwave
 from longwave.reports.pictures.plotting import MOST_PANELS, PICTURES, plot, shown_half_width
 from longwave.runs import save_run
 from longwave.scenes import run
@@ -42,10 +41,6 @@ def made() -> xr.Dataset:
 
 def labels(figure: object) -> list[str]:
     return [ax.get_ylabel() for ax in figure.get_axes()]  # type: ignore[attr-defined]
-
-
-def test_it_is_a_noun_of_the_face() -> None:
-    assert longwave.plot is plot
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,193 @@
+"""The calls of a session: what they take and return, and how that is shown."""
+
+import io
+import os
+import subprocess
+import sys
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import longwave
+import longwave.support.progress_line as progress_line
+from longwave.lattice import Model, State
+from longwave.runs.sweep_file import Sweep
+from longwave.session import as_sweep
+
+GRID = {"eps": np.array([0.3, 0.4]), "parameters.kappa": [0.5, 1]}
+SCENE = longwave.Scene.of(
+    name="short", lattice="toda", constants={"a": 1, "b": 1}, eps=0.3, wave="kdv_soliton",
+    parameters={"kappa": 1}, slow_times=[0, 0.1], half_width=4, tolerance=1e-3,
+)  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def made() -> Any:
+    return longwave.run(SCENE)
+
+
+def test_a_run_is_the_same_by_name_file_and_scene(tmp_path: Path, made: Any) -> None:
+    path = tmp_path / "short.toml"
+    path.write_text(SCENE.toml(), "utf-8")
+    for given in (path, str(path), SCENE):
+        assert np.array_equal(longwave.run(given).strain, made.strain)
+
+
+INSTEAD: Mapping[str, tuple[Callable[[], Any], str]] = {
+    "a run": (lambda: longwave.run(SCENE), "load_run"),
+    "a run's file": (lambda: "made.nc", "load_run"),
+    "a sweep": (lambda: as_sweep(SCENE, GRID), "longwave.sweep"),
+    "a wave": (lambda: longwave.CATALOGUE["kink"], "Scene.of(wave="),
+    "a lattice": (lambda: longwave.LATTICES["toda"], "Scene.of(lattice="),
+    "numbers": (lambda: Model(1.0, 0.0, 1.0).lattice, "integrate"),
+    "a state": (lambda: State(0.0, np.zeros((1, 8)), np.zeros((1, 8))), "integrate"),
+    "keywords": (lambda: {"wave": "kink"}, "Scene.of(**"),
+    "nothing": (lambda: None, "such as"),
+}
+"""What is no scene, and what is to be called."""
+
+
+@pytest.mark.parametrize("kind", INSTEAD)
+def test_what_is_no_scene_is_told_what_to_call(kind: str) -> None:
+    make, instead = INSTEAD[kind]
+    with pytest.raises(ValueError, match=r"scene must be a scene, its name or its file") as told:
+        longwave.run(make())
+    assert instead in str(told.value)
+    assert "\n" not in str(told.value)
+
+
+def test_a_sweep_of_a_scene_is_one_data_set(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, made: Any
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    told: list[float] = []
+    found = longwave.sweep(SCENE, GRID, processes=1, progress=told.append)
+    assert found.error.dims == ("eps", "kappa")
+    assert found.status.values.tolist() == [["done"] * 2] * 2
+    assert found.error.sel(eps=0.3, kappa=1).item() == pytest.approx(made.error.max().item())
+    assert told[-1] == 1.0
+    assert (tmp_path / "short.store").is_dir()
+    again = longwave.sweep(SCENE, GRID, processes=1, progress=told.append)
+    assert again.identical(found)
+
+
+def test_a_sweep_is_meant_by_tables_name_or_itself() -> None:
+    tables = {"scene": "toda_soliton", "grid": {"eps": [0.1, 0.2]}}
+    sweep = as_sweep(tables)
+    assert isinstance(sweep, Sweep)
+    assert as_sweep(sweep) is sweep
+    assert len(as_sweep("growth_over_k")) == 84
+
+
+@pytest.mark.parametrize(
+    ("source", "grid", "told"),
+    [
+        (3, None, "source must be a sweep, its name, its file or its tables, got 3"),
+        ("toda_soliton", {"eps": 0.1}, "eps in grid must be a list of values, got 0.1"),
+        ("toda_soliton", {"eps": "many"}, "eps in grid must be a list of values, got 'many'"),
+        ({"scene": "toda_soliton"}, {"eps": [0.1]}, "grid must be given with a scene, got it with"),
+        ("toda_solitn", {"eps": [0.1]}, "did you mean toda_soliton"),
+    ],
+)
+def test_what_is_no_sweep_is_told(source: Any, grid: Any, told: str) -> None:
+    with pytest.raises(ValueError, match=told) as refused:
+        as_sweep(source, grid)
+    assert "\n" not in str(refused.value)
+
+
+def test_a_script_without_a_guard_may_sweep(tmp_path: Path) -> None:
+    """Catches: worker processes that run the user's script again, and begin a sweep each."""
+    script = tmp_path / "mine.py"
+    script.write_text(
+        "import longwave\nprint('once')\n"
+        "found = longwave.sweep('toda_soliton', {'eps': [0.3, 0.4], 'slow_times': [[0, 0.1]]},"
+        " processes=1)\nprint(found.status.values.ravel().tolist())\n",
+        "utf-8",
+    )
+    done = subprocess.run(
+        [sys.executable, "-P", str(script)], capture_output=True, text=True, cwd=tmp_path,
+        check=True, env=environment(),
+    )  # fmt: skip
+    assert done.stdout.splitlines() == ["once", "['done', 'done']"]
+
+
+def environment() -> dict[str, str]:
+    return os.environ | {"PYTHONPATH": str(Path(longwave.__file__).parents[1])}
+
+
+def test_a_convergence_is_drawn_and_shown(tmp_path: Path) -> None:
+    found = longwave.converge(SCENE, [0.4, 0.35, 0.3])
+    assert repr(found).startswith("<Convergence of short: rate ")
+    assert found._repr_html_().count("<tr>") == 4
+    figure = found.plot(tmp_path / "rate.svg")
+    assert (tmp_path / "rate.svg").read_bytes().startswith(b"<?xml")
+    shown, size = figure._repr_png_()
+    pixels = np.array(Image.open(io.BytesIO(shown)).size)
+    assert np.abs(pixels - 2 * np.array([size["width"], size["height"]])).max() <= 2
+    assert longwave.plot(found).get_suptitle() == figure.get_suptitle()
+
+
+def test_a_picture_shows_itself(made: Any) -> None:
+    shown, size = longwave.plot(made)._repr_png_()
+    assert shown.startswith(b"\x89PNG")
+    assert 500 < size["width"] < 800
+
+
+def test_a_film_shows_itself_without_a_file(tmp_path: Path, made: Any) -> None:
+    held = longwave.animate(made, duration=0.2, dpi=40)
+    kept = longwave.animate(made, tmp_path / "film.gif", duration=0.2, dpi=40)
+    assert held.frames == kept.frames == made.sizes["time"]
+    assert "data:image/gif;base64," in (kept._repr_html_() or "")
+    assert repr(kept) == f"<Film of {held.frames} frames in {tmp_path / 'film.gif'}>"
+    assert "base64" in (held._repr_html_() or "")
+    (tmp_path / "film.gif").unlink()
+    assert kept._repr_html_() is None
+
+
+def test_objects_are_shown_in_one_line_and_as_tables(made: Any) -> None:
+    fitted = longwave.fit_force([-2, -1, 0, 1, 2], [-2.1, -0.9, 0.1, 1.0, 1.9], law="K2*x")
+    proved = longwave.prove("u_t + u_x", "u = sech(x - t)")
+    refuted = longwave.prove("u_t + u_x", "u = sech(x + t)")
+    record = SCENE.record()
+    for thing in (SCENE, fitted, proved, refuted, record, as_sweep(SCENE, GRID)):
+        assert "\n" not in repr(thing)
+        assert len(repr(thing)) < 400
+        table = thing._repr_html_()
+        assert table.startswith("<table>")
+        assert table.endswith("</table>")
+        assert " at 0x" not in table
+    assert "K2 = " in repr(fitted)
+    assert "$" in SCENE._repr_html_()  # the formula
+    assert "$" in proved._repr_html_()
+    assert "REFUTED" in refuted._repr_html_()
+    assert "&lt;" in SCENE.changed(title="a < b")._repr_html_()
+
+
+def test_a_formula_that_nobody_can_read_is_not_shown() -> None:
+    assert longwave.closed_form("rogue_cn")._repr_latex_() is None
+    assert longwave.closed_form("kink")._repr_latex_() is not None
+
+
+def test_a_line_of_progress_is_written_over_and_told_to_be_done(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(progress_line, "SILENT", 0.0)
+    monkeypatch.setattr(progress_line, "TICK", 0.01)
+    with progress_line.ProgressLine("toda_soliton") as line:
+        line.share = 0.5
+        line._thread.join(0.2)
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    first, *_, last = said.split("\r")[1:]
+    assert first.startswith("toda_soliton: 50 %, ")
+    assert last.startswith("toda_soliton: done in ")
+
+
+def test_a_short_call_shows_no_progress(capsys: pytest.CaptureFixture[str]) -> None:
+    with progress_line.ProgressLine("quick"):
+        pass
+    assert capsys.readouterr().err == ""
