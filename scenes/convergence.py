@@ -18,7 +18,6 @@ from longwave.derive import CarrierTerms, Envelope, Lattice, Reduction, carrier_
 from longwave.derive.algebra.exact_numbers import Number
 from longwave.lattice.refine import Announce
 from longwave.scenes.lattice_derivation import derivation
-from longwave.scenes.lattice_run import record_scene
 from longwave.scenes.losses import weighed
 from longwave.scenes.run_record import RunRecord
 from longwave.scenes.scene import Scene
@@ -219,6 +218,8 @@ def at_eps(scene: Scene, eps: float) -> Scene:
 
 
 def _run(scene: Scene, progress: Callable[[float], None], announce: Announce) -> RunRecord:
+    from longwave.scenes.lattice_run import record_scene
+
     run = record_scene(scene, progress, announce)
     wanted = SHARE * float(np.max(_later(run, "sup_error")))
     if run.attrs["error_estimate"] <= wanted or wanted == 0.0:

@@ -16,8 +16,8 @@ from longwave.support.known_names import did_you_mean
 
 COMPARISON_DIGITS = 60
 
-LONGEST_FORMULA = 1500
-"""Signs of a formula in LaTeX beyond which nobody reads it; that of rogue_cn has 200 000."""
+LONGEST_FORMULA = 5000
+"""Signs of a formula in LaTeX that a notebook still sets; that of rogue_cn has 200 000."""
 
 
 @dataclass(frozen=True)

@@ -69,17 +69,22 @@ class WaveTexts(NamedTuple):
     formula: str
 
 
+LONGEST_FORMULA = 1500
+"""Signs of a formula in LaTeX beyond which nobody reads it on the page."""
+
+
 @lru_cache(maxsize=64)
 def wave_texts(wave: str, parameters: tuple[str, ...]) -> WaveTexts:
     """The texts of a wave with values of these parameters."""
     from longwave.solutions import closed_form
 
     form = closed_form(wave, parameters)
+    formula = form._repr_latex_() or ""
     return WaveTexts(
         form.title,
         str(form.reference),
         form.equation._repr_latex_(),
-        form._repr_latex_() or "",
+        formula if len(formula) <= LONGEST_FORMULA else "",
     )
 
 

@@ -70,8 +70,11 @@ def is_held(dotted: str) -> bool:
             if source.is_file():
                 rest = ".".join(parts[cut:])
                 text = source.read_text(encoding="utf-8")
-                offered = f'"{rest}"' in text or f" as {rest}\n" in text
-                return not rest or rest in names_in(text) or offered
+                offered = (
+                    re.search(rf'"([\w ]* )?{re.escape(rest)}( [\w ]*)?"', text)
+                    or f" as {rest}\n" in text
+                )
+                return not rest or rest in names_in(text) or bool(offered)
     return False
 
 
