@@ -24,7 +24,13 @@ from longwave.scenes.numerics import NUMERICS, Discretisation, Tolerance, numeri
 from longwave.scenes.observables import OBSERVABLES, observable_named
 from longwave.scenes.scene_checks import CHAIN, CHAIN_CONSTANTS, Pairs, Value
 from longwave.scenes.scene_disorder import Disorder, Stated
-from longwave.scenes.scene_file import document_of, read_document, scene_fields, toml_text
+from longwave.scenes.scene_file import (
+    document_of,
+    lattice_keywords,
+    read_document,
+    scene_fields,
+    toml_text,
+)
 from longwave.scenes.scene_rules import (
     NOT_GIVEN,
     PERTURBED_PLANE,
@@ -147,10 +153,13 @@ class Scene:
         """A scene from keywords as scene files have them.
 
         Those of the `Discretisation` (step, domain, sites, scheme) or of the `Tolerance`
-        (tolerance, engine, scheme) stand among the others. ``K2``, ``K3``, ``K4`` stand for the
-        constants of the paper's chain; ``times`` for t0 and the snapshots, of which it is one.
+        (tolerance, engine, scheme) stand among the others. ``lattice`` may be a `derive.Lattice`
+        or the tables of a lattice's file. ``K2``, ``K3``, ``K4`` stand for the constants of the
+        paper's chain; ``times`` for t0 and the snapshots, of which it is one.
         """
         check.known_fields(given, (*FIELDS, *CHAIN_CONSTANTS, "times", *NUMERICS, *BENCH_TABLES))
+        if not isinstance(given.get("lattice", ""), str):
+            given |= lattice_keywords(given["lattice"])
         unsaid = [key for key in SAID_IN_ONE_WAY if given.get(key) is None]
         found = {key: value for key, value in given.items() if key in FIELDS and key not in unsaid}
         if bench := bench_json(given):

@@ -169,6 +169,27 @@ def _lattice(given: object, folder: Path) -> dict[str, Any]:
     return _declaration(read_document(path), path.stem)
 
 
+def lattice_keywords(given: object) -> dict[str, Any]:
+    """The keywords of `Scene.of` for a `derive.Lattice`, or for the tables of a lattice's file.
+
+    >>> from longwave.derive import LATTICES
+    >>> lattice_keywords(LATTICES["toda"])
+    {'lattice': 'toda'}
+    """
+    if isinstance(given, Mapping):
+        return _declaration(given, "lattice")
+    from longwave.derive import LATTICES, Lattice  # scenes are read without SymPy
+    from longwave.derive.lattice_file import document_of_lattice
+
+    if not isinstance(given, Lattice):
+        raise ValueError(
+            f"lattice must be a name, a Lattice or its tables, got {shown(given)} (such as 'toda')"
+        )
+    if LATTICES.get(given.name) == given:
+        return {"lattice": given.name}
+    return _declaration(document_of_lattice(given), given.name)
+
+
 def _declaration(document: Mapping[str, Any], name: str) -> dict[str, Any]:
     """The lattice's name, and what else its tables say as JSON."""
     found = dict(document)

@@ -167,6 +167,23 @@ def test_objects_are_shown_in_one_line_and_as_tables(made: Any) -> None:
     assert "&lt;" in SCENE.changed(title="a < b")._repr_html_()
 
 
+def test_a_scene_takes_a_lattice_or_its_tables() -> None:
+    tables = {
+        "fields": ["u"], "masses": ["m"], "positive": ["m", "a"],
+        "spring": [{"between": ["u[n]", "u[n+1]"], "force": "a*x + b*x**2"}],
+    }  # fmt: skip
+    own = longwave.derive.lattice_of({"name": "mine", **tables})
+    values = {"m": 1, "a": 1, "b": 1}
+    errors = [
+        longwave.run(SCENE.changed(lattice=lattice, constants=values)).error.max().item()
+        for lattice in (own, tables)
+    ]
+    assert errors[0] == pytest.approx(errors[1], rel=1e-9)
+    assert SCENE.changed(lattice=longwave.LATTICES["toda"]) == SCENE
+    with pytest.raises(ValueError, match="lattice must be a name, a Lattice or its tables, got 3"):
+        SCENE.changed(lattice=3)
+
+
 def test_a_formula_that_nobody_can_read_is_not_shown() -> None:
     assert longwave.closed_form("rogue_cn")._repr_latex_() is None
     assert longwave.closed_form("kink")._repr_latex_() is not None

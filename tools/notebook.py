@@ -1,0 +1,56 @@
+"""Run the notebook of the documentation and keep what its cells show: ``python tools/notebook.py``.
+
+The site shows the outputs that are in the file; a test runs the cells again and compares.
+"""
+
+import os
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import nbformat
+from nbclient import NotebookClient
+
+HOUSE = Path(__file__).parents[1]
+NOTEBOOK = HOUSE / "docs" / "how-to" / "notebook.ipynb"
+
+PATIENCE = 600
+"""Seconds of a cell."""
+
+
+def executed(path: Path = NOTEBOOK) -> Any:
+    """The notebook with the outputs that its cells have now, run in a folder of its own."""
+    notebook = nbformat.read(path, as_version=4)
+    with tempfile.TemporaryDirectory() as folder:
+        made = {"PYTHONPATH": str(HOUSE), "PYTHONSAFEPATH": "1", "IPYTHONDIR": f"{folder}/ipython"}
+        NotebookClient(
+            notebook,
+            timeout=PATIENCE,
+            kernel_name="python3",
+            resources={"metadata": {"path": folder}},
+        ).execute(env=os.environ | made)
+    return notebook
+
+
+def code_cells(notebook: Any) -> Iterator[Any]:
+    """Its cells that are run."""
+    return (cell for cell in notebook.cells if cell.cell_type == "code")
+
+
+def shown(cell: Any) -> set[str]:
+    """The kinds of what a cell shows; what is told on the way is none."""
+    return {kind for output in cell.outputs for kind in output.get("data", {})}
+
+
+def main() -> None:
+    """Write the notebook with its outputs, without times, and without what was told on the way."""
+    notebook = executed()
+    for cell in code_cells(notebook):
+        cell.metadata.pop("execution", None)
+        cell.outputs = [output for output in cell.outputs if output.output_type != "stream"]
+    nbformat.write(notebook, NOTEBOOK)
+
+
+if __name__ == "__main__":
+    main()
