@@ -129,7 +129,8 @@ def as_sweep(
     if grid is not None and not isinstance(source, Sweep | Mapping):
         scene = source if isinstance(source, Scene) else load_scene(source)
         values = {name: _plain_list(name, given) for name, given in grid.items()}
-        made = sweep_of({"scene": tomllib.loads(scene.toml()), "grid": values}, scene.name)
+        tables = {"title": scene.title, "scene": tomllib.loads(scene.toml()), "grid": values}
+        made = sweep_of(tables, scene.name)
         return replace(made, base=scene.name)
     if grid is not None:
         raise ValueError(

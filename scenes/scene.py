@@ -382,8 +382,12 @@ class Scene:
 
     def _repr_html_(self) -> str:
         """What its file says, and the formula of its wave, as notebooks show it."""
-        document = document_of(json.loads(self.json()))
+        from longwave.scenes.lattice_derivation import declared_lattice  # with SymPy
+
+        document = document_of(json.loads(self.json())) | {"lattice": self.lattice}
         rows = [(key, _in_words(value)) for key, value in document.items() if key != "title"]
+        with suppress(ValueError):  # of a lattice that is not known
+            rows.append(("motion", declared_lattice(self)._repr_latex_()))
         if not (self.bench or self.is_growth):
             with suppress(ValueError):  # of a wave without a closed form
                 rows.append(("formula", self.form._repr_latex_() or "too long to be read"))
@@ -617,7 +621,7 @@ def _in_words(value: object) -> str:
         return cut(", ".join(f"{k} = {_in_words(v)}" for k, v in value.items()), LONGEST_ENTRY)
     if isinstance(value, list | tuple):
         return cut(", ".join(map(_in_words, value)), LONGEST_ENTRY)
-    return str(value)
+    return f"{value:g}" if isinstance(value, float) else str(value)
 
 
 def said_otherwise(said: Sequence[str]) -> list[str]:
