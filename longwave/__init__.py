@@ -22,13 +22,12 @@ _NOUNS = {
     "longwave.verify.proof.text_prover": "prove",
     "longwave.verify.verdict": "Verdict",
     "longwave.drawn_convergence": "converge",
-    "longwave.session": "animate fit_scene plot run sweep",
+    "longwave.session": "animate fit_scene plot resume run sweep",
     "longwave.runs.run_file": "load_run save_run",
     "longwave.scenes.fits.force_fit": "fit_force",
     "longwave.scenes.named_scenes": "load_scene shipped_scenes",
     "longwave.scenes.numerics": "Discretisation Tolerance",
     "longwave.scenes.scene": "Scene",
-    "longwave.scenes.scene_run": "resume",
     "longwave.scenes.view": "relative_sup_error",
 }
 

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from longwave.scenes.fits.scene_fit import SceneFit
     from longwave.scenes.fits.sensor_records import SensorRecord
     from longwave.scenes.scene import Scene
+    from longwave.solutions import ClosedForm
 
 Told = Callable[[float], object]
 """Told the share of the work that is done, 0 .. 1, or the seconds that it is expected to take."""
@@ -64,6 +65,20 @@ def run(
 
     with shown_progress(_named(scene), progress, announce) as told:
         return scene_run.run(scene, *told)
+
+
+def resume(
+    run: xr.Dataset,
+    at: float | None = None,
+    snapshots: Sequence[float] | None = None,
+    progress: Told | None = None,
+    wave: ClosedForm | None = None,
+) -> xr.Dataset:
+    """Go on with a run from one of its snapshots, to the same bits: `scenes.resume` says more."""
+    from longwave.scenes import scene_run
+
+    with shown_progress("run", progress, None) as (share, _):
+        return scene_run.resume(run, at, snapshots, share, wave)
 
 
 def sweep(
