@@ -63,8 +63,23 @@ def run(
     """
     from longwave.scenes import scene_run
 
-    with shown_progress(_named(scene), progress, announce) as told:
-        return scene_run.run(scene, *told)
+    try:
+        with shown_progress(_named(scene), progress, announce) as told:
+            return scene_run.run(scene, *told)
+    except ValueError:
+        _refuse_sweep(scene)
+        raise
+
+
+def _refuse_sweep(scene: object) -> None:
+    """Raise ValueError for the name of a shipped sweep, which is no scene's."""
+    from longwave.runs.sweep_file import shipped_sweeps
+
+    if str(scene) in shipped_sweeps():
+        raise ValueError(
+            f"scene must be a scene, its name or its file, got the sweep {scene} (longwave.sweep "
+            "runs it)"
+        ) from None
 
 
 def resume(

@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -41,6 +42,7 @@ INSTEAD: Mapping[str, tuple[Callable[[], Any], str]] = {
     "a run": (lambda: longwave.run(SCENE), "load_run"),
     "a run's file": (lambda: "made.nc", "load_run"),
     "a sweep": (lambda: as_sweep(SCENE, GRID), "longwave.sweep"),
+    "a sweep's name": (lambda: "growth_over_k", "longwave.sweep"),
     "a wave": (lambda: longwave.CATALOGUE["kink"], "Scene.of(wave="),
     "a lattice": (lambda: longwave.LATTICES["toda"], "Scene.of(lattice="),
     "numbers": (lambda: Model(1.0, 0.0, 1.0).lattice, "integrate"),
@@ -202,6 +204,23 @@ def test_a_line_of_progress_is_written_over_and_told_to_be_done(
     first, *_, last = said.split("\r")[1:]
     assert first.startswith("toda_soliton: 50 %, ")
     assert last.startswith("toda_soliton: done in ")
+
+
+@pytest.mark.skipif(not hasattr(os, "openpty"), reason="there are no such terminals")
+def test_a_terminal_shows_a_bar_that_goes_away(tmp_path: Path) -> None:
+    ours, theirs = os.openpty()
+    call = "import longwave; longwave.run('toda_soliton')"
+    words = [sys.executable, "-P", "-c", call]
+    child = subprocess.Popen(words, stderr=theirs, env=environment() | {"TERM": "xterm"})
+    os.close(theirs)
+    said = b""
+    with suppress(OSError):  # what is read from a terminal that nobody holds any more
+        while found := os.read(ours, 4096):
+            said += found
+    os.close(ours)
+    assert child.wait() == 0
+    assert b"toda_soliton" in said
+    assert said.endswith(b"\x1b[2K")
 
 
 def test_a_short_call_shows_no_progress(capsys: pytest.CaptureFixture[str]) -> None:
