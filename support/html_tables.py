@@ -12,9 +12,9 @@ def html_table(title: str, rows: Iterable[Sequence[str]], heads: Sequence[str] =
 
     Texts are shown as they stand; formulas between dollar signs are set by the notebook.
 
-    >>> print(html_table("a < b", [("eps", "0.1")]))
+    >>> print(html_table("a < b", [("eps", "< 0.1")]))
     <table><caption style="text-align: left"><b>a &lt; b</b></caption>
-    <tr><td style="text-align: left">eps</td><td style="text-align: left">0.1</td></tr>
+    <tr><td style="text-align: left">eps</td><td style="text-align: left">&lt; 0.1</td></tr>
     </table>
     """
 
