@@ -92,6 +92,10 @@ LEAST = 1e-5
 """Least share that an error is told as elsewhere: no run was looked at more closely."""
 
 
+USUAL_WORK = 4.5
+"""Work of a search, in units of its first run's: 3.9 or 4.9 where that run's step will do."""
+
+
 class StoppedSearch(KeyboardInterrupt):
     """Ctrl-C during the search: its best run, if any can be shown, and the seconds of all others.
 
@@ -126,8 +130,8 @@ def refine(
 ) -> Refined:
     """Run until the estimated error is at most ``tolerance``.
 
-    ``progress`` is called with the share of the work that is done, 0 .. 1, each run taken to cost
-    as much as all before it. Raises ValueError if the tolerance cannot be reached: the error
+    ``progress`` is called with the share of the work that is done, 0 .. 1, of ``USUAL_WORK`` or
+    what is known to be more. Raises ValueError if the tolerance cannot be reached: the error
     ceases to fall above it; StoppedSearch on Ctrl-C.
     """
     search = _Search(engine, tolerance, progress, announce)
@@ -207,7 +211,7 @@ class _Search:
         self._changes: dict[float, float] = {}  # what was changed by shortening each step
         self._lawful = 0.0  # the longest step of which the law was seen
         self._negligible = NEGLIGIBLE * tolerance / SAFETY
-        self._shown, self._count = 0.0, 0
+        self._shown, self._first_work, self._worked, self._asked = 0.0, 0.0, 0.0, 0.0
         self._stopped = False
         self.seconds = 0.0
         self.wary: bool | None = None
@@ -389,13 +393,17 @@ class _Search:
 
     def _keep(self, choices: Choices, trial: Trial) -> None:
         self._done[choices] = trial
-        self._count += 1
+        self._worked += trial.work
+        self._first_work = self._first_work or trial.work
+        self._asked = max(0.0, self._asked - trial.work)
         self.seconds += trial.seconds
 
     def _share(self, share: float) -> None:
         if self._stopped:
             raise KeyboardInterrupt
-        self._shown = max(self._shown, 1.0 - 0.5 ** (self._count + share))
+        usual = USUAL_WORK * (self._first_work or self._asked)
+        done = (self._worked + share * self._asked) / max(usual, self._worked + self._asked)
+        self._shown = max(self._shown, min(done, 1.0))
         self._progress(self._shown)
 
     def _tell(self, missing: Collection[Choices]) -> None:
@@ -403,7 +411,7 @@ class _Search:
 
         Raises OverBudgetError for more than the engine is given.
         """
-        asked = sum(map(self.engine.work, missing))
+        self._asked = asked = sum(map(self.engine.work, missing))
         if asked > self.engine.most_work:
             raise OverBudgetError(f"runs that take {asked:.2g}", asked)
         spent = sum(trial.seconds for trial in self._done.values())

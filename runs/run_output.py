@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 from longwave.runs.run_file import is_run_file, save_run
 from longwave.runs.run_store import UnkeptRunError, run_key, runs_its_sources
 from longwave.support.checkpoint import LEAST, SHARE, CheckpointFolder, kept_by, run_stamp
-from longwave.support.command_line import fail, one_line
+from longwave.support.command_line import BROKEN, fail, one_line
 from longwave.support.console import check_output
 from longwave.support.sealed_file import LOG
 
@@ -24,9 +24,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from longwave.scenes.scene import Scene
-
-BROKEN = 1
-"""Exit status where a run is finished and is not where it was asked for."""
 
 SUFFIX = ".checkpoint"
 """After the name of the file: the folder beside it."""

@@ -42,6 +42,10 @@ SHARE = 4
 AHEAD = 2
 """Batches that a worker has, with the one that it is doing: it never waits for the next."""
 
+LEAST_LEFT = 0.2
+"""What a cell that is left costs at least, in units of those that were done: a large sweep is
+judged by some of its cells."""
+
 MOST_LOSSES = 3
 """Workers that a cell may lose, alone, before it is taken to be why."""
 
@@ -67,11 +71,27 @@ class SweepState:
     first_fault: str = ""
     pace: float = 0.0
     """Seconds of a cell, of late."""
+    expected: float = 0.0
+    """Seconds that all cells to be run were estimated to take; 0 if nobody has looked."""
+    expected_done: float = 0.0
+    """The same of the cells that were done."""
+    batches: int = 0
+    steady: tuple[float, float] = 0.0, 0.0
+    """Seconds taken and expected of the batches after each worker's first, which loads code."""
 
     @property
     def seconds_left(self) -> float:
-        """An estimate by the cells that were done of late; 0 before there are any."""
-        return (self.cells - self.found - self.done) * self.pace / self.workers
+        """An estimate by what cells took beside what was expected of them; 0 before there are any.
+
+        Where nothing was expected it is by the cells that were done of late.
+        """
+        left = self.cells - self.found - self.done
+        taken, expected = self.steady
+        if not (self.expected and expected and self.done):
+            return left * self.pace / self.workers
+        least = LEAST_LEFT * left * self.expected_done / self.done
+        rest = max(self.expected - self.expected_done, least) if left else 0.0
+        return rest * taken / expected / self.workers
 
     def count(self, batch: Batch) -> None:
         """Take in what a worker did."""
@@ -81,6 +101,10 @@ class SweepState:
         self.processor_seconds += batch.processor_seconds
         self.worker_seconds += batch.whole_processor_seconds
         self.first_fault = self.first_fault or batch.first_fault
+        self.expected_done += batch.expected
+        self.batches += 1
+        if self.batches > self.workers:
+            self.steady = self.steady[0] + batch.seconds, self.steady[1] + batch.expected
         mean = batch.seconds / len(batch.statuses)
         self.pace = 0.5 * (self.pace + mean) if self.pace else mean
 

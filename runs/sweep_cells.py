@@ -28,6 +28,7 @@ from longwave.runs.run_pack import (
     write_pack,
 )
 from longwave.runs.run_store import RunStore, UnkeptRunError, runs_its_sources
+from longwave.runs.sweep_cost import expected_cell_cost
 from longwave.runs.sweep_workers import check_code
 from longwave.support.compiled.cores import keep_to_one_core
 from longwave.support.request_limits import (
@@ -68,6 +69,8 @@ class Batch:
     whole_processor_seconds: float
     first_fault: str = ""
     pack: bytes | None = None
+    expected: float = 0.0
+    """Seconds that the cells were estimated to take."""
 
 
 class StoppedWorker(BaseException):
@@ -110,7 +113,16 @@ def run_cells(
                 pack = pack_content(found)
     statuses = [record.status for record in found]
     faults = (record.message for record in found if record.status in (REFUSED, FAILED))
-    return Batch(statuses, seconds, processor, process_time() - begun, next(faults, ""), pack)
+    whole, expected = process_time() - begun, sum(map(_expected_seconds, cells))
+    return Batch(statuses, seconds, processor, whole, next(faults, ""), pack, expected)
+
+
+def _expected_seconds(cell: Cell) -> float:
+    """What `expected_sweep_cost` counts for it: its derivation is at hand, for it was run."""
+    try:
+        return expected_cell_cost(cell.scene).seconds
+    except ValueError:
+        return 0.0
 
 
 def _limited(limits: RequestLimits | None) -> AbstractContextManager[object]:

@@ -46,17 +46,21 @@ class SweepCost:
     def by(self, workers: int, together: bool) -> ExpectedCost:
         """The cost with so many workers; of memory that of all ``together`` on this machine."""
         held = min(workers, self.missing) if together else 1
-        return ExpectedCost(self.seconds / workers, self.memory_bytes * held)
+        begun = WORKER_SECONDS if self.missing else 0.0
+        return ExpectedCost(begun + self.seconds / workers, self.memory_bytes * held)
 
 
-LEAST_SECONDS = 0.02
-"""Of a cell of a sweep, whatever it holds: its plan, its data set, its place in a pack."""
+CELL_SECONDS = 0.05
+"""Of a cell of a sweep, whatever it holds: its derivation, plan, data set, its place in a pack."""
+
+WORKER_SECONDS = 1.5
+"""Of a worker, before its first cell."""
 
 
 def expected_cell_cost(scene: Scene) -> ExpectedCost:
     """The cost of a run as one of many in a process: what that does once is left out."""
     found = scene.expected_cost()
-    return replace(found, seconds=max(LEAST_SECONDS, found.seconds - found.once))
+    return replace(found, seconds=CELL_SECONDS + max(0.0, found.seconds - found.once))
 
 
 def expected_sweep_cost(sweep: Sweep, store: RunStore, settled: Collection[str]) -> SweepCost:

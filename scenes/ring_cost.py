@@ -1,8 +1,8 @@
 """What runs on a ring are expected to take, known from the lattice's data alone.
 
-Measured in processor time on one core of a 3 GHz server, with rings that fit its cache. Of the
-shipped scenes the estimate is 0.8 to 5 times (median 1.6) what a run takes: what a tolerance takes
-is known only when its search has ended.
+Measured in processor time on one core of a 3 GHz server, with rings that fit its cache;
+`benchmarks/time_told.py` compares it with what shipped scenes take. What a tolerance takes is known
+only when its search has ended.
 """
 
 from __future__ import annotations
@@ -11,11 +11,17 @@ from longwave.lattice.force_program import UNARY, ForceProgram
 from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.support.request_limits import ExpectedCost
 
-USUAL_RUNS = 4.0
-"""Runs of a search, in units of the first: 2.3 where its step is short enough, else 7 to 9."""
+USUAL_RUNS = 4.5
+"""Runs of a search, in units of the first: 3.9, with what rounding does 4.9, at times 7."""
 
-BEGIN_SECONDS = 0.3
-"""To derive the equation and to have its wave as a program."""
+BEGIN_SECONDS = 1.6
+"""Once in a process: imports, to derive the equation and to have its wave as a program."""
+
+STEP_SECONDS = 2e-5
+"""For a step of few cells: what is called for each of its stages."""
+
+SECONDS_PER_DASHPOT = 3e-9
+"""For a dashpot beside a spring, which follows its bond's rate in each stage."""
 
 CELL_SECONDS = 5e-6
 """To form the data of a cell in all runs: 1e-6 to 2e-5, by the wave."""
@@ -27,7 +33,9 @@ SECONDS_PER_ROOT = 4.5e-10
 """For a root or a quotient in a force."""
 
 SECONDS_PER_FUNCTION = dict.fromkeys(UNARY, 9e-9) | {"exp": 5e-9, "log": 5.5e-9}
-"""For a function in a force, which is called for each cell: 5 to 50 times a polynomial's work."""
+SECONDS_PER_FUNCTION |= {"contact": 0.0, "touching": 0.0}
+"""For a function in a force, which is called for each cell: 5 to 50 times a polynomial's work. A
+comparison is none."""
 
 SECONDS_PER_POWER = 1.3e-8
 """For a power whose exponent is neither whole nor half."""
@@ -55,7 +63,8 @@ def cell_seconds(lattice: NumericLattice) -> float:
     each = SECONDS_PER_FIELD[min(lattice.dimension, 2)]
     forces = sum(_force_seconds(bond.force) for bond in lattice.bonds)
     resting = lattice.cellwise[2].shape[0]
-    return each * (len(lattice.fields) + resting) + forces
+    pots = SECONDS_PER_DASHPOT * sum(map(bool, getattr(lattice, "dashpots", ())))
+    return each * (len(lattice.fields) + resting) + forces + pots
 
 
 def _force_seconds(force: ForceProgram) -> float:
@@ -79,7 +88,7 @@ def search_cost(
     ``steps`` are those of the first run.
     """
     fields = len(lattice.fields)
-    first = steps * stages * cells * cell_seconds(lattice)
+    first = steps * (STEP_SECONDS + stages * cells * cell_seconds(lattice))
     return ExpectedCost(
         BEGIN_SECONDS + CELL_SECONDS * cells + USUAL_RUNS * first,
         PROCESS_BYTES + (BYTES_PER_CELL * cells + BYTES_PER_VALUE * kept) * fields,

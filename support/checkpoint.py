@@ -69,7 +69,7 @@ class CheckpointFolder:
         self.least, self.share = least, share
         self._folder, self._stamp = folder, stamp
         self._usual, self._lock = least, Lock()
-        self._spared = 0.0
+        self._spared, self._held = 0.0, 0.0
 
     def read(self, name: str, task: str) -> Memory | None:
         """What was kept of the loop of that name; None if nothing that fits was."""
@@ -100,11 +100,17 @@ class CheckpointFolder:
     @property
     def is_begun(self) -> bool:
         """Whether anything was kept that this run can go on with."""
-        return any(_read(read_sealed(path) or b"")[0] == self._stamp for path in self._loops())
+        return bool(self._kept_loops())
+
+    def _kept_loops(self) -> list[Memory]:
+        found = (_read(read_sealed(path) or b"") for path in self._loops())
+        return [memory for stamp, _, memory in found if stamp == self._stamp]
 
     def tell(self, name: str) -> None:
         """Tell whether the run of that name goes on with what was kept, or can not."""
-        if self.is_begun:
+        kept = self._kept_loops()
+        self._held = sum(float(memory["seconds"]) for memory in kept)
+        if kept:
             LOG.info("%s: goes on where it was broken off", name)
         elif self._loops():
             LOG.info(ANEW, name, self._folder)
@@ -118,6 +124,11 @@ class CheckpointFolder:
     def spared_seconds(self) -> float:
         """All that was counted."""
         return self._spared
+
+    @property
+    def kept_seconds(self) -> float:
+        """Those of what was kept, and is still to be found again."""
+        return max(0.0, self._held - self._spared)
 
     def clear(self) -> None:
         """Remove what was kept: the run is finished. A folder that holds other files stays."""
@@ -214,6 +225,12 @@ def spared_seconds() -> float:
     """The seconds of loops that were remembered and not done again."""
     trail = _TRAIL.get()
     return 0.0 if trail is None else trail.keeper.spared_seconds
+
+
+def kept_seconds() -> float:
+    """The seconds of loops that are remembered and that the run has not come to yet."""
+    trail = _TRAIL.get()
+    return 0.0 if trail is None else trail.keeper.kept_seconds
 
 
 @dataclass

@@ -3,6 +3,7 @@
 A room declares its words with click, next to what they do; `run_words` is the way into any of them.
 """
 
+import errno
 import os
 import re
 import sys
@@ -21,11 +22,14 @@ from longwave.support.request_limits import (
     check_request,
     request_limits,
 )
-from longwave.support.slow_work import SILENT, announce, notice_when_silent
+from longwave.support.slow_work import announce, time_told
 from longwave.support.user_files import cut, printable, toml_value
 
-WRONG = 2
-"""Exit status after wrong input."""
+WRONG, BROKEN = 2, 1
+"""Exit status after wrong input, and where the disk did not take what was to be written."""
+
+FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
+"""What a disk says that takes no more."""
 
 NO_READER = 141
 """Exit status where the reader of the output has gone: 128 + the signal."""
@@ -211,7 +215,7 @@ def run_words(command: click.Command, program: str, argv: Sequence[str] | None =
     called = f"{program} {arguments[0]}" if arguments and arguments[0] in known else program
     call_it(called)
     whole = argv is None
-    with notice_when_silent(called, SILENT) if whole else nullcontext():
+    with time_told(called) if whole else nullcontext():
         return interruptible(called, lambda: _run(command, program, called, arguments), whole)
 
 
@@ -220,9 +224,9 @@ def _run(command: click.Command, program: str, called: str, argv: Sequence[str])
         with command.make_context(program, [*argv], help_option_names=["-h", "--help"]) as context:
             context.meta[_ARGV] = argv
             status = command.invoke(context)
-        sys.stdout.flush()
+        return _flushed(int(status or 0))
     except click.exceptions.Exit as stop:
-        return stop.exit_code
+        return _flushed(stop.exit_code)
     except click.ClickException as error:
         return _wrong(error, called, argv)
     except (click.Abort, KeyboardInterrupt):
@@ -236,7 +240,19 @@ def _run(command: click.Command, program: str, called: str, argv: Sequence[str])
         return fail(error)
     except MemoryError:
         return fail("the request must fit the memory, got one that does not (make it smaller)")
-    return int(status or 0)
+
+
+def _flushed(status: int) -> int:
+    """The exit status, when all output is written."""
+    try:
+        sys.stdout.flush()
+    except BrokenPipeError:
+        _drop_output()
+        return NO_READER
+    except OSError as error:
+        _drop_output()
+        return fail(error)
+    return status
 
 
 def _drop_output() -> None:
@@ -265,7 +281,8 @@ def _wrong(error: click.ClickException, called: str, argv: Sequence[str]) -> int
 
 
 def fail(message: object) -> int:
-    """Print ``error: message`` in one line on stderr; return the exit status 2.
+    """Print ``error: message`` in one line on stderr; return the exit status 2, or 1 where the disk
+    is full.
 
     An error of a file says which file, and what is wrong with it. What the command line holds is
     quoted in at most ``QUOTED`` characters. After Ctrl-C that is told instead: what it breaks off
@@ -275,12 +292,13 @@ def fail(message: object) -> int:
         return interrupted()
     if isinstance(message, BrokenPipeError):
         raise message
+    status = BROKEN if isinstance(message, OSError) and message.errno in FULL else WRONG
     if isinstance(message, OSError) and message.strerror:
         message = f"{message.filename or 'output'}: {message.strerror}"
     context = click.get_current_context(silent=True)
     argv = context.meta.get(_ARGV, ()) if context is not None else ()
     print(f"error: {one_line(_quoting_little(str(message), argv))}", file=sys.stderr)
-    return WRONG
+    return status
 
 
 def _quoting_little(message: str, argv: Iterable[str]) -> str:

@@ -8,19 +8,19 @@ import os
 import tempfile
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from functools import partial
 from pathlib import Path
-from time import process_time
+from time import monotonic
 from typing import Any, NoReturn, TypeVar
 
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn, track
+from rich.progress import BarColumn, Progress, ProgressColumn, Task, TextColumn, track
 from rich.text import Text
 
+from longwave.support.checkpoint import kept_seconds
 from longwave.support.interruption import interrupted
 from longwave.support.progress_line import ProgressLine, in_notebook
 from longwave.support.request_limits import Announcer
-from longwave.support.slow_work import announce, count_notice, notice_when_silent
+from longwave.support.slow_work import Clock, TimeLeft, announce, count_notice, time_told
 from longwave.support.user_files import printable, shown
 
 PIPE_WIDTH = 120
@@ -196,40 +196,66 @@ def picture_path(output: str | Path) -> Path:
     return path
 
 
-QUIET = 2.0
-"""Seconds after which work that was not announced is: how long it takes was not foreseen."""
-
-
 @contextmanager
 def progress_bar(
     name: str,
     work: str,
     console: Console | None = None,
-    clock: Callable[[], float] = process_time,
+    clock: Clock = monotonic,
 ) -> Iterator[tuple[Tell, Tell]]:
-    """A bar on the standard error of a terminal, as `run` takes it; in a notebook a line.
+    """Progress on the standard error with the time left, as `run` takes it.
+
+    In a terminal it is a bar, in a notebook a line, and elsewhere a line now and then.
 
     Yields what the share done is told to, and what the seconds of ``work`` are told to: many are
-    announced, and again where they have doubled. Where there is no bar, what takes `QUIET` seconds
-    of the ``clock`` without a word gets one.
+    announced, and again where they have doubled, without what a checkpoint holds of them.
     """
     if in_notebook():
         with ProgressLine(name) as line:
-            yield partial(setattr, line, "share"), partial(setattr, line, "expected")
+            yield line.left.share, _of_what_is_left(line.left.foresee)
         return
     console = console or plain_console(stderr=True, soft_wrap=True)
     if not console.is_terminal:
-        with notice_when_silent(work, QUIET, clock):
-            yield lambda _: None, Announcer(lambda seconds: announce(work, seconds))
+        with time_told(work, clock) as left:
+
+            def say(seconds: float) -> None:
+                left.foresee(seconds)
+                announce(work, seconds)
+
+            yield left.share, _of_what_is_left(say)
         return
-    count_notice()
-    columns = (TextColumn("{task.description}", markup=False), BarColumn(), TimeRemainingColumn())
+    left = TimeLeft(clock)
+    columns = (TextColumn("{task.description}", markup=False), BarColumn(), _TimeColumn(left))
     with Progress(*columns, console=console, transient=True) as bar:
         task = bar.add_task(name, total=1.0)
 
         def tell(seconds: float) -> None:
+            left.foresee(seconds)
             bar.stop()
             announce(work, seconds)
             bar.start()
 
-        yield lambda share: bar.update(task, completed=share), Announcer(tell)
+        def advance(share: float) -> None:
+            count_notice()
+            left.share(share)
+            bar.update(task, completed=share)
+
+        yield advance, _of_what_is_left(tell)
+
+
+def _of_what_is_left(tell: Tell) -> Tell:
+    """Passes on the seconds that are expected, without those that a checkpoint spares."""
+    announcer = Announcer(tell)
+    return lambda seconds: announcer(max(0.0, seconds - kept_seconds()))
+
+
+class _TimeColumn(ProgressColumn):
+    """The time left beside a bar."""
+
+    def __init__(self, left: TimeLeft) -> None:
+        super().__init__()
+        self._left = left
+
+    def render(self, _: Task) -> Text:
+        """The share and the time."""
+        return Text(self._left.words())

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 _FENCE = re.compile(r"^```(\{?[\w-]+\}?)([^\n]*)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 _CAPTION = re.compile(r":caption: (\S+)\n\n?")
 
-SLOW = re.compile(r"^.*: takes more than some seconds .*\n", re.MULTILINE)
+SLOW = re.compile(r"^.*: .*(so far|left) \(Ctrl-C stops it\)\n", re.MULTILINE)
 """What a loaded machine has to say."""
 
 

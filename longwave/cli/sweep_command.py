@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from longwave.runs.run_file import SWEPT, open_run
-from longwave.runs.run_output import BROKEN, check_run_output, store_messages
+from longwave.runs.run_output import check_run_output, store_messages
 from longwave.runs.run_pack import DONE, NUMBERS
 from longwave.runs.run_store import RunStore
 from longwave.runs.sweep import SweepState, run_sweep, settled_keys
@@ -19,7 +19,7 @@ from longwave.runs.sweep_cost import SweepCost, expected_sweep_cost
 from longwave.runs.sweep_file import Sweep, load_sweep
 from longwave.runs.sweep_scene import changed_scene
 from longwave.runs.sweep_workers import check_workers, sweep_workers
-from longwave.support.command_line import fail
+from longwave.support.command_line import BROKEN, fail
 from longwave.support.console import plain_console, print_json, print_lines, progress_bar
 from longwave.support.interruption import interrupted
 from longwave.support.processes import LocalWorkers, Workers
@@ -29,10 +29,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from longwave.runs.sampled_sweep import Observed
-
-
-PACED = 4
-"""Cells of each worker by whose pace the rest is judged: the first ones wait for what is loaded."""
 
 
 def sweep_and_print(
@@ -56,8 +52,7 @@ def sweep_and_print(
     are printed with their intervals. Runs are kept in the folder ``store``. Exit status 0, 1 if a
     cell did not come to its end or could not be written, 2 for bad input, told in one line, and 130
     after Ctrl-C, which ``program`` tells: what was done is in the store then, and the same command
-    goes on with what is missing.
-    More than 5 s are announced, and 2 s that nobody foresaw.
+    goes on with what is missing. More than 5 s are announced, and every 30 s what is left.
     """
     told = SweepState(0)
     try:
@@ -174,10 +169,11 @@ def _run_with_bar(
     shown = work.removesuffix(",")
     with progress_bar(sweep.name, shown, clock=perf_counter) as (advance, tell):
         tell(cost.seconds)
+        told.expected = expected.seconds
 
         def show(state: SweepState) -> None:
             advance((state.found + state.done) / state.cells)
-            if state.done >= PACED * state.workers:
+            if state.steady[0]:
                 tell(state.seconds_left)
 
         run_sweep(sweep, store, workers, show, told, settled)

@@ -197,7 +197,8 @@ def test_a_line_of_progress_is_written_over_and_told_to_be_done(
     monkeypatch.setattr(progress_line, "SILENT", 0.0)
     monkeypatch.setattr(progress_line, "TICK", 0.01)
     with progress_line.ProgressLine("toda_soliton") as line:
-        line.share = 0.5
+        line.left.share(0.0)
+        line.left.share(0.5)
         line._thread.join(0.2)
     said = capsys.readouterr().err
     assert said.count("\n") == 1

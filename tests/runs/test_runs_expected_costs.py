@@ -91,8 +91,8 @@ def test_what_the_store_holds_costs_nothing(
     store = RunStore(tmp_path)
     whole = expected_sweep_cost(asked, store, ())
     assert (whole.looked_at, whole.missing, whole.seconds) == (2, 2, 53.0)
-    assert whole.by(2, together=True) == ExpectedCost(26.5, 14.0)
-    assert whole.by(2, together=False) == ExpectedCost(26.5, 7.0)
+    assert whole.by(2, together=True) == ExpectedCost(28.0, 14.0)
+    assert whole.by(2, together=False) == ExpectedCost(28.0, 7.0)
     rest = expected_sweep_cost(asked, store, {store.key(asked.scene(1))})
     assert (rest.missing, rest.seconds) == (1, 3.0)
     assert rest.by(2, together=True).memory_bytes == 7.0

@@ -2,13 +2,11 @@
 
 import random
 from pathlib import Path
-from threading import Thread
 from typing import Any
 
 import pytest
 
 from longwave.__main__ import main
-from longwave.support.slow_work import announce, notice_when_silent
 
 SCENE = """
 wave = "soliton_sech"
@@ -116,19 +114,3 @@ def test_a_derivation_of_hours_is_refused_before_it_begins(
     error = capsys.readouterr().err
     assert error.startswith("error: envelope of dimer must take at most 30 s, got about ")
     assert "(take --envelope k=pi, or give constants by --set, or raise --max-time)" in error
-
-
-def test_a_silent_command_says_that_it_goes_on(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    begun: list[Thread] = []
-    monkeypatch.setattr(Thread, "start", lambda thread: begun.append(thread))
-    with notice_when_silent("longwave derive", 0.0):
-        begun[0].run()
-        announce("the run", 1.0)
-        silent = capsys.readouterr().err
-    assert silent == "longwave derive: takes more than some seconds (Ctrl-C stops it)\n"
-    with notice_when_silent("longwave derive", 0.0):
-        announce("the run", 20.0)
-        begun[1].run()
-    assert capsys.readouterr().err == "the run: about 20 s (Ctrl-C stops it)\n"

@@ -1,48 +1,28 @@
-"""What is said of long work where no bar is seen."""
+"""What is printed for other programs, and what is said of statements before they are read."""
 
-import time
-from itertools import chain, repeat
+import json
 
+import numpy as np
 import pytest
-from rich.console import Console
 
 from longwave.cli import statements
-from longwave.support.console import QUIET, progress_bar
+from longwave.support.console import print_json
 from longwave.verify.published import chosen
 
-PATIENCE = 600.0
+Output = pytest.CaptureFixture[str]
 
 
-def said_of(capsys: pytest.CaptureFixture[str], wanted: str) -> str:
-    said, end = "", time.monotonic() + PATIENCE
-    while wanted not in said and time.monotonic() < end:
-        time.sleep(0.01)
-        said += capsys.readouterr().err
-    return said
-
-
-def test_work_that_was_not_foreseen_is_told(capsys: pytest.CaptureFixture[str]) -> None:
-    clock = chain([0.0], repeat(2 * QUIET)).__next__
-    with progress_bar("name", "the work", Console(stderr=True), clock):
-        said = said_of(capsys, "the work")
-    assert said == "the work: takes more than some seconds (Ctrl-C stops it)\n"
-
-
-def test_announced_and_quick_work_is_not_told_again(capsys: pytest.CaptureFixture[str]) -> None:
-    clock = chain(repeat(0.0, 2), repeat(2 * QUIET)).__next__
-    with progress_bar("name", "the work", Console(stderr=True), clock) as (_, tell):
-        tell(20.0)
-        time.sleep(0.5)
-    assert capsys.readouterr().err == "the work: about 20 s (Ctrl-C stops it)\n"
-    with progress_bar("name", "the work", Console(stderr=True), repeat(0.0).__next__):
-        time.sleep(0.3)
-    assert capsys.readouterr().err == ""
+def test_json_has_no_word_that_json_has_not(capsys: Output) -> None:
+    print_json({"a": [np.nan, 1.0], "b": np.array([np.inf, 2.0]), "c": np.int64(3), "d": (1, "x")})
+    told = capsys.readouterr().out
+    assert "NaN" not in told
+    assert json.loads(told) == {"a": [None, 1.0], "b": [None, 2.0], "c": 3, "d": [1, "x"]}
 
 
 def test_many_statements_are_told_before_they_are_read(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    monkeypatch: pytest.MonkeyPatch, capsys: Output
 ) -> None:
-    monkeypatch.setattr(statements, "MANY", 0)
+    monkeypatch.setattr(statements, "READING_SECONDS", 60.0)
     name = next(iter(chosen(()))).name
     statements.read_problems(chosen([name]))
-    assert "to be read and decided: takes more" in capsys.readouterr().err
+    assert "1 statements to be read: about 60 s" in capsys.readouterr().err
