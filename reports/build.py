@@ -21,7 +21,7 @@ from rich.progress import Progress as Bars
 from longwave.reports.engine import CompileError, EngineMissingError, compile_pdf, ensure_engine
 from longwave.reports.latex import render, write
 from longwave.reports.paper import SOURCES
-from longwave.reports.pictures.drawing import cost_figure, save, snapshot_panels, styled
+from longwave.reports.pictures.drawing import TEXT_WIDTH, cost_figure, save, snapshot_panels, styled
 from longwave.reports.pictures.lattice_figures import modulation_figure
 from longwave.reports.pictures.paper_figures import paper_figures
 from longwave.reports.sections import (
@@ -253,7 +253,7 @@ def study_figures(found: Findings) -> Iterator[tuple[str, Figure]]:
         ),
     )
     precision, error = costs.precision_panels(found.rows("precision")), r"error of $y/\epsilon$"
-    yield "work_precision", cost_figure(precision, "seconds", error, 2, 2.7)
+    yield "work_precision", cost_figure(precision, "seconds", error, 2, 2.7, cheapest=True)
     scaling, ticks = costs.scaling_panels(found.rows("scaling")), (10, 20, 40, 80, 160)
     yield "cost_scaling", cost_figure(scaling, r"$1/\epsilon$", "seconds", 1, 2.8, x_ticks=ticks)
     if peaks := found.all("peak"):
@@ -266,7 +266,7 @@ def study_figures(found: Findings) -> Iterator[tuple[str, Figure]]:
 
 def write_figures(figures: Iterable[tuple[str, Figure]], folder: Path) -> Iterator[Path]:
     """Draw the figures below the folder, yielding each path when it is written."""
-    with styled():
+    with styled(TEXT_WIDTH, "tex"):
         for name, figure in figures:
             yield save(figure, folder / "figures" / f"{name}.pdf")
 

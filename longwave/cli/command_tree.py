@@ -224,6 +224,9 @@ def sweep(sweep: str, **options: Any) -> int:
     callback=lambda _, __, texts: named_values("--at", texts, "eps=0.1"),
     help="Of a sweep: draw these cells.",
 )
+@click.option(
+    "--columns", type=int, default=2, show_default=True, help="Width: of a journal, 1 or 2."
+)
 @force_option
 @limit_options
 def plot(source: str, output: str | None, **options: Any) -> int:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from matplotlib.ticker import NullFormatter
 from rich.table import Table
 
-from longwave.reports.pictures.drawing import CURVES, TEXT_WIDTH, save, styled
+from longwave.reports.pictures.drawing import BEADS, OWN, WAVE, WIDTHS, save, styled
 from longwave.reports.pictures.shown import ShownFigure
 from longwave.runs.sweep_scene import changed_scene
 from longwave.scenes.scene_checks import finite
@@ -78,20 +80,27 @@ def convergence_figure(study: SceneConvergence) -> ShownFigure:
     eps = np.array([point.eps for point in study.points])
     errors = np.array([point.error for point in study.points])
     own = np.array([point.discretisation for point in study.points])
-    figure = ShownFigure((0.7 * TEXT_WIDTH, 3.0), layout="constrained")
+    figure = ShownFigure((WIDTHS[1], 2.8), layout="constrained")
     ax = figure.subplots()
     rate = study.rate.value
     power = np.exp(np.mean(np.log(errors) - rate * np.log(eps))) * eps**rate
-    ax.loglog(eps, errors, label="sup error", **(CURVES[0] | {"linestyle": ""}))
     theory = "" if study.theory is None else f", theory {study.theory}"
-    ax.loglog(eps, power, color="black", linewidth=0.8, label=f"rate {study.rate}{theory}")
-    ax.loglog(eps, own, label="discretisation", **(CURVES[1] | {"linestyle": ""}))
+    ax.loglog(eps, power, color=WAVE, linewidth=0.9, label=f"rate {study.rate}{theory}")
+    ax.loglog(eps, errors, label="lattice against wave", **BEADS | {"zorder": 3.0})
+    ax.loglog(eps, own, label="own error of the runs", color=OWN, marker="s", linestyle="--")
     ax.set_xlabel(r"$\epsilon$")
+    ax.set_ylabel("sup error of the strain")
     ax.set_xticks(eps, [f"{value:g}" for value in eps], minor=False)
     ax.set_xticks([], minor=True)
-    ax.legend()
-    figure.suptitle(study.scene.title or study.scene.name, parse_math=False, fontsize="medium")
+    ax.yaxis.set_minor_formatter(NullFormatter())
+    figure.legend(loc="outside lower center")
+    title = textwrap.fill(study.scene.title or study.scene.name, TITLE)
+    figure.suptitle(title, parse_math=False, fontsize="medium")
     return figure
+
+
+TITLE = 44
+"""Characters in a line of a picture's title."""
 
 
 def converge_and_draw(

@@ -12,12 +12,13 @@ from bokeh.plotting import figure
 from matplotlib.colors import to_hex
 
 from longwave.explore.explore_text import unit
+from longwave.reports.pictures.drawing import LATTICE, WAVE
 
 if TYPE_CHECKING:
     from longwave.explore.exploration_run import Array, Comparison
 
-LATTICE, WAVE, TIME = "#0072B2", "#D55E00", "#333333"
-"""Colours that are told apart with any colour vision: of the lattice, the wave and the time."""
+TIME = "#333333"
+"""The colour of the time."""
 
 MARGIN = 0.06
 """Free space about curves, as a share of their extent."""
@@ -82,10 +83,10 @@ class Profile(Picture):
         super().__init__(330, label, css_classes=["profile"])
         self.source.data = {"X": [], "lattice": [], "wave": []}
         for name, look in (
-            ("lattice", {"color": LATTICE}),
-            ("wave", {"color": WAVE, "line_dash": [6, 4]}),
+            ("lattice", {"color": LATTICE, "width": 5.0}),
+            ("wave", {"color": WAVE, "width": 1.5}),
         ):
-            self.picture.line("X", name, source=self.source, width=2, legend_label=name, **look)
+            self.picture.line("X", name, source=self.source, legend_label=name, **look)
         self.picture.legend.background_fill_alpha = 0.7
         self.picture.legend.click_policy = "hide"
 

@@ -5,13 +5,15 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.ticker import LogLocator, NullFormatter
 from numpy.typing import NDArray
 
-from longwave.reports.pictures.drawing import CURVES, even_places, part
+from longwave.reports.pictures.drawing import CURVES, add_legend, even_places, part
 from longwave.scenes.bench import OF_MEANS
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.axes import Axes
     from matplotlib.figure import FigureBase
 
 Array = NDArray[np.float64]
@@ -42,8 +44,9 @@ def sensor_readings(figure: FigureBase, data: xr.Dataset) -> None:
     names = _readings(data)
     panels = figure.subplots(len(names), 1, sharex=True, squeeze=False)[:, 0]
     for ax, name in zip(panels, names, strict=True):
-        _lines(ax, data, name, "sensor", "cell {}")
+        _lines(ax, data, name, "sensor")
     panels[-1].set_xlabel("$t$")
+    _name_lines(figure, panels[0], data, "sensor", "cell {}")
 
 
 @part(0.4 + 1.4 * PANEL)
@@ -55,8 +58,8 @@ def energy_balance(figure: FigureBase, data: xr.Dataset) -> None:
             data["time"], data[name], label=data[name].attrs["long_name"], **look | {"marker": ""}
         )
     ax.set_xlabel("$t$")
-    ax.set_ylabel(f"energy ({data['energy'].attrs['units']})", fontsize="small")
-    ax.legend(fontsize="small")
+    ax.set_ylabel(f"energy ({data['energy'].attrs['units']})")
+    ax.legend()
 
 
 @part(0.4 + 2 * PANEL)
@@ -64,8 +67,9 @@ def fluxes(figure: FigureBase, data: xr.Dataset) -> None:
     """Power through bonds over time, and what went through."""
     panels = figure.subplots(2, 1, sharex=True)
     for ax, name in zip(panels, ("flux", "transmitted"), strict=True):
-        _lines(ax, data, name, "cut", "right of cell {}")
+        _lines(ax, data, name, "cut")
     panels[-1].set_xlabel("$t$")
+    _name_lines(figure, panels[0], data, "cut", "right of cell {}")
 
 
 def has_spectra(data: xr.Dataset) -> bool:
@@ -97,34 +101,55 @@ def sensor_spectra(figure: FigureBase, data: xr.Dataset) -> None:
         ratios = np.where(seen, amplitudes / first, np.nan)
     cells, told = data["sensor"].values, data[name].attrs
     panels = figure.subplots(min(cells.size, 2), 1, sharex=True, squeeze=False)[:, 0]
-    panels[0].set_ylabel(f"amplitude of {told['long_name']}\n({told['units']})", fontsize="small")
+    panels[0].set_ylabel(f"amplitude of {told['long_name']}\n({told['units']})")
     for count, place in enumerate(even_places(cells.size, MOST_LINES)):
         look = CURVES[count] | {"marker": ""}
-        panels[0].plot(frequencies[1:], amplitudes[1:, place], label=f"cell {cells[place]}", **look)
+        panels[0].plot(frequencies[1:], amplitudes[1:, place], **look)
         if place:
             panels[1].plot(frequencies, ratios[:, place], **look | {"marker": "."})
-            panels[1].set_ylabel(f"ratio to cell {cells[0]}", fontsize="small")
+            panels[1].set_ylabel(f"ratio to cell {cells[0]}")
     panels[-1].set_xlabel(r"frequency $\omega$  (per lattice time)")
+    panels[0].set_xlim(0.0, _last_frequency(frequencies, amplitudes))
     for ax in panels:
         if any(np.fmax.reduce(line.get_ydata(), initial=0.0) > 0.0 for line in ax.lines):
             ax.set_yscale("log")
-    panels[0].legend(fontsize="small", loc="center left", bbox_to_anchor=(1.0, 0.5))
+        low, high = ax.get_ylim()
+        if low > 0.0 and high < 30.0 * low:  # powers of ten alone would say little
+            ax.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+            ax.yaxis.set_major_formatter("{x:g}")
+            ax.yaxis.set_minor_formatter(NullFormatter())
+    figure.align_ylabels(panels)
+    _name_lines(figure, panels[0], data, "sensor", "cell {}")
+
+
+UNSEEN = 1e-5
+"""Share of the largest amplitude below which frequencies are no longer shown."""
+
+
+def _last_frequency(frequencies: Array, amplitudes: Array) -> float:
+    """The end of what can be seen of spectra, with a margin."""
+    largest = amplitudes[1:].max(axis=1)
+    seen = np.flatnonzero(largest > UNSEEN * largest.max())
+    end = float(frequencies[1:][seen[-1]]) if seen.size else float(frequencies[-1])
+    return min(1.05 * end, float(frequencies[-1]))
 
 
 @part(0.4 + 1.4 * PANEL)
 def mode_energies(figure: FigureBase, data: xr.Dataset) -> None:
     """The energies of the modes over time."""
     ax = figure.subplots()
-    _lines(ax, data, "mode_energy", "mode", "mode {}")
+    _lines(ax, data, "mode_energy", "mode")
     ax.set_xlabel("$t$")
+    _name_lines(figure, ax, data, "mode", "mode {}")
 
 
 @part(0.4 + 1.4 * PANEL)
 def cells_at_times(figure: FigureBase, data: xr.Dataset) -> None:
     """The displacement of all cells at some times."""
     ax = figure.subplots()
-    _lines(ax, data, "displacement", "time", "$t = {:g}$", along="cell")
+    _lines(ax, data, "displacement", "time", along="cell")
     ax.set_xlabel("$n$")
+    _name_lines(figure, ax, data, "time", "$t = {:g}$")
 
 
 def _of_first(values: xr.DataArray, *kept: str) -> xr.DataArray:
@@ -132,9 +157,7 @@ def _of_first(values: xr.DataArray, *kept: str) -> xr.DataArray:
     return values.isel(dict.fromkeys(set(values.dims) - set(kept), 0))
 
 
-def _lines(
-    ax: object, data: xr.Dataset, name: str, each: str, label: str, along: str = "time"
-) -> None:
+def _lines(ax: Axes, data: xr.Dataset, name: str, each: str, along: str = "time") -> None:
     """A line for each place on a dimension; of several fields or bonds the first."""
     values = _of_first(data[name], each, along)
     bars = _of_first(data[f"{name}_error"], each, along) if f"{name}_error" in data else None
@@ -144,7 +167,14 @@ def _lines(
         line = values.isel({each: place}).transpose(along)
         if bars is not None:
             half = bars.isel({each: place}).transpose(along)
-            ax.fill_between(axis, line - half, line + half, color=look["color"], alpha=0.2)  # type: ignore[attr-defined]
-        ax.plot(axis, line, label=label.format(data[each].values[place]), **look)  # type: ignore[attr-defined]
-    ax.set_ylabel(f"{values.attrs['long_name']}", fontsize="small")  # type: ignore[attr-defined]
-    ax.legend(fontsize="small", loc="center left", bbox_to_anchor=(1.0, 0.5))  # type: ignore[attr-defined]
+            ax.fill_between(axis, line - half, line + half, color=look["color"], alpha=0.2)
+        ax.plot(axis, line, **look)
+    ax.margins(x=0.0)
+    ax.set_ylabel(f"{values.attrs['long_name']}")
+
+
+def _name_lines(figure: FigureBase, ax: Axes, data: xr.Dataset, each: str, label: str) -> None:
+    """One legend above all panels of lines for each place on a dimension."""
+    for line, place in zip(ax.lines, even_places(data.sizes[each], MOST_LINES), strict=True):
+        line.set_label(label.format(data[each].values[place]))
+    add_legend(figure, {str(line.get_label()): line for line in ax.lines})

@@ -17,6 +17,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, FigureBase
+from matplotlib.text import Text
 from matplotlib.ticker import NullFormatter
 from numpy.typing import NDArray
 
@@ -29,11 +30,30 @@ Shown = ParamSpec("Shown")
 TEXT_WIDTH = 6.5
 """Width of the report's text, in inches; figures are drawn at the size at which they are set."""
 
-NUMERICAL: dict[str, Any] = {"color": "blue", "linestyle": "-", "linewidth": 1.0}
-"""The lattice's own strain, as in the paper."""
+WIDTHS = {1: 3.4, 2: 7.0}
+"""Widths of pictures for one column and two columns of a journal, in inches."""
 
-ANALYTICAL: dict[str, Any] = {"color": "red", "linestyle": "--", "linewidth": 1.0, "dashes": (4, 3)}
-"""The mKdV wave, as in the paper."""
+LATTICE, WAVE, OWN = "#56B4E9", "#D55E00", "#E69F00"
+"""The colours of the lattice, the wave in theory and a run's own error, everywhere."""
+
+NUMERICAL: dict[str, Any] = {"color": LATTICE, "linestyle": "-", "linewidth": 2.6}
+"""The lattice's own strain: a broad line, which a thin one on it does not hide."""
+
+BEADS: dict[str, Any] = {
+    "color": LATTICE,
+    "linestyle": "",
+    "marker": "o",
+    "markersize": 3.6,
+    "markeredgewidth": 0.5,
+    "markeredgecolor": "#0072B2",
+}
+"""The same where its values can be told apart: each is a bead."""
+
+ANALYTICAL: dict[str, Any] = {"color": WAVE, "linestyle": "-", "linewidth": 0.9}
+"""The wave in theory."""
+
+BEADS_AN_INCH = 22.0
+"""Most values in an inch of a picture that are beads."""
 
 CURVES: tuple[dict[str, Any], ...] = (
     {"color": "#0072B2", "linestyle": "-", "marker": "o"},
@@ -48,22 +68,42 @@ CURVES: tuple[dict[str, Any], ...] = (
 """Okabe and Ito's colours, told apart by line and marker as well."""
 
 _SETTINGS: Any = {
-    "font.family": "STIXGeneral",
-    "font.size": 10.0,
-    "axes.titlesize": 10.0,
-    "axes.labelsize": 10.0,
-    "xtick.labelsize": 9.0,
-    "ytick.labelsize": 9.0,
-    "legend.fontsize": 9.0,
-    "mathtext.fontset": "stix",
+    "font.size": 9.0,
+    "axes.titlesize": 9.0,
+    "axes.labelsize": 9.0,
+    "xtick.labelsize": 8.0,
+    "ytick.labelsize": 8.0,
+    "legend.fontsize": 8.0,
+    "legend.frameon": False,
+    "legend.handlelength": 1.8,
     "lines.markersize": 3.0,
     "lines.linewidth": 1.2,
     "axes.linewidth": 0.6,
-    "legend.frameon": False,
+    "xtick.direction": "in",
+    "ytick.direction": "in",
+    "xtick.top": True,
+    "ytick.right": True,
     "pdf.fonttype": 42,
+    "svg.fonttype": "none",
     "svg.hashsalt": "longwave",
-    "savefig.dpi": 160,
+    "savefig.dpi": 200,
 }
+
+_FONTS: Mapping[str, dict[str, Any]] = {
+    "times": {"font.family": ["STIXGeneral"], "mathtext.fontset": "stix"},
+    "tex": {
+        "font.family": ["cmr10", "STIXGeneral"],
+        "mathtext.fontset": "cm",
+        "axes.formatter.use_mathtext": True,
+    },
+}
+"""The letters of journals, which are Unicode and can be searched in a picture, and those of TeX."""
+
+_FAMILIES = "STIXGeneral, 'STIX Two Text', 'Times New Roman', Times, serif"
+"""What a browser shows the text of an SVG in: the first of these that it has."""
+
+_NOT_IN_TEX = re.compile(r'[<>_|{}"\\$]')
+"""Characters that TeX's letters have in other places."""
 
 
 @dataclass(frozen=True)
@@ -73,9 +113,9 @@ class Part:
     height: float
     draw: Callable[[FigureBase], None]
 
-    def figure(self, width: float = TEXT_WIDTH) -> Figure:
-        """The part alone, as a figure of that width in inches."""
-        made = Figure((width, self.height), layout="constrained")
+    def figure(self, width: float | None = None) -> Figure:
+        """The part alone, as a figure of that width in inches; by default that of the style."""
+        made = Figure((width or page_width(), self.height), layout="constrained")
         self.draw(made)
         return made
 
@@ -104,17 +144,28 @@ _CHANGING = {".pdf": "CreationDate", ".svg": "Date"}
 
 
 @contextmanager
-def styled() -> Iterator[None]:
-    """Draw with the report's settings, whatever the user's own are; nothing leaks out."""
+def styled(width: float = WIDTHS[2], font: str = "times") -> Iterator[None]:
+    """Draw with the settings of all pictures, whatever the user's own are; nothing leaks out.
+
+    ``width`` is that of a page's text in inches, ``font`` the letters that stand around the
+    picture: "times", or "tex" for what is set in Computer Modern.
+    """
     with mpl.rc_context():
         mpl.rcdefaults()
-        mpl.rcParams.update(_SETTINGS)
+        mpl.rcParams.update(_SETTINGS | _FONTS[font] | {"figure.figsize": (width, 3.0)})
         yield
+
+
+def page_width() -> float:
+    """The width in inches of what is drawn now."""
+    return float(mpl.rcParams["figure.figsize"][0])
 
 
 def save(figure: Figure, path: Path) -> Path:
     """Write the figure to the path, the same bytes for the same content; return the path."""
     path.parent.mkdir(parents=True, exist_ok=True)
+    if "cmr10" in mpl.rcParams["font.family"]:
+        _set_in_tex(figure)
     write_atomically(path, lambda draft: _write(figure, draft), durable=False)
     return path
 
@@ -124,7 +175,26 @@ def _write(figure: Figure, path: Path) -> None:
     figure.savefig(path, metadata={_CHANGING.get(suffix, "Software"): None})
     if suffix == ".svg":
         text = path.read_text(encoding="utf-8")
+        text = text.replace("'STIXGeneral'", _FAMILIES)
         path.write_text(_with_numbered_clips(text), encoding="utf-8")
+
+
+def _set_in_tex(figure: Figure) -> None:
+    """Set what TeX's letters lack outside of mathematics as mathematics."""
+    for text in figure.findobj(Text):
+        words = text.get_text()
+        parts = words.split("$") if text.get_parse_math() else [words]
+        if any(map(_NOT_IN_TEX.search, parts[::2])):
+            parts[::2] = [_NOT_IN_TEX.sub(_as_mathematics, part) for part in parts[::2]]
+            text.set_text("$".join(parts))
+            text.set_parse_math(True)
+
+
+def _as_mathematics(found: re.Match[str]) -> str:
+    """One such character in mathematics."""
+    return {"$": r"\$", "\\": r"$\backslash$", '"': "''"}.get(
+        found[0], rf"$\{found[0]}$" if found[0] in "_{}" else f"${found[0]}$"
+    )
 
 
 def _with_numbered_clips(text: str) -> str:
@@ -135,30 +205,68 @@ def _with_numbered_clips(text: str) -> str:
     return text
 
 
-@part(lambda rows, wave="": 1.55 * len(rows) + 0.35)
+@part(lambda rows, wave="": SNAPSHOT * len(rows) + 0.35)
 def snapshot_panels(
     figure: FigureBase, rows: Sequence[Sequence[xr.Dataset]], wave: str = ""
 ) -> None:
-    """One panel for each of `run_data.snapshots`, one row per run, lettered (A), (B), ... .
+    """Two panels for each of `run_data.snapshots`, one row per run, lettered (A), (B), ... .
 
+    The strains, and below them the lattice less the wave on the band of the run's own error.
     ``wave`` is what the legend calls the analytical strain, where the run's own word is not taken.
-    Shorter rows end in empty places.
+    The legend stands in the place that a shorter row leaves, and otherwise above.
     """
     across = max(len(row) for row in rows)
-    panels = figure.subplots(len(rows), across, squeeze=False)
     letters = map(chr, range(ord("A"), ord("Z") + 1))
-    for row, axes in zip(rows, panels, strict=True):
+    signs: dict[str, Any] = {}
+    differences: dict[str, Any] = {}
+    free: FigureBase | Axes = figure
+    for row, place in zip(rows, figure.subfigures(len(rows), 1, squeeze=False)[:, 0], strict=True):
+        panels = place.subplots(2, across, squeeze=False, sharex="col", height_ratios=(2, 1))
         limits = spread_limits([at[name].values for at in row for name in ("strain", "analytic")])
-        for column, (at, ax) in enumerate(zip(row, axes, strict=False)):
-            _draw_snapshot(ax, at, next(letters), wave or at.attrs["wave"])
-            ax.set_ylim(*limits)
-            ax.tick_params(labelleft=column == 0)
-        axes[0].set_ylabel("$y_n$")
-        for ax in axes[len(row) :]:
-            ax.set_visible(False)
-    for ax in panels[-1]:
-        ax.set_xlabel("$n - c\\,t$  (sites)")
-    figure.legend(*panels[0][0].get_legend_handles_labels(), loc="outside upper right", ncols=2)
+        largest = max(map(_largest_difference, row))
+        for column, at in enumerate(row):
+            above, below = panels[:, column]
+            signs |= _draw_snapshot(above, at, next(letters), wave or at.attrs["wave"])
+            differences |= _draw_difference(below, at, largest)
+            above.set_ylim(*limits)
+            for ax in (above, below):
+                ax.tick_params(labelleft=column == 0)
+        panels[0, 0].set_ylabel("$y_n$")
+        panels[1, 0].set_ylabel("difference")
+        place.align_ylabels(panels[:, 0])
+        free = _without(panels[:, len(row) :]) or free
+        for ax in panels[1, : len(row)]:
+            ax.set_xlabel(MOVING)
+    add_legend(free, signs | differences)
+
+
+SNAPSHOT = 2.2
+"""Height of a row of snapshots in inches."""
+
+MOVING = "$n - c\\,t$  (sites)"
+"""The label of the sites in the frame that moves along."""
+
+
+def _without(axes: NDArray[Any]) -> Axes | None:
+    """Take away axes that nothing is drawn in; the first, bare, stays for a legend."""
+    for place, ax in enumerate(axes.flat):
+        ax.set_axis_off()
+        if place:
+            ax.remove()
+    return axes.flat[0] if axes.size else None
+
+
+def add_legend(place: FigureBase | Axes, signs: Mapping[str, Any]) -> None:
+    """The legend of these signs by their labels: in bare axes, or above a figure."""
+    if isinstance(place, Axes):
+        place.legend(signs.values(), signs.keys(), loc="center")
+        return
+    ncols = min(len(signs), max(1, int(page_width() / LEGEND_ENTRY)))
+    place.legend(signs.values(), signs.keys(), loc="outside upper right", ncols=ncols)
+
+
+LEGEND_ENTRY = 1.5
+"""Inches of an entry of a legend above a figure."""
 
 
 def even_places(count: int, most: int) -> list[int]:
@@ -170,16 +278,82 @@ def even_places(count: int, most: int) -> list[int]:
     return [round(place) for place in np.linspace(0, count - 1, min(count, most)).tolist()]
 
 
-def _draw_snapshot(ax: Axes, at: xr.Dataset, letter: str, wave: str) -> None:
-    """Draw one panel: the numerical strain solid blue, the analytical one dashed red on it."""
-    offset = at["offset"].values
-    ax.plot(offset, at["strain"], label="lattice", **NUMERICAL)
-    ax.plot(offset, at["analytic"], label=wave, **ANALYTICAL)
+def _draw_snapshot(ax: Axes, at: xr.Dataset, letter: str, wave: str) -> dict[str, Any]:
+    """Draw one panel, the wave as a thin line on the lattice; return the signs by their labels.
+
+    Of a carrier whose waves are too many to be seen the envelopes are compared.
+    """
+    offset, beads = at["offset"].values, _are_beads(ax, at["strain"].size)
+    if "strain_envelope" in at and np.isfinite(at["strain_envelope"]).any() and not beads:
+        signs = _draw_envelopes(ax, at)
+    else:
+        signs = {"lattice": ax.plot(offset, at["strain"], **BEADS if beads else NUMERICAL)[0]}
+        (signs[wave],) = ax.plot(offset, at["analytic"], **ANALYTICAL)
     eps, time = at.attrs["eps"], float(at["time"])
     ax.set_title(rf"({letter})  $\epsilon={eps:g}$, $t={time:g}$", loc="left")
     if np.unique(offset).size > 1:
         ax.set_xlim(offset[0], offset[-1])
     ax.locator_params(axis="x", nbins=5)
+    return signs
+
+
+def _draw_envelopes(ax: Axes, at: xr.Dataset) -> dict[str, Any]:
+    """Draw a carrier's strain, and its envelope and the wave's to either side of zero."""
+    offset = at["offset"].values
+    (line,) = ax.plot(offset, at["strain"], color=LATTICE, linewidth=0.5, zorder=1)
+    signs = {"lattice": line}
+    for name, label, look in (
+        ("strain_envelope", r"its envelope, $\propto |A|$", NUMERICAL),
+        ("analytic_envelope", "envelope of the wave", ANALYTICAL),
+    ):
+        for side in (1.0, -1.0):
+            (signs[label],) = ax.plot(offset, side * at[name], **look)
+    return signs
+
+
+def _are_beads(ax: Axes, count: int) -> bool:
+    across = ax.get_subplotspec()
+    columns = 1 if across is None else across.get_gridspec().ncols
+    return count <= BEADS_AN_INCH * page_width() / columns
+
+
+def _largest_difference(at: xr.Dataset) -> float:
+    """What an axis of differences must hold."""
+    apart = np.abs((at["strain"] - at["analytic"]).values)
+    return max(float(np.max(apart[np.isfinite(apart)], initial=0.0)), _own(at) or 0.0)
+
+
+def _own(at: xr.Dataset) -> float | None:
+    """A snapshot's own error; None where it was not measured."""
+    own = float(at["own"]) if "own" in at else math.nan
+    return own if math.isfinite(own) else None
+
+
+def _draw_difference(ax: Axes, at: xr.Dataset, largest: float) -> dict[str, Any]:
+    """Draw the lattice less the wave on the band of the own error; return signs and labels."""
+    offset, own = at["offset"].values, _own(at)
+    (line,) = ax.plot(offset, at["strain"] - at["analytic"], color="black", linewidth=0.8)
+    signs = {"lattice $-$ wave": line}
+    if own is not None:
+        signs[OWN_ERROR] = ax.axhspan(-own, own, color=OWN, alpha=0.5, lw=0, zorder=0)
+    top = 1.15 * largest or 1.0
+    ax.set_ylim(-top, top)
+    ax.locator_params(axis="y", nbins=3)
+    ax.ticklabel_format(axis="y", scilimits=(-2, 3), useMathText=True)
+    ax.set_title(f"own error {told_error(own)}" if own else "", loc="right", fontsize=7.0, pad=2.0)
+    return signs
+
+
+OWN_ERROR = "own error of the run"
+
+
+def told_error(own: float) -> str:
+    """An error to one digit, as mathematics.
+
+    >>> told_error(3.2e-8), told_error(1e-3)
+    ('$3\\\\times 10^{-8}$', '$0.001$')
+    """
+    return scientific(own, 1).replace(r"$1\times ", "$")
 
 
 def spread_limits(arrays: Sequence[Sites]) -> tuple[float, float]:
@@ -230,8 +404,7 @@ def _draw_own(ax: Axes, times: Sites, errors: Sites, own: Sites, colour: str) ->
 
     It is often thinner than the line, so its label says how much it is.
     """
-    largest = scientific(float(np.nanmax(own)), 1).replace(r"$1\times ", "$")
-    label = rf"own error $\leq$ {largest}"
+    label = rf"own error $\leq$ {told_error(float(np.nanmax(own)))}"
     known = np.isfinite(own)
     if known.sum() > BARS * own.size:
         ends = errors - own, errors + own
@@ -248,23 +421,53 @@ LEAST_CELLS = 24
 """Fewest cells of sites that are shown."""
 
 
-@part(3.0)
+@part(2.6)
 def space_time_map(figure: FigureBase, strain: xr.DataArray, half_width: int | None = None) -> None:
     """The variable `space_time` of a run; it has a time and, then, the first sites of its cells.
 
+    It is drawn on an even grid of times and of places in the moving frame, which passes the sites
+    one by one: their coordinate ``shift`` says how far from c t those are that stand at 0.
     `half_width` is how many sites are shown to either side of c t; `LEAST_CELLS` at least.
     """
-    time, place = (strain[dimension].values for dimension in strain.dims)
-    edges = cell_edges(place)
+    times, place, values = moving_grid(strain)
+    edges = time_edges(place)
     ax = figure.subplots()
-    drawn = ax.pcolormesh(time_edges(time), edges, strain.values.T, cmap="viridis", rasterized=True)
+    extent: Any = (*time_edges(times)[[0, -1]], *edges[[0, -1]])
+    look: dict[str, Any] = {"origin": "lower", "aspect": "auto", "interpolation": "bilinear"}
+    drawn = ax.imshow(values.T, extent=extent, **look)
     if half_width is not None:
         least = LEAST_CELLS / 2 * float(edges[1] - edges[0])
         shown = min(max(half_width, least), float(edges[-1]))
         ax.set_ylim(-shown, shown)
     ax.set_xlabel("$t$")
-    ax.set_ylabel("$n - c\\,t$  (sites)")
-    figure.colorbar(drawn, ax=ax, label="$|y_n|$" if strain.attrs.get("carried") else "$y_n$")
+    ax.set_ylabel(MOVING)
+    figure.colorbar(
+        drawn, ax=ax, label="envelope of $y_n$" if strain.attrs.get("carried") else "$y_n$"
+    )
+
+
+def moving_grid(strain: xr.DataArray) -> tuple[Sites, Sites, Sites]:
+    """Even times, even places in the moving frame, and the values (time, place) of a map there.
+
+    >>> kept = ("t", [0.0, 1.0]), ("map_site", [-1, 0, 1])
+    >>> ramp = xr.DataArray([[0.0, 1.0, 2.0], [0.0, 1.0, 2.0]], kept)
+    >>> moving_grid(ramp.assign_coords(shift=("t", [0.0, 0.5])))[2]
+    array([[0. , 1. , 2. ],
+           [0. , 0.5, 1.5]])
+    """
+    time, starts = (strain[dimension].values for dimension in strain.dims)
+    edges = cell_edges(starts)
+    middles = (edges[1:] + edges[:-1]) / 2
+    place = np.linspace(middles[0], middles[-1], middles.size)
+    shift = strain["shift"].values if "shift" in strain.coords else np.zeros(time.size)
+    rows = zip(shift, strain.values, strict=True)
+    sheared = np.array([np.interp(place, middles + by, row) for by, row in rows])
+    even = np.linspace(time[0], time[-1], time.size)
+    if time.size > 1 and np.all(np.diff(time) > 0.0):
+        after = np.clip(np.searchsorted(time, even), 1, time.size - 1)
+        share = ((even - time[after - 1]) / (time[after] - time[after - 1]))[:, np.newaxis]
+        sheared = (1.0 - share) * sheared[after - 1] + share * sheared[after]
+    return even, place, sheared
 
 
 def time_edges(times: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -288,64 +491,103 @@ def cell_edges(starts: NDArray[np.integer]) -> NDArray[np.float64]:
     return np.array([*starts, 1 - starts[0]]) - 0.5
 
 
-LABELS = {"crest_position": "crest at $n - c\\,t$  (sites)", "crest_strain": "$y$ at the crest"}
+LABELS = {"crest_position": "crest at " + MOVING, "crest_strain": "$y$ at the crest"}
 
 
 @part(2.0)
 def crest_track(figure: FigureBase, run: xr.Dataset) -> None:
     """The crest's position and strain as points: a crest may give way to another one.
 
-    A soliton's strain by the law of its losses is a line.
+    The wave's own, which a run that is `run_data.with_theory` has, and a soliton's strain by the
+    law of its losses are lines.
     """
-    for ax, (name, label), look in zip(
-        figure.subplots(1, len(LABELS)), LABELS.items(), CURVES, strict=False
-    ):
-        values = run[name]
-        (time,) = values.dims
-        ax.plot(values[time], values, color=look["color"], linestyle="", marker=".")
+    for ax, (name, label) in zip(figure.subplots(1, len(LABELS)), LABELS.items(), strict=True):
+        values, wave = run[name], run.get(f"{name}_wave")
+        times = values[values.dims[0]]
+        every = max(1, -(-times.size // CREST_POINTS))
+        ax.plot(times[::every], values[::every], label="lattice", **BEADS)
+        if wave is not None:
+            told = run.attrs["wave"]
+            ax.plot(times, wave.where(_is_steady(wave)), label=told, **ANALYTICAL)
         if name == "crest_strain" and "crest_law" in run:
-            ax.plot(values[time], run["crest_law"], color="black", linewidth=0.8, label="law")
-            ax.legend()
+            ax.plot(times, run["crest_law"], label="law", color="black", linestyle="--", lw=0.9)
         ax.set_xlabel("$t$")
-        ax.set_ylabel(label)
+        ax.set_ylabel(label.replace("$y$", "envelope") if run.attrs.get("carried") else label)
         ax.locator_params(axis="x", nbins=6)
         ax.ticklabel_format(axis="y", scilimits=(-3, 3), useMathText=True)
+        ax.legend()
 
 
-SPECTRA_ACROSS, MOST_SPECTRA = 3, 6
-"""Spectra side by side, and most of them."""
+CREST_POINTS = 50
+"""Most points of a crest's track that are drawn."""
+
+GAP = 0.25
+"""Of the range of a crest's track: it is not drawn across a step that is larger."""
+
+
+def _is_steady(track: xr.DataArray) -> NDArray[np.bool_]:
+    """Where a track goes on from the time before, and has not jumped to another crest."""
+    values = np.asarray(track, dtype=float)
+    steps = np.abs(np.diff(values, prepend=values[:1]))
+    known = values[np.isfinite(values)]
+    return steps <= GAP * float(np.ptp(known)) if known.size else np.isfinite(steps)
+
+
+MOST_SPECTRA = 6
+"""Most spectra."""
 
 DECADES = 1.0
 """How far below the rounding the axis of amplitudes ends."""
 
 
-@part(lambda found: 1.9 * -(-found.sizes["time"] // SPECTRA_ACROSS) + 0.35)
+@part(lambda found: 1.9 * grid_shape(found.sizes["time"])[0] + 0.35)
 def spectrum_panels(figure: FigureBase, found: xr.Dataset) -> None:
-    """One panel for each time of `run_data.spectra`, all with the same axes."""
-    times = found["time"].values
-    grid = panel_grid(
-        figure, len(times), SPECTRA_ACROSS, "wavenumber  (1/site)", "amplitude of $y$"
-    )
-    for ax, place in zip(grid.flat, range(len(times)), strict=False):
-        _draw_spectrum(ax, found.isel(time=place))
-    grid[0, 0].set_ylim(*_amplitude_limits(found))
-    handles = {h.get_label(): h for h in grid[0, 0].get_legend_handles_labels()[0]}
-    figure.legend(handles=list(handles.values()), loc="outside upper right", ncols=len(handles))
+    """One panel for each time of `run_data.spectra`, all with the same axes.
+
+    The run's own error is a line: amplitudes below it are not trusted, and can still be seen.
+    """
+    count = found.sizes["time"]
+    grid, free = panel_grid(figure, count, "wavenumber  (1/site)", "amplitude of $y$")
+    signs: dict[str, Any] = {}
+    for place, ax in enumerate(grid):
+        signs |= _draw_spectrum(ax, found.isel(time=place))
+    grid[0].set_ylim(*_amplitude_limits(found))
+    add_legend(free or figure, signs)
 
 
-def panel_grid(figure: FigureBase, count: int, across: int, x: str, y: str) -> Any:
-    """That many panels with the same axes, the lowest of each column and the left ones labelled."""
-    across = min(across, count)
-    down = -(-count // across)
+LEAST_PANEL = 1.6
+"""Least width of a panel in inches."""
+
+
+def grid_shape(count: int, most: int = 12) -> tuple[int, int]:
+    """Rows and columns of that many panels, at most ``most`` side by side.
+
+    At most one place is left, in the last row, where the legend stands.
+
+    >>> [grid_shape(count, 3) for count in (1, 3, 4, 5, 6, 7)]
+    [(1, 1), (1, 3), (2, 2), (2, 3), (2, 3), (4, 2)]
+    """
+    widest = max(1, min(count, most, int(page_width() / LEAST_PANEL)))
+    shapes = [(-(-count // across), across) for across in range(widest, 0, -1)]
+    return next((down, across) for down, across in shapes if down * across - count <= 1)
+
+
+def panel_grid(
+    figure: FigureBase, count: int, x: str, y: str, most: int = 12
+) -> tuple[list[Axes], Axes | None]:
+    """That many panels with the same axes, the lowest of each column and the left ones labelled.
+
+    With them come the bare axes that are left for a legend, if there are any.
+    """
+    down, across = grid_shape(count, most)
     grid = figure.subplots(down, across, squeeze=False, sharex=True, sharey=True)
-    for ax in list(grid.flat)[count:]:
-        ax.set_visible(False)
-    for ax in list(grid.flat)[max(0, count - across) : count]:
+    panels = list(grid.flat)[:count]
+    for ax in panels[-across:]:
         ax.set_xlabel(x)
         ax.tick_params(labelbottom=True)
     for ax in grid[:, 0]:
         ax.set_ylabel(y)
-    return grid
+    return panels, _without(grid.flat[count:])
 
 
 WAVENUMBER_TICKS = [0.0, np.pi / 2, np.pi], ["0", r"$\pi/2$", r"$\pi$"]
@@ -360,22 +602,26 @@ def draw_grid(ax: Axes) -> None:
     ax.grid(visible=True, which="major", linewidth=0.3, alpha=0.5)
 
 
-def _draw_spectrum(ax: Axes, at: xr.Dataset) -> None:
+def _draw_spectrum(ax: Axes, at: xr.Dataset) -> dict[str, Any]:
+    """Draw the amplitudes at one time; return the signs by their labels."""
     lattice, wave = (
         at[name].where(np.isfinite(at[name]) & (at[name] > 0.0)) for name in ("lattice", "wave")
     )
     if np.isfinite([lattice, wave]).any():
         ax.set_yscale("log")
-    ax.plot(at["wavenumber"], lattice, label="lattice", **NUMERICAL)
-    ax.plot(at["wavenumber"], wave, label="wave", **ANALYTICAL)
-    own, rounding = float(at["own"]), float(at["rounding"])
-    if np.isfinite(own):
-        ax.axhspan(0.0, own, color="#E69F00", alpha=0.25, lw=0, label="own error, at most")
-    level = rounding if 0.0 < rounding < np.inf else np.nan
-    ax.axhline(level, color="black", linestyle=":", linewidth=0.8, label="rounding")
+    signs = {"lattice": ax.plot(at["wavenumber"], lattice, **NUMERICAL)[0]}
+    (signs["wave"],) = ax.plot(at["wavenumber"], wave, **ANALYTICAL)
+    for name, label, look in (
+        ("own", OWN_ERROR + ", at most", {"color": OWN, "linestyle": "--", "linewidth": 1.2}),
+        ("rounding", "rounding", {"color": "black", "linestyle": ":", "linewidth": 0.8}),
+    ):
+        level = float(at[name])
+        if 0.0 < level < math.inf:
+            signs[label] = ax.axhline(level, zorder=1.5, **look)
     ax.set_xlim(0.0, np.pi)
     ax.set_xticks(*WAVENUMBER_TICKS)
     ax.set_title(f"$t={float(at['time']):g}$", loc="left")
+    return signs
 
 
 def _amplitude_limits(found: xr.Dataset) -> tuple[float, float]:
@@ -407,21 +653,24 @@ def cost_figure(
     height: float = COST_HEIGHT,
     x_ticks: Sequence[float] = (),
     digits: Sequence[float] = (),
+    cheapest: bool = False,
 ) -> Figure:
-    """Draw the panels, ``across`` in a row of that height, with the same axes and one legend.
+    """Draw the panels, at most ``across`` in a row of that height, with the same axes and one
+    legend.
 
     ``x_ticks`` are those of a logarithmic axis where they are not the usual ones. With ``digits``
-    the vertical axis is linear with these ticks, the last one its end.
+    the vertical axis is linear with these ticks, the last one its end. Where x is work and y an
+    error, lines join the `cheapest_places` alone, as the legend says.
     """
-    down = -(-len(panels) // min(across, len(panels)))
-    figure = Figure((TEXT_WIDTH, height * down + 0.4), layout="constrained")
-    grid = panel_grid(figure, len(panels), across, x, y)
+    down, _ = grid_shape(len(panels), across)
+    figure = Figure((page_width(), height * down + 0.4), layout="constrained")
+    grid, free = panel_grid(figure, len(panels), x, y, across)
     labels = dict.fromkeys(label for curves in panels.values() for label in curves)
     looks = dict(zip(labels, CURVES, strict=False))
-    for (title, curves), ax in zip(panels.items(), grid.flat, strict=False):
-        _draw_costs(ax, curves, looks)
+    for (title, curves), ax in zip(panels.items(), grid, strict=True):
+        _draw_costs(ax, curves, looks, cheapest)
         ax.set_title(title, loc="left")
-    first = grid[0, 0]
+    first = grid[0]
     shown = first.get_xlim()
     if math.floor(math.log10(shown[1])) >= math.log10(shown[0]):  # a power of ten, which is told
         first.xaxis.set_minor_formatter(NullFormatter())
@@ -433,20 +682,48 @@ def cost_figure(
         first.set_yscale("linear")
         first.set_ylim(0, digits[-1])
         first.set_yticks(digits)
-    handles = {h.get_label(): h for ax in grid.flat for h in ax.lines}
+    handles = {h.get_label(): h for ax in grid for h in ax.lines}
     ordered = [handles[label] for label in looks]
-    figure.legend(handles=ordered, loc="outside upper center", ncols=min(len(ordered), LEGEND))
+    title = CHEAPEST if cheapest else None
+    if free:
+        free.legend(handles=ordered, loc="center", title=title, title_fontsize=8.0)
+    else:
+        columns = min(len(ordered), LEGEND)
+        words = {"loc": "outside upper center", "ncols": columns, "title_fontsize": 8.0}
+        figure.legend(handles=ordered, title=title, **words)
     return figure
+
+
+CHEAPEST = "points: runs; lines: the cheapest\nfor an error (monotone envelope)"
+
+
+def cheapest_places(work: Sites, errors: Sites) -> NDArray[np.intp]:
+    """The places of the runs that no other one beats in both, in the order of their work.
+
+    Their errors fall as the work grows: work that has no place on a line was done in vain.
+
+    >>> cheapest_places(np.array([1.0, 3.0, 2.0, 4.0]), np.array([0.1, 0.02, 0.2, np.nan]))
+    array([0, 1])
+    """
+    order = np.lexsort((errors, work))
+    order = order[np.isfinite(work[order]) & np.isfinite(errors[order])]
+    best = np.minimum.accumulate(errors[order])
+    return order[np.flatnonzero(errors[order] < np.concatenate([[np.inf], best[:-1]])[: best.size])]
 
 
 def _draw_costs(
     ax: Axes,
     curves: Mapping[str, Sequence[tuple[float, float]]],
-    looks: Mapping[str, dict[str, object]],
+    looks: Mapping[str, dict[str, Any]],
+    cheapest: bool,
 ) -> None:
     """Draw one panel; points that are not finite and positive are left out."""
     for label, points in curves.items():
         values = np.array([p for p in points if min(p) > 0 and np.all(np.isfinite(p))])
+        x, y = values.reshape(-1, 2).T
         style = dict(looks[label], markersize=4.0)
-        ax.loglog(*values.reshape(-1, 2).T, label=label, **style)
+        if cheapest:
+            ax.loglog(x, y, **style | {"linestyle": "", "markersize": 2.5, "alpha": 0.5})
+        joined = cheapest_places(x, y) if cheapest else slice(None)
+        ax.loglog(x[joined], y[joined], label=label, **style)
     draw_grid(ax)

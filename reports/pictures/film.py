@@ -16,7 +16,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from longwave.reports.pictures.drawing import spread_limits
+from longwave.reports.pictures.drawing import ANALYTICAL, LATTICE, WAVE, spread_limits
+from longwave.reports.pictures.drawing import BEADS as BEAD
 
 Array = NDArray[np.float64]
 Image = NDArray[np.uint8]
@@ -27,8 +28,8 @@ FILM_SIZE = (6.5, 3.9)
 BEADS = 420
 """Most sites that are drawn as beads; of more the line alone can be seen."""
 
-LATTICE, WAVE, FILL, PAST = "#0072B2", "#D55E00", "#D3E6F1", "#BBBBBB"
-"""Okabe and Ito's blue and vermilion, told apart by beads and dashes as well."""
+FILL, PAST = "#DDEFFA", "#BBBBBB"
+"""The colours of what lies under the lattice, and of the error that is still to come."""
 
 CONTOURS = 5
 """Lines of equal strain of the wave."""
@@ -122,34 +123,34 @@ def clock(times: Array, errors: Array, tracked: str = "error") -> list[str]:
 
 
 class ChainFilm(Film):
-    """The lattice as beads, filled down to the attribute ``level``, and the wave dashed on it."""
+    """The lattice as beads, filled down to the attribute ``level``, and the wave as a line."""
 
     def _begin(self) -> list[Artist]:
         run, ax = self._run, self._ax
         self._offset = run["offset"].values
         self._level = run.attrs.get("level", 0.0)
-        beads: dict[str, Any] = {"marker": "o", "markersize": 3.0, "markeredgewidth": 0.0}
-        look = beads if self._offset.shape[1] <= BEADS else {}
+        beads = self._offset.shape[1] <= BEADS
+        look: dict[str, Any] = BEAD if beads else {"color": LATTICE, "linewidth": 2.0}
         (self._body,) = ax.fill(*self._filled(0), color=FILL, linewidth=0.0)
-        (self._beads,) = ax.plot(
-            self._offset[0], self._strain[0], color=LATTICE, linewidth=0.9, label="lattice", **look
-        )
-        (self._dashes,) = ax.plot(
-            self._offset[0], self._wave[0], color=WAVE, linewidth=1.5, dashes=(4, 2.5),
+        (self._beads,) = ax.plot(self._offset[0], self._strain[0], label="lattice", **look)
+        (self._line,) = ax.plot(
+            self._offset[0],
+            self._wave[0],
             label=run.attrs["wave"],
-        )  # fmt: skip
+            **ANALYTICAL | {"linewidth": 1.2},
+        )
         ax.set_xlim(*self._common())
         ax.set_ylim(*spread_limits([self._strain, self._wave]))
         ax.set_xlabel(run.attrs.get("along", "$n - c\\,t$  (sites)"))
         ax.set_ylabel(run.attrs.get("drawn", "$y_n$"))
         if run.attrs["wave"]:
             ax.legend(loc="upper right", handlelength=2.2)
-        return [self._body, self._beads, self._dashes]
+        return [self._body, self._beads, self._line]
 
     def _show(self, place: int) -> None:
         self._body.set_xy(np.transpose(self._filled(place)))
         self._beads.set_data(self._offset[place], self._strain[place])
-        self._dashes.set_data(self._offset[place], self._wave[place])
+        self._line.set_data(self._offset[place], self._wave[place])
 
     def _filled(self, place: int) -> tuple[Array, Array]:
         """The outline of what lies between the lattice and the level."""

@@ -40,7 +40,7 @@ NEEDED = (RATE, BARS, THEORY, "carrier_k", "perturbation_kappa")
 MOST_ROWS = 6
 """Rows in a picture, each with a map of its own."""
 
-WAVENUMBERS, KAPPAS = 400, 120
+WAVENUMBERS, KAPPAS = 400, 400
 """Points of a map."""
 
 BEYOND = 1.25
@@ -415,7 +415,8 @@ def _draw_map(figure: FigureBase, ax: Axes, panel: GrowthPanel, top: float) -> N
     ax.set_facecolor(STABLE)
     colours = Normalize(0.0, top)
     growing = np.ma.masked_where(~(rates > 0.0), rates)
-    drawn = ax.pcolormesh(k, kappa, growing, norm=colours, rasterized=True)
+    extent: Any = (0.0, float(k[-1]), 0.0, float(kappa[-1]))
+    drawn = ax.imshow(growing, norm=colours, extent=extent, origin="lower", aspect="auto")
     for curve in panel.curves:
         look: dict[str, Any] = {
             "norm": colours,

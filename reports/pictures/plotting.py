@@ -29,11 +29,13 @@ from longwave.reports.pictures.bench_plotting import (
 )
 from longwave.reports.pictures.drawing import (
     MOST_SPECTRA,
-    TEXT_WIDTH,
+    WIDTHS,
     Part,
     crest_track,
     error_panels,
     even_places,
+    grid_shape,
+    page_width,
     save,
     snapshot_panels,
     space_time_map,
@@ -49,6 +51,7 @@ from longwave.reports.pictures.run_data import (
     snapshots,
     spectra,
     with_looks,
+    with_theory,
 )
 from longwave.reports.pictures.shown import ShownFigure
 from longwave.reports.pictures.sweep_plotting import SWEEP_PICTURES, Choice, is_sweep, sweep_parts
@@ -71,11 +74,14 @@ ALL, GROWTH = "all", "growth"
 ACROSS, MOST_PANELS = 3, 12
 """Snapshots side by side, and most of them; of more snapshots some are taken, evenly."""
 
+LETTERS = 12.9
+"""Of a title in an inch."""
+
 SHOWN, LEAST_SHOWN = 0.02, 20
 """Share of the wave's largest deviation from its background that is still seen; fewest sites."""
 
-WIDTH, MOST = 90, 270
-"""Characters in a line of a figure's title, and most of them altogether."""
+MOST = 270
+"""Most characters of a figure's title."""
 
 LOOKS, LATTICE_LOOKS = 201, 101
 """Times of map and crest track where the scene does not state any; of a scene on any lattice, whose
@@ -103,6 +109,7 @@ def plot(
     announce: Announce | None = None,
     at: Choice | None = None,
     variable: str = "error",
+    columns: int = 2,
 ) -> ShownFigure:
     """Draw a run; write the figure to ``output`` (PNG, PDF or SVG by its suffix) if it is given.
 
@@ -115,18 +122,22 @@ def plot(
     swept dimensions, and work against precision (`SWEEP_PICTURES`), where the fields of ``at`` have
     these values.
 
-    Raises ValueError in one line: source, kind and suffix; a run without the variables. OSError
-    if ``output`` cannot be written.
+    ``columns`` of a journal are as wide as the figure: 1 or 2, 3.4 or 7 inches.
+
+    Raises ValueError in one line: source, kind, columns and suffix; a run without the variables.
+    OSError if ``output`` cannot be written.
     """
     path = None if output is None else picture_path(output)
     if kind not in (ALL, *PICTURES, *SWEEP_PICTURES):
         known = one_of(kind, (ALL, *PICTURES, *SWEEP_PICTURES))
         raise ValueError(f"kind must be a known one, got {kind!r} ({known})")
+    if columns not in WIDTHS:
+        raise ValueError(f"columns must be 1 or 2, got {shown(columns)} (of a journal)")
     found = read_source(source)
     of_sweep = isinstance(found, xr.Dataset) and is_sweep(found)
     _check_words(of_sweep, kind, at or {}, variable)
     data = found if isinstance(found, xr.Dataset) else _run(found, kind, progress, announce)
-    with styled(), warnings.catch_warnings():
+    with styled(WIDTHS[columns]), warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Glyph .* missing from font")
         figure = _draw_sweep(data, kind, at or {}, variable) if of_sweep else _draw(data, kind)
         if path is not None:
@@ -212,14 +223,14 @@ def _for_pictures(scene: Scene, kind: str) -> Scene:
 
 def _draw(data: xr.Dataset, kind: str) -> ShownFigure:
     """Draw the pictures of that kind, one below the other, the run's title above them."""
-    data = with_looks(placed(data), LEAST_LOOKS if kind == ALL else 2)
+    data = with_theory(with_looks(placed(data), LEAST_LOOKS if kind == ALL else 2))
     drawn = _pictures(data, kind)
     return _stacked(_title(data), [picture.part(data) for picture in drawn])
 
 
 def _draw_sweep(data: xr.Dataset, kind: str, at: Choice, variable: str) -> ShownFigure:
     """Draw the pictures of a sweep, what was chosen of it in the title."""
-    where = one_line(", ".join(f"{name} = {value}" for name, value in at.items()))[:WIDTH]
+    where = one_line(", ".join(f"{name} = {value}" for name, value in at.items()))[:MOST]
     title = "\n".join(filter(None, (_title(data), where)))
     return _stacked(title, sweep_parts(data, None if kind == ALL else kind, at, variable))
 
@@ -227,9 +238,11 @@ def _draw_sweep(data: xr.Dataset, kind: str, at: Choice, variable: str) -> Shown
 def _stacked(title: str, parts: Sequence[Part]) -> ShownFigure:
     """A figure with a title and the parts below it."""
     heights = [part.height for part in parts]
-    figure = ShownFigure(
-        (TEXT_WIDTH, sum(heights) + 0.25 * (1 + title.count("\n"))), layout="constrained"
+    title = "\n".join(
+        textwrap.fill(line, int(LETTERS * page_width())) for line in title.split("\n")
     )
+    size = page_width(), sum(heights) + 0.25 * (1 + title.count("\n"))
+    figure = ShownFigure(size, layout="constrained")
     figure.suptitle(title, parse_math=False, fontsize="medium")
     places = figure.subfigures(len(heights), 1, height_ratios=heights, squeeze=False)[:, 0]
     for place, part in zip(places, parts, strict=True):
@@ -241,7 +254,7 @@ def _title(data: xr.Dataset) -> str:
     """The run's title, and a line on how it ended if it ended early, each cut and wrapped."""
     lines = [data.attrs.get("title", ""), data.attrs.get("blow_up"), data.attrs.get("unfinished")]
     short = (textwrap.shorten(one_line(line), MOST, placeholder=" ...") for line in lines if line)
-    return "\n".join(textwrap.fill(line, WIDTH) for line in short)
+    return "\n".join(short)
 
 
 def _pictures(data: xr.Dataset, kind: str) -> Sequence[Picture]:
@@ -269,7 +282,8 @@ def _snapshots(data: xr.Dataset) -> Part:
         return strain_maps(data)
     places = even_places(data.sizes["time"], MOST_PANELS)
     panels = snapshots(data, shown_half_width(data), places)
-    return snapshot_panels([panels[i : i + ACROSS] for i in range(0, len(panels), ACROSS)])
+    _, across = grid_shape(len(panels), ACROSS)
+    return snapshot_panels([panels[i : i + across] for i in range(0, len(panels), across)])
 
 
 def _spectra(data: xr.Dataset) -> Part:
@@ -346,6 +360,7 @@ def draw(
     variable: str,
     at: Choice,
     changes: Mapping[str, Any],
+    columns: int = 2,
 ) -> int:
     """Draw and print the picture's path; return the exit status.
 
@@ -357,10 +372,10 @@ def draw(
         picture_path(path)
         drawn = changed_source(source, changes)
         with progress_bar(Path(source).name, source) as (advance, tell):
-            plot(drawn, path, kind, advance, Announcer(tell), at, variable)
+            plot(drawn, path, kind, advance, Announcer(tell), at, variable, columns)
     except UnfinishedRun as stop:
         with suppress(ValueError, OSError):
-            plot(stop.run, path, kind)
+            plot(stop.run, path, kind, columns=columns)
             return interrupted(program, f"what was run until then is in {path}")
         return interrupted(program, "too little was run to be drawn")
     except KeyboardInterrupt:

@@ -65,8 +65,12 @@ def placed(data: xr.Dataset) -> xr.Dataset:
 def snapshots(
     run: xr.Dataset, half_width: int, places: Iterable[int] | None = None
 ) -> list[xr.Dataset]:
-    """A run at all its times, or some, ``half_width`` sites to either side of that next to c t."""
-    run = run if "offset" in run.coords else placed(run)
+    """A run at all its times, or some, ``half_width`` sites to either side of that next to c t.
+
+    Each has the run's ``own`` error, NaN where it was not measured, and of a carrier what
+    `with_envelope` adds.
+    """
+    run = with_envelope(with_own(run if "offset" in run.coords else placed(run)))
     shown = run.sel(site=slice(-half_width, half_width))
     chosen = range(run.sizes["time"]) if places is None else places
     return [shown.isel(time=place) for place in chosen]
@@ -132,6 +136,60 @@ def own_error(data: xr.Dataset) -> Array | None:
     return None if found is None else data.attrs["unit"] * found
 
 
+def with_own(data: xr.Dataset) -> xr.Dataset:
+    """A placed run with its `own_error` as the coordinate ``own``, NaN where it has none."""
+    own = own_error(data)
+    return data.assign_coords(
+        own=("time", np.full(data.sizes["time"], np.nan) if own is None else own)
+    )
+
+
+def with_envelope(data: xr.Dataset) -> xr.Dataset:
+    """A placed run of a carrier with the `envelope` of its strains, ``strain_envelope``, and of the
+    wave's, ``analytic_envelope``, where it has one; other runs stay as they are."""
+    if not data.attrs["carried"] or "row" in data.dims:
+        return data
+    found = {f"{name}_envelope": data[name] for name in ("strain", "analytic")}
+    rows = {name: [envelope(row) for row in values.values] for name, values in found.items()}
+    return data.assign({name: (("time", "site"), values) for name, values in rows.items()})
+
+
+def envelope(strain: Array) -> Array:
+    """The amplitude of the carrier in a strain at consecutive sites, in theory 2 eps |A|.
+
+    It is the modulus of what the wavenumbers about the largest amplitude make, without the mean and
+    the second harmonic. At a carrier of pi one moment does not tell amplitude from phase: it is the
+    part that is in phase. NaN next to the ends, and where no carrier stands apart from 0 and pi.
+
+    >>> n = np.arange(-100, 101)
+    >>> found = envelope(np.cos(1.5 * n - 0.3) / np.cosh(n / 20))
+    >>> bool(np.nanmax(np.abs(found - 1 / np.cosh(n / 20))) < 1e-3)
+    True
+    """
+    count = strain.size
+    ends = np.minimum(np.arange(count) + 0.5, count - np.arange(count) - 0.5)
+    taper = np.sin(np.pi / 2 * np.minimum(1.0, ends / (ENDS * count))) ** 2
+    spectrum = np.fft.fft(taper * np.nan_to_num(strain, posinf=0.0, neginf=0.0))
+    wavenumber = 2.0 * np.pi * np.fft.fftfreq(count)
+    carrier = abs(float(wavenumber[np.argmax(np.abs(spectrum))]))
+    apart, sides = min(carrier, np.pi - carrier), 2.0
+    if np.pi - carrier < 4.0 * np.pi / count:
+        wavenumber, carrier, apart, sides = np.abs(wavenumber), np.pi, np.pi / 2, 1.0
+    if count < LEAST_CARRIED or apart < LEAST_APART:
+        return np.full(count, np.nan)
+    spectrum[np.abs(wavenumber - carrier) > BAND * apart] = 0.0
+    with np.errstate(all="ignore"):
+        return np.where(taper > BAND, sides * np.abs(np.fft.ifft(spectrum)) / taper, np.nan)
+
+
+ENDS, BAND = 0.125, 0.7
+"""Share of the sites next to each end where a strain is led to zero; of the wavenumbers between the
+carrier and 0 or pi those that its envelope has."""
+
+LEAST_CARRIED, LEAST_APART = 48, 0.3
+"""Fewest sites of which an envelope is made, and least distance of a carrier from 0 and pi."""
+
+
 def spectra(data: xr.Dataset, places: Sequence[int]) -> xr.Dataset:
     """Amplitudes of ``lattice`` and ``wave`` over the compared sites at some snapshots.
 
@@ -139,11 +197,7 @@ def spectra(data: xr.Dataset, places: Sequence[int]) -> xr.Dataset:
     the run's own error is at most: a strain whose error is at most e has amplitudes that err by at
     most 2 e; NaN if it was not measured.
     """
-    own = own_error(data)
-    data = data.assign_coords(
-        own=("time", np.full(data.sizes["time"], np.nan) if own is None else own)
-    )
-    at = _middle_row(data.isel(time=list(places)))
+    at = _middle_row(with_own(data).isel(time=list(places)))
     strain, analytic = (np.asarray(at[name], dtype=float) for name in ("strain", "analytic"))
     sites = strain.shape[1]
     largest = np.nanmax(np.abs(strain), axis=1, initial=0.0)
@@ -185,48 +239,49 @@ def _own(data: xr.Dataset, errors: xr.DataArray) -> tuple[str, list[float]]:
 def with_looks(data: xr.Dataset, least: int = LEAST_LOOKS) -> xr.Dataset:
     """A placed run with map, crest and errors over its snapshots, if it has ``least`` and no map.
 
-    On two axes map and crest are those of the row nearest to the middle. Of an envelope the map
-    holds the largest modulus in some cells that its carrier moves through, and the crest is one.
+    On two axes map and crest are those of the row nearest to the middle. Of a carrier they are
+    those of its `envelope`, or, where it has none, of the largest modulus in some cells that it
+    moves through.
     """
     needed = {"strain", "background", "n", "error", "sup_error"} <= set(data.variables)
     if not needed or data.sizes.get("time", 0) < least or "space_time" in data:
         return data
-    line, speed = _middle_row(data), data.attrs["speed"]
-    strain, background, sites = (
-        np.asarray(line[name], dtype=float) for name in ("strain", "background", "n")
+    line, speed, carried = _middle_row(data), data.attrs["speed"], data.attrs["carried"]
+    names = ("strain", "analytic", "background", "n")
+    strain, analytic, background, sites = (
+        np.asarray(line[name] if name in line else np.nan * line["n"], dtype=float)
+        for name in names
     )
-    carried = data.attrs["carried"]
-    background = 0.0 * background if carried else background
-    crests = [_crest(*row) for row in zip(strain, background, sites, strict=True)]
-    position, height = np.array(crests).T
+    least_width = 1
+    if carried:
+        background = 0.0 * background
+        wide, waves = (np.array(list(map(envelope, values))) for values in (strain, analytic))
+        if np.isfinite(wide).any():
+            strain, analytic = wide, waves
+        else:
+            strain, analytic, least_width = np.abs(strain), np.abs(analytic), CARRIED
     times = data["time"].values
-    width = max(cell_width((strain.shape[1] - 1) // 2), CARRIED if carried else 1)
+    width = max(cell_width((strain.shape[1] - 1) // 2), least_width)
     starts = np.arange(0, strain.shape[1], width)
-    if not carried:
-        strain, background = (
-            _at_offsets(values, sites - speed * times[:, None], data["site"].values)
-            for values in (strain, background)
-        )
-    space_time = _farthest(np.abs(strain) if carried else strain, background, starts)
-    found = {
-        "space_time": (("look_time", "map_site"), space_time, {"carried": carried}),
-        "crest_position": ("look_time", position - speed * times),
-        "crest_strain": ("look_time", np.abs(height) if carried else height),
-        "error_curve": ("curve_time", np.asarray(data["error"], dtype=float)),
-    }
+    space_time = _farthest(strain, background, starts)
+    found = {"space_time": (("look_time", "map_site"), space_time, {"carried": carried})}
+    for end, values in (("", strain), ("_wave", analytic)):
+        place, top = _crests(values, background, sites)
+        found[f"crest_position{end}"] = ("look_time", place - speed * times)
+        found[f"crest_strain{end}"] = ("look_time", top)
+    if "crest_law" in data:
+        law = np.interp(times, data["look_time"].values, data["crest_law"].values)
+        found["crest_law"] = ("look_time", law)
+    data = data.drop_dims("look_time", errors="ignore")
     axes = {
         "look_time": times,
-        "curve_time": times,
-        "own": _own(data, data["error"]),
+        "shift": ("look_time", line["offset"].values[:, 0] - data["site"].values[0]),
         "map_site": np.asarray(data["site"])[starts],
     }
+    if "curve_time" not in data.dims:
+        found["error_curve"] = ("curve_time", np.asarray(data["error"], dtype=float))
+        axes |= {"curve_time": times, "own": _own(data, data["error"])}
     return data.assign(found).assign_coords(axes)
-
-
-def _at_offsets(values: Array, offsets: Array, wanted: NDArray[np.integer]) -> Array:
-    """Values at whole offsets from c t, between the sites, which the frame passes one by one."""
-    rows = zip(offsets, values, strict=True)
-    return np.array([np.interp(wanted, offset, row) for offset, row in rows])
 
 
 def _farthest(strain: Array, background: Array, starts: NDArray[np.intp]) -> Array:
@@ -240,12 +295,44 @@ def _farthest(strain: Array, background: Array, starts: NDArray[np.intp]) -> Arr
         return np.asarray(level / counts + np.where(high + low >= 0.0, high, low))
 
 
+def with_theory(data: xr.Dataset) -> xr.Dataset:
+    """A placed run with what its frame says of its map, and its wave of the crest, on the paper's
+    chain.
+
+    ``shift`` is how far from c t the site is that stands in the middle of the map, the nearest one;
+    ``crest_position_wave`` and ``crest_strain_wave`` are the crest of the wave at the sites that
+    are compared.
+    """
+    if "look_time" not in data.dims or "shift" in data.coords:
+        return data
+    times = data["look_time"].values
+    gone = data.attrs["speed"] * times
+    data = data.assign_coords(shift=("look_time", np.floor(gone + 0.5) - gone))
+    scene = scene_of_run(data)
+    if "crest_position" not in data or not scene.has_moving_wave:
+        return data
+    moving = scene.moving_wave
+    sites = np.array([moving.compared_sites(t) for t in times])
+    rows = zip(sites, times, strict=True)
+    strain = np.array([scene.eps * moving.wave.at(at, t, scene.eps).Y for at, t in rows])
+    place, top = _crests(strain, np.full_like(strain, moving.level), sites)
+    found = {"crest_position_wave": place - gone, "crest_strain_wave": top}
+    return data.assign({name: ("look_time", values) for name, values in found.items()})
+
+
+def _crests(strain: Array, background: Array, sites: Array) -> tuple[Array, Array]:
+    """Sites and strains of the crests at all times."""
+    crests = [_crest(*row) for row in zip(strain, background, sites, strict=True)]
+    position, height = np.array(crests).T
+    return position, height
+
+
 def _crest(strain: Array, background: Array, sites: Array) -> tuple[float, float]:
     """Site and strain of the largest deviation from the background, between the sites as well."""
     deviation = strain - background
-    if not np.isfinite(deviation).all():
+    if not np.isfinite(deviation).any() or np.isinf(deviation).any():
         return np.nan, np.nan
-    top = int(np.argmax(np.abs(deviation)))
+    top = int(np.nanargmax(np.abs(deviation)))
     offset, height = 0.0, float(deviation[top])
     if 2 <= top < deviation.size - 2:
         offset, height = extremum(deviation[top - 2 : top + 3])

@@ -23,7 +23,16 @@ from matplotlib.ticker import NullFormatter
 from numpy.typing import NDArray
 
 from longwave.reports.latex import greek
-from longwave.reports.pictures.drawing import CURVES, draw_grid, panel_grid, part, time_edges
+from longwave.reports.pictures.drawing import (
+    CHEAPEST,
+    CURVES,
+    cheapest_places,
+    draw_grid,
+    grid_shape,
+    panel_grid,
+    part,
+    time_edges,
+)
 
 Array = NDArray[np.float64]
 Cells = NDArray[np.bool_]
@@ -206,7 +215,7 @@ def _leave_room(ax: Axes, rows: int) -> None:
 
 
 def _maps_height(axes: Mapping[str, SweptAxis], maps: Mapping[str, xr.Dataset]) -> float:
-    return 2.7 * -(-len(maps) // HEAT_ACROSS) + (0.6 if len(maps) == 1 else 0.0)
+    return 2.7 * grid_shape(len(maps), HEAT_ACROSS)[0] + (0.6 if len(maps) == 1 else 0.0)
 
 
 @part(_maps_height)
@@ -218,12 +227,15 @@ def heat_maps(
     A map has a ``value`` of each cell, NaN where there is none, its ``own`` error, NaN where that
     is not known, and says where it is ``faulty``.
     """
-    grid = panel_grid(figure, len(maps), HEAT_ACROSS, "", "")
+    grid, free = panel_grid(figure, len(maps), "", "", HEAT_ACROSS)
     norm = _colours(np.concatenate([cells["value"].values.ravel() for cells in maps.values()]))
-    (x, y), across = (axis.in_order for axis in axes.values()), grid.shape[1]
+    (x, y), across = (
+        (axis.in_order for axis in axes.values()),
+        grid_shape(len(maps), HEAT_ACROSS)[1],
+    )
     orders = {name: axis.order for name, axis in axes.items()}
     told = []
-    for place, (ax, (title, cells)) in enumerate(zip(grid.flat, maps.items(), strict=False)):
+    for place, (ax, (title, cells)) in enumerate(zip(grid, maps.items(), strict=True)):
         cells = cells.isel(orders).transpose(*reversed(list(axes)))
         values, own = cells["value"].values, np.nan_to_num(cells["own"].values)
         unsure = np.isfinite(values) & (own > UNSURE * np.abs(np.nan_to_num(values)))
@@ -240,12 +252,15 @@ def heat_maps(
         y.set_on(ax, "y", labelled=place % across == 0)
         if np.isfinite(cells["own"]).any():
             told.append(bool(unsure.any()))
-    figure.colorbar(drawn, ax=list(grid.flat), label=cells.attrs["label"])
+    figure.colorbar(drawn, ax=[*grid, *([free] if free else [])], label=cells.attrs["label"])
     if told:
         look: dict[str, Any] = {"hatch": HATCH} if any(told) else {"alpha": 0.0}
         words = f"own error {'above' if any(told) else 'nowhere above'} {UNSURE:.0%} of the value"
         sign = Patch(facecolor="none", edgecolor="black", linewidth=0.0, label=words, **look)
-        figure.legend(handles=[sign], loc="outside lower left")
+        if free:
+            free.legend(handles=[sign], loc="center")
+        else:
+            figure.legend(handles=[sign], loc="outside lower left")
 
 
 def _hatch(ax: Axes, x: Array, y: Array, cells: Cells, colour: str) -> None:
@@ -296,7 +311,8 @@ def work_precision(
         draw_grid(ax)
     panels[0].set_ylabel("error")
     handles, labels = panels[0].get_legend_handles_labels()
-    above = figure.legend(handles, labels, loc="outside upper center", ncols=_work_columns(curves))
+    columns = {"ncols": _work_columns(curves), "title": CHEAPEST, "title_fontsize": 8.0}
+    above = figure.legend(handles, labels, loc="outside upper center", **columns)
     _plain_legend(above, LONGEST_ABOVE)
 
 
@@ -308,12 +324,19 @@ def _draw_work(ax: Axes, along: str, name: str, curve: xr.Dataset, look: dict[st
     )
     achieved = look | {"markerfacecolor": "none"}
     if np.isfinite(curve["estimated"]).any():
-        ax.loglog(work, estimated, label=f"{name}{OF_ESTIMATE}", **look)
+        _join_cheapest(ax, work, estimated, look, f"{name}{OF_ESTIMATE}")
         achieved["linestyle"] = ""
     if np.isfinite(values).any():
-        ax.loglog(work, values, label=f"{name}{OF_WAVE}", **achieved)
+        _join_cheapest(ax, work, values, achieved, f"{name}{OF_WAVE}")
     low = np.maximum(values - own, 0.01 * values)
     ax.vlines(work, low, values + own, color=look["color"], linewidth=1.0)
+
+
+def _join_cheapest(ax: Axes, work: Array, errors: Array, look: dict[str, Any], label: str) -> None:
+    """Draw all points, and a line through those that no other one beats in work and error."""
+    ax.loglog(work, errors, label=label, **look | {"linestyle": ""})
+    joined = cheapest_places(work, errors)
+    ax.loglog(work[joined], errors[joined], **look | {"marker": ""})
 
 
 def _plain_legend(legend: Any, longest: int) -> None:

@@ -68,7 +68,7 @@ def test_ctrl_c_draws_what_was_run(
     monkeypatch: pytest.MonkeyPatch,
     capsys: Output,
 ) -> None:
-    def plot(source: Any, *_: object) -> None:
+    def plot(source: Any, *_: object, **__: object) -> None:
         if isinstance(source, str):
             raise stop
         if not drawable:

@@ -318,17 +318,22 @@ def sample_deviation(values: np.ndarray) -> float:
     return float(np.std(values, ddof=1))
 
 
+def named(ax: Any) -> list[Any]:
+    """The lines that a legend holds."""
+    return [line for line in ax.lines if not line.get_label().startswith("_")]
+
+
 def test_work_precision_is_drawn_along_the_tolerance() -> None:
     data = swept({"order": 2, "tolerance": 3}, {"order": WAVES, "tolerance": [1e-2, 1e-3, 1e-4]})
     seconds, updates = plot(data, kind="work_precision").get_axes()
-    assert [line.get_label() for line in seconds.lines] == [
+    assert [line.get_label() for line in named(seconds)] == [
         "order = rogue_cn: estimated", "order = rogue_cn: relative to the wave",
         "order = wave_dn: estimated", "order = wave_dn: relative to the wave",
     ]  # fmt: skip
-    assert np.allclose(seconds.lines[2].get_ydata(), data["error_estimate"].values[1])
-    assert np.allclose(seconds.lines[3].get_ydata(), data["error"].values[1])
-    assert np.allclose(seconds.lines[2].get_xdata(), data["seconds"].values[1])
-    assert np.allclose(updates.lines[2].get_xdata(), 200.0 / data["error"].values[1])
+    assert np.allclose(named(seconds)[2].get_ydata(), data["error_estimate"].values[1])
+    assert np.allclose(named(seconds)[3].get_ydata(), data["error"].values[1])
+    assert np.allclose(named(seconds)[2].get_xdata(), data["seconds"].values[1])
+    assert np.allclose(named(updates)[2].get_xdata(), 200.0 / data["error"].values[1])
     ends = [segment[:, 1] for segment in updates.collections[1].get_segments()]
     assert np.allclose(ends, np.outer(data["error"].values[1], [0.9, 1.1]))
     assert len(plot(data).get_axes()) == 3
@@ -341,14 +346,14 @@ def test_work_precision_of_stated_steps_is_what_was_achieved() -> None:
     data["error_estimate"] = xr.full_like(data["error_estimate"], np.nan)
     data["status"].values[2] = "refused"
     seconds = plot(data, kind="work_precision").get_axes()[0]
-    labels = [line.get_label() for line in seconds.lines]
+    labels = [line.get_label() for line in named(seconds)]
     assert labels == [f"scheme = {name}: relative to the wave" for name in ("rk4", "leapfrog")]
-    assert np.allclose(seconds.lines[1].get_ydata(), data["error"].values[1])
+    assert np.allclose(named(seconds)[1].get_ydata(), data["error"].values[1])
     ends = [segment[:, 1] for segment in seconds.collections[1].get_segments()]
     assert np.allclose(ends, np.outer(data["error"].values[1], [0.9, 1.1]))
     alone = plot(data, at={"step": 0.2}, kind="work_precision").get_axes()[0]
-    assert [line.get_label() for line in alone.lines] == labels
-    assert [line.get_ydata().tolist() for line in alone.lines] == [
+    assert [line.get_label() for line in named(alone)] == labels
+    assert [line.get_ydata().tolist() for line in named(alone)] == [
         [data["error"].values[place, 1]] for place in (0, 1)
     ]
     with pytest.raises(ValueError, match=r"^error must be a number in some cell"):
