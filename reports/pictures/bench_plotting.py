@@ -94,7 +94,7 @@ def amplitude_spectra(readings: xr.DataArray) -> tuple[Array, Array]:
 def sensor_spectra(figure: FigureBase, data: xr.Dataset) -> None:
     """The amplitude that each sensor saw at a frequency, and its ratio to that of the first one."""
     name = _readings(data)[0]
-    frequencies, amplitudes = amplitude_spectra(_of_first(data[name], "time", "sensor"))
+    frequencies, amplitudes = _seen(*amplitude_spectra(_of_first(data[name], "time", "sensor")))
     first = amplitudes[:, :1]
     seen = first > LEAST_POWER * first[1:].max()
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -109,7 +109,7 @@ def sensor_spectra(figure: FigureBase, data: xr.Dataset) -> None:
             panels[1].plot(frequencies, ratios[:, place], **look | {"marker": "."})
             panels[1].set_ylabel(f"ratio to cell {cells[0]}")
     panels[-1].set_xlabel(r"frequency $\omega$  (per lattice time)")
-    panels[0].set_xlim(0.0, _last_frequency(frequencies, amplitudes))
+    panels[0].set_xlim(0.0, frequencies[-1])
     for ax in panels:
         if any(np.fmax.reduce(line.get_ydata(), initial=0.0) > 0.0 for line in ax.lines):
             ax.set_yscale("log")
@@ -126,12 +126,11 @@ UNSEEN = 1e-5
 """Share of the largest amplitude below which frequencies are no longer shown."""
 
 
-def _last_frequency(frequencies: Array, amplitudes: Array) -> float:
-    """The end of what can be seen of spectra, with a margin."""
+def _seen(frequencies: Array, amplitudes: Array) -> tuple[Array, Array]:
+    """Spectra up to the last frequency at which one can be seen."""
     largest = amplitudes[1:].max(axis=1)
-    seen = np.flatnonzero(largest > UNSEEN * largest.max())
-    end = float(frequencies[1:][seen[-1]]) if seen.size else float(frequencies[-1])
-    return min(1.05 * end, float(frequencies[-1]))
+    end = 2 + int(np.flatnonzero(largest >= UNSEEN * largest.max())[-1])
+    return frequencies[:end], amplitudes[:end]
 
 
 @part(0.4 + 1.4 * PANEL)

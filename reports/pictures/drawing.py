@@ -205,38 +205,42 @@ def _with_numbered_clips(text: str) -> str:
     return text
 
 
-@part(lambda rows, wave="": SNAPSHOT * len(rows) + 0.35)
+@part(lambda rows, wave="", of_one=False: SNAPSHOT * len(rows) + 0.35)
 def snapshot_panels(
-    figure: FigureBase, rows: Sequence[Sequence[xr.Dataset]], wave: str = ""
+    figure: FigureBase, rows: Sequence[Sequence[xr.Dataset]], wave: str = "", of_one: bool = False
 ) -> None:
     """Two panels for each of `run_data.snapshots`, one row per run, lettered (A), (B), ... .
 
     The strains, and below them the lattice less the wave on the band of the run's own error.
     ``wave`` is what the legend calls the analytical strain, where the run's own word is not taken.
-    The legend stands in the place that a shorter row leaves, and otherwise above.
+    Rows have axes of their own, unless they are all ``of_one`` run. The legend stands in the place
+    that a shorter row leaves, and otherwise above.
     """
     across = max(len(row) for row in rows)
     letters = map(chr, range(ord("A"), ord("Z") + 1))
     signs: dict[str, Any] = {}
     differences: dict[str, Any] = {}
     free: FigureBase | Axes = figure
-    for row, place in zip(rows, figure.subfigures(len(rows), 1, squeeze=False)[:, 0], strict=True):
-        panels = place.subplots(2, across, squeeze=False, sharex="col", height_ratios=(2, 1))
-        limits = spread_limits([at[name].values for at in row for name in ("strain", "analytic")])
-        largest = max(map(_largest_difference, row))
+    heights = (2, 1) * len(rows)
+    grid = figure.subplots(len(heights), across, squeeze=False, height_ratios=heights)
+    for row, panels in zip(rows, grid.reshape(len(rows), 2, across), strict=True):
+        alike = [at for row in rows for at in row] if of_one else row
+        limits = spread_limits([at[name].values for at in alike for name in ("strain", "analytic")])
+        largest = max(map(_largest_difference, alike))
         for column, at in enumerate(row):
             above, below = panels[:, column]
+            above.sharex(below)
             signs |= _draw_snapshot(above, at, next(letters), wave or at.attrs["wave"])
             differences |= _draw_difference(below, at, largest)
             above.set_ylim(*limits)
-            for ax in (above, below):
-                ax.tick_params(labelleft=column == 0)
+            above.tick_params(labelbottom=False, labelleft=column == 0)
+            below.tick_params(labelleft=column == 0)
         panels[0, 0].set_ylabel("$y_n$")
         panels[1, 0].set_ylabel("difference")
-        place.align_ylabels(panels[:, 0])
         free = _without(panels[:, len(row) :]) or free
         for ax in panels[1, : len(row)]:
             ax.set_xlabel(MOVING)
+    figure.align_ylabels(grid[:, 0])
     add_legend(free, signs | differences)
 
 
@@ -393,7 +397,8 @@ def error_panels(figure: FigureBase, panels: ErrorPanels) -> None:
                 _draw_own(ax, curve[along].values, curve.values, curve["own"].values, look["color"])
         ax.set_xlabel("$t$")
         ax.set_ylabel(r"$L^\infty_\epsilon$")
-        ax.set_ylim(bottom=0)
+        entries = len(ax.get_legend_handles_labels()[1])
+        ax.set_ylim(0, ax.get_ylim()[1] * (1.0 + max(0, entries - 2) * LEGEND_ROOM))
         ax.locator_params(axis="x", nbins=6)
         ax.ticklabel_format(axis="y", scilimits=(-3, 3), useMathText=True)
         ax.legend()
@@ -413,6 +418,9 @@ def _draw_own(ax: Axes, times: Sites, errors: Sites, own: Sites, colour: str) ->
         look: dict[str, Any] = {"color": colour, "linestyle": "", "marker": "o", "capsize": 3.0}
         ax.errorbar(times[known], errors[known], own[known], label=label, **look)
 
+
+LEGEND_ROOM = 0.1
+"""Of the height of a panel, that an entry of its legend beyond the second takes."""
 
 BARS = 0.5
 """Share of the times at which the own error must be known for it to be a band."""
@@ -494,14 +502,21 @@ def cell_edges(starts: NDArray[np.integer]) -> NDArray[np.float64]:
 LABELS = {"crest_position": "crest at " + MOVING, "crest_strain": "$y$ at the crest"}
 
 
-@part(2.0)
+def _crest_rows() -> int:
+    """Panels of a crest's track below each other: both in one column of a journal."""
+    return 1 if page_width() > len(LABELS) * 2.0 else len(LABELS)
+
+
+@part(lambda run: 0.3 + 1.7 * _crest_rows())
 def crest_track(figure: FigureBase, run: xr.Dataset) -> None:
     """The crest's position and strain as points: a crest may give way to another one.
 
     The wave's own, which a run that is `run_data.with_theory` has, and a soliton's strain by the
     law of its losses are lines.
     """
-    for ax, (name, label) in zip(figure.subplots(1, len(LABELS)), LABELS.items(), strict=True):
+    rows = _crest_rows()
+    panels = figure.subplots(rows, len(LABELS) // rows, squeeze=False)
+    for ax, (name, label) in zip(panels.flat, LABELS.items(), strict=True):
         values, wave = run[name], run.get(f"{name}_wave")
         times = values[values.dims[0]]
         every = max(1, -(-times.size // CREST_POINTS))
@@ -611,10 +626,11 @@ def _draw_spectrum(ax: Axes, at: xr.Dataset) -> dict[str, Any]:
         ax.set_yscale("log")
     signs = {"lattice": ax.plot(at["wavenumber"], lattice, **NUMERICAL)[0]}
     (signs["wave"],) = ax.plot(at["wavenumber"], wave, **ANALYTICAL)
-    for name, label, look in (
-        ("own", OWN_ERROR + ", at most", {"color": OWN, "linestyle": "--", "linewidth": 1.2}),
-        ("rounding", "rounding", {"color": "black", "linestyle": ":", "linewidth": 0.8}),
-    ):
+    looks: dict[str, tuple[str, Any]] = {
+        "own": (OWN_ERROR + ", at most", {"color": OWN, "linestyle": "--", "linewidth": 1.2}),
+        "rounding": ("rounding", {"color": "black", "linestyle": ":", "linewidth": 0.8}),
+    }
+    for name, (label, look) in looks.items():
         level = float(at[name])
         if 0.0 < level < math.inf:
             signs[label] = ax.axhline(level, zorder=1.5, **look)
@@ -684,13 +700,12 @@ def cost_figure(
         first.set_yticks(digits)
     handles = {h.get_label(): h for ax in grid for h in ax.lines}
     ordered = [handles[label] for label in looks]
-    title = CHEAPEST if cheapest else None
+    words: Any = {"title": CHEAPEST if cheapest else None, "title_fontsize": 8.0}
     if free:
-        free.legend(handles=ordered, loc="center", title=title, title_fontsize=8.0)
+        free.legend(handles=ordered, loc="center", **words)
     else:
         columns = min(len(ordered), LEGEND)
-        words = {"loc": "outside upper center", "ncols": columns, "title_fontsize": 8.0}
-        figure.legend(handles=ordered, title=title, **words)
+        figure.legend(handles=ordered, loc="outside upper center", ncols=columns, **words)
     return figure
 
 

@@ -283,7 +283,8 @@ def _snapshots(data: xr.Dataset) -> Part:
     places = even_places(data.sizes["time"], MOST_PANELS)
     panels = snapshots(data, shown_half_width(data), places)
     _, across = grid_shape(len(panels), ACROSS)
-    return snapshot_panels([panels[i : i + across] for i in range(0, len(panels), across)])
+    rows = [panels[i : i + across] for i in range(0, len(panels), across)]
+    return snapshot_panels(rows, of_one=True)
 
 
 def _spectra(data: xr.Dataset) -> Part:

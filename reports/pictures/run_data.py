@@ -7,7 +7,7 @@ alone the space-time map, the error over time and the track of the crest.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import NoReturn
+from typing import Any, NoReturn
 
 import numpy as np
 import xarray as xr
@@ -264,7 +264,9 @@ def with_looks(data: xr.Dataset, least: int = LEAST_LOOKS) -> xr.Dataset:
     width = max(cell_width((strain.shape[1] - 1) // 2), least_width)
     starts = np.arange(0, strain.shape[1], width)
     space_time = _farthest(strain, background, starts)
-    found = {"space_time": (("look_time", "map_site"), space_time, {"carried": carried})}
+    found: dict[str, Any] = {
+        "space_time": (("look_time", "map_site"), space_time, {"carried": carried})
+    }
     for end, values in (("", strain), ("_wave", analytic)):
         place, top = _crests(values, background, sites)
         found[f"crest_position{end}"] = ("look_time", place - speed * times)
