@@ -337,7 +337,7 @@ def _draw_difference(ax: Axes, at: xr.Dataset, largest: float) -> dict[str, Any]
     """Draw the lattice less the wave on the band of the own error; return signs and labels."""
     offset, own = at["offset"].values, _own(at)
     (line,) = ax.plot(offset, at["strain"] - at["analytic"], color="black", linewidth=0.8)
-    signs = {"lattice $-$ wave": line}
+    signs: dict[str, Any] = {"lattice $-$ wave": line}
     if own is not None:
         signs[OWN_ERROR] = ax.axhspan(-own, own, color=OWN, alpha=0.5, lw=0, zorder=0)
     top = 1.15 * largest or 1.0
@@ -499,6 +499,8 @@ def cell_edges(starts: NDArray[np.integer]) -> NDArray[np.float64]:
     return np.array([*starts, 1 - starts[0]]) - 0.5
 
 
+WAVES_CREST = "crest_position_wave"
+
 LABELS = {"crest_position": "crest at " + MOVING, "crest_strain": "$y$ at the crest"}
 
 
@@ -523,7 +525,7 @@ def crest_track(figure: FigureBase, run: xr.Dataset) -> None:
         ax.plot(times[::every], values[::every], label="lattice", **BEADS)
         if wave is not None:
             told = run.attrs["wave"]
-            ax.plot(times, wave.where(_is_steady(wave)), label=told, **ANALYTICAL)
+            ax.plot(times, wave.where(_is_steady(run[WAVES_CREST])), label=told, **ANALYTICAL)
         if name == "crest_strain" and "crest_law" in run:
             ax.plot(times, run["crest_law"], label="law", color="black", linestyle="--", lw=0.9)
         ax.set_xlabel("$t$")
@@ -536,16 +538,17 @@ def crest_track(figure: FigureBase, run: xr.Dataset) -> None:
 CREST_POINTS = 50
 """Most points of a crest's track that are drawn."""
 
-GAP = 0.25
-"""Of the range of a crest's track: it is not drawn across a step that is larger."""
+JUMP = 3.0, 8.0
+"""A crest gives way to another where it moves so many sites, and so many times the median step."""
 
 
-def _is_steady(track: xr.DataArray) -> NDArray[np.bool_]:
-    """Where a track goes on from the time before, and has not jumped to another crest."""
-    values = np.asarray(track, dtype=float)
+def _is_steady(position: xr.DataArray) -> NDArray[np.bool_]:
+    """Where a crest has not given way to another one since the time before."""
+    values = np.asarray(position, dtype=float)
     steps = np.abs(np.diff(values, prepend=values[:1]))
-    known = values[np.isfinite(values)]
-    return steps <= GAP * float(np.ptp(known)) if known.size else np.isfinite(steps)
+    known = steps[np.isfinite(steps)]
+    sites, times = JUMP
+    return steps <= max(sites, times * float(np.median(known)) if known.size else 0.0)
 
 
 MOST_SPECTRA = 6

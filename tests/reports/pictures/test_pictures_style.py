@@ -21,6 +21,7 @@ from longwave.reports.pictures.drawing import (
     WIDTHS,
     cheapest_places,
     cost_figure,
+    crest_track,
     grid_shape,
     page_width,
     save,
@@ -100,6 +101,10 @@ def test_the_crest_of_the_wave_stands_beside_the_lattices(made: xr.Dataset) -> N
     position, height = plot(made, kind="crest").get_axes()
     assert np.array_equal(position.lines[1].get_ydata(), told.crest_position_wave)
     assert np.array_equal(height.lines[1].get_ydata(), told.crest_strain_wave)
+    other = told.copy(deep=True)
+    other["crest_position_wave"].values[5:] += 20.0
+    broken = crest_track(other).figure().get_axes()[1].lines[1].get_ydata()
+    assert np.flatnonzero(np.isnan(np.asarray(broken))).tolist() == [5]
 
 
 def test_the_map_is_sheared_into_the_moving_frame(made: xr.Dataset) -> None:
