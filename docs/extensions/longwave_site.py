@@ -14,6 +14,7 @@ import gallery
 import library_pages
 import lists
 import mathml
+import notebook
 from house import HOUSE
 from reference import write_reference
 
@@ -36,6 +37,7 @@ def setup(app: Sphinx) -> dict[str, bool]:
     """Register everything; reference and pictures are written before the pages are read."""
     mathml.setup(app)
     docstrings.setup(app)
+    notebook.setup(app)
     for name in CONTENTS:
         app.add_directive(name, Generated)
     app.connect("builder-inited", _write)

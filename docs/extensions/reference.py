@@ -84,15 +84,16 @@ def _room_of(name: str) -> str:
 
 
 def _documented(name: str) -> str:
-    """The noun's entry: a class, a function, or a catalogue with its names."""
+    """The noun's entry: a class, a function, or a catalogue; links lead to where it is defined."""
     value = getattr(import_module(FACE), name)
     if isinstance(value, type):
-        return f".. autoclass:: {FACE}.{name}\n\n"
+        return f".. autoclass:: {FACE}.{name}\n   :no-index:\n\n"
     if callable(value):
-        return f".. autofunction:: {FACE}.{name}\n\n"
+        return f".. autofunction:: {FACE}.{name}\n   :no-index:\n\n"
     named = ", ".join(f"``{key}``" for key in getattr(value, "names", value))
     room = f":py:mod:`{FACE}.{_room_of(name)}`"
-    return f".. py:data:: {name}\n   :module: {FACE}\n\n   By name, from {room}: {named}.\n\n"
+    head = f".. py:data:: {FACE}.{name}\n   :no-index:\n"
+    return f"{head}\n   By name, from {room}: {named}.\n\n"
 
 
 def _page(package: str) -> str:

@@ -2,6 +2,7 @@
 
 import doctest
 import importlib
+import json
 import re
 from itertools import chain
 from pathlib import Path
@@ -26,10 +27,10 @@ NAMED = re.compile(r"(?m)^(?:### |\* \*\*[A-Z]+\*\* )`(\w+)`")
 
 
 @pytest.mark.parametrize(
-    "name", ["docstrings", "library_pages", "lists", "mathml", "paper_map", "snippets"]
+    "name", ["docstrings", "library_pages", "lists", "mathml", "notebook", "paper_map", "snippets"]
 )
 def test_the_examples_in_docstrings(name: str) -> None:
-    if name == "mathml":
+    if name in ("mathml", "notebook"):
         pytest.importorskip("sphinx", reason="make docs installs it")
     result = doctest.testmod(importlib.import_module(name))
     assert result.attempted
@@ -42,6 +43,37 @@ def test_latex_that_is_not_understood_is_an_error(latex: str) -> None:
     mathml = importlib.import_module("mathml").mathml
     with pytest.raises(ValueError, match="formula must be LaTeX"):
         mathml(latex)
+
+
+def test_a_notebook_is_a_page_with_its_outputs() -> None:
+    pytest.importorskip("sphinx", reason="make docs installs it")
+    kept: list[bytes] = []
+    outputs = [
+        {"output_type": "stream", "name": "stdout", "text": ["a\n", "b\n"]},
+        {"output_type": "stream", "name": "stderr", "text": ["half done"]},
+        {"output_type": "display_data", "data": {"image/png": "eA==", "text/plain": "<Figure>"}},
+        {"output_type": "execute_result", "data": {"text/html": ["<b>1</b>"], "text/plain": "1"}},
+        {"output_type": "error", "ename": "ValueError", "evalue": "k", "traceback": ["long"]},
+    ]
+    cells = [
+        {"cell_type": "markdown", "source": "# A title"},
+        {"cell_type": "code", "source": ["x = 1\n", "x"], "outputs": outputs},
+    ]
+
+    def keep(picture: bytes) -> str:
+        kept.append(picture)
+        return "/p.png"
+
+    made = importlib.import_module("notebook").markdown(json.dumps({"cells": cells}), keep)
+    assert kept == [b"x"]
+    assert made.split("\n\n") == [
+        "# A title",
+        "```python\nx = 1\nx\n```",
+        "```text\na\nb\n```",
+        "![output](/p.png)",
+        "```{raw} html\n<b>1</b>\n```",
+        "```text\nValueError: k\n```",
+    ]
 
 
 def test_code_and_doctests_are_left_as_they_are() -> None:
@@ -119,7 +151,7 @@ def test_the_reference_begins_with_the_face_and_describes_each_of_its_nouns(tmp_
     assert re.findall(r"(?m)^   (longwave\S*)$", index)[0] == "longwave"
     face = (tmp_path / "longwave.rst").read_text(encoding="utf-8")
     described = re.findall(r"(?m)^.. auto\w+:: longwave\.(\w+)$", face)
-    described += re.findall(r"(?m)^.. py:data:: (\w+)$", face)
+    described += re.findall(r"(?m)^.. py:data:: longwave\.(\w+)$", face)
     assert sorted(["__version__", *described]) == sorted(longwave.__all__)
 
 

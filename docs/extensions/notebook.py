@@ -1,0 +1,97 @@
+"""Pages that are notebooks: the cells and the outputs that are kept in them, as Markdown."""
+
+from __future__ import annotations
+
+import base64
+import json
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from myst_parser.parsers.sphinx_ import MystParser
+
+if TYPE_CHECKING:
+    from docutils import nodes
+    from sphinx.application import Sphinx
+
+Keep = Callable[[bytes], str]
+"""Keeps a picture, and gives the address that a page shows it by."""
+
+
+def setup(app: Sphinx) -> None:
+    """Let files that end in .ipynb be pages."""
+    app.add_source_suffix(".ipynb", "notebook")
+    app.add_source_parser(NotebookParser)
+
+
+class NotebookParser(MystParser):
+    """Reads a notebook as the Markdown that `markdown` makes of it."""
+
+    supported: ClassVar[tuple[str, ...]] = ("notebook",)
+
+    def parse(self, inputstring: str, document: nodes.document) -> None:
+        """Parse the notebook; its pictures are kept beside those of the gallery."""
+        environment = document.settings.env
+        page = environment.docname.replace("/", "_")
+        folder = Path(environment.srcdir) / "generated" / "notebooks"
+        folder.mkdir(parents=True, exist_ok=True)
+        names = iter(f"{page}_{number}.png" for number in range(1_000_000))
+
+        def keep(picture: bytes) -> str:
+            name = next(names)
+            (folder / name).write_bytes(picture)
+            return f"/generated/notebooks/{name}"
+
+        super().parse(markdown(inputstring, keep), document)
+
+
+def markdown(notebook: str, keep: Keep) -> str:
+    r"""The notebook as Markdown.
+
+    >>> shown = {"data": {"text/plain": "2"}}
+    >>> cell = {"cell_type": "code", "source": ["1 + 1"], "outputs": [shown]}
+    >>> print(markdown(json.dumps({"cells": [cell]}), keep=repr))
+    ```python
+    1 + 1
+    ```
+    <BLANKLINE>
+    ```text
+    2
+    ```
+    """
+    parts: list[str] = []
+    for cell in json.loads(notebook)["cells"]:
+        source = _joined(cell["source"])
+        if cell["cell_type"] == "markdown":
+            parts.append(source)
+        elif cell["cell_type"] == "code" and source.strip():
+            parts.append(_fenced("python", source))
+            parts += (text for output in cell["outputs"] for text in _shown(output, keep))
+    return "\n\n".join(parts)
+
+
+def _shown(output: dict[str, Any], keep: Keep) -> Iterator[str]:
+    """An output in the richest form that a page can show; what is told on the way is left out."""
+    if output.get("output_type") == "stream":
+        if output.get("name") == "stdout":
+            yield _fenced("text", _joined(output["text"]).rstrip())
+        return
+    forms = {kind: _joined(data) for kind, data in output.get("data", {}).items()}
+    if "image/png" in forms:
+        yield f"![output]({keep(base64.b64decode(forms['image/png']))})"
+    elif "image/svg+xml" in forms or "text/html" in forms:
+        yield _fenced("{raw} html", forms.get("image/svg+xml") or forms["text/html"])
+    elif "text/latex" in forms:
+        yield forms["text/latex"]
+    elif "text/plain" in forms:
+        yield _fenced("text", forms["text/plain"])
+    elif "traceback" in output:
+        yield _fenced("text", f"{output['ename']}: {output['evalue']}")
+
+
+def _fenced(kind: str, text: str) -> str:
+    return f"```{kind}\n{text}\n```"
+
+
+def _joined(text: str | list[str]) -> str:
+    return text if isinstance(text, str) else "".join(text)
