@@ -1,5 +1,6 @@
 """The reference: the face in full, then a page for each package, written from the docstrings."""
 
+from collections.abc import Iterator
 from functools import cache
 from importlib import import_module
 from pathlib import Path
@@ -19,8 +20,7 @@ def _map() -> list[Row]:
 def write_reference(folder: Path) -> None:
     """Write a page for each package into the folder, and remove pages of packages that are gone."""
     folder.mkdir(parents=True, exist_ok=True)
-    pages = {f"{package}.rst": _page(package) for package in _packages() if package != FACE}
-    pages[f"{FACE}.rst"] = _face_page()
+    pages = {f"{package}.rst": _page(package) for package in _packages()}
     pages["index.rst"] = _index()
     for stale in set(folder.glob("*.rst")) - {folder / name for name in pages}:
         stale.unlink()
@@ -52,35 +52,23 @@ def _index() -> str:
     )
 
 
-def _face_page() -> str:
-    """The face: every public noun with its docstring, by the room that it comes from."""
-    parts = [_title(FACE, "="), f".. automodule:: {FACE}\n   :no-members:\n\n"]
-    for room, names in _nouns_by_room().items():
-        text = (import_module(f"{FACE}.{room}").__doc__ or room).partition("\n")[0]
-        parts.append(_title(f"From {FACE}.{room}", "-") + f"{text}\n\n")
-        parts += [_documented(name) for name in names]
-    return "".join(parts)
-
-
-def _nouns_by_room() -> dict[str, list[str]]:
-    """The face's nouns by the room that offers them, or in which they are defined."""
-    found: dict[str, list[str]] = {room: [] for room in ROOMS[:-1]}
-    for name in import_module(FACE).__all__:
-        if not name.startswith("__"):
-            found[_room_of(name)].append(name)
-    return {room: names for room, names in found.items() if names}
+def _face() -> Iterator[str]:
+    """Every public noun of the face with its docstring, by the room that it comes from."""
+    nouns = [name for name in import_module(FACE).__all__ if not name.startswith("__")]
+    for room in (FACE, *ROOMS[:-1]):
+        held = [name for name in nouns if _room_of(name) == room]
+        if held:
+            yield _title("Sessions" if room == FACE else f"From {FACE}.{room}", "-")
+            yield from (_documented(name) for name in held)
 
 
 def _room_of(name: str) -> str:
+    """The room that offers the noun; the face, if none does."""
+    for room in ROOMS[:-1]:
+        if name in getattr(import_module(f"{FACE}.{room}"), "__all__", ()):
+            return room
     home = str(getattr(getattr(import_module(FACE), name), "__module__", "")).split(".")
-    if home[0] == FACE and len(home) > 1:
-        return home[1]
-    offered = (
-        room
-        for room in ROOMS[:-1]
-        if name in getattr(import_module(f"{FACE}.{room}"), "__all__", ())
-    )
-    return next(offered)
+    return home[1] if len(home) > 1 and home[1] in ROOMS else FACE
 
 
 def _documented(name: str) -> str:
@@ -97,10 +85,12 @@ def _documented(name: str) -> str:
 
 
 def _page(package: str) -> str:
-    """The package's own text, then each of its modules under its name."""
+    """The package's own text and its nouns, then each of its modules under its name."""
     parts = [_title(package, "="), f".. automodule:: {package}\n   :no-members:\n\n"]
     nouns = [_noun(package, name) for name in getattr(import_module(package), "__all__", ())]
-    if nouns:
+    if package == FACE:
+        parts += _face()
+    elif nouns:
         parts.append(f"It offers {', '.join(nouns)}.\n\n")
     for module in modules(package):
         parts.append(_title(module.removeprefix(f"{package}."), "-"))
