@@ -3,16 +3,23 @@
 from __future__ import annotations
 
 import base64
+import html
 import json
+import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from myst_parser.parsers.sphinx_ import MystParser
 
+from mathml import mathml
+
 if TYPE_CHECKING:
     from docutils import nodes
     from sphinx.application import Sphinx
+
+_FORMULA = re.compile(r"\$(\\displaystyle [^$]*)\$")
+"""A formula within HTML, which a notebook leaves to a script."""
 
 Keep = Callable[[bytes], str]
 """Keeps a picture, and gives the address that a page shows it by."""
@@ -80,7 +87,8 @@ def _shown(output: dict[str, Any], keep: Keep) -> Iterator[str]:
     if "image/png" in forms:
         yield f"![output]({keep(base64.b64decode(forms['image/png']))})"
     elif "image/svg+xml" in forms or "text/html" in forms:
-        yield _fenced("{raw} html", forms.get("image/svg+xml") or forms["text/html"])
+        drawn = forms.get("image/svg+xml") or forms["text/html"]
+        yield _fenced("{raw} html", _FORMULA.sub(lambda m: mathml(html.unescape(m[1])), drawn))
     elif "text/latex" in forms:
         yield forms["text/latex"]
     elif "text/plain" in forms:

@@ -22,6 +22,8 @@ from longwave.verify.published import published
 from reference import write_reference
 from snippets import snippets
 
+RATIO = r"$\displaystyle a &lt; b$"
+
 NAMED = re.compile(r"(?m)^(?:### |\* \*\*[A-Z]+\*\* )`(\w+)`")
 """The name of a statement on a page of the library."""
 
@@ -48,11 +50,15 @@ def test_latex_that_is_not_understood_is_an_error(latex: str) -> None:
 def test_a_notebook_is_a_page_with_its_outputs() -> None:
     pytest.importorskip("sphinx", reason="make docs installs it")
     kept: list[bytes] = []
+    modules = {name: importlib.import_module(name) for name in ("mathml", "notebook")}
     outputs = [
         {"output_type": "stream", "name": "stdout", "text": ["a\n", "b\n"]},
         {"output_type": "stream", "name": "stderr", "text": ["half done"]},
         {"output_type": "display_data", "data": {"image/png": "eA==", "text/plain": "<Figure>"}},
-        {"output_type": "execute_result", "data": {"text/html": ["<b>1</b>"], "text/plain": "1"}},
+        {
+            "output_type": "execute_result",
+            "data": {"text/html": ["<b>$1</b>", RATIO], "text/plain": "1"},
+        },
         {"output_type": "error", "ename": "ValueError", "evalue": "k", "traceback": ["long"]},
     ]
     cells = [
@@ -64,14 +70,15 @@ def test_a_notebook_is_a_page_with_its_outputs() -> None:
         kept.append(picture)
         return "/p.png"
 
-    made = importlib.import_module("notebook").markdown(json.dumps({"cells": cells}), keep)
+    made = modules["notebook"].markdown(json.dumps({"cells": cells}), keep)
+    drawn = modules["mathml"].mathml(r"\displaystyle a < b")
     assert kept == [b"x"]
     assert made.split("\n\n") == [
         "# A title",
         "```python\nx = 1\nx\n```",
         "```text\na\nb\n```",
         "![output](/p.png)",
-        "```{raw} html\n<b>1</b>\n```",
+        f"```{{raw}} html\n<b>$1</b>{drawn}\n```",
         "```text\nValueError: k\n```",
     ]
 
