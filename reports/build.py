@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -33,6 +34,7 @@ from longwave.reports.sections import (
     runs,
     theory,
 )
+from longwave.reports.sections.headlines import Headline, headline_table, headlines
 from longwave.reports.sections.other_lattices import model_jobs
 from longwave.reports.studies.bench_laws import bench_law_jobs
 from longwave.reports.studies.claims import all_claims
@@ -134,6 +136,11 @@ class Findings:
         cases = groupby(self.all("accuracy"), attrgetter("name"))
         return [worst_of(group) for _, group in cases]
 
+    @cached_property
+    def headlines(self) -> dict[str, Headline]:
+        """The main results."""
+        return headlines(self)
+
     @property
     def sound(self) -> bool:
         """Whether every form and study stands and every run came to its end."""
@@ -161,6 +168,7 @@ STUDY_TABLES: Mapping[str, Callable[[Findings], str]] = {
     "cost_table": lambda found: costs.cost_table(found.rows("cost")),
     "precision_table": lambda found: costs.precision_table(found.rows("precision")),
     "scaling_table": lambda found: costs.scaling_table(found.rows("scaling")),
+    "extrapolated_table": lambda found: costs.extrapolated_table(found.rows("scaling")),
     "rk4_table": lambda found: costs.rk4_table(found.rows("rk4")),
     "window_table": lambda found: costs.window_table(found.rows("windows")),
     "hard_case_table": lambda found: costs.hard_case_table(found.all("hard")),
@@ -174,6 +182,7 @@ STUDY_TABLES: Mapping[str, Callable[[Findings], str]] = {
 
 TABLES: Mapping[str, Callable[[Findings], str]] = {
     **STUDY_TABLES,
+    "headline_table": lambda found: headline_table(found.headlines.values()),
     "estimate_table": lambda found: costs.estimate_table(estimate_rows(found.all("estimate"))),
     "estimate_reasons": lambda found: costs.reason_table(found.all("estimate")),
     "solution_table": lambda _: theory.solution_table(),
@@ -186,7 +195,8 @@ TABLES: Mapping[str, Callable[[Findings], str]] = {
     "run_table": lambda found: runs.run_table(found.runs),
     "claim_table": lambda found: runs.claim_table(all_claims(found.runs)),
     "library_counts": lambda found: literature.library_counts(found.rows("library")),
-    "library_table": lambda found: literature.library_table(found.rows("library")),
+    "library_equations": lambda found: literature.library_equations(found.rows("library")),
+    "library_formulas": lambda found: literature.library_formulas(found.rows("library")),
     "library_conditions": lambda found: literature.library_conditions(found.rows("library")),
     "found_misprints": lambda found: literature.found_misprints(found.rows("library")),
     "form_table": lambda found: other_lattices.form_table(
@@ -202,6 +212,7 @@ TABLES: Mapping[str, Callable[[Findings], str]] = {
     "bench_laws": lambda found: benches.bench_laws(found.of("bench"), found.all("struck")),
     "loss_pictures": lambda found: benches.bench_pictures(_lossy(found)),
     "rate_table": lambda found: lattice_runs.rate_table(found.all("rate")),
+    "rate_errors": lambda found: lattice_runs.rate_errors(found.all("rate")),
 }
 """All tables under their templates' names."""
 
@@ -216,20 +227,28 @@ def _papers(records: Sequence[Any]) -> list[Any]:
     return [found for found in records if CATALOGUE.equation(found.name) == other_lattices.PAPERS]
 
 
-def source(content: Mapping[str, str], scenes: Mapping[str, Scene], full: bool) -> str:
+def source(content: Mapping[str, str], found: Findings, full: bool) -> str:
     """Return the report's LaTeX source; `content` holds the tables."""
     return render(
         "report.tex.j2",
         version=version("longwave"),
+        date=today(),
         full=full,
+        headlines=found.headlines,
         formulas=theory.formulas(),
         equations=theory.equations(),
-        figures=runs.figure_entries(scenes),
+        figures=runs.figure_entries(found.runs.scenes),
         sources=sorted(SOURCES.items()),
         normal_equations=other_lattices.normal_equations(),
         **theory.derivation(),
         **content,
     )
+
+
+def today() -> str:
+    """The date of a report, in UTC; SOURCE_DATE_EPOCH names another one, in seconds."""
+    seconds = float(os.environ.get("SOURCE_DATE_EPOCH") or time.time())
+    return time.strftime("%d %B %Y", time.gmtime(seconds)).lstrip("0")
 
 
 def report_figures(found: Findings) -> Iterator[tuple[str, Figure]]:
@@ -287,7 +306,7 @@ def write_source(found: Findings, folder: Path, full: bool, wrote: Callable[[], 
     for name, text in write_tables(TABLES, found, folder):
         content[name] = text
         wrote()
-    return write(folder / SOURCE, source(content, found.runs.scenes, full))
+    return write(folder / SOURCE, source(content, found, full))
 
 
 def _check_folder(output: Path, force: bool) -> None:

@@ -6,7 +6,7 @@ Jinja2 has delimiters that LaTeX leaves alone: \VAR{...}, \BLOCK{...}, \#{...}, 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -80,67 +80,93 @@ DIGITS = 6
 """Most digits of a measured value that are shown."""
 
 
-def table(columns: str, head: Sequence[str], rows: Iterable[Sequence[str]], gap: str = "") -> str:
-    r"""Return a longtable; every cell is LaTeX, `gap` a length of extra space between rows.
+WHOLE = 8
+"""Most rows of a table that is kept on one page."""
 
-    >>> print(table("lr", ["wave", "error"], [["sech", "0.1"], ["kink", "0.2"]], "1ex"))
+Row = Sequence[str] | str
+"""The cells of a row, or a heading across the table."""
+
+
+def table(
+    name: str, caption: str, columns: str, head: Sequence[str], rows: Iterable[Row], gap: str = ""
+) -> str:
+    r"""Return a table with its number, caption and the label tab:name; "" without rows.
+
+    Every cell is LaTeX, ``gap`` a length of extra space between rows. It breaks over pages where no
+    row stands alone and no heading without its rows; its head is repeated.
+
+    >>> print(table("waves", "Waves.", "lr", ["wave", "error"], [["sech", "0.1"], ["kink", "0.2"]]))
     \begin{longtable}{lr}
+    \caption{Waves.}\label{tab:waves}\\
+    \toprule
+    wave & error \\
+    \midrule
+    \endfirsthead
+    \multicolumn{2}{@{}l}{Table \thetable, continued}\\
     \toprule
     wave & error \\
     \midrule
     \endhead
     \bottomrule
     \endfoot
-    sech & 0.1 \\ \addlinespace[1ex]
+    sech & 0.1 \\*
     kink & 0.2 \\
     \end{longtable}
     """
-    between = rf" \addlinespace[{gap}]" if gap else ""
-    shown = [r"\endhead", r"\bottomrule", r"\endfoot", f"{between}\n".join(map(row, rows))]
-    return _environment("longtable", columns, head, shown)
+    listed = list(rows)
+    if not listed:
+        return ""
+    full = any(isinstance(cells, str) for cells in listed)
+    if full:
+        columns = rf"@{{\extracolsep{{\fill}}}}{columns}@{{}}"
+    top = [r"\toprule", row(head), r"\midrule"]
+    continued = rf"\multicolumn{{{len(head)}}}{{@{{}}l}}{{Table \thetable, continued}}\\"
+    text = "\n".join(
+        [
+            rf"\begin{{longtable}}{{{columns}}}",
+            rf"\caption{{{caption}}}\label{{tab:{name}}}\\",
+            *(*top, r"\endfirsthead", continued, *top, r"\endhead", r"\bottomrule", r"\endfoot"),
+            *_broken(listed, len(head), gap),
+            r"\end{longtable}",
+        ]
+    )
+    return rf"{{\LTleft=0pt \LTright=0pt plus 1fil{chr(10)}{text}}}" if full else text
 
 
-def block(columns: str, head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    r"""Return a centred table that is not broken; every cell is LaTeX.
-
-    >>> print(block("lr", ["wave", "error"], [["sech", "0.1"]]))
-    \begin{center}
-    \begin{tabular}{lr}
-    \toprule
-    wave & error \\
-    \midrule
-    sech & 0.1 \\
-    \bottomrule
-    \end{tabular}
-    \end{center}
-    """
-    shown = _environment("tabular", columns, head, [*map(row, rows), r"\bottomrule"])
-    return f"\\begin{{center}}\n{shown}\n\\end{{center}}"
+def _broken(rows: Sequence[Row], across: int, gap: str) -> Iterator[str]:
+    """The rows, those behind which no page may end with a star behind them."""
+    last = len(rows) - 1
+    for place, cells in enumerate(rows):
+        ends = place == last or isinstance(rows[place + 1], str)
+        lone = place + 1 == last or (place + 2 <= last and isinstance(rows[place + 2], str))
+        begins = place == 0 or isinstance(rows[place - 1], str)
+        heading = isinstance(cells, str)
+        kept = place < last and (last < WHOLE or heading or (not ends and (begins or lone)))
+        space = f"[{gap}]" if gap and place < last else ""
+        shown = heading_row(cells, across, place > 0) if heading else " & ".join(cells)
+        yield rf"{shown} \\" + "*" * kept + space
 
 
-def _environment(name: str, columns: str, head: Sequence[str], shown: Iterable[str]) -> str:
-    begin = [rf"\begin{{{name}}}{{{columns}}}", r"\toprule", row(head), r"\midrule"]
-    return "\n".join([*begin, *shown, rf"\end{{{name}}}"])
+def heading_row(words: str, across: int, spaced: bool) -> str:
+    """A heading across the columns, with space above it unless it is the first row."""
+    above = r"\addlinespace " if spaced else ""
+    return rf"{above}\multicolumn{{{across}}}{{@{{}}L{{\linewidth}}@{{}}}}{{{words}}}"
 
 
-def titled_rows(title: str, name: str, cells: Sequence[str] | str) -> list[list[str]]:
-    """Two rows of a table with six columns: a title and the name in it, and cells or a text."""
+def titled(title: str, name: str, fault: str = "") -> str:
+    """The heading of a run: its title, the name of its scene, and why it did not run."""
     words = rf"{escape(title)} (\texttt{{{escape(name)}}})"
-    below = rf"\multicolumn{{6}}{{L{{150mm}}}}{{{escape(cells)}}}"
-    return [
-        [rf"\multicolumn{{6}}{{l}}{{\rule{{0pt}}{{3ex}}{words}}}"],
-        [below] if isinstance(cells, str) else list(cells),
-    ]
+    return f"{words} did not run: {escape(fault)}" if fault else words
 
 
 def picture_latex(name: str, caption: str) -> str:
     """The figure that is kept under that name, with its caption in LaTeX."""
     return "\n".join(
         [
-            r"\begin{figure}[htbp]",
+            r"\begin{figure}[tbp]",
             r"\centering",
             rf"\includegraphics{{figures/{name}.pdf}}",
-            rf"\caption{{{caption}}}",
+            rf"\caption{{{caption}}}\label{{fig:{name}}}",
             r"\end{figure}",
         ]
     )
@@ -165,28 +191,25 @@ def scientific(value: float, digits: int = 2) -> str:
     return rf"${mantissa}\times 10^{{{int(exponent)}}}$"
 
 
-def measured(value: float, error: float) -> str:
-    r"""Return a measured number with its discretisation error, rounded up to two digits.
+def uncertain(value: float, error: float) -> tuple[str, str]:
+    r"""Return a measured number and its discretisation error, for two columns.
 
-    Not more than six digits of the value are shown. Zero without error is exact.
+    The error is rounded up to two digits, the number to the error's last one, and to not more than
+    six. A number without error is exact.
 
-    >>> measured(0.101382, 0.000041), measured(2.0706e-5, 1e-12)
-    ('$0.101382 \\pm 0.000041$', '$(2.07060 \\pm 0.00001)\\times 10^{-5}$')
+    >>> uncertain(0.1013819, 0.000041), uncertain(2.0706e-5, 1e-12), uncertain(5.0, 0.0)
+    (('$0.101382$', '$4.1\\times 10^{-5}$'), ('$2.07060\\times 10^{-5}$', ...), ('$5$', 'exact'))
     """
-    if value == error == 0:
-        return "$0$"
+    if error == 0:
+        return f"${value:.{DIGITS}g}$", "exact"
     if not (np.isfinite(value) and np.isfinite(error)):
-        return rf"${value:g} \pm {error:g}$"
+        return scientific(value), scientific(error)
     power = int(np.floor(np.log10(max(abs(value), error))))
     scale = power if power < -3 else 0
-    value, error = value / 10.0**scale, error / 10.0**scale
-    most = DIGITS - 1 - (power - scale)
-    places = most if error == 0 else min(1 - int(np.floor(np.log10(error))), most)
-    places = max(places, 0)
-    units = np.ceil(error * 10**places - 1e-6) if error else 0
-    shown = max(units, float(error > 0)) / 10**places
-    text = rf"{value:.{places}f} \pm {shown:.{places}f}"
-    return rf"$({text})\times 10^{{{scale}}}$" if scale else f"${text}$"
+    last = int(np.floor(np.log10(error))) - 1
+    places = max(min(scale - last, DIGITS - 1 - (power - scale)), 0)
+    shown = f"{value / 10.0**scale:.{places}f}" + (rf"\times 10^{{{scale}}}" if scale else "")
+    return f"${shown}$", scientific(float(np.ceil(error / 10.0**last - 1e-6)) * 10.0**last)
 
 
 def write(path: Path, text: str) -> Path:
@@ -200,8 +223,6 @@ _GREEK = re.compile(rf"(?<![\\A-Za-z])(?:eps|{'|'.join(GREEK)})(?![A-Za-z])")
 
 COMMANDS = {"dt": r"\Delta t", "<=": r"\le "}
 """Other names in the records' mathematics that LaTeX calls otherwise."""
-
-UNITS = ((1.0, "s"), (1e-3, "ms"), (1e-6, r"\textmu s"), (1e-9, "ns"))
 
 
 def mathematics(text: str) -> str:
@@ -237,17 +258,6 @@ def symbol_latex(name: str) -> str:
     """
     letter, index = re.findall(r"([A-Za-z]+)_?(\w*)", name)[0]
     return greek(letter) + (f"_{{{index}}}" if index else "")
-
-
-def duration(seconds: float) -> str:
-    r"""Return a time with two significant digits in a unit that fits.
-
-    >>> duration(4.4e-08), duration(0.0123), duration(120.0)
-    ('44 ns', '12 ms', '120 s')
-    """
-    scale, unit = next((pair for pair in UNITS if seconds >= pair[0]), UNITS[-1])
-    value = seconds / scale
-    return f"{value:.1f} {unit}" if value < 10 else f"{float(f'{value:.2g}'):.0f} {unit}"
 
 
 def domain_latex(domain: str) -> str:

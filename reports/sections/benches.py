@@ -8,12 +8,13 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from longwave.reports.latex import (
-    duration,
+    Row,
     escape,
     picture_latex,
     scientific,
     table,
-    titled_rows,
+    titled,
+    uncertain,
 )
 from longwave.reports.pictures.bench_plotting import mode_energies, sensor_readings
 from longwave.reports.pictures.drawing import crest_track
@@ -27,17 +28,13 @@ from longwave.scenes.bench import Bench
 
 def bench_table(runs: Mapping[str, SceneRun]) -> str:
     """Each chain: its ends and what acts on it, its size, tolerance, estimate, steps and time."""
-    head = ["what acts", "cells", "tolerance", "estimate", "steps", "time"]
-    lines = [
-        line
-        for name, found in runs.items()
-        for line in titled_rows(
-            found.scene.title or name,
-            name,
-            f"did not run: {found.fault}" if found.run is None else _bench_cells(found, found.run),
-        )
-    ]
-    return table("L{62mm}rlllr", head, lines)
+    head = ["ends and effects", "cells", "tolerance", "own error", "steps", "time (s)"]
+    lines: list[Row] = []
+    for name, found in runs.items():
+        lines.append(titled(found.scene.title or name, name, found.fault))
+        lines += [] if found.run is None else [_bench_cells(found, found.run)]
+    caption = "Chains on a bench: what acts on each, and the largest error of what is watched."
+    return table("benches", caption, "L{62mm}rlllr", head, lines)
 
 
 def _bench_cells(found: SceneRun, run: xr.Dataset) -> list[str]:
@@ -48,13 +45,13 @@ def _bench_cells(found: SceneRun, run: xr.Dataset) -> list[str]:
         scientific(found.scene.target.tolerance),
         scientific(float(told["error_estimate"])) + ("" if found.kept else " (TOO LARGE)"),
         f"${told['steps']}$",
-        duration(float(told["seconds"] + told["planning_seconds"])),
+        scientific(float(told["seconds"] + told["planning_seconds"])),
     ]
 
 
 def balance_table(runs: Mapping[str, SceneRun]) -> str:
     """The energy balance at the end of each chain that was followed, and its largest defect."""
-    head = ["chain", "gained", "work", "heat", "gained $-$ work $+$ heat", "at most"]
+    head = ["chain", "energy gained", "work", "heat", "defect", "allowed"]
     lines = []
     for name, found in runs.items():
         if found.run is not None and "work" in found.run:
@@ -65,7 +62,11 @@ def balance_table(runs: Mapping[str, SceneRun]) -> str:
             told = (*(scientific(end, 4) for end in ends), scientific(defect))
             allowed = scientific(3.0 * float(run.attrs["error_estimate"]))
             lines.append([rf"\texttt{{{escape(name)}}}", *told, allowed])
-    return table("lrrrrr", head, lines)
+    caption = (
+        "Energy balance at the end of each chain; defect: the largest of gained $-$ work $+$ heat "
+        "at any time; allowed: three times the run's own error."
+    )
+    return table("balance", caption, "lrrrrr", head, lines)
 
 
 def effects(bench: Bench, losses: str = "") -> str:
@@ -87,20 +88,24 @@ def effects(bench: Bench, losses: str = "") -> str:
 
 def effect_table(costs: Mapping[str, EffectCost]) -> str:
     """Each effect: what it costs a cell and stage, and a run with it to each tolerance."""
-    head = ["effect", "operations", "ns", "of the core's"]
+    head = ["effect", "operations", "time (ns)", r"share (\%)"]
     for tolerance in TOLERANCES:
-        head += [f"to {scientific(tolerance)}", "time"]
+        head += [f"error to {scientific(tolerance)}", "(s)"]
     rows = [
         [
             escape(name),
             f"${cost.operations}$",
             f"${1e9 * cost.seconds:.2f}$",
-            escape(f"{cost.share:.0%}"),
-            *(cell for error, taken in cost.runs for cell in (scientific(error), duration(taken))),
+            f"${100 * cost.share:.0f}$",
+            *(cell for run in cost.runs for cell in map(scientific, run)),
         ]
         for name, cost in costs.items()
     ]
-    return table("lrrr" + "lr" * len(TOLERANCES), head, rows)
+    caption = (
+        "Cost of each effect: operations and time for a cell and stage, share of the core's "
+        "multiply-adds; own error and time of a run to each tolerance."
+    )
+    return table("effects", caption, "lrrr" + "lr" * len(TOLERANCES), head, rows)
 
 
 def bench_laws(runs: Mapping[str, SceneRun], struck: Sequence[tuple[float, float]]) -> str:
@@ -109,13 +114,20 @@ def bench_laws(runs: Mapping[str, SceneRun], struck: Sequence[tuple[float, float
     fput = runs.get("fput_1955")
     if fput is not None and fput.run is not None:
         found = mode_return(fput.run)
-        when = rf"${found.periods:.1f}\pm {found.reading / 2:.1f}$ periods"
-        lines.append(["first return of mode 1 (FPUT, 32 springs)", "about 147 periods", when])
-        lines.append(["energy of mode 1 then", "98 \\%", f"{found.share * 100:.1f} \\%"])
+        when = uncertain(found.periods, found.reading / 2)
+        lines.append(["first return of mode 1 (FPUT, 32 springs), in periods", "147", *when])
+        own = fput.run.attrs["error_estimate"] / float(fput.run.mode_energy[0, 0])
+        share = uncertain(100 * found.share, 100 * float(own))
+        lines.append([r"energy of mode 1 then (\%)", "98", *share])
     for slope, error in struck:
-        told = rf"${slope:.7f}\pm {error:.7f}$"
-        lines.append(["exponent of the speed of struck grains in the velocity", "$1/5$", told])
-    return table("lll", ["what", "known", "measured"], lines)
+        told = uncertain(slope, error)
+        lines.append(["exponent of the speed of struck grains in the velocity", "$1/5$", *told])
+    head = ["quantity", "known", "measured", "own error"]
+    caption = (
+        "Known numbers of these chains. Own error: half the time between readings, the run's "
+        "estimate, the standard error of the fit."
+    )
+    return table("laws", caption, "llll", head, lines)
 
 
 DRAWN = {

@@ -12,8 +12,6 @@ from operator import attrgetter
 from typing import TYPE_CHECKING
 
 from longwave.reports.latex import (
-    block,
-    duration,
     escape,
     mathematics,
     scientific,
@@ -24,12 +22,14 @@ from longwave.reports.pictures.drawing import CostPanels
 from longwave.reports.studies.lattice_cost import (
     REDUCTION,
     SPECTRAL,
+    STEPS,
     TRUE_ERROR,
     CostPoint,
     ScalingPoint,
     fit_power,
     scaling_laws,
 )
+from longwave.solutions import closed_form
 
 if TYPE_CHECKING:
     from longwave.reports.studies.estimates import EstimateRow, Judged
@@ -50,7 +50,7 @@ def accuracy_table(results: Iterable[Accuracy]) -> str:
     """The worst errors of Y, Y_X, Y_T of each wave, and where the worst of all is."""
     rows = [
         [
-            rf"\texttt{{{escape(result.name)}}}",
+            escape(closed_form(result.name).title),
             str(result.points),
             *(f"{float(f'{error / ERROR_UNIT:.2g}'):g}" for error in result.errors),
             *_where(result.worst),
@@ -58,7 +58,11 @@ def accuracy_table(results: Iterable[Accuracy]) -> str:
         for result in results
     ]
     head = ["wave", "points", "$Y$", "$Y_X$", "$Y_T$", "at parameters", "$n$", "$t$"]
-    return table("lrrrrp{46mm}rr", head, rows)
+    caption = (
+        r"Worst errors of the evaluation of each wave, in units of "
+        r"$10^{-16}\max(1,|\mbox{value}|)$, and the point of the largest of the three."
+    )
+    return table("accuracy", caption, "L{34mm}rrrrL{42mm}rr", head, rows)
 
 
 def _where(text: str) -> tuple[str, str, str]:
@@ -90,17 +94,25 @@ def cost_table(costs: Iterable[EvaluationCost]) -> str:
     for wave, group in groupby(costs, attrgetter("wave")):
         found = {cost.arithmetic: cost for cost in group}
         chosen = [found[name] for name in TABULATED]
-        cells = [cell for cost in chosen for cell in (digits(cost.digits), duration(cost.seconds))]
+        cells = [
+            cell
+            for cost in chosen
+            for cell in (digits(cost.digits), scientific(1e6 * cost.seconds))
+        ]
         ratio = found["mpmath, 15 digits"].seconds / found["double-double"].seconds
-        rows.append([rf"\texttt{{{escape(wave)}}}", *cells, f"{float(f'{ratio:.2g}'):.0f}"])
-    head = ["wave", *map(_two_columns, TABULATED), "ratio"]
-    return block("l" + "rr" * len(TABULATED) + "r", head, rows)
+        title = escape(closed_form(wave).title)
+        rows.append([title, *cells, f"{float(f'{ratio:.2g}'):.0f}"])
+    head = ["wave", *(cell for name in SHORT_NAMES for cell in (name, r"\textmu s")), "ratio"]
+    caption = (
+        r"Correct digits and time in \textmu s of one point with both derivatives: in "
+        "double-double (dd), in balls of 40 digits, in mpmath at 15 and 60 digits; ratio of "
+        "mpmath at 15 digits to double-double."
+    )
+    return table("evaluation_costs", caption, "L{34mm}" + "rr" * len(TABULATED) + "r", head, rows)
 
 
-def _two_columns(name: str) -> str:
-    """Return a heading over two columns, in two lines where it has a comma."""
-    lines = r"\\".join(part.strip() for part in escape(name).split(","))
-    return rf"\multicolumn{{2}}{{r}}{{\begin{{tabular}}[b]{{@{{}}r@{{}}}}{lines}\end{{tabular}}}}"
+SHORT_NAMES = ("dd", "balls", "mp 15", "mp 60")
+"""Heads of the columns of digits."""
 
 
 def digits(value: float) -> str:
@@ -147,9 +159,6 @@ PRINTED = {
 }
 """Names of the methods as they are printed, with the orders of the splittings."""
 
-LONG = 1e4
-"""Seconds from which on they are shown as a power of ten."""
-
 
 def precision_table(points: Sequence[CostPoint]) -> str:
     """The seconds of each series' cheapest run within each of the wanted errors.
@@ -163,8 +172,9 @@ def precision_table(points: Sequence[CostPoint]) -> str:
         if series == SPECTRAL:
             whole = [replace(p, seconds=p.seconds + p.data_seconds) for p in found]
             rows.append(_precision_row(problem, f"{PRINTED[series]}, with its data", whole))
-    head = ["problem", "method", *(rf"error $\le$ {_power(e)}" for e in WANTED)]
-    return table("llrrr", head, rows)
+    head = ["problem", "method", *(rf"error $\le$ {_power(e)} (s)" for e in WANTED)]
+    caption = r"Measured time in s of each method's cheapest run within an error of $y/\epsilon$."
+    return table("precision", caption, "llrrr", head, rows)
 
 
 def _precision_row(problem: str, name: str, points: Iterable[CostPoint]) -> list[str]:
@@ -178,7 +188,7 @@ def _power(value: float) -> str:
 
 def _cheapest(points: Iterable[CostPoint], error: float) -> str:
     seconds = [point.seconds for point in points if point.error <= error]
-    return duration(min(seconds)) if seconds else "--"
+    return scientific(min(seconds)) if seconds else "--"
 
 
 def precision_panels(points: Iterable[CostPoint]) -> CostPanels:
@@ -187,29 +197,40 @@ def precision_panels(points: Iterable[CostPoint]) -> CostPanels:
 
 
 def scaling_table(points: Sequence[ScalingPoint]) -> str:
-    """Each series against eps, with its fitted exponent."""
+    """What was measured of each series against eps, with its fitted exponent."""
+    caption = (
+        r"Measured to the peak of $Y_2$: time of the whole run in s, its error, and the exponent "
+        "fitted."
+    )
+    return _scaling("scaling", caption, [point for point in points if not point.scaled])
+
+
+def extrapolated_table(points: Sequence[ScalingPoint]) -> str:
+    """The seconds of those series of which a part was run, with the exponent fitted to them."""
+    caption = (
+        rf"Extrapolated to the peak of $Y_2$: time in s, scaled from {STEPS} steps to the whole "
+        "run, and the exponent fitted to these numbers."
+    )
+    return _scaling("extrapolated", caption, [point for point in points if point.scaled])
+
+
+def _scaling(name: str, caption: str, points: Sequence[ScalingPoint]) -> str:
     found = scaling_laws(points)
     epsilons = sorted({_eps(point) for point in points}, reverse=True)
     rows = []
     for series in dict.fromkeys(point.series for point in points):
         mine = {_eps(point): point for point in points if point.series == series}
-        rows.append([escape(series), *(_scaled(mine[eps]) for eps in epsilons)])
+        unit = "" if series in (REDUCTION, TRUE_ERROR) else " (s)"
+        rows.append([escape(series) + unit, *(scientific(mine[eps].value) for eps in epsilons)])
         variable = r"\epsilon" if series == REDUCTION else r"1/\epsilon"
         law = found.get(series)
         rows[-1].append("--" if law is None else f"$({variable})^{{{law:.2f}}}$")
     head = ["", *(rf"$\epsilon={eps:g}$" for eps in epsilons), "law"]
-    return table("l" + "r" * len(epsilons) + "l", head, rows)
+    return table(name, caption, "l" + "r" * len(epsilons) + "l", head, rows)
 
 
 def _eps(point: ScalingPoint) -> float:
     return round(min(point.x, 1 / point.x), 9)
-
-
-def _scaled(point: ScalingPoint) -> str:
-    if point.series in (REDUCTION, TRUE_ERROR):
-        return scientific(point.value)
-    seconds = duration(point.value) if point.value < LONG else f"{scientific(point.value)} s"
-    return f"({seconds})" if point.scaled else seconds
 
 
 def scaling_panels(points: Iterable[ScalingPoint]) -> CostPanels:
@@ -226,19 +247,22 @@ def rk4_table(points: Iterable[ScalingPoint]) -> str:
         [
             f"${step:g}$" if step else "exact flow",
             f"{value:.5f}",
-            rf"{100 * (value - exact) / value:.1f}\,\%",
+            scientific(abs(value - exact)) if step else "--",
+            f"{100 * (value - exact) / value:.1f}",
         ]
         for step, value in found.items()
     ]
-    head = [r"$\Delta t$", r"$L^\infty_\epsilon$ at $t=0$", "of it the step's"]
-    return table("lrr", head, rows)
+    head = [r"$\Delta t$", r"$L^\infty_\epsilon$ at $t=0$", "error by the step", r"share (\%)"]
+    caption = "The paper's error figure by the time step of RK4, and how much of it is the step's."
+    return table("rk4", caption, "lrrr", head, rows)
 
 
 def window_table(points: Sequence[ScalingPoint]) -> str:
     """The window's error by its number of sites, with the fitted exponent."""
     rows = [[f"{point.x:.0f}", scientific(point.value)] for point in points]
     rows.append(["law", rf"$N^{{{fit_power((p.x, p.value) for p in points):.1f}}}$"])
-    return table("rl", ["sites $N$", r"error of $y/\epsilon$"], rows)
+    head = ["sites $N$", r"error of $y/\epsilon$"]
+    return table("window", "Error by the size of the co-moving window.", "rl", head, rows)
 
 
 def hard_case_table(cases: Iterable[HardCase]) -> str:
@@ -253,14 +277,15 @@ def hard_case_table(cases: Iterable[HardCase]) -> str:
         ]
         for case in cases
     ]
-    head = ["case", "the number", "measured", "bound", "verdict"]
-    return table("L{50mm}L{46mm}lll", head, rows, gap="0.5ex")
+    head = ["case", "quantity", "measured", "bound", "verdict"]
+    return table("hard", "Hard cases.", "L{50mm}L{46mm}lll", head, rows, gap="0.5ex")
 
 
 def message_table(cases: Iterable[HardCase]) -> str:
     """What the program says where a case must be refused or stopped."""
     rows = [[mathematics(case.what), escape(case.message)] for case in cases if case.message]
-    return table("L{56mm}L{88mm}", ["case", "the program says"], rows, gap="0.5ex")
+    caption = "Messages of the program where it must refuse or stop."
+    return table("messages", caption, "L{56mm}L{88mm}", ["case", "message"], rows, gap="0.5ex")
 
 
 def estimate_table(rows: Sequence[EstimateRow]) -> str:
@@ -269,19 +294,20 @@ def estimate_table(rows: Sequence[EstimateRow]) -> str:
         return ""
     names = {0.5: "median", 1.0: "largest"}
     shares = [names.get(share, f"{share:.0%}") for share in rows[0].quantiles]
-    head = ["", "scenes", *rows[0].verdicts, *map(escape, shares), "time"]
+    head = ["", "scenes", *rows[0].verdicts, *map(escape, shares), "time (s)"]
     columns = "l" + "r" * (len(head) - 1)
-    return table(columns, head, map(_row, rows))
+    caption = "Random scenes by verdict, and quantiles of true error over estimate."
+    return table("estimates", caption, columns, head, map(_row, rows))
 
 
 def _row(found: EstimateRow) -> list[str]:
     quantiles = ["--" if q != q else scientific(q) for q in found.quantiles.values()]
     counts = [str(count) if count else "--" for count in found.verdicts.values()]
-    return [escape(found.name), str(found.count), *counts, *quantiles, duration(found.seconds)]
+    return [escape(found.name), str(found.count), *counts, *quantiles, scientific(found.seconds)]
 
 
 def reason_table(judged: Sequence[Judged]) -> str:
     """The reasons for which scenes were refused, without their numbers, and how often."""
     counts = Counter(found.kind for found in judged if found.reason)
     cells = [[str(count), escape(kind)] for kind, count in counts.most_common()]
-    return table("rL{120mm}", ["scenes", "reason"], cells) if cells else ""
+    return table("reasons", "Reasons of refusals.", "rL{120mm}", ["scenes", "reason"], cells)

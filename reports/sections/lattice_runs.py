@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
+from itertools import groupby
+from math import ceil, floor
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,13 +15,14 @@ from sympy import Symbol
 from longwave.derive.output.notation import latex_of
 from longwave.derive.symbols import constant_value, ybar
 from longwave.reports.latex import (
-    duration,
+    Row,
     escape,
-    measured,
     picture_latex,
+    scientific,
     table,
     title_latex,
-    titled_rows,
+    titled,
+    uncertain,
 )
 from longwave.reports.pictures.drawing import snapshot_panels
 from longwave.reports.pictures.lattice_figures import even_times, rate_figure, strain_maps
@@ -29,22 +32,24 @@ from longwave.scenes.scene import Scene
 from longwave.scenes.scene_rules import COMPUTED
 
 if TYPE_CHECKING:
-    from longwave.scenes.convergence import ConvergencePoint, SceneConvergence
+    from longwave.scenes.convergence import ConvergencePoint, FittedRate, SceneConvergence
 
 
 def scene_table(runs: Mapping[str, SceneRun]) -> str:
     """Each scene: wave and equation, size, the largest error after the start, what it took."""
-    lines = [
-        line
-        for name, found in runs.items()
-        for line in titled_rows(
-            found.scene.title or name,
-            name,
-            f"did not run: {found.fault}" if found.run is None else _scene_cells(found, found.run),
-        )
+    lines: list[Row] = []
+    for name, found in runs.items():
+        lines.append(titled(found.scene.title or name, name, found.fault))
+        lines += [] if found.run is None else [_scene_cells(found, found.run)]
+    head = [
+        *("equation", r"$\epsilon$", r"error$\,/\,\epsilon^p$", "own error"),
+        *("relative error", "own error", "cells", "time (s)"),
     ]
-    head = ["equation", r"$\epsilon$", r"error$\,/\,\epsilon^p$", "relative error", "cells", "time"]
-    return table("L{36mm}llllr", head, lines)
+    caption = (
+        "Lattices run from their waves: the largest error of the strain after the start, in units "
+        r"of $\epsilon^p$ and relative to the wave, each with the run's own error."
+    )
+    return table("scenes", caption, "L{30mm}lllllrr", head, lines)
 
 
 def _scene_cells(found: SceneRun, run: xr.Dataset) -> list[str]:
@@ -54,13 +59,15 @@ def _scene_cells(found: SceneRun, run: xr.Dataset) -> list[str]:
     place = int(sup.argmax())
     share = relative[place] / sup[place] if sup[place] else 0.0
     lost = "" if found.kept else " (TOO LARGE)"
+    sup_shown, sup_own = uncertain(float(sup[place]), own)
     return [
         escape(str(run.attrs["equation"]).partition(":")[0]),
         f"${found.scene.eps:g}$",
-        measured(float(sup[place]), own) + lost,
-        measured(float(relative[place]), own * float(share)),
+        sup_shown,
+        sup_own + lost,
+        *uncertain(float(relative[place]), own * float(share)),
         f"${run.attrs['sites']:,}$".replace(",", r"\,"),
-        duration(float(run.attrs["seconds"] + run.attrs["planning_seconds"])),
+        scientific(float(run.attrs["seconds"] + run.attrs["planning_seconds"])),
     ]
 
 
@@ -80,31 +87,60 @@ def scene_maps(runs: Mapping[str, SceneRun]) -> str:
 
 
 def rate_table(rates: Iterable[SceneConvergence]) -> str:
-    """Each lattice with its numbers; below it each rate, and the error at every eps."""
-    lines, last = [], ""
-    for found in rates:
-        words = rate_title(found.scene)
-        if words != last:
-            lines.append([rf"\multicolumn{{5}}{{L{{160mm}}}}{{\rule{{0pt}}{{3.5ex}}{words}}}"])
-            last = words
-        rate, scene = str(found.rate).replace("..", "to"), found.scene
-        wave = "computed soliton" if scene.wave == COMPUTED else scene.form.title
-        errors = ", ".join(
-            f"{measured(point.error, point.discretisation)} at ${point.eps:g}$"
-            for point in found.points
-        )
-        lines += [
+    """Each lattice with its numbers; below it each case with its expected and fitted rate."""
+    head = ["equation", "wave", "data", "expected", "fitted", "limit (extrapolated)"]
+    rows: list[Row] = []
+    for title, cases in _by_lattice(rates):
+        rows.append(title)
+        rows += [
             [
-                rf"\nopagebreak {escape(found.equation)}",
-                escape(wave),
-                scene.order,
+                escape(found.equation),
+                _wave(found.scene),
+                found.scene.order,
                 f"${found.theory}$",
-                rate + ("" if found.reached else " (NOT REACHED)"),
-            ],
-            [rf"\nopagebreak\multicolumn{{5}}{{L{{160mm}}}}{{errors {errors}}}"],
+                f"${found.rate.value:.2f}$",
+                f"${interval(found.rate)}$" + ("" if found.reached else " (NOT REACHED)"),
+            ]
+            for found in cases
         ]
-    head = ["equation", "wave", "data", "expected", "rate"]
-    return table("L{36mm}L{44mm}lll", head, lines)
+    caption = (
+        r"Rates of convergence: the power of $\epsilon$ expected and fitted. The last column is "
+        r"extrapolated: the interval of the limit at $\epsilon\to0$."
+    )
+    return table("rates", caption, "L{34mm}L{38mm}llll", head, rows)
+
+
+def rate_errors(rates: Iterable[SceneConvergence]) -> str:
+    """The error at every eps of each case with the run's own error, two of them in a row."""
+    rows: list[Row] = []
+    for title, cases in _by_lattice(rates):
+        for found in cases:
+            name = f"{title.partition(':')[0]}: {escape(found.equation)}, {found.scene.order} data"
+            rows.append(f"{name}, {_wave(found.scene)}")
+            cells = [
+                [f"${point.eps:g}$", *uncertain(point.error, point.discretisation)]
+                for point in found.points
+            ]
+            cells += [[""] * 3] * (len(cells) % 2)
+            rows += [[*left, *right] for left, right in zip(cells[::2], cells[1::2], strict=True)]
+    caption = "Sup errors of the strain at each $\\epsilon$, which the rates are fitted to."
+    return table("rate_errors", caption, "llllll", [r"$\epsilon$", "error", "own error"] * 2, rows)
+
+
+def _by_lattice(
+    rates: Iterable[SceneConvergence],
+) -> Iterator[tuple[str, list[SceneConvergence]]]:
+    for title, cases in groupby(rates, lambda found: rate_title(found.scene)):
+        yield title, list(cases)
+
+
+def _wave(scene: Scene) -> str:
+    return "computed soliton" if scene.wave == COMPUTED else escape(scene.form.title)
+
+
+def interval(rate: FittedRate) -> str:
+    """The interval of a rate's limit, its ends rounded outwards."""
+    return rf"{floor(10 * rate.low) / 10:.1f}\ldots {ceil(10 * rate.high) / 10:.1f}"
 
 
 def rate_title(scene: Scene) -> str:

@@ -1,11 +1,12 @@
-"""What the report prints of the library of published solutions: verdicts, conditions, misprints."""
+"""What the report prints of the library of published solutions: a summary, and every formula."""
 
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from itertools import groupby
 from statistics import median
 
-from longwave.reports.latex import block, escape, table
+from longwave.reports.formulas.typed import conditions_latex, prose_latex
+from longwave.reports.latex import Row, escape, scientific, table
 from longwave.reports.studies.proofs import PublishedVerdict
 from longwave.verify.problem_file import ProblemText
 from longwave.verify.verdict import Outcome
@@ -15,66 +16,115 @@ NO_TEXT = r"$^*$"
 
 
 def library_counts(found: Sequence[PublishedVerdict]) -> str:
-    """How many statements are right and wrong, how many verdicts are as expected, the seconds."""
-    counts = Counter((verdict.text.expect, verdict.outcome) for verdict in found)
-    seconds = [verdict.seconds for verdict in found]
-    outcomes = (Outcome.PROVED, Outcome.REFUTED, Outcome.UNDECIDED)
-    rows = [
-        [kind, *(str(counts[expect, outcome]) for outcome in outcomes)]
-        for kind, expect in (("right", Outcome.PROVED), ("wrong", Outcome.REFUTED))
-    ]
-    last = f"median {median(seconds):.3f} s, slowest {max(seconds):.1f} s" if seconds else ""
-    head = ["statements", *(outcome.value for outcome in outcomes)]
-    return f"{block('lrrr', head, rows)}\n{last}"
-
-
-def library_table(found: Iterable[PublishedVerdict]) -> str:
-    """The right statements by equation: verdict, domains, refuted wrong variants, source."""
-    verdicts = list(found)
-    refuted = Counter(v.text.variant_of for v in verdicts if v.outcome is Outcome.REFUTED)
-    wrong = Counter(v.text.variant_of for v in verdicts if v.text.expect == Outcome.REFUTED)
+    """How many right and wrong statements have each verdict, and the seconds of a decision."""
     rows = []
-    right = [verdict for verdict in verdicts if verdict.text.expect == Outcome.PROVED]
-    for equation, group in groupby(right, lambda verdict: verdict.text.equation_name):
-        heading = rf"\multicolumn{{5}}{{l}}{{\textbf{{{escape(equation)}}}}} \\* "
-        for verdict in group:
-            text = verdict.text
-            source = escape(text.source) + ("" if text.looked_up else NO_TEXT)
-            domains = escape("; ".join(filter(None, (text.parameters, text.domain))))
-            counts = f"{refuted[text.name]}/{wrong[text.name]}"
-            outcome = escape(verdict.outcome.value)
-            rows.append([f"{heading}{_name(text)}", outcome, domains, counts, source])
-            heading = ""
-    head = ["statement", "verdict", "parameters; domain", "wrong", "source"]
-    return table("L{42mm}lL{32mm}rL{48mm}", head, rows)
+    for kind, expect in (("right", Outcome.PROVED), ("wrong", Outcome.REFUTED)):
+        mine = [verdict for verdict in found if verdict.text.expect == expect]
+        counts = Counter(verdict.outcome for verdict in mine)
+        outcomes = (Outcome.PROVED, Outcome.REFUTED, Outcome.UNDECIDED)
+        if mine:
+            seconds = [verdict.seconds for verdict in mine]
+            times = [scientific(median(seconds)), scientific(max(seconds))]
+            rows.append([kind, *(str(counts[outcome]) for outcome in outcomes), *times])
+    head = ["formulas", "proved", "refuted", "undecided", "median (s)", "slowest (s)"]
+    caption = "Verdicts on the published solutions and on their wrong variants."
+    return table("library", caption, "lrrrrr", head, rows)
+
+
+def library_equations(found: Iterable[PublishedVerdict]) -> str:
+    """The equations of the library, each with how many of its formulas are proved and refuted."""
+    counts = Counter((v.text.equation_name, v.outcome) for v in found)
+    names = list(dict.fromkeys(name for name, _ in counts))
+    cells = [
+        [escape(name), *(str(counts[name, o]) for o in (Outcome.PROVED, Outcome.REFUTED))]
+        for name in names
+    ]
+    half = -(-len(cells) // 2)
+    cells += [[""] * 3] * (2 * half - len(cells))
+    rows = [[*left, *right] for left, right in zip(cells[:half], cells[half:], strict=True)]
+    head = ["equation", "proved", "refuted"] * 2
+    caption = "Equations of the library with their right and wrong formulas."
+    return table("equations", caption, "L{54mm}rrL{54mm}rr", head, rows)
 
 
 def found_misprints(found: Iterable[PublishedVerdict]) -> str:
-    """The formulas that were found wrong in print: name, verdict, publication, what is wrong."""
-    rows = [
-        [
-            _name(verdict.text),
-            escape(verdict.outcome.value),
-            escape(verdict.text.misprint_in),
-            escape(verdict.text.note),
-        ]
-        for verdict in found
-        if verdict.text.misprint_in
-    ]
-    head = ["statement", "verdict", "publication", "what is wrong"]
-    return table("L{32mm}lL{46mm}L{50mm}", head, rows)
+    """The formulas that were found wrong in print: where, as printed, verdict, what is wrong."""
+    rows: list[Row] = []
+    for verdict in found:
+        text = verdict.text
+        if text.misprint_in:
+            rows.append(rf"\textbf{{{escape(text.equation_name)}}}: {escape(text.misprint_in)}")
+            rows.append([_formulas(verdict), verdict.outcome.lower(), prose_latex(text.note)])
+    head = ["formula as printed", "verdict", "what is wrong"]
+    caption = (
+        "Misprints found: formulas that stand in publications and do not solve their equation."
+    )
+    return table("found_misprints", caption, "L{88mm}lL{54mm}", head, rows)
 
 
 def library_conditions(found: Iterable[PublishedVerdict]) -> str:
-    """What is to be known of right statements: name and note."""
+    """The remarks on right formulas: equation, name and note."""
     rows = [
-        [_name(verdict.text), escape(verdict.text.note)]
+        [escape(verdict.text.equation_name), _title(verdict.text), prose_latex(verdict.text.note)]
         for verdict in found
         if verdict.text.expect == Outcome.PROVED and verdict.text.note
     ]
-    return table("L{52mm}L{100mm}", ["statement", "to be known"], rows)
+    head = ["equation", "solution", "condition"]
+    caption = "Conditions of right formulas beside those in the appendix."
+    return table("conditions", caption, "L{40mm}L{38mm}L{72mm}", head, rows)
 
 
-def _name(text: ProblemText) -> str:
-    words = escape(text.name).replace(r"\_", r"\_\allowbreak{}")
-    return rf"\texttt{{{words}}}"
+def library_formulas(found: Sequence[PublishedVerdict]) -> str:
+    """Every right formula by equation: title, source, formula, domain, verdict, wrong variants."""
+    variants: dict[str, list[PublishedVerdict]] = {}
+    for verdict in found:
+        if verdict.text.variant_of:
+            variants.setdefault(verdict.text.variant_of, []).append(verdict)
+    right = [verdict for verdict in found if verdict.text.expect == Outcome.PROVED]
+    parts = []
+    for equation, group in groupby(right, lambda verdict: verdict.text.equation_name):
+        shown: tuple[str, ...] = ()
+        parts.append(rf"\libraryequation{{{escape(equation)}}}")
+        for verdict in group:
+            if verdict.equations != shown:
+                shown = verdict.equations
+                parts.append(rf"\libraryline{{{_mathematics(shown)}}}")
+            parts.append(_entry(verdict, variants.get(verdict.text.name, [])))
+    return "\n".join(parts)
+
+
+def _entry(verdict: PublishedVerdict, wrong: Sequence[PublishedVerdict]) -> str:
+    """One formula with what is to be said of it."""
+    text = verdict.text
+    source = escape(text.source) + ("" if text.looked_up else NO_TEXT)
+    domain = conditions_latex(text.parameters, text.domain)
+    formulas = _formulas(verdict) + (rf"\quad ({domain})" if domain else "")
+    lines = [
+        rf"\libraryentry{{{_title(text)}}}{{{verdict.outcome.lower()}}}{{{source}}}",
+        rf"\libraryline{{{formulas}}}",
+    ]
+    if notes := [_variant(variant) for variant in wrong]:
+        lines.append(rf"\librarynote{{{'; '.join(notes)}}}")
+    return "\n".join(lines)
+
+
+def _variant(verdict: PublishedVerdict) -> str:
+    """A wrong variant by its note; the verdict is said where it is not that it is refuted."""
+    note = prose_latex(verdict.text.note or verdict.text.name.replace("_", " "))
+    printed = r" \textbf{(in print)}" if verdict.text.misprint_in else ""
+    other = (
+        "" if verdict.outcome is Outcome.REFUTED else rf" \textbf{{({verdict.outcome.lower()})}}"
+    )
+    return note + printed + other
+
+
+def _formulas(verdict: PublishedVerdict) -> str:
+    return _mathematics(verdict.formulas)
+
+
+def _mathematics(formulas: Iterable[str]) -> str:
+    return ", ".join(rf"$\displaystyle {formula}$" for formula in formulas)
+
+
+def _title(text: ProblemText) -> str:
+    return escape(text.name.replace("_", " "))

@@ -10,7 +10,7 @@ from longwave.derive import LATTICES, Reduction, envelope
 from longwave.derive.normal_form import NORMAL_EQUATIONS
 from longwave.derive.output.notation import latex_of, terms
 from longwave.derive.symbols import k
-from longwave.reports.latex import domain_latex, escape, scientific, table, title_latex
+from longwave.reports.latex import Row, domain_latex, escape, scientific, table, title_latex
 from longwave.reports.studies.evaluation_accuracy import Accuracy
 from longwave.reports.studies.lattice_models import (
     ENVELOPES,
@@ -62,7 +62,7 @@ def _cells(reduction: Reduction) -> list[str]:
     speed = rf"\newline\rule{{0pt}}{{2.7ex}}$c^{{2}} = {latex_of(reduction.speed_squared)}$"
     needs = ", ".join(f"${condition.latex()}$" for condition in reduction.conditions)
     return [
-        rf"\nopagebreak\rule{{0pt}}{{2.7ex}}{escape(kind)}",
+        rf"\rule{{0pt}}{{2.7ex}}{escape(kind)}",
         rf"$\epsilon^{{{size}}}$" if size > 1 else r"$\epsilon$",
         f"${_equation_latex(reduction)}${speed}" + (f"; needs {needs}" if needs else ""),
         wave_names(closed_waves(reduction)),
@@ -95,12 +95,13 @@ def shortest(value: sp.Expr, symbols: Iterable[sp.Symbol]) -> str:
 
 def model_table(rows: Iterable[tuple[str, list[str]]]) -> str:
     """Each lattice once, in words across the table, with its long waves below."""
-    lines = []
+    lines: list[Row] = []
     for model, group in groupby(rows, itemgetter(0)):
-        lines.append([rf"\multicolumn{{4}}{{L{{160mm}}}}{{\rule{{0pt}}{{3ex}}{model}}}"])
+        lines.append(model)
         lines += [cells for _, cells in group]
     head = ["kind", "size", "equation, speed, condition", "closed waves"]
-    return table("L{19mm}lL{101mm}L{25mm}", head, lines)
+    caption = "Long waves of other lattices: equation, speed of sound and the condition it needs."
+    return table("models", caption, "L{19mm}lL{101mm}L{25mm}", head, lines)
 
 
 def wave_names(names: Sequence[str]) -> str:
@@ -142,7 +143,8 @@ def envelope_row(place: int) -> list[str]:
 def envelope_table(rows: Iterable[list[str]]) -> str:
     """The table of each `envelope_row`."""
     head = ["lattice", "at", *(f"${name}$" for name in COEFFICIENTS)]
-    return table("L{44mm}llll", head, rows, gap="0.8ex")
+    caption = "Envelopes: group velocity, dispersion $p$ and nonlinearity $q$."
+    return table("envelopes", caption, "L{44mm}llll", head, rows, gap="0.8ex")
 
 
 FURTHER_FORMS = tuple(name for name in CATALOGUE.names if CATALOGUE.equation(name) != PAPERS)
@@ -175,7 +177,8 @@ def form_table(
             ]
         )
     head = ["equation", "solution", "parameters", "verdict", "residual", "worst error"]
-    return table("L{25mm}L{38mm}L{36mm}lll", head, rows)
+    caption = "Closed forms of other equations: verdict, residual and worst error of evaluation."
+    return table("forms", caption, "L{25mm}L{38mm}L{36mm}lll", head, rows)
 
 
 def _number(value: float | None) -> str:

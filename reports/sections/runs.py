@@ -12,18 +12,19 @@ import numpy as np
 import xarray as xr
 
 from longwave.reports.latex import (
-    duration,
+    Row,
     escape,
     mathematics,
-    measured,
     scientific,
     symbol_latex,
     table,
+    uncertain,
 )
 from longwave.reports.paper import cited
 from longwave.reports.pictures.drawing import CostPanels
 from longwave.reports.pictures.paper_figures import ERROR_FIGURES, SNAPSHOT_FIGURES
 from longwave.reports.pictures.run_data import snapshots
+from longwave.reports.sections.costs import PRINTED
 from longwave.reports.studies.lattice_cost import PeakError, peak_laws
 from longwave.scenes.named_scenes import load_scene
 from longwave.scenes.scene import Scene
@@ -33,43 +34,33 @@ if TYPE_CHECKING:
     from longwave.reports.studies.long_runs import LongRun
     from longwave.reports.studies.measured_runs import MeasuredRuns
 
-SHORT = 16
-"""Measurements whose texts are shorter than this stand in one line."""
-
 
 def claim_table(claims: Iterable[Claim]) -> str:
-    """One row a statement."""
-    rows = [
-        [
-            mathematics(claim.statement),
-            _measured(claim.measurements),
-            claim.ruling.value,
-            mathematics(claim.depends_on),
-        ]
-        for claim in claims
-    ]
-    head = ["the paper says", "measured here", "verdict", "depends on"]
-    return table("L{35mm}L{69mm}L{16mm}L{33mm}", head, rows, gap="1ex")
+    """Each statement with its verdict, and below it a row a number, with its own error."""
+    rows: list[Row] = []
+    for number, claim in enumerate(claims, 1):
+        rows.append(
+            rf"\textbf{{{number}. {mathematics(claim.statement)}: {claim.ruling.value}}} "
+            rf"(depends on {mathematics(claim.depends_on)})"
+        )
+        rows += _measured(claim.measurements)
+    head = ["quantity", "value", "own error"]
+    caption = "The paper's statements, each with its verdict and the numbers that it rests on."
+    return table("claims", caption, r"L{106mm}ll", head, rows)
 
 
-def _measured(measurements: Iterable[Measurement]) -> str:
-    """Return the measurements in lines: equal ones of several cases in one, short ones joined."""
-    cases: dict[tuple[str, str], list[str]] = {}
+def _measured(measurements: Iterable[Measurement]) -> list[list[str]]:
+    """The measurements: equal ones of several cases in one row."""
+    cases: dict[tuple[str, tuple[str, str]], list[str]] = {}
     for measurement in measurements:
         case, colon, what = measurement.of.partition(": ")
-        key = (what, _number(measurement)) if colon else (measurement.of, _number(measurement))
+        shown = uncertain(measurement.value, measurement.error)
+        key = (what, shown) if colon else (measurement.of, shown)
         cases.setdefault(key, []).append(case if colon else "")
-    lines = [
-        f"{mathematics(': '.join(filter(None, (', '.join(found), what))))}: {number}"
-        for (what, number), found in cases.items()
+    return [
+        [mathematics(": ".join(filter(None, (", ".join(found), what)))), *shown]
+        for (what, shown), found in cases.items()
     ]
-    return (", " if all(len(line) < SHORT for line in lines) else r"\newline ").join(lines)
-
-
-def _number(measurement: Measurement) -> str:
-    """Return the number; one without error is exact."""
-    value, error = measurement.value, measurement.error
-    return f"${value:.4g}$" if error == 0 else measured(value, error)
 
 
 def run_table(evidence: MeasuredRuns) -> str:
@@ -78,34 +69,39 @@ def run_table(evidence: MeasuredRuns) -> str:
     head = [
         "$t$",
         r"$L^\infty_\epsilon$",
+        "own error",
         "over far field",
         r"step$\,/\,\epsilon$",
         r"domain$\,/\,\epsilon$",
     ]
-    return table("rllll", head, rows)
+    caption = (
+        r"Errors of the runs at each snapshot. Own error: of $L^\infty_\epsilon$, by step and "
+        r"domain together; over far field: with the distance to the true far field as denominator."
+    )
+    return table("runs", caption, "rlllll", head, rows)
 
 
-def _run_rows(evidence: MeasuredRuns, name: str) -> list[list[str]]:
+def _run_rows(evidence: MeasuredRuns, name: str) -> list[Row]:
     """Return the rows of one run, its description across the table first."""
     run = evidence.runs[name]
     columns = ("error_far_field", "time_step_error", "domain_error")
-    rows = [[rf"\multicolumn{{5}}{{l}}{{{_description(name, evidence.scenes[name])}}}"]]
+    rows: list[Row] = [_description(name, evidence.scenes[name])]
     for time in run["time"].values:
         at = run.sel(time=time)
         measures = [scientific(float(at[key])) if key in run else "--" for key in columns]
-        error = measured(*evidence.relative_error(name, float(time)))
-        rows.append([rf"\nopagebreak ${time:g}$", error, *measures])
+        error = uncertain(*evidence.relative_error(name, float(time)))
+        rows.append([f"${time:g}$", *error, *measures])
     return rows
 
 
 def _description(name: str, scene: Scene) -> str:
     """Return name, scheme, step and domain of a scene in words."""
     stated = scene.discretisation
-    words = (
-        f"{stated.scheme}, dt = {stated.step:g}, {stated.domain} of {stated.sites} sites, "
+    return (
+        rf"\texttt{{{escape(name)}}}: {escape(PRINTED[stated.scheme])}, "
+        rf"$\Delta t={stated.step:g}$, {escape(stated.domain)} of {stated.sites} sites, "
         f"{2 * scene.compared + 1} compared"
     )
-    return rf"\rule{{0pt}}{{3ex}}\texttt{{{escape(name)}}}: {escape(words)}"
 
 
 def figure_entries(scenes: Mapping[str, Scene]) -> list[dict[str, Any]]:
@@ -158,17 +154,21 @@ def peak_table(points: Iterable[PeakError]) -> str:
         "",
         r"$\epsilon$",
         r"$L^\infty_\epsilon$ at $T=0$",
-        "of it discretisation",
+        "own error",
         "engine",
-        "time",
+        "time (s)",
         "law",
     ]
-    return table("lrL{34mm}llrl", head, rows)
+    caption = (
+        "The error of the reduction at the peak, with the run's own error in the same units and "
+        r"the power of $\epsilon$ fitted to the three smallest."
+    )
+    return table("peaks", caption, "lrL{34mm}llrl", head, rows)
 
 
 def _peak(point: PeakError) -> list[str]:
     """Value, its own error, engine and time; in the value's place why there is none."""
-    time = duration(point.seconds) if np.isfinite(point.seconds) else "--"
+    time = scientific(point.seconds) if np.isfinite(point.seconds) else "--"
     if point.fault:
         return [f"did not run: {escape(point.fault)}", "--", point.engine or "--", time]
     value = scientific(point.value, 4) + ("" if point.resolved else " (not resolved)")
@@ -200,8 +200,12 @@ def split_rows(runs: Mapping[str, xr.Dataset]) -> list[list[xr.Dataset]]:
 def split_table(runs: Mapping[str, xr.Dataset]) -> str:
     """Lowest and highest strain of lattice and wave, and the error, at each snapshot."""
     rows = [row for name, run in runs.items() for row in _split_rows(run, load_scene(name).eps)]
-    head = ["$t$", "lowest: lattice", "wave", "highest: lattice", "wave", r"$L^\infty_\epsilon$"]
-    return table("rrrrrl", head, rows) if rows else ""
+    head = [
+        *("$t$", "lowest: lattice", "wave", "highest: lattice", "wave", "own error"),
+        *(r"$L^\infty_\epsilon$", "own error"),
+    ]
+    caption = r"The split wave: lowest and highest strain in units of $\epsilon$, and the error."
+    return table("split", caption, "rrrrrlll", head, rows)
 
 
 def _split_rows(run: xr.Dataset, eps: float) -> list[list[str]]:
@@ -214,8 +218,9 @@ def _split_rows(run: xr.Dataset, eps: float) -> list[list[str]]:
             for part in ("strain", "analytic")
         ]
         height = float(np.max(np.abs(at["analytic"] - at["background"]))) / eps
-        own = float(run.attrs["error_estimate"]) / height
-        rows.append([f"${time:g}$", *ends, measured(float(at["error"]), own)])
+        own = float(run.attrs["error_estimate"])
+        strain, error = scientific(own), uncertain(float(at["error"]), own / height)
+        rows.append([f"${time:g}$", *ends, strain, *error])
     return rows
 
 
@@ -226,13 +231,17 @@ def long_table(runs: Mapping[str, LongRun]) -> str:
     head = [
         r"$L^\infty_\epsilon$ at $t=$",
         *(f"${time:g}$" for time in times),
-        "estimate",
+        "own error",
         "difference",
         "its step",
-        "ring",
-        "stencil",
+        "ring (s)",
+        "stencil (s)",
     ]
-    return table("l" + "r" * (len(times) + 5), head, rows) if rows else ""
+    caption = (
+        r"Long runs: $L^\infty_\epsilon$ at each time; the ring's own error of $y/\epsilon$, its "
+        "difference to the stencil, and what the stencil's step changes; the time of each."
+    )
+    return table("long", caption, "l" + "r" * (len(times) + 5), head, rows)
 
 
 def _times(runs: Mapping[str, LongRun]) -> list[float]:
@@ -249,6 +258,6 @@ def _long_row(name: str, found: LongRun) -> list[str]:
         scientific(float(attributes["error_estimate"])),
         judged if found.kept else f"{judged} (TOO LARGE)",
         scientific(found.own, 1),
-        duration(float(attributes["seconds"] + attributes["planning_seconds"])),
-        duration(float(found.fine.attrs["seconds"])),
+        scientific(float(attributes["seconds"] + attributes["planning_seconds"])),
+        scientific(float(found.fine.attrs["seconds"])),
     ]

@@ -10,10 +10,10 @@ from longwave.derive import dispersion_relation, initial_velocity_latex, mkdv_re
 from longwave.derive.dispersion import agrees_with_reduction
 from longwave.reports.formulas.formula import Formula
 from longwave.reports.formulas.printing import equation_latex, latex
-from longwave.reports.latex import block, domain_latex, escape, greek, scientific, table
+from longwave.reports.latex import domain_latex, escape, greek, scientific, table
 from longwave.reports.paper import cited
 from longwave.reports.studies.proofs import ProofRecord
-from longwave.solutions import CATALOGUE, ClosedForm
+from longwave.solutions import CATALOGUE, ClosedForm, closed_form
 from longwave.solutions.equation import Equation
 from longwave.verify.evidence.mutations import MutationCount, Survivor
 from longwave.verify.verdict import Verdict
@@ -41,10 +41,10 @@ def derivation() -> dict[str, Any]:
         "pde": shown.pde.latex(),
         "remainders": [shown.latex_remainder(order) for order in shown.remainders],
         "corrections": [shown.latex_correction(power) for power in shown.corrections],
-        "coefficients": [
+        "coefficient_table": coefficient_table(
             (name, sp.latex(getattr(coefficients, name)))
             for name in ("c", "nonlinear", "dispersive")
-        ],
+        ),
         "normal_form": [(name, sp.latex(getattr(form, name))) for name in ("a", "b", "s")],
         "dispersion": relation.latex(),
         "dispersion_agrees": agrees_with_reduction(shown.lattice, shown),
@@ -65,7 +65,20 @@ def solution_table(forms: Iterable[ClosedForm] = PAPER_FORMS) -> str:
         for form in forms
     ]
     head = ["solution", "$s$", "parameters", "background", "paper, source"]
-    return block("lrlll", head, rows)
+    caption = "The closed forms of the mKdV equation and where they come from."
+    return table("solutions", caption, "lrlll", head, rows)
+
+
+def coefficient_table(coefficients: Iterable[tuple[str, str]]) -> str:
+    """The coefficients of the reduced equation by their names in `derivation`."""
+    words = {
+        "c": "sound speed $c$",
+        "nonlinear": "coefficient of $Y^2Y_X$",
+        "dispersive": "coefficient of $Y_{XXX}$",
+    }
+    rows = [[words[name], f"${value}$"] for name, value in coefficients]
+    caption = "Coefficients of the reduced equation, in units of the springs and masses."
+    return table("coefficients", caption, "ll", ["coefficient", "value"], rows, gap="1ex")
 
 
 def formulas(forms: Iterable[ClosedForm] = PAPER_FORMS) -> list[dict[str, str]]:
@@ -114,7 +127,7 @@ def proof_table(records: Iterable[ProofRecord], residuals: Mapping[str, Verdict]
     """
     rows = [
         [
-            rf"\texttt{{{escape(record.name)}}}",
+            form_title(record.name),
             escape(record.outcome.value),
             METHODS.get(record.method, escape(record.method)),
             DASH if (size := record.certificate_bytes) is None else f"{size / 1000:.1f}",
@@ -125,8 +138,20 @@ def proof_table(records: Iterable[ProofRecord], residuals: Mapping[str, Verdict]
         ]
         for record in records
     ]
-    head = ["solution", "verdict", "method", "kB", "prove/s", "check/s", "checker", "residual"]
-    return table("lllrrrll", head, rows)
+    head = [
+        *("solution", "verdict", "method", "size (kB)"),
+        *("proof (s)", "check (s)", "checker", "residual"),
+    ]
+    caption = (
+        "Proofs: size of the certificate, time of the proof and of the check by the separate "
+        "checker, and the relative residual in mpmath at 100 digits."
+    )
+    return table("proofs", caption, "lllrrrll", head, rows)
+
+
+def form_title(name: str) -> str:
+    """The title of a closed form of that name, in LaTeX."""
+    return escape(closed_form(name).title)
 
 
 def mutation_table(counts: Iterable[MutationCount]) -> str:
@@ -134,7 +159,7 @@ def mutation_table(counts: Iterable[MutationCount]) -> str:
     found = list(counts)
     rows = [
         [
-            rf"\texttt{{{escape(count.name)}}}",
+            form_title(count.name),
             *map(str, (count.mutants, count.refuted, count.proved, count.undecided)),
             f"{count.seconds:.1f}",
         ]
@@ -144,9 +169,10 @@ def mutation_table(counts: Iterable[MutationCount]) -> str:
         str(sum(getattr(count, name) for count in found))
         for name in ("mutants", "refuted", "proved", "undecided")
     ]
-    rows.append(["together", *together, f"{sum(count.seconds for count in found):.1f}"])
-    head = ["solution", "misprints", "refuted", "proved", "undecided", "seconds"]
-    return block("lrrrrr", head, rows)
+    rows.append(["all solutions", *together, f"{sum(count.seconds for count in found):.1f}"])
+    head = ["solution", "misprints", "refuted", "proved", "undecided", "time (s)"]
+    caption = "Misprinted formulas by the verdict on them."
+    return table("misprints", caption, "lrrrrr", head, rows)
 
 
 def survivor_table(counts: Iterable[MutationCount]) -> str:
@@ -166,12 +192,13 @@ def survivor_table(counts: Iterable[MutationCount]) -> str:
             change,
             why,
             verdict,
-            ", ".join(dict.fromkeys(rf"\texttt{{{escape(name)}}}" for name, _ in places)),
+            ", ".join(dict.fromkeys(form_title(name) for name, _ in places)),
         ]
         for (change, why, verdict), places in merged.items()
     ]
-    head = ["part", "change", "why", "verdict", "solutions"]
-    return block("L{37mm}L{22mm}L{25mm}L{16mm}L{43mm}", head, rows)
+    head = ["part", "change", "reason", "verdict", "solutions"]
+    caption = "Misprints that are not refuted, and the reason: these solve the equation as well."
+    return table("survivors", caption, "L{35mm}L{22mm}L{25mm}L{16mm}L{46mm}", head, rows)
 
 
 def _part_and_change(description: str) -> tuple[str, str]:

@@ -1,11 +1,13 @@
-"""What the proofs of closed forms cost, and what came of the library of published solutions."""
+"""What the proofs of closed forms cost, and the verdicts on the library of published solutions."""
 
 from __future__ import annotations
 
 import json
 import time
+from contextlib import suppress
 from dataclasses import dataclass
 
+from longwave.reports.formulas.typed import statement_parts
 from longwave.support.processes import Job, Key, OutOfTime, time_limit
 from longwave.verify.problem_file import ProblemText
 from longwave.verify.proof import CertificateError, check_certificate
@@ -76,11 +78,13 @@ STATEMENT_WEIGHT = 0.1
 
 @dataclass(frozen=True)
 class PublishedVerdict:
-    """A statement of the library and what came of it."""
+    """A statement of the library, the verdict on it, and its equations and formulas in LaTeX."""
 
     text: ProblemText
     outcome: Outcome
     seconds: float
+    equations: tuple[str, ...] = ()
+    formulas: tuple[str, ...] = ()
 
     @property
     def expected(self) -> bool:
@@ -100,12 +104,11 @@ def published_verdicts(equation_name: str) -> list[PublishedVerdict]:
 
 def _decided(text: ProblemText) -> PublishedVerdict:
     statement = text.problem().statement
-    try:
-        with time_limit(LIMIT):
-            verdict = decide_statement(statement)
-    except OutOfTime:
-        return PublishedVerdict(text, Outcome.UNDECIDED, LIMIT)
-    return PublishedVerdict(text, verdict.outcome, verdict.seconds)
+    outcome, seconds = Outcome.UNDECIDED, LIMIT
+    with suppress(OutOfTime), time_limit(LIMIT):
+        verdict = decide_statement(statement)
+        outcome, seconds = verdict.outcome, verdict.seconds
+    return PublishedVerdict(text, outcome, seconds, *statement_parts(statement))
 
 
 def library_jobs() -> dict[Key, Job]:
