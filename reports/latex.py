@@ -76,6 +76,9 @@ def render(template: str, **content: object) -> str:
     return environment().get_template(template).render(**content)
 
 
+DASH = "--"
+"""In the place of a number that there is not."""
+
 DIGITS = 6
 """Most digits of a measured value that are shown."""
 
@@ -154,8 +157,8 @@ def heading_row(words: str, across: int, spaced: bool) -> str:
 
 
 def titled(title: str, name: str, fault: str = "") -> str:
-    """The heading of a run: its title, the name of its scene, and why it did not run."""
-    words = rf"{escape(title)} (\texttt{{{escape(name)}}})"
+    """The heading of a run: its title in LaTeX, the name of its scene, and why it did not run."""
+    words = rf"{title} (\texttt{{{escape(name)}}})"
     return f"{words} did not run: {escape(fault)}" if fault else words
 
 
@@ -163,7 +166,7 @@ def picture_latex(name: str, caption: str) -> str:
     """The figure that is kept under that name, with its caption in LaTeX."""
     return "\n".join(
         [
-            r"\begin{figure}[tbp]",
+            r"\begin{figure}[htbp]",
             r"\centering",
             rf"\includegraphics{{figures/{name}.pdf}}",
             rf"\caption{{{caption}}}\label{{fig:{name}}}",
@@ -195,13 +198,13 @@ def uncertain(value: float, error: float) -> tuple[str, str]:
     r"""Return a measured number and its discretisation error, for two columns.
 
     The error is rounded up to two digits, the number to the error's last one, and to not more than
-    six. A number without error is exact.
+    six. A number without discretisation has a dash.
 
     >>> uncertain(0.1013819, 0.000041), uncertain(2.0706e-5, 1e-12), uncertain(5.0, 0.0)
-    (('$0.101382$', '$4.1\\times 10^{-5}$'), ('$2.07060\\times 10^{-5}$', ...), ('$5$', 'exact'))
+    (('$0.101382$', '$4.1\\times 10^{-5}$'), ('$2.07060\\times 10^{-5}$', ...), ('$5$', '--'))
     """
     if error == 0:
-        return f"${value:.{DIGITS}g}$", "exact"
+        return f"${value:.{DIGITS}g}$", DASH
     if not (np.isfinite(value) and np.isfinite(error)):
         return scientific(value), scientific(error)
     power = int(np.floor(np.log10(max(abs(value), error))))

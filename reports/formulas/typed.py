@@ -40,9 +40,8 @@ PLAIN = ("exp", "log", "sin", "cos", "tan", "cot", "sec", "csc", "sinh", "cosh",
 
 NAMES = {
     **{name: rf"\{name}" for name in PLAIN},
-    **{f"a{name}": rf"\ar{name}" for name in ("sinh", "cosh", "tanh")},
     **{f"a{name}": rf"\arc{name}" for name in ("sin", "cos", "tan")},
-    **{f"jacobi_{name}": rf"\mathrm{{{name}}}" for name in ("sn", "cn", "dn")},
+    **{f"jacobi_{name}": rf"\operatorname{{{name}}}" for name in ("sn", "cn", "dn")},
     "jacobi_epsilon": r"\mathcal{E}",
     "jacobi_zeta": r"\mathrm{Z}",
     "jacobi_eta": "H",
@@ -51,19 +50,23 @@ NAMES = {
     "elliptic_e": "E",
     "weierstrass_p": r"\wp",
     "weierstrass_p_prime": r"\wp'",
-    "airy_ai": r"\mathrm{Ai}",
-    "airy_bi": r"\mathrm{Bi}",
-    "airy_ai_prime": r"\mathrm{Ai}'",
-    "airy_bi_prime": r"\mathrm{Bi}'",
+    "airy_ai": r"\operatorname{Ai}",
+    "airy_bi": r"\operatorname{Bi}",
+    "airy_ai_prime": r"\operatorname{Ai}'",
+    "airy_bi_prime": r"\operatorname{Bi}'",
     "lambert_w": "W",
-    "re": r"\mathrm{Re}",
-    "im": r"\mathrm{Im}",
-    "sech": r"\mathrm{sech}",
-    "csch": r"\mathrm{csch}",
-    "sign": r"\mathrm{sgn}",
-    "erf": r"\mathrm{erf}",
+    "re": r"\operatorname{Re}",
+    "im": r"\operatorname{Im}",
+    "sech": r"\operatorname{sech}",
+    "csch": r"\operatorname{csch}",
+    "sign": r"\operatorname{sgn}",
+    "erf": r"\operatorname{erf}",
 }
-NAMES |= {"asinh": r"\mathrm{arsinh}", "acosh": r"\mathrm{arcosh}", "atanh": r"\mathrm{artanh}"}
+NAMES |= {
+    "asinh": r"\operatorname{arsinh}",
+    "acosh": r"\operatorname{arcosh}",
+    "atanh": r"\operatorname{artanh}",
+}
 """Functions as LaTeX; another one-argument function is a letter of its own."""
 
 MODULAR = ("sn", "cn", "dn", "epsilon", "zeta", "eta", "theta")
@@ -76,9 +79,9 @@ def typed_latex(formula: FormulaTree) -> str:
     r"""The LaTeX of a formula.
 
     >>> print(typed_text_latex("3*c**2/(1 - c**2)*sech(c*x/2)**2"))
-    \frac{3 c^{2}}{1 - c^{2}} \mathrm{sech}^{2}\bigl(\frac{c x}{2}\bigr)
+    \frac{3 c^{2}}{1 - c^{2}} \operatorname{sech}^{2}\bigl(\frac{c x}{2}\bigr)
     >>> print(typed_text_latex("k*jacobi_cn(b*x, k**2)*exp(-I*t)"))
-    k \mathrm{cn}(b x;k) e^{- i t}
+    k \operatorname{cn}(b x;k) e^{- i t}
     """
     return _written(formula)[0]
 

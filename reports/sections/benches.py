@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import xarray as xr
 from matplotlib.figure import Figure
 
+from longwave.reports.formulas.typed import prose_latex
 from longwave.reports.latex import (
     Row,
     escape,
@@ -31,7 +32,7 @@ def bench_table(runs: Mapping[str, SceneRun]) -> str:
     head = ["ends and effects", "cells", "tolerance", "own error", "steps", "time (s)"]
     lines: list[Row] = []
     for name, found in runs.items():
-        lines.append(titled(found.scene.title or name, name, found.fault))
+        lines.append(titled(prose_latex(found.scene.title or name), name, found.fault))
         lines += [] if found.run is None else [_bench_cells(found, found.run)]
     caption = "Chains on a bench: what acts on each, and the largest error of what is watched."
     return table("benches", caption, "L{62mm}rlllr", head, lines)
@@ -150,7 +151,7 @@ def bench_figures(runs: Mapping[str, SceneRun]) -> Iterator[tuple[str, Figure]]:
 def bench_pictures(runs: Mapping[str, SceneRun]) -> str:
     """The figures in LaTeX."""
     return "\n".join(
-        picture_latex(f"bench_{name}", f"{escape(found.scene.title)}.")
+        picture_latex(f"bench_{name}", f"{prose_latex(found.scene.title)}.")
         for name, found in runs.items()
         if found.run is not None
     )

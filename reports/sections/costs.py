@@ -12,6 +12,8 @@ from operator import attrgetter
 from typing import TYPE_CHECKING
 
 from longwave.reports.latex import (
+    DASH,
+    Row,
     escape,
     mathematics,
     scientific,
@@ -42,8 +44,6 @@ TABULATED = ("double-double", "balls, 40 digits", "mpmath, 15 digits", "mpmath, 
 
 ERROR_UNIT = 1e-16
 """The table of accuracy gives errors in this unit."""
-
-DASH = "--"
 
 
 def accuracy_table(results: Iterable[Accuracy]) -> str:
@@ -165,21 +165,22 @@ def precision_table(points: Sequence[CostPoint]) -> str:
 
     The ring has a second row, in which making its data counts.
     """
-    rows = []
-    for (problem, series), group in groupby(points, attrgetter("problem", "series")):
-        found = list(group)
-        rows.append(_precision_row(problem, PRINTED[series], found))
-        if series == SPECTRAL:
-            whole = [replace(p, seconds=p.seconds + p.data_seconds) for p in found]
-            rows.append(_precision_row(problem, f"{PRINTED[series]}, with its data", whole))
-    head = ["problem", "method", *(rf"error $\le$ {_power(e)} (s)" for e in WANTED)]
+    rows: list[Row] = []
+    for problem, mine in groupby(points, attrgetter("problem")):
+        rows.append(escape(problem))
+        for series, group in groupby(mine, attrgetter("series")):
+            found = list(group)
+            rows.append(_precision_row(PRINTED[series], found))
+            if series == SPECTRAL:
+                whole = [replace(p, seconds=p.seconds + p.data_seconds) for p in found]
+                rows.append(_precision_row(f"{PRINTED[series]}, with its data", whole))
+    head = ["problem and method", *(rf"error $\le$ {_power(e)} (s)" for e in WANTED)]
     caption = r"Measured time in s of each method's cheapest run within an error of $y/\epsilon$."
-    return table("precision", caption, "llrrr", head, rows)
+    return table("precision", caption, "lrrr", head, rows)
 
 
-def _precision_row(problem: str, name: str, points: Iterable[CostPoint]) -> list[str]:
-    found = list(points)
-    return [escape(problem), escape(name), *(_cheapest(found, error) for error in WANTED)]
+def _precision_row(name: str, points: Sequence[CostPoint]) -> list[str]:
+    return [escape(name), *(_cheapest(points, error) for error in WANTED)]
 
 
 def _power(value: float) -> str:
@@ -224,7 +225,9 @@ def _scaling(name: str, caption: str, points: Sequence[ScalingPoint]) -> str:
         rows.append([escape(series) + unit, *(scientific(mine[eps].value) for eps in epsilons)])
         variable = r"\epsilon" if series == REDUCTION else r"1/\epsilon"
         law = found.get(series)
-        rows[-1].append("--" if law is None else f"$({variable})^{{{law:.2f}}}$")
+        rows[-1].append(DASH if law is None else f"$({variable})^{{{law:.2f}}}$")
+        if any(point.own for point in mine.values()):
+            rows.append(["its own error", *(scientific(mine[eps].own) for eps in epsilons), DASH])
     head = ["", *(rf"$\epsilon={eps:g}$" for eps in epsilons), "law"]
     return table(name, caption, "l" + "r" * len(epsilons) + "l", head, rows)
 

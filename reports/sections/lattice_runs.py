@@ -14,6 +14,7 @@ from sympy import Symbol
 
 from longwave.derive.output.notation import latex_of
 from longwave.derive.symbols import constant_value, ybar
+from longwave.reports.formulas.typed import prose_latex
 from longwave.reports.latex import (
     Row,
     escape,
@@ -39,7 +40,7 @@ def scene_table(runs: Mapping[str, SceneRun]) -> str:
     """Each scene: wave and equation, size, the largest error after the start, what it took."""
     lines: list[Row] = []
     for name, found in runs.items():
-        lines.append(titled(found.scene.title or name, name, found.fault))
+        lines.append(titled(prose_latex(found.scene.title or name), name, found.fault))
         lines += [] if found.run is None else [_scene_cells(found, found.run)]
     head = [
         *("equation", r"$\epsilon$", r"error$\,/\,\epsilon^p$", "own error"),
@@ -80,7 +81,7 @@ def scene_maps(runs: Mapping[str, SceneRun]) -> str:
     """The figures of the scenes that ran on two axes."""
     what = "strain along $n$, and its distance from theory."
     return "\n".join(
-        picture_latex(f"scene_{name}", f"{escape(found.scene.title)}: {what}")
+        picture_latex(f"scene_{name}", f"{prose_latex(found.scene.title)}: {what}")
         for name, found in runs.items()
         if is_map(found)
     )

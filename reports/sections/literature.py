@@ -1,5 +1,6 @@
 """What the report prints of the library of published solutions: a summary, and every formula."""
 
+import re
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from itertools import groupby
@@ -127,4 +128,13 @@ def _mathematics(formulas: Iterable[str]) -> str:
 
 
 def _title(text: ProblemText) -> str:
-    return escape(text.name.replace("_", " "))
+    """A statement's name without the words and the initials of its equation.
+
+    >>> from longwave.verify.published import chosen
+    >>> [_title(text) for text in chosen(["kdv_cnoidal_wave", "burgers_shock"])]
+    ['shock', 'cnoidal wave']
+    """
+    words = re.findall(r"[a-z]+", text.equation_name.lower())
+    known = {*words, "".join(word[0] for word in words), "nls"}
+    kept = [word for word in text.name.split("_") if word not in known]
+    return escape(" ".join(kept or text.name.split("_")))

@@ -171,7 +171,7 @@ def form_table(
                 escape(form.equation.name),
                 escape(form.title),
                 ", ".join(domain_latex(parameter.domain) for parameter in form.parameters) or "--",
-                "--" if record is None else escape(record.outcome.value),
+                "--" if record is None else record.outcome.value.lower(),
                 _number(residual.residual if residual else None),
                 _number(worst.get(form.name)),
             ]

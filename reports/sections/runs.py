@@ -40,12 +40,15 @@ def claim_table(claims: Iterable[Claim]) -> str:
     rows: list[Row] = []
     for number, claim in enumerate(claims, 1):
         rows.append(
-            rf"\textbf{{{number}. {mathematics(claim.statement)}: {claim.ruling.value}}} "
-            rf"(depends on {mathematics(claim.depends_on)})"
+            rf"{number}. {mathematics(claim.statement)}: \textbf{{{claim.ruling.value}}}. "
+            rf"\emph{{Rests on}} {mathematics(claim.depends_on)}."
         )
         rows += _measured(claim.measurements)
     head = ["quantity", "value", "own error"]
-    caption = "The paper's statements, each with its verdict and the numbers that it rests on."
+    caption = (
+        "The paper's statements, each with its verdict and the numbers measured for it; a number "
+        "without an own error is computed without a lattice."
+    )
     return table("claims", caption, r"L{106mm}ll", head, rows)
 
 

@@ -10,7 +10,7 @@ from longwave.derive import dispersion_relation, initial_velocity_latex, mkdv_re
 from longwave.derive.dispersion import agrees_with_reduction
 from longwave.reports.formulas.formula import Formula
 from longwave.reports.formulas.printing import equation_latex, latex
-from longwave.reports.latex import domain_latex, escape, greek, scientific, table
+from longwave.reports.latex import DASH, domain_latex, escape, greek, scientific, table
 from longwave.reports.paper import cited
 from longwave.reports.studies.proofs import ProofRecord
 from longwave.solutions import CATALOGUE, ClosedForm, closed_form
@@ -108,8 +108,6 @@ def _equation(equation: Equation) -> str:
     return equation_latex(equation.residual(unknown), unknown, equation.tau)
 
 
-DASH = "--"
-
 METHODS = {"differential algebra": "A", "exact at more points than the degree": "P"}
 """The letters by which the table calls the methods; the text above it says them."""
 
@@ -128,7 +126,7 @@ def proof_table(records: Iterable[ProofRecord], residuals: Mapping[str, Verdict]
     rows = [
         [
             form_title(record.name),
-            escape(record.outcome.value),
+            record.outcome.value.lower(),
             METHODS.get(record.method, escape(record.method)),
             DASH if (size := record.certificate_bytes) is None else f"{size / 1000:.1f}",
             f"{record.prove_seconds:.2f}",
@@ -146,7 +144,7 @@ def proof_table(records: Iterable[ProofRecord], residuals: Mapping[str, Verdict]
         "Proofs: size of the certificate, time of the proof and of the check by the separate "
         "checker, and the relative residual in mpmath at 100 digits."
     )
-    return table("proofs", caption, "lllrrrll", head, rows)
+    return table("proofs", caption, "L{48mm}llrrrll", head, rows)
 
 
 def form_title(name: str) -> str:
@@ -191,7 +189,7 @@ def survivor_table(counts: Iterable[MutationCount]) -> str:
             ", ".join(dict.fromkeys(part for _, part in places)),
             change,
             why,
-            verdict,
+            verdict.lower(),
             ", ".join(dict.fromkeys(form_title(name) for name, _ in places)),
         ]
         for (change, why, verdict), places in merged.items()
