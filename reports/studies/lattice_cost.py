@@ -223,9 +223,9 @@ def at_eps(eps: float, judged: bool) -> list[ScalingPoint]:
 
 
 def _own_error(found: xr.Dataset, eps: float) -> float:
-    """The run's own error over the denominator of its error at the end."""
-    deviation = abs(found["analytic"] - found["background"]).isel(time=-1)
-    return float(found.attrs["error_estimate"]) * eps / float(deviation.max())
+    """The run's own error over the denominator of its relative error."""
+    height = float(np.max(np.abs(found["analytic"] - found["background"]))) / eps
+    return float(found.attrs["error_estimate"]) / height
 
 
 def _scaled(base: Scene, scheme: str, step: float, sites: int) -> float:
@@ -320,8 +320,7 @@ def peak_error(order: int, eps: float) -> PeakError:
     engine, fault = str(found.attrs["engine"]), str(found.attrs["blow_up"])
     if fault:
         return PeakError(order, eps, seconds=seconds, engine=engine, fault=fault)
-    height = float(np.max(np.abs(found["analytic"] - found["background"]))) / eps
-    own = float(found.attrs["error_estimate"]) / height
+    own = _own_error(found, eps)
     return PeakError(order, eps, float(found["error"][-1]), own, seconds, engine)
 
 

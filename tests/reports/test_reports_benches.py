@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from longwave.reports.latex import duration, scientific
+from longwave.reports.latex import scientific, uncertain
 from longwave.reports.sections.benches import (
     balance_table,
     bench_figures,
@@ -34,7 +34,7 @@ def test_the_table_tells_what_acts_and_what_it_took(found: SceneRun) -> None:
     assert "(\\texttt{driven\\_chain})" in text
     for part in (f"${told['steps']}$", scientific(1e-10), scientific(told["error_estimate"])):
         assert part in text
-    assert duration(told["seconds"] + told["planning_seconds"]) in text
+    assert scientific(told["seconds"] + told["planning_seconds"]) in text
     late = SceneRun(found.scene, found.run.assign_attrs(error_estimate=1e-3))
     assert "TOO LARGE" in bench_table({"driven_chain": late})
 
@@ -46,6 +46,7 @@ def test_the_balance_of_energy_is_told(found: SceneRun) -> None:
     for value in (found.run["work"][-1], heat[-1], found.run["energy"][-1]):
         assert scientific(float(value), 4) in text
     assert text.count("texttt") == 1
+    assert text.count(r"\label{tab:balance}") == 1
     off = SceneRun(found.scene, found.run.assign(heat=heat + 0.25))
     assert scientific(0.25) in balance_table({"driven_chain": off})
 
@@ -67,7 +68,7 @@ def test_every_effect_has_its_word() -> None:
 
 def test_the_cost_of_an_effect_is_told_at_every_tolerance() -> None:
     text = effect_table({"a force": EffectCost(8, 3.1e-10, 0.81, ((1e-7, 0.02), (1e-11, 0.07)))})
-    for told in ("a force", "$8$", "$0.31$", r"81\%", scientific(1e-11), duration(0.07)):
+    for told in ("a force", "$8$", "$0.31$", "$81$", scientific(1e-11), scientific(0.07)):
         assert told in text
 
 
@@ -90,6 +91,7 @@ def test_what_is_known_of_chains_is_measured() -> None:
     exponent, error = struck_exponent()
     assert abs(exponent - 0.2) < 3.0 * error < 1e-5
     text = bench_laws({"fput_1955": found}, [(exponent, error)])
-    assert rf"${exponent:.7f}\pm {error:.7f}$" in text
-    assert rf"{100 * back.share:.1f} \%" in text
-    assert rf"${back.periods:.1f}\pm" in text
+    assert " & ".join(uncertain(exponent, error)) in text
+    assert " & ".join(uncertain(back.periods, back.reading / 2)) in text
+    own = found.run.attrs["error_estimate"] / float(found.run.mode_energy[0, 0])
+    assert " & ".join(uncertain(100 * back.share, 100 * own)) in text

@@ -7,7 +7,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from longwave.reports.latex import environment, escape, measured, render, scientific, table
+from longwave.reports.latex import (
+    environment,
+    escape,
+    render,
+    scientific,
+    table,
+    uncertain,
+)
 
 
 def filled(template: str, **content: object) -> str:
@@ -65,20 +72,23 @@ def test_scientific_keeps_the_value(value: float, digits: int) -> None:
 @pytest.mark.parametrize(
     ("value", "error", "shown"),
     [
-        (0.10138, 4e-5, r"$0.101380 \pm 0.000040$"),
-        (0.10138, 4.11e-5, r"$0.101380 \pm 0.000042$"),
-        (5.25, 0.5, r"$5.25 \pm 0.50$"),
-        (-3.0, 0.02, r"$-3.000 \pm 0.020$"),
-        (1.5, 2e-9, r"$1.50000 \pm 0.00001$"),
-        (0.12, 0.0, r"$0.120000 \pm 0.000000$"),
-        (3.6e-5, 1e-12, r"$(3.60000 \pm 0.00001)\times 10^{-5}$"),
-        (0.0, 0.0, "$0$"),
+        (0.10138, 4e-5, (r"$0.101380$", r"$4.0\times 10^{-5}$")),
+        (0.10138, 4.11e-5, (r"$0.101380$", r"$4.2\times 10^{-5}$")),
+        (5.25, 0.5, ("$5.25$", "$0.50$")),
+        (-3.0, 0.02, ("$-3.000$", "$0.020$")),
+        (1.5, 2e-9, ("$1.50000$", r"$2.0\times 10^{-9}$")),
+        (2.1, 9.96, ("$2.1$", "$10$")),
+        (1234.5678, 25.0, ("$1235$", "$25$")),
+        (0.12, 0.0, ("$0.12$", "--")),
+        (3.6e-5, 1e-12, (r"$3.60000\times 10^{-5}$", r"$1.0\times 10^{-12}$")),
+        (0.0, 1e-9, (r"$0.0\times 10^{-9}$", r"$1.0\times 10^{-9}$")),
+        (0.0, 0.0, ("$0$", "--")),
     ],
 )
 def test_the_error_sets_the_digits_and_is_rounded_up(
-    value: float, error: float, shown: str
+    value: float, error: float, shown: tuple[str, str]
 ) -> None:
-    assert measured(value, error) == shown
+    assert uncertain(value, error) == shown
 
 
 def test_infinite_values_are_words() -> None:
@@ -86,6 +96,19 @@ def test_infinite_values_are_words() -> None:
 
 
 def test_rows_have_the_columns_of_the_head() -> None:
-    text = table("ll", ["a", "b"], [["1", "2"], ["3", "4"]])
-    lines = [line for line in text.splitlines() if line.endswith(r"\\")]
-    assert [line.count("&") for line in lines] == [1, 1, 1]
+    text = table("one", "Numbers.", "ll", ["a", "b"], [["1", "2"], ["3", "4"]])
+    lines = [line for line in text.splitlines() if " & " in line]
+    assert lines == [r"a & b \\", r"a & b \\", r"1 & 2 \\*", r"3 & 4 \\"]
+    assert r"\caption{Numbers.}\label{tab:one}" in text
+    assert table("one", "Numbers.", "ll", ["a", "b"], []) == ""
+
+
+def test_no_row_stands_alone_and_no_heading_without_its_rows() -> None:
+    """Catches a page that may end with a heading, or begin with the last row of a group."""
+    groups = [row for name in "ABC" for row in [f"group {name}", *([name, n] for n in "1234")]]
+    text = table("one", "Numbers.", "ll", ["a", "b"], groups)
+    rows = text[text.index(r"\endfoot") :].splitlines()[1:-1]
+    kept = [line.endswith("*") for line in rows]
+    assert kept[:5] == kept[5:10] == [True, True, False, True, False]
+    assert kept[10:15] == [True, True, False, True, False]
+    assert sum(r"\multicolumn{2}" in line for line in rows) == 3
