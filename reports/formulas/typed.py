@@ -72,7 +72,8 @@ NAMES |= {
 MODULAR = ("sn", "cn", "dn", "epsilon", "zeta", "eta", "theta")
 """Jacobi functions, whose second argument is the parameter: of a square the modulus is written."""
 
-LETTERS = {"I": "i", "pi": r"\pi"}
+LETTERS = {"I": "i", "pi": r"\pi", **{name: NAMES[f"jacobi_{name}"] for name in ("sn", "cn", "dn")}}
+"""Names that are not written as themselves."""
 
 
 def typed_latex(formula: FormulaTree) -> str:
@@ -336,6 +337,7 @@ def prose_latex(text: str) -> str:
             raised = [
                 rf"$\mathrm{{{a}}}^{{{b}}}$" for a, b in zip(parts[1::3], parts[2::3], strict=True)
             ]
+            parts[::3] = (part.replace("*", " ") for part in parts[::3])
             told += "".join(escape(p) + r for p, r in zip(parts[::3], [*raised, ""], strict=True))
             last = first
         place, first = words[last][1], last + 1
@@ -346,14 +348,20 @@ _BESIDE = re.compile(r"(?<=[\w)])\s+(?=[\w(])")
 """Between factors that stand side by side."""
 
 
+_DERIVED = re.compile(r"\(([^()]*)\)_([xyzt])$")
+"""A bracket with a derivative's subscript."""
+
+
 def _formula_or_none(text: str) -> str | None:
     """The LaTeX of a piece of a sentence that is a formula or a relation, and no word or number."""
-    names = [name for name in re.findall(r"[A-Za-z_]+", text) if name not in FUNCTIONS]
-    letters = (name.partition("_")[0] for name in names)
-    if text in ("a", "I", "A") or not names or any(len(x) > 1 and x not in GREEK for x in letters):
+    names = [name.partition("_")[0] for name in re.findall(r"[A-Za-z_]+", text)]
+    symbols = [name for name in names if name not in FUNCTIONS]
+    if text in ("a", "I", "A") or not (symbols or "/" in text or names):
+        return None
+    if any(len(name) > 1 and name not in (*GREEK, *LETTERS, "diff") for name in symbols):
         return None
     try:
-        sides = _SIDES.split(_BESIDE.sub("*", text))
+        sides = _SIDES.split(_BESIDE.sub("*", _DERIVED.sub(r"diff(\1, \2)", text)))
         return " ".join(_SIGNS.get(side) or typed_text_latex(side) for side in sides)
     except FormulaError:
         return None

@@ -97,7 +97,9 @@ def library_formulas(found: Sequence[PublishedVerdict]) -> str:
 def _entry(verdict: PublishedVerdict, wrong: Sequence[PublishedVerdict]) -> str:
     """One formula with what is to be said of it."""
     text = verdict.text
-    source = escape(text.source) + ("" if text.looked_up else NO_TEXT)
+    publication, semicolon, remark = text.source.partition(";")
+    source = escape(publication) + semicolon + prose_latex(remark)
+    source += "" if text.looked_up else NO_TEXT
     domain = conditions_latex(text.parameters, text.domain)
     formulas = _formulas(verdict) + (rf"\quad ({domain})" if domain else "")
     lines = [

@@ -21,6 +21,7 @@ from longwave.reports.studies.proofs import PublishedVerdict, library_jobs
 from longwave.verify.problem_file import ProblemText
 from longwave.verify.published import chosen, published
 from longwave.verify.verdict import Outcome
+from tests.reports.table_rules import SYNTAX, faults_of_log
 
 
 @cache
@@ -43,9 +44,9 @@ def test_an_entry_has_equation_formula_domain_verdict_variants_and_source() -> N
     assert "(1895) 422$^*$}" in text
     assert r"\operatorname{cn}^{2}" in text
     assert r"($k > 0$, $0 < m < 1$)" in text
-    assert r"\librarynote{the modulus taken for the parameter $m$ of cn}" in text
+    assert r"\librarynote{the modulus taken for the parameter $m$ of $\operatorname{cn}$}" in text
     undecided = replace(wrong, outcome=Outcome.UNDECIDED)
-    assert r"of cn \textbf{(undecided)}" in library_formulas([right, undecided])
+    assert r"of $\operatorname{cn}$ \textbf{(undecided)}" in library_formulas([right, undecided])
 
 
 def test_verdicts_are_counted_by_what_was_expected() -> None:
@@ -67,10 +68,6 @@ def test_every_misprint_and_every_note_of_a_right_statement_is_shown() -> None:
     assert r"\textbf{Toda lattice}: a question on the Toda lattice" in misprints
     assert r"$\sinh(t)$ for $\sinh(k) t$" in misprints
     assert "only the weak form ties them" in conditions
-
-
-SYNTAX = re.compile(r"\*\*|\w\*\w|(?<!\\)\b(?:sqrt|exp|diff|abs)\(|jacobi_|\\_")
-"""What the grammar of formulas has and mathematics has not."""
 
 
 def test_no_formula_is_in_program_syntax() -> None:
@@ -105,6 +102,4 @@ def test_the_library_compiles_without_a_formula_beyond_the_margin(tmp_path: Path
     lines = [head, r"\begin{document}", r"\footnotesize", body, r"\end{document}"]
     tex.write_text("\n".join(lines), encoding="utf-8")
     assert compile_pdf(tex).read_bytes().startswith(b"%PDF")
-    log = tex.with_suffix(".log").read_text(errors="replace")
-    wide = [float(points) for points in re.findall(r"Overfull \\hbox \(([\d.]+)pt", log)]
-    assert [points for points in wide if points > 5] == []
+    assert faults_of_log(tex.with_suffix(".log").read_text(errors="replace")) == []
