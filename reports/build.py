@@ -37,7 +37,7 @@ from longwave.reports.sections import (
 from longwave.reports.sections.headlines import Headline, headline_table, headlines
 from longwave.reports.sections.other_lattices import model_jobs
 from longwave.reports.studies.bench_laws import bench_law_jobs
-from longwave.reports.studies.claims import all_claims
+from longwave.reports.studies.claims import Claim, all_claims
 from longwave.reports.studies.effects import effect_jobs
 from longwave.reports.studies.estimates import estimate_rows, judged_findings
 from longwave.reports.studies.evaluation_accuracy import Accuracy, accuracy_jobs, worst_of
@@ -137,6 +137,11 @@ class Findings:
         return [worst_of(group) for _, group in cases]
 
     @cached_property
+    def claims(self) -> list[Claim]:
+        """The paper's statements with their verdicts."""
+        return all_claims(self.runs)
+
+    @cached_property
     def headlines(self) -> dict[str, Headline]:
         """The main results."""
         return headlines(self)
@@ -193,7 +198,7 @@ TABLES: Mapping[str, Callable[[Findings], str]] = {
     "survivor_table": lambda found: theory.survivor_table(found.all("mutants")),
     "accuracy_table": lambda found: costs.accuracy_table(_papers(found.accuracy)),
     "run_table": lambda found: runs.run_table(found.runs),
-    "claim_table": lambda found: runs.claim_table(all_claims(found.runs)),
+    "claim_table": lambda found: runs.claim_table(found.claims),
     "library_counts": lambda found: literature.library_counts(found.rows("library")),
     "library_equations": lambda found: literature.library_equations(found.rows("library")),
     "library_formulas": lambda found: literature.library_formulas(found.rows("library")),

@@ -143,10 +143,13 @@ def _broken(rows: Sequence[Row], across: int, gap: str) -> Iterator[str]:
         ends = place == last or isinstance(rows[place + 1], str)
         lone = place + 1 == last or (place + 2 <= last and isinstance(rows[place + 2], str))
         begins = place == 0 or isinstance(rows[place - 1], str)
-        heading = isinstance(cells, str)
-        kept = place < last and (last < WHOLE or heading or (not ends and (begins or lone)))
+        kept = place < last and (
+            last < WHOLE or isinstance(cells, str) or (not ends and (begins or lone))
+        )
         space = f"[{gap}]" if gap and place < last else ""
-        shown = heading_row(cells, across, place > 0) if heading else " & ".join(cells)
+        shown = (
+            heading_row(cells, across, place > 0) if isinstance(cells, str) else " & ".join(cells)
+        )
         yield rf"{shown} \\" + "*" * kept + space
 
 

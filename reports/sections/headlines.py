@@ -5,14 +5,16 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from longwave.reports.latex import scientific, table, uncertain
 from longwave.reports.studies.bench_laws import mode_return
-from longwave.reports.studies.claims import Ruling, all_claims
 from longwave.reports.studies.evaluation_accuracy import Accuracy
 from longwave.reports.studies.measured_runs import RK4_STEP, SPLIT, MeasuredRuns, rk4_name
 from longwave.verify.verdict import Outcome
+
+if TYPE_CHECKING:
+    from longwave.reports.studies.claims import Claim
 
 
 class Found(Protocol):
@@ -21,6 +23,10 @@ class Found(Protocol):
     @property
     def runs(self) -> MeasuredRuns:
         """The runs of the paper's scenes."""
+
+    @property
+    def claims(self) -> list[Claim]:
+        """The paper's statements with their verdicts."""
 
     @property
     def accuracy(self) -> list[Accuracy]:
@@ -133,9 +139,9 @@ def _errors(found: Found) -> Told:
 
 def _counts(found: Found) -> Told:
     """How many statements, scenes, rates and hard cases hold."""
-    rulings = Counter(claim.ruling for claim in all_claims(found.runs))
-    claims = f"{rulings[Ruling.CONFIRMED]} of {rulings.total()}"
-    open_ = f"{rulings[Ruling.DEPENDS]} and {rulings[Ruling.NOT_CONFIRMED]}"
+    rulings = Counter(claim.ruling.value for claim in found.claims)
+    claims = f"{rulings['confirmed']} of {rulings.total()}"
+    open_ = f"{rulings['depends']} and {rulings['not confirmed']}"
     scenes = [scene.kept for kind in ("scene", "bench") for scene in found.all(kind)]
     rates = [rate.reached for rate in found.all("rate")]
     hard = [case.passed for case in found.all("hard")]

@@ -72,12 +72,11 @@ class Runs:
 
 
 @pytest.fixture
-def found(monkeypatch: pytest.MonkeyPatch) -> Findings:
+def found() -> Findings:
     made = Findings(FOUND, {})
     rulings = (Ruling.CONFIRMED, Ruling.CONFIRMED, Ruling.DEPENDS, Ruling.NOT_CONFIRMED)
     claims = [Claim(str(n), "s", (), ruling, "d") for n, ruling in enumerate(rulings)]
-    monkeypatch.setattr(section, "all_claims", lambda _: claims)
-    made.__dict__["runs"] = Runs()
+    made.__dict__.update(runs=Runs(), claims=claims)
     return made
 
 
