@@ -159,6 +159,19 @@ def heading_row(words: str, across: int, spaced: bool) -> str:
     return rf"{above}\multicolumn{{{across}}}{{@{{}}L{{\linewidth}}@{{}}}}{{{words}}}"
 
 
+PRINTED = {
+    "rk4": "RK4",
+    "stoermer_verlet": "Störmer-Verlet (2)",
+    "mclachlan_4": "McLachlan (4)",
+    "blanes_moan_6": "Blanes-Moan (6)",
+    "reduced_phase_6": "reduced phase lag (6)",
+    "suzuki_umeno_8": "Suzuki-Umeno (8)",
+    "kahan_li_8": "Kahan-Li (8)",
+    "spectral": "spectral ring",
+}
+"""Names of the methods as they are printed, with the orders of the splittings."""
+
+
 def titled(title: str, name: str, fault: str = "") -> str:
     """The heading of a run: its title in LaTeX, the name of its scene, and why it did not run."""
     words = rf"{title} (\texttt{{{escape(name)}}})"

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 from longwave.reports.latex import (
     DASH,
+    PRINTED,
     Row,
     escape,
     mathematics,
@@ -146,18 +147,6 @@ def cost_panels(costs: Iterable[EvaluationCost]) -> CostPanels:
 
 WANTED = (1e-2, 1e-4, 1e-6)
 """Errors for which the cheapest run of each series is tabulated."""
-
-PRINTED = {
-    "rk4": "RK4",
-    "stoermer_verlet": "Störmer-Verlet (2)",
-    "mclachlan_4": "McLachlan (4)",
-    "blanes_moan_6": "Blanes-Moan (6)",
-    "reduced_phase_6": "reduced phase lag (6)",
-    "suzuki_umeno_8": "Suzuki-Umeno (8)",
-    "kahan_li_8": "Kahan-Li (8)",
-    SPECTRAL: "spectral ring",
-}
-"""Names of the methods as they are printed, with the orders of the splittings."""
 
 
 def precision_table(points: Sequence[CostPoint]) -> str:

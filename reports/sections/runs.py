@@ -12,6 +12,7 @@ import numpy as np
 import xarray as xr
 
 from longwave.reports.latex import (
+    PRINTED,
     Row,
     escape,
     mathematics,
@@ -24,7 +25,6 @@ from longwave.reports.paper import cited
 from longwave.reports.pictures.drawing import CostPanels
 from longwave.reports.pictures.paper_figures import ERROR_FIGURES, SNAPSHOT_FIGURES
 from longwave.reports.pictures.run_data import snapshots
-from longwave.reports.sections.costs import PRINTED
 from longwave.reports.studies.lattice_cost import PeakError, peak_laws
 from longwave.scenes.named_scenes import load_scene
 from longwave.scenes.scene import Scene

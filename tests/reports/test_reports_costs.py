@@ -3,10 +3,9 @@
 import pytest
 
 from longwave.lattice.schemes import SCHEMES
-from longwave.reports.latex import escape
+from longwave.reports.latex import PRINTED, escape
 from longwave.reports.pictures.drawing import cost_figure
 from longwave.reports.sections.costs import (
-    PRINTED,
     extrapolated_table,
     hard_case_table,
     message_table,
