@@ -178,11 +178,11 @@ def titled(title: str, name: str, fault: str = "") -> str:
     return f"{words} did not run: {escape(fault)}" if fault else words
 
 
-def picture_latex(name: str, caption: str) -> str:
-    """The figure that is kept under that name, with its caption in LaTeX."""
+def picture_latex(name: str, caption: str, place: str = "htbp") -> str:
+    """The figure that is kept under that name, with its caption in LaTeX; [H] is where it stands."""
     return "\n".join(
         [
-            r"\begin{figure}[htbp]",
+            rf"\begin{{figure}}[{place}]",
             r"\centering",
             rf"\includegraphics{{figures/{name}.pdf}}",
             rf"\caption{{{caption}}}\label{{fig:{name}}}",

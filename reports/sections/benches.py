@@ -151,7 +151,7 @@ def bench_figures(runs: Mapping[str, SceneRun]) -> Iterator[tuple[str, Figure]]:
 def bench_pictures(runs: Mapping[str, SceneRun]) -> str:
     """The figures in LaTeX."""
     return "\n".join(
-        picture_latex(f"bench_{name}", f"{prose_latex(found.scene.title)}.")
+        picture_latex(f"bench_{name}", f"{prose_latex(found.scene.title)}.", "H")
         for name, found in runs.items()
         if found.run is not None
     )

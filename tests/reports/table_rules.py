@@ -34,9 +34,16 @@ def faults_of_tables(tex: str) -> list[str]:
 
 
 def faults_of_floats(tex: str) -> list[str]:
-    """The floats that are forced to a place, or lack a caption."""
+    """The floats that are forced to float to no place but one, or lack a caption.
+
+    [H] is no float: it stands in the text as a paragraph does.
+    """
     floats = re.findall(r"\\begin\{figure\}(.*?)\\end\{figure\}", tex, re.DOTALL)
-    return [text for text in floats if not text.startswith("[htbp]") or r"\caption{" not in text]
+    return [
+        text
+        for text in floats
+        if not text.startswith(("[htbp]", "[H]")) or r"\caption{" not in text
+    ]
 
 
 def faults_of_log(log: str) -> list[str]:
