@@ -22,7 +22,12 @@ from functools import cached_property
 from sympy import Expr, Symbol
 
 from longwave.derive.algebra.jets import DifferentialPolynomial, EpsSeries, Jet, Monomial
-from longwave.derive.algebra.rational_functions import RationalFunction, RationalFunctions, Terms
+from longwave.derive.algebra.rational_functions import (
+    Factor,
+    RationalFunction,
+    RationalFunctions,
+    Terms,
+)
 from longwave.derive.algebra.small_matrices import Column, combined, determinant
 from longwave.derive.expansion import Expansion
 from longwave.derive.lattice import Bond, Cell, Lattice
@@ -92,6 +97,7 @@ class Carrier(Expansion):
         if value is None:
             raise EnvelopeError(f"{self.fixed} must enter the dispersion relation, got it nowhere")
         self.images = {self.fixed: value}
+        self._conjugates: dict[Factor, RationalFunction] = {}
         self.means: list[DifferentialPolynomial] = []
         self.group_velocity = self.detuning = self.field.zero
         self.flow = self._series({})
@@ -342,15 +348,13 @@ class Carrier(Expansion):
 
     def _conjugated_number(self, element: RationalFunction) -> RationalFunction:
         """The element at 1/z and -w."""
-        both = [element.terms(), element.terms(below=True)]
-        degree = max(exponents[0] for terms in both for exponents, _ in terms)
-        above, below = (self.field.from_terms(_reflected(terms, degree)) for terms in both)
-        return above / below
+        return element.mapped(self._reflected, self._conjugates)
 
-
-def _reflected(terms: Terms, degree: int) -> Terms:
-    """``z**degree`` times the polynomial at 1/z and -w."""
-    return [
-        ((degree - exponents[0], *exponents[1:]), -value if exponents[1] % 2 else value)
-        for exponents, value in terms
-    ]
+    def _reflected(self, terms: Terms) -> RationalFunction:
+        """The polynomial at 1/z and -w."""
+        degree = max((exponents[0] for exponents, _ in terms), default=0)
+        turned = [
+            ((degree - exponents[0], *exponents[1:]), -value if exponents[1] % 2 else value)
+            for exponents, value in terms
+        ]
+        return self.field.from_terms(turned) / self.field(z) ** degree

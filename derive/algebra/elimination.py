@@ -8,12 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from functools import reduce as fold
 
 from sympy import Symbol
 
 from longwave.derive.algebra.jets import EpsSeries, Jet
-from longwave.derive.algebra.rational_functions import RationalFunction, Terms
+from longwave.derive.algebra.rational_functions import Factor, RationalFunction, Terms
 
 
 @dataclass(frozen=True)
@@ -26,14 +27,23 @@ class Elimination:
 
     def __call__(self, element: RationalFunction) -> RationalFunction:
         """``element`` with the constant replaced; of a square the root stays above the line."""
-        index = element.field.symbols.index(self.constant)
-        above, below = element.terms(), element.terms(below=True)
-        if self.power > 1 and {exponents[index] % self.power for exponents, _ in below} == {1}:
-            above, below = (
-                [((*e[:index], e[index] + self.power - 1, *e[index + 1 :]), v) for e, v in side]
-                for side in (above, below)
-            )
-        return self._replaced(above) / self._replaced(below)
+        field, index = element.field, element.field.symbols.index(self.constant)
+        numer, odd, even = element.numerator(), field.one, {}
+        for factor, times in element.below.items():
+            if any(exponents[index] % self.power for exponents, _ in factor.terms):
+                odd = odd * field.polynomial(factor.polynomial) ** times
+            else:
+                even[factor] = times
+        if {exponents[index] % self.power for exponents, _ in odd.terms()} == {1}:
+            root = field(self.constant) ** (self.power - 1)
+            numer, odd = numer * root, odd * root
+        rest = RationalFunction(field, numer.numer, element.content, even)
+        return rest.mapped(self._replaced, self._known) / self._replaced(odd.terms())
+
+    @cached_property
+    def _known(self) -> dict[Factor, RationalFunction]:
+        """The factors below the line that have been replaced."""
+        return {}
 
     def series(self, series: EpsSeries) -> EpsSeries:
         """The eps-series with the constant replaced in all its orders."""

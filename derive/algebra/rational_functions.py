@@ -1,7 +1,9 @@
 """Rational functions of a few symbols over Q, kept in lowest terms by FLINT.
 
-The coefficients of all expansions.  Greatest common divisors are nearly all of their time, and are
-found some hundred times as fast as in SymPy's ``FracField``.
+The coefficients of all expansions.  What is below the line is kept in irreducible factors: few of
+them come, with determinants that are divided by, and all sums have them in common.  A sum is
+reduced by dividing it by those that stand below both terms in the same power, a product by those
+of the other; a greatest common divisor, which takes a hundred times as long, is never asked for.
 """
 
 from __future__ import annotations
@@ -13,6 +15,7 @@ from functools import cached_property
 from typing import Any
 
 from flint import fmpq_mpoly_ctx, fmpz_mpoly, fmpz_mpoly_ctx
+from flint.utils.flint_exceptions import DomainError
 from sympy import Expr, Integer, Rational, Symbol
 
 Exponents = tuple[int, ...]
@@ -83,14 +86,17 @@ class RationalFunctions:
     def __call__(self, value: int | Symbol) -> RationalFunction:
         """An integer or one of the symbols."""
         ring = self.context
-        one = ring.constant(1)
         if isinstance(value, Symbol):
-            return RationalFunction(self, ring.gens()[self.symbols.index(value)], one)
-        return RationalFunction(self, ring.constant(int(value)), one)
+            return self.polynomial(ring.gens()[self.symbols.index(value)])
+        return self.polynomial(ring.constant(int(value)))
+
+    def polynomial(self, value: fmpz_mpoly) -> RationalFunction:
+        """A polynomial of FLINT's."""
+        return RationalFunction(self, value, 1, {})
 
     def from_terms(self, terms: Iterable[tuple[Exponents, int]]) -> RationalFunction:
         """The polynomial with these terms; no two have the same exponents."""
-        return RationalFunction(self, self.context.from_dict(dict(terms)), self.context.constant(1))
+        return self.polynomial(self.context.from_dict(dict(terms)))
 
     def from_expr(
         self, value: Expr, images: Mapping[Symbol, RationalFunction] | None = None
@@ -114,26 +120,90 @@ class RationalFunctions:
         return total
 
 
+class Factor:
+    """An irreducible polynomial whose first coefficient is positive; equal ones have one hash."""
+
+    __slots__ = ("_hash", "polynomial", "terms")
+
+    def __init__(self, polynomial: fmpz_mpoly) -> None:
+        self.polynomial = polynomial
+        self.terms = _terms(polynomial)
+        self._hash = hash(tuple(self.terms))
+
+    def __hash__(self) -> int:
+        return self._hash
+
+    def __eq__(self, other: object) -> bool:
+        return self is other or (
+            isinstance(other, Factor)
+            and self._hash == other._hash
+            and bool(self.polynomial == other.polynomial)
+        )
+
+    def taken_from(self, numer: fmpz_mpoly, most: int) -> tuple[fmpz_mpoly, int]:
+        """The polynomial less this factor as often as it is in it, and what is left of ``most``."""
+        while most:
+            try:
+                numer = numer / self.polynomial
+            except DomainError:  # it is none
+                break
+            most -= 1
+        return numer, most
+
+
+Factors = Mapping[Factor, int]
+"""Irreducible polynomials with their powers."""
+
+
 class RationalFunction:
-    """A quotient of polynomials with integer coefficients, without a common factor."""
+    """A quotient of polynomials with integer coefficients, without a common factor.
 
-    __slots__ = ("denom", "field", "numer")
+    ``content`` is the positive integer below the line, ``below`` the factors there.
+    """
 
-    def __init__(self, field: RationalFunctions, numer: fmpz_mpoly, denom: fmpz_mpoly) -> None:
+    __slots__ = ("_parts", "below", "content", "field", "numer")
+
+    def __init__(
+        self, field: RationalFunctions, numer: fmpz_mpoly, content: int, below: Factors
+    ) -> None:
         self.field = field
         self.numer = numer
-        self.denom = denom
+        self.content = content
+        self.below = below
+        self._parts: tuple[int, dict[Factor, int]] | None = None
 
     def __reduce__(self) -> tuple[Callable[..., RationalFunction], tuple[Any, ...]]:
-        return _quotient, (self.field, dict(self.terms()), dict(self.terms(below=True)))
+        below = [(dict(factor.terms), times) for factor, times in self.below.items()]
+        return _quotient, (self.field, dict(self.terms()), self.content, below)
 
-    def _lowest(self, numer: fmpz_mpoly, denom: fmpz_mpoly) -> RationalFunction:
-        common = numer.gcd(denom)
-        if denom.leading_coefficient() < 0:
-            common = -common
-        if not common.is_one():
-            numer, denom = numer / common, denom / common
-        return RationalFunction(self.field, numer, denom)
+    @property
+    def denom(self) -> fmpz_mpoly:
+        """What is below the line, in one polynomial."""
+        found = self.field.context.constant(self.content)
+        for factor, times in self.below.items():
+            found *= factor.polynomial**times
+        return found
+
+    def _lowest(
+        self, numer: fmpz_mpoly, content: int, below: Factors, among: Iterable[Factor]
+    ) -> RationalFunction:
+        """The quotient in lowest terms; of the factors below, those ``among`` may be above, too."""
+        if not numer:
+            return self.field.zero
+        numer, content = _without_content(numer, content)
+        left = dict(below)
+        for factor in among:
+            numer, left[factor] = factor.taken_from(numer, left[factor])
+        return RationalFunction(self.field, numer, content, _there(left))
+
+    @property
+    def _above(self) -> tuple[int, dict[Factor, int]]:
+        """The content of the numerator, and its factors."""
+        if self._parts is None:
+            content, parts = _factored(self.numer)
+            found = {Factor(part): int(times) for part, times in parts}
+            self._parts = int(content), found
+        return self._parts
 
     def _other(self, value: int | RationalFunction) -> RationalFunction:
         return self.field(value) if isinstance(value, int) else value
@@ -145,21 +215,36 @@ class RationalFunction:
         if not isinstance(other, int | RationalFunction):
             return NotImplemented
         found = self._other(other)
-        return bool(self.numer == found.numer and self.denom == found.denom)
+        same_below = self.content == found.content and self.below == found.below
+        return same_below and bool(self.numer == found.numer)
 
     def __hash__(self) -> int:
-        return hash((str(self.numer), str(self.denom)))
+        return hash((str(self.numer), self.content, frozenset(self.below.items())))
 
     def __neg__(self) -> RationalFunction:
-        return RationalFunction(self.field, -self.numer, self.denom)
+        return RationalFunction(self.field, -self.numer, self.content, self.below)
 
     def __add__(self, other: int | RationalFunction) -> RationalFunction:
         found = self._other(other)
-        if self.denom == found.denom:
-            return self._lowest(self.numer + found.numer, self.denom)
-        return self._lowest(
-            self.numer * found.denom + found.numer * self.denom, self.denom * found.denom
-        )
+        content = math.lcm(self.content, found.content)
+        below = dict(self.below)
+        for factor, times in found.below.items():
+            below[factor] = max(times, below.get(factor, 0))
+        # a factor in other powers is above in one of the terms alone, and in no sum
+        shared = [f for f in below if self.below.get(f) == found.below.get(f)]
+        numer = self._over(content, below) + found._over(content, below)
+        return self._lowest(numer, content, below, shared)
+
+    def _over(self, content: int, below: Factors) -> fmpz_mpoly:
+        """The numerator over a multiple of what is below the line."""
+        numer = self.numer
+        if content != self.content:
+            numer = numer * (content // self.content)
+        for factor, times in below.items():
+            more = times - self.below.get(factor, 0)
+            if more:
+                numer = numer * factor.polynomial**more
+        return numer
 
     def __sub__(self, other: int | RationalFunction) -> RationalFunction:
         return self + -other
@@ -168,13 +253,38 @@ class RationalFunction:
         if not isinstance(other, int | RationalFunction):  # a polynomial or series takes it
             return NotImplemented
         found = self._other(other)
-        return self._lowest(self.numer * found.numer, self.denom * found.denom)
+        if not (self.numer and found.numer):
+            return self.field.zero
+        left, over = _without_content(self.numer, found.content)
+        right, content = _without_content(found.numer, self.content)
+        below: dict[Factor, int] = {}
+        for factor, times in self.below.items():
+            right, below[factor] = factor.taken_from(right, times)
+        for factor, times in found.below.items():
+            left, rest = factor.taken_from(left, times)
+            below[factor] = below.get(factor, 0) + rest
+        return RationalFunction(self.field, left * right, over * content, _there(below))
 
     def __truediv__(self, other: int | RationalFunction) -> RationalFunction:
         found = self._other(other)
         if not found:
             raise ZeroDivisionError("the divisor must not be 0, got 0")
-        return self._lowest(self.numer * found.denom, self.denom * found.numer)
+        if not self:
+            return self
+        whole, parts = found._above
+        numer, content = _without_content(self.numer, abs(whole))
+        common = math.gcd(self.content, found.content)
+        below = dict(self.below)
+        for factor, times in parts.items():
+            numer, rest = factor.taken_from(numer, times)
+            below[factor] = below.get(factor, 0) + rest
+        numer = numer * (found.content // common * (1 if whole > 0 else -1))
+        for factor, times in found.below.items():
+            gone = min(times, below.get(factor, 0))
+            numer = numer * factor.polynomial ** (times - gone)
+            below[factor] = below.get(factor, 0) - gone
+        content *= self.content // common
+        return RationalFunction(self.field, numer, content, _there(below))
 
     __radd__, __rmul__ = __add__, __mul__
 
@@ -184,7 +294,8 @@ class RationalFunction:
     def __pow__(self, exponent: int) -> RationalFunction:
         if exponent < 0:
             return 1 / self ** (-exponent)
-        return RationalFunction(self.field, self.numer**exponent, self.denom**exponent)
+        below = {factor: times * exponent for factor, times in self.below.items() if exponent}
+        return RationalFunction(self.field, self.numer**exponent, self.content**exponent, below)
 
     def __repr__(self) -> str:
         return str(self.as_expr())
@@ -192,7 +303,7 @@ class RationalFunction:
     @property
     def is_number(self) -> bool:
         """Whether no symbol is in it."""
-        return bool(self.numer.is_constant() and self.denom.is_constant())
+        return bool(self.numer.is_constant() and not self.below)
 
     @property
     def is_negative(self) -> bool:
@@ -202,43 +313,57 @@ class RationalFunction:
     @property
     def is_polynomial(self) -> bool:
         """Whether what is below the line is a number or one term."""
-        return len(self.denom) == 1
+        return all(len(factor.polynomial) == 1 for factor in self.below)
 
     def factors(self, *, below: bool = False) -> list[RationalFunction]:
         """The irreducible polynomials in the numerator or ``below`` the line, each once."""
-        polynomial = self.denom if below else self.numer
-        one = self.field.one.numer
-        return [RationalFunction(self.field, part, one) for part, _ in _factored(polynomial)[1]]
+        parts = self.below if below else self._above[1]
+        return [self.field.polynomial(factor.polynomial) for factor, _ in _sorted(parts)]
 
     def factored_terms(self, *, below: bool = False) -> list[tuple[Terms, int]]:
         """The terms of each irreducible factor with its power, a number first."""
-        polynomial = self.denom if below else self.numer
-        content, parts = _factored(polynomial)
+        content, parts = (self.content, self.below) if below else self._above
         nothing = (0,) * len(self.field.symbols)
-        found = [([(nothing, int(content))], 1)]
-        for part, times in parts:
-            terms = [(tuple(map(int, e)), int(value)) for e, value in part.terms()]
-            found.append((terms, int(times)))
-        return found
+        rest = [(factor.terms, times) for factor, times in _sorted(parts)]
+        return [([(nothing, content)], 1), *rest]
 
     def numerator(self) -> RationalFunction:
         """The numerator."""
-        return RationalFunction(self.field, self.numer, self.field.one.numer)
+        return self.field.polynomial(self.numer)
 
     def common(self, other: RationalFunction) -> RationalFunction:
         """The greatest common divisor of both numerators."""
-        return RationalFunction(self.field, self.numer.gcd(other.numer), self.field.one.numer)
+        return self.field.polynomial(self.numer.gcd(other.numer))
 
     def diff(self, symbol: Symbol) -> RationalFunction:
         """The derivative in one of the symbols."""
         place = self.field.symbols.index(symbol)
-        above, below = (part.derivative(place) for part in (self.numer, self.denom))
-        return self._lowest(above * self.denom - self.numer * below, self.denom**2)
+        slope = self.numer.derivative(place)
+        total = self._lowest(slope, self.content, self.below, self.below)
+        for factor, times in self.below.items():
+            slope = self.numer * factor.polynomial.derivative(place) * -times
+            below = {**self.below, factor: times + 1}
+            total = total + self._lowest(slope, self.content, below, below)
+        return total
 
     def terms(self, *, below: bool = False) -> Terms:
         """Exponents and coefficients of the numerator or of what is ``below`` the line."""
-        polynomial = self.denom if below else self.numer
-        return [(tuple(map(int, e)), int(value)) for e, value in polynomial.terms()]
+        return _terms(self.denom if below else self.numer)
+
+    def mapped(
+        self, image: Callable[[Terms], RationalFunction], known: dict[Factor, RationalFunction]
+    ) -> RationalFunction:
+        """The image under a map of polynomials that keeps sums and products.
+
+        ``known`` holds what is below the line in the images of factors, and gets those of new ones.
+        """
+        found = image(self.terms()) / self.content
+        for factor, times in self.below.items():
+            if factor not in known:
+                known[factor] = image(factor.terms)
+            for _ in range(times):
+                found = found / known[factor]
+        return found
 
     def as_expr(self) -> Expr:
         """The quotient in SymPy."""
@@ -281,11 +406,41 @@ class RationalFunction:
 
 
 def _quotient(
-    field: RationalFunctions, above: Mapping[Exponents, int], below: Mapping[Exponents, int]
+    field: RationalFunctions,
+    above: Mapping[Exponents, int],
+    content: int,
+    below: Iterable[tuple[Mapping[Exponents, int], int]],
 ) -> RationalFunction:
-    """A pickled element: numerator and denominator as they were."""
-    numer, denom = (field.context.from_dict(terms) for terms in (above, below))
-    return RationalFunction(field, numer, denom)
+    """A pickled element: numerator and factors below the line as they were."""
+    factors = {Factor(field.context.from_dict(terms)): times for terms, times in below}
+    return RationalFunction(field, field.context.from_dict(above), content, factors)
+
+
+def _terms(polynomial: fmpz_mpoly) -> Terms:
+    return [(tuple(map(int, e)), int(value)) for e, value in polynomial.terms()]
+
+
+def _sorted(powers: Factors) -> list[tuple[Factor, int]]:
+    """The factors in FLINT's order: by their powers, exponents and coefficients."""
+
+    def place(item: tuple[Factor, int]) -> tuple[Any, ...]:
+        exponents, values = zip(*item[0].terms, strict=True)
+        return item[1], exponents, values
+
+    return sorted(powers.items(), key=place)
+
+
+def _there(powers: Factors) -> Factors:
+    """The factors that are there at all."""
+    return {factor: times for factor, times in powers.items() if times}
+
+
+def _without_content(numer: fmpz_mpoly, content: int) -> tuple[fmpz_mpoly, int]:
+    """Both less the greatest integer that divides both."""
+    if content == 1:
+        return numer, 1
+    common = numer.gcd(numer.context().constant(content))
+    return numer / common, content // int(common.leading_coefficient())
 
 
 def _product(symbols: Sequence[Symbol], exponents: Exponents, value: int) -> Expr:
