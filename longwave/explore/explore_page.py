@@ -173,10 +173,13 @@ class NumberEntry:
 
 
 class ExplorePage:
-    """One visitor's page: what is chosen, the run of it, and the pictures of that."""
+    """One visitor's page: what is chosen, the run of it, and the pictures of that.
+
+    Nothing is run before it has begun.
+    """
 
     def __init__(self, explorer: Explorer) -> None:
-        self.explorer = explorer
+        self.explorer, self._has_begun = explorer, False
         self.scene: Scene | None = None
         self.found: Comparison | None = None
         self._quiet = Quiet()
@@ -184,6 +187,15 @@ class ExplorePage:
         self._make_choosers()
         self._make_results()
         self._choose(FIRST_WAVE, None)
+
+    def begin(self) -> None:
+        """Have what is chosen run, now that a browser shows the page."""
+        self._has_begun = True
+        self._ask()
+
+    def turn_away(self, line: str) -> None:
+        """Tell why nothing will be run."""
+        self._refuse(Refusal(line))
 
     def _make_choosers(self) -> None:
         self.example = pn.widgets.Select(
@@ -316,8 +328,9 @@ class ExplorePage:
             self._refuse(Refusal(str(error)))
             return
         self.toml.value = self.scene.toml()
-        self.explorer.ask(self.scene)
-        self._tell("running", "running ...")
+        if self._has_begun:
+            self.explorer.ask(self.scene)
+            self._tell("running", "running ...")
 
     def look(self) -> None:
         """Show what is new about the run."""

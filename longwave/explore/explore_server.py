@@ -1,30 +1,47 @@
-"""``longwave explore``: the page is served to this machine alone until Ctrl-C."""
+"""``longwave explore``: the page is served to its user alone until Ctrl-C.
+
+A page of another host may send requests here too, under a name of its own that it has lead to this
+machine, and so may other users of the machine. So a request is answered only if it names this
+server as its host and knows the token in the address that was printed; the page's websocket has the
+token from that address as well, and beside it the origin is asked for.
+"""
 
 from __future__ import annotations
 
+import hmac
 import logging
+import secrets
 import signal
 import socket
 import sys
 import threading
 import webbrowser
 from contextlib import closing
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from longwave.support.command_line import fail
 from longwave.support.interruption import interrupted
 from longwave.support.request_limits import RequestLimits, current_limits
 from longwave.support.slow_work import count_notice
 
+if TYPE_CHECKING:
+    from longwave.explore.explore_page import ExplorePage
+
 HOST = "127.0.0.1"
 """The loopback: nothing outside this machine reaches it."""
 
-MOST_PAGES = 10
-"""Pages that are open at a time: each has a process of its own."""
+MOST_PAGES, MOST_SESSIONS = 10, 50
+"""Pages that browsers show at a time, each with a process of its own; and with those that are asked
+for and not yet shown, or closed and not yet forgotten."""
+
+TOO_MANY = f"at most {MOST_PAGES} pages may be open: close one, and reload"
 
 LEFT = 60_000
 """Milliseconds after which a page that was closed is forgotten, its process ended; a slow browser
 has as long to come back for what it was promised."""
+
+TOKEN = "token"
+"""The word of the address behind which its token stands."""
 
 LOCAL = "static/extensions/panel/"
 """Where this server has its style sheets."""
@@ -67,7 +84,34 @@ def explore(port: int, browser: bool, program: str) -> int:
         unused_session_lifetime_milliseconds=LEFT,
         check_unused_sessions_milliseconds=LEFT // 2,
     )
-    return _serve(server, pages, f"http://{HOST}:{found}/", browser, program)
+    token = secrets.token_urlsafe(32)
+    refuse_others(server._tornado, found, token)
+    return _serve(server, pages, f"http://{HOST}:{found}/?{TOKEN}={token}", browser, program)
+
+
+def refuse_others(application: Any, port: int, token: str) -> None:
+    """Have the server answer 403 to whoever names another host or has not the token.
+
+    What pages are made of needs none: scripts and style sheets are the same for all.
+    """
+    from tornado.routing import Matcher, Rule
+    from tornado.web import ErrorHandler
+
+    hosts = (f"{HOST}:{port}", f"localhost:{port}")
+
+    class Others(Matcher):
+        """Requests that are to be refused."""
+
+        def match(self, request: Any) -> dict[str, Any] | None:
+            given = request.query_arguments.get(TOKEN, [b""])[0]
+            known = hmac.compare_digest(given, token.encode())
+            public = request.path.startswith("/static/") or request.path == "/favicon.ico"
+            allowed = request.host in hosts and (known or public)
+            return None if allowed else {}
+
+    router = application.default_router
+    refusal = router.process_rule(Rule(Others(), ErrorHandler, {"status_code": 403}))
+    router.rules.insert(0, refusal)
 
 
 def _free_port(port: int) -> int:
@@ -106,7 +150,10 @@ def keep_style_sheets_here(document: Any) -> None:
 
 
 class Pages:
-    """The pages that are open, each with its process; the first one's is begun beforehand."""
+    """The pages that are open; each has a process from when a browser has it and talks to it.
+
+    The first one's is begun beforehand.
+    """
 
     def __init__(self, limits: RequestLimits) -> None:
         from longwave.explore.exploration_run import Explorer
@@ -114,7 +161,8 @@ class Pages:
         self._limits = limits
         self._spare = [Explorer(limits)]
         self._spare[0].start()
-        self._open: set[Explorer] = set()
+        self._asked = 0
+        self._shown: set[ExplorePage] = set()
 
     def open(self) -> Any:
         """A visitor's page, or a line that there are too many."""
@@ -124,21 +172,35 @@ class Pages:
         from longwave.explore.explore_page import LOOK, ExplorePage
 
         keep_style_sheets_here(pn.state.curdoc)
-        if len(self._open) >= MOST_PAGES:
-            return pn.pane.HTML(f"At most {MOST_PAGES} pages may be open: close one, and reload.")
-        explorer = self._spare.pop() if self._spare else Explorer(self._limits)
-        self._open.add(explorer)
+        self._asked += 1
+        if self._asked > MOST_SESSIONS:
+            pn.state.on_session_destroyed(self._forget)
+            return pn.pane.HTML(TOO_MANY)
+        page = ExplorePage(Explorer(self._limits))
+
+        def begin() -> None:
+            if len(self._shown) >= MOST_PAGES:
+                page.turn_away(TOO_MANY)
+                return
+            self._shown.add(page)
+            if self._spare:
+                page.explorer = self._spare.pop()
+            page.begin()
 
         def leave(_: Any) -> None:
-            self._open.discard(explorer)
-            explorer.close()
+            self._asked -= 1
+            self._shown.discard(page)
+            page.explorer.close()
 
+        pn.state.onload(begin)
         pn.state.on_session_destroyed(leave)
-        page = ExplorePage(explorer)
         pn.state.add_periodic_callback(page.look, LOOK)
         return page.view()
 
+    def _forget(self, _: Any) -> None:
+        self._asked -= 1
+
     def close(self) -> None:
         """End the pages' processes."""
-        for explorer in (*self._open, *self._spare):
+        for explorer in (*(page.explorer for page in self._shown), *self._spare):
             explorer.close()

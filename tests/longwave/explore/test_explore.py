@@ -21,12 +21,14 @@ from longwave.explore import explore_server
 from longwave.explore.exploration import Scene, first_choices
 from longwave.explore.exploration_run import Explorer
 from longwave.scenes.named_scenes import load_scene
+from longwave.support.request_limits import RequestLimits
 
 Output = pytest.CaptureFixture[str]
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 FLAGS = (
     "--headless",
+    "--host-resolver-rules=MAP rebound.example 127.0.0.1",
     "--no-sandbox",
     "--disable-gpu",
     "--disable-background-networking",
@@ -119,10 +121,44 @@ class Served:
 
     process: subprocess.Popen[str]
     port: int
+    token: str
+
+    @property
+    def root(self) -> str:
+        return f"http://127.0.0.1:{self.port}/"
 
     @property
     def address(self) -> str:
-        return f"http://127.0.0.1:{self.port}/"
+        return f"{self.root}?token={self.token}"
+
+    def answer(self, path: str, host: str, *lines: str) -> tuple[int, str]:
+        """Status and text of what comes to a request that is written by hand."""
+        request = "\r\n".join((f"GET {path} HTTP/1.1", f"Host: {host}", *lines, "", ""))
+        with closing(socket.create_connection(("127.0.0.1", self.port), timeout=600)) as line:
+            line.sendall(request.encode())
+            status = line.recv(20).split()[1]
+            text = b""
+            while status == b"200" and b"</html>" not in text:
+                text += line.recv(2**16)
+        return int(status), text.decode(errors="replace")
+
+    def talk(self, path: str, host: str, origin: str) -> int:
+        """The status that comes to a request for a websocket."""
+        _, page = self.answer(f"/?token={self.token}", f"127.0.0.1:{self.port}")
+        token = re.search(r'"token":"([^"]+)"', page)
+        assert token
+        status, _ = self.answer(
+            path, host, "Upgrade: websocket", "Connection: Upgrade", f"Origin: {origin}",
+            "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==", "Sec-WebSocket-Version: 13",
+            f"Sec-WebSocket-Protocol: bokeh, {token[1]}",
+        )  # fmt: skip
+        return status
+
+    def runners(self) -> int:
+        """Processes that were started to run what is chosen."""
+        children = Path(f"/proc/{self.process.pid}/task/{self.process.pid}/children").read_text()
+        lines = [Path(f"/proc/{child}/cmdline").read_bytes() for child in children.split()]
+        return sum(b"spawn_main" in line for line in lines)
 
 
 @pytest.fixture(scope="module")
@@ -136,10 +172,11 @@ def served() -> Iterator[Served]:
         assert process.stdout is not None
         line = process.stdout.readline()
         found = re.fullmatch(
-            r"longwave explore: http://127\.0\.0\.1:(\d+)/ \(Ctrl-C ends it\)\n", line
+            r"longwave explore: http://127\.0\.0\.1:(\d+)/\?token=([\w-]{43}) \(Ctrl-C ends it\)\n",
+            line,
         )
         assert found, line
-        yield Served(process, int(found[1]))
+        yield Served(process, int(found[1]), found[2])
     finally:
         process.kill()
         process.communicate()
@@ -167,25 +204,94 @@ def test_the_server_listens_on_the_loopback_alone(served: Served) -> None:
     assert listening(served.process) == {("0100007F", served.port)}
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(("origin", "status"), [("127.0.0.1", 101), ("evil.example", 403)])
-def test_a_page_of_another_host_may_not_talk_to_the_server(
-    served: Served, origin: str, status: int
-) -> None:
-    from urllib.request import urlopen
+HERE, THERE = "127.0.0.1:{port}", "evil.example:{port}"
+WITH, WITHOUT = "/?token={token}", "/?token=wrong"
 
-    with urlopen(served.address, timeout=600) as answer:
-        token = re.search(r'"token":"([^"]+)"', answer.read().decode())
-    assert token
-    request = (
-        f"GET /ws HTTP/1.1\r\nHost: 127.0.0.1:{served.port}\r\nUpgrade: websocket\r\n"
-        f"Connection: Upgrade\r\nOrigin: http://{origin}:{served.port}\r\n"
-        "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n"
-        f"Sec-WebSocket-Protocol: bokeh, {token[1]}\r\n\r\n"
-    )
-    with closing(socket.create_connection(("127.0.0.1", served.port), timeout=600)) as line:
-        line.sendall(request.encode())
-        assert line.recv(200).split()[1] == str(status).encode()
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("path", "host", "status"),
+    [
+        (WITH, HERE, 200),
+        (WITH, "localhost:{port}", 200),
+        (WITH, THERE, 403),
+        (WITH, "127.0.0.1:80", 403),
+        (WITHOUT, HERE, 403),
+        ("/", HERE, 403),
+        ("/autoload.js", HERE, 403),
+        ("/metadata", HERE, 403),
+        ("/static/nothing", THERE, 403),
+        ("/static/nothing", HERE, 404),
+    ],
+)
+def test_whoever_names_another_host_or_has_no_token_is_refused(
+    served: Served, path: str, host: str, status: int
+) -> None:
+    """A name of another page's may lead here: its browser then takes us for that host."""
+    port, token = served.port, served.token
+    found, _ = served.answer(path.format(token=token), host.format(port=port))
+    assert found == status
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("query", "host", "origin", "status"),
+    [
+        (WITH, HERE, HERE, 101),
+        (WITH, HERE, THERE, 403),
+        (WITH, THERE, THERE, 403),
+        (WITH, THERE, HERE, 403),
+        (WITHOUT, HERE, HERE, 403),
+        ("/", HERE, HERE, 403),
+    ],
+)
+def test_the_websocket_asks_for_host_origin_and_token(
+    served: Served, query: str, host: str, origin: str, status: int
+) -> None:
+    port, path = served.port, f"/ws{query[1:]}".format(token=served.token)
+    assert served.talk(path, host.format(port=port), f"http://{origin.format(port=port)}") == status
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not Path("/proc/self/net/tcp").exists(), reason="the system has no /proc")
+def test_pages_that_no_browser_shows_start_no_processes(served: Served) -> None:
+    """The first page's, begun beforehand, is the only one."""
+    for _ in range(explore_server.MOST_PAGES + 2):
+        status, _ = served.answer(f"/?token={served.token}", f"127.0.0.1:{served.port}")
+        assert status == 200
+    assert served.runners() <= 1
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore::PendingDeprecationWarning")  # panel 1.9 renames name to label
+def test_so_many_pages_are_shown_and_kept_at_a_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    import panel as pn
+    from bokeh.document import Document
+    from panel.io.state import set_curdoc
+
+    from longwave.explore.explore_page import ExplorePage
+
+    monkeypatch.setattr(explore_server, "MOST_PAGES", 1)
+    monkeypatch.setattr(explore_server, "MOST_SESSIONS", 3)
+    asked: list[Explorer] = []
+    told: list[str] = []
+    monkeypatch.setattr(ExplorePage, "turn_away", lambda _, line: told.append(line))
+    monkeypatch.setattr(Explorer, "start", lambda _: None)
+    monkeypatch.setattr(Explorer, "ask", lambda one, _: asked.append(one))
+    monkeypatch.setattr(pn.state, "add_periodic_callback", lambda *_: None)
+    shown: list[Any] = []
+    monkeypatch.setattr(pn.state, "onload", shown.append)
+    pages, views = explore_server.Pages(RequestLimits(2e9, 10.0)), []
+    for _ in range(4):
+        with set_curdoc(Document()):
+            views.append(pages.open())
+    assert (len(shown), asked) == (3, [])
+    for begin in shown:
+        begin()
+    assert len(asked) == 1
+    assert told == 2 * [explore_server.TOO_MANY]
+    assert isinstance(views[-1], pn.pane.HTML)
+    pages.close()
 
 
 @dataclass
@@ -239,6 +345,20 @@ def opened(served: Served) -> Iterator[Opened]:
         found.finished()
         yield found
         browser.close()
+
+
+@explored
+@pytest.mark.slow
+@pytest.mark.parametrize("which", ["host", "token"])
+def test_a_browser_is_refused_by_another_name_or_without_the_token(
+    which: str, opened: Opened, served: Served
+) -> None:
+    """The name is lead to this machine, as a page of another host can have it lead."""
+    page = opened.page.context.browser.new_page()
+    there = f"http://rebound.example:{served.port}/?token={served.token}"
+    answer = page.goto(there if which == "host" else served.root, timeout=PATIENCE)
+    assert answer.status == 403
+    page.close()
 
 
 @explored
@@ -327,7 +447,7 @@ def test_no_request_leaves_this_machine(opened: Opened, served: Served) -> None:
     outside = [
         address
         for address in opened.asked
-        if not address.startswith((served.address, "data:", "blob:"))
+        if not address.startswith((served.root, "data:", "blob:"))
     ]
     assert outside == []
     assert opened.errors == []
