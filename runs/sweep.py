@@ -223,7 +223,9 @@ class _March:
         """Take in what a batch came to; whether it did not lose its worker."""
         self.sent -= len(cells)
         try:
-            batch: Batch = call.result()
+            batch = call.result()
+            if not isinstance(batch, Batch):
+                raise TypeError(f"a batch must have come of them, got {type(batch).__name__}")
         except LostProcess:
             return False
         except (ValueError, OSError):

@@ -1,4 +1,9 @@
-"""Jobs on a Dask cluster by the address of its scheduler; `dask.distributed` is an extra."""
+"""Jobs on a Dask cluster by the address of its scheduler; `dask.distributed` is an extra.
+
+Dask's processes run what they send each other: whoever can talk to a scheduler runs code on all of
+them, and on its clients (docs/trust.md). Nothing of ours adds to that: an answer that is none of
+ours is the error of its job, in one line.
+"""
 
 import logging
 import math
@@ -13,7 +18,9 @@ from pkgutil import resolve_name
 from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any
 
-from longwave.support.processes import PATIENCE, Call, Job, LostProcess, run_apart
+from longwave.support.command_line import one_line
+from longwave.support.processes import PATIENCE, Call, Job, LostProcess, OutOfTime, run_apart
+from longwave.support.request_limits import Cancelled
 from longwave.support.sealed_file import LOG
 
 if TYPE_CHECKING:
@@ -46,9 +53,14 @@ class DaskWorkers:
         self._answered: SimpleQueue[Call] = SimpleQueue()
         try:
             check(self._client)
-        except ValueError:
+        except Exception as error:
             self.stop()
-            raise
+            if isinstance(error, ValueError):
+                raise
+            raise ValueError(
+                f"--scheduler must be of workers that say what they run, got "
+                f"{type(error).__name__}: {one_line(error)[:100]} (install the same there)"
+            ) from None
         self.count = 1
         self._looked, self._are_gone = -math.inf, False
         self._look()
@@ -75,11 +87,11 @@ class DaskWorkers:
             return []
         try:
             if call.error is None:
-                call.told, call.value, call.error = self._futures.pop(call).result()
+                call.told, call.value, call.error = _checked(self._futures.pop(call).result())
         except KilledWorker:
             call.error = LostProcess("the cluster lost several workers to it")
-        except Exception as error:
-            call.error = error
+        except (Exception, SystemExit, GeneratorExit) as error:
+            call.error = error if isinstance(error, Exception) else _no_outcome(error)
         return [call]
 
     def _look(self) -> None:
@@ -95,6 +107,18 @@ class DaskWorkers:
     def stop(self) -> None:
         """Drop what has not begun and leave the cluster."""
         self._client.close(timeout=PATIENCE)
+
+
+def _checked(answer: Any) -> Outcome:
+    """The answer, which is a call's outcome. Raises TypeError for anything else."""
+    match answer:
+        case (told, value, None | Exception() | OutOfTime() | Cancelled() as error):
+            return told, value, error
+    raise _no_outcome(answer)
+
+
+def _no_outcome(answer: object) -> TypeError:
+    return TypeError(f"a worker must answer with an outcome, got {type(answer).__name__}")
 
 
 def _connected(address: str, needed: str) -> "Client":
@@ -113,11 +137,12 @@ def _connected(address: str, needed: str) -> "Client":
     try:
         get_address_host_port(address)  # a client of a wrong one ends late, with a traceback
         client = Client(address, timeout=CONNECTING, set_as_default=False)
-    except (OSError, ValueError, TypeError) as error:
-        why = " ".join(str(error).split())[:100]
+    except (OSError, ValueError, TypeError, RuntimeError) as error:
+        why = one_line(error)[:100]
         raise ValueError(
             f"--scheduler must be the address of a Dask scheduler that answers within "
-            f"{CONNECTING:g} s, got {address[:100]}: {why} (such as tcp://127.0.0.1:8786)"
+            f"{CONNECTING:g} s, got {address[:100]}: {why} (such as tcp://127.0.0.1:8786, "
+            "or tls://... with the certificates of Dask's configuration)"
         ) from None
     for name in ("client", "utils"):  # where a lost scheduler is a traceback, which callers tell
         logging.getLogger(f"distributed.{name}").setLevel(logging.CRITICAL)

@@ -1,0 +1,112 @@
+"""Catches: an answer of a hostile worker that ends the command in more than a line, or at all."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+from pathlib import Path
+from queue import SimpleQueue
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from longwave.support.dask_cluster import DaskWorkers, _connected
+from longwave.support.processes import Job, OutOfTime
+
+distributed = pytest.importorskip("distributed")
+
+
+class Answers:
+    """A cluster each of whose workers gives these answers."""
+
+    def __init__(self, answer: Any) -> None:
+        self.answer = answer
+
+    def nthreads(self) -> dict[str, int]:
+        return {"tcp://somewhere:1": 1}
+
+    def submit(self, *_: Any, **__: Any) -> Any:
+        def result() -> Any:
+            if isinstance(self.answer, BaseException):
+                raise self.answer
+            return self.answer
+
+        return SimpleNamespace(add_done_callback=lambda done: done(None), result=result)
+
+
+def workers_of(client: Any) -> DaskWorkers:
+    made = object.__new__(DaskWorkers)
+    made._client, made._futures, made._answered = client, {}, SimpleQueue()
+    made._looked, made._are_gone, made.count = 0.0, False, 1
+    return made
+
+
+@pytest.mark.parametrize(
+    "answer",
+    [None, 3, (1, 2), (None, 1, SystemExit(0)), (None, 1, KeyboardInterrupt()), SystemExit(0)],
+)
+def test_an_answer_that_is_no_outcome_is_the_jobs_error(answer: Any) -> None:
+    """An error that is raised here may not end the process, as an exit does."""
+    workers = workers_of(Answers(answer))
+    workers.submit(Job(len, ("",)))
+    (call,) = workers.ended(1.0)
+    assert isinstance(call.error, TypeError)
+    assert "a worker must answer with an outcome, got" in str(call.error)
+
+
+def test_outcomes_are_what_they_are() -> None:
+    for error in (None, ValueError("a reason"), OutOfTime()):
+        workers = workers_of(Answers(("told", 3, error)))
+        workers.submit(Job(len, ("",)))
+        (call,) = workers.ended(1.0)
+        assert (call.told, call.value, call.error) == ("told", 3, error)
+
+
+def test_workers_that_do_not_say_what_they_run_are_refused(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    closed: list[Any] = []
+    client = SimpleNamespace(close=lambda **_: closed.append(1))
+    monkeypatch.setattr("longwave.support.dask_cluster._connected", lambda *_: client)
+
+    def check(_: Any) -> None:
+        raise TypeError("'int' object is not\nsubscriptable")
+
+    with pytest.raises(ValueError, match=r"^--scheduler must be of workers that say[^\n]*$"):
+        DaskWorkers("tcp://127.0.0.1:1", "", check)
+    assert closed
+
+
+def test_encryption_without_certificates_is_told() -> None:
+    with pytest.raises(ValueError, match=r"^--scheduler must be the address[^\n]*tls[^\n]*$"):
+        _connected("tls://127.0.0.1:9", "")
+
+
+@pytest.mark.slow
+def test_a_cluster_is_spoken_to_by_tls(tmp_path: Path) -> None:
+    """With the certificates that Dask's own configuration names."""
+    from dask import config
+    from distributed.security import Security
+
+    key, certificate = tmp_path / "key.pem", tmp_path / "certificate.pem"
+    words = ["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "1"]
+    words += ["-subj", "/CN=longwave", "-keyout", str(key), "-out", str(certificate)]
+    subprocess.run(words, check=True, capture_output=True)
+    tls = {"distributed.comm.tls.ca-file": str(certificate)}
+    for role in ("client", "scheduler", "worker"):
+        tls |= {f"distributed.comm.tls.{role}.key": str(key)}
+        tls |= {f"distributed.comm.tls.{role}.cert": str(certificate)}
+    ours = dict(os.environ)
+    with config.set(tls):
+        cluster = distributed.LocalCluster(
+            n_workers=1, threads_per_worker=1, processes=False, protocol="tls://",
+            security=Security(), dashboard_address="127.0.0.1:0",
+        )  # fmt: skip
+        with cluster:
+            assert cluster.scheduler_address.startswith("tls://")
+            client = _connected(cluster.scheduler_address, "longwave:__version__")
+            assert client.submit(len, "four").result() == 4
+            client.close()
+    os.environ.clear()
+    os.environ.update(ours)
