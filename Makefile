@@ -4,11 +4,14 @@ STAMP := .venv/.longwave-installed
 DOCS_STAMP := .venv/.longwave-docs-installed
 WORKERS ?= 2
 
-.PHONY: report report-full bench docs test test-slow recheck lint format clean help
+DEPENDS := pyproject.toml tools/bootstrap.sh tools/constraints.txt tools/apt.sh
+
+.PHONY: report report-full latex bench docs test test-slow recheck lint format clean help
 
 help:
 	@echo "make report     derive, check, run the scenes, typeset: reports/build/longwave.pdf"
 	@echo "make report-full  the same with the long scenes and the full studies"
+	@echo "make latex      installs LaTeX with apt where that may be, as make report does"
 	@echo "make bench      what accuracy costs, nothing running beside: reports/build/bench"
 	@echo "make docs       the site: docs/build/index.html"
 	@echo "make test       the default test suite (WORKERS=$(WORKERS) processes)"
@@ -19,19 +22,24 @@ help:
 	@echo "make clean      remove report, site and the tools' caches; .venv stays"
 
 # Reinstalls only when the dependencies or the bootstrap change.
-$(STAMP): pyproject.toml tools/bootstrap.sh
+$(STAMP): $(DEPENDS)
 	@sh tools/bootstrap.sh $@
 
 # The site needs no more than it says: make docs installs the tools of the site alone.
-$(DOCS_STAMP): pyproject.toml tools/bootstrap.sh
+$(DOCS_STAMP): $(DEPENDS)
 	@sh tools/bootstrap.sh $@ docs
 
-report: $(STAMP)
+# Without an engine the report's source is written.
+latex: $(STAMP)
+	-@sh tools/apt.sh 'command -v latexmk && command -v pdflatex' \
+		$$($(PY) -c 'from longwave.reports.engine import APT_PACKAGES as a; print(*a)')
+
+report: latex
 	@$(PY) -m reports --force --output reports/build
 
 # A scene that is judged dishonest fails the report, which tables it, and not the search.
 ESTIMATES := reports/build/estimates.jsonl
-report-full: $(STAMP)
+report-full: latex
 	@mkdir -p reports/build && rm -f $(ESTIMATES)
 	-@$(PY) -m searches.estimates --count 240 --seed 3 --workers $(WORKERS) --output $(ESTIMATES)
 	@$(PY) -m reports --force --full --estimates $(ESTIMATES) --output reports/build

@@ -371,7 +371,7 @@ def write_report(
 def _missing_engine(console: Console) -> bool:
     """Whether there is no LaTeX engine, which is said: the source is then all that is written."""
     try:
-        ensure_engine(console.print)
+        ensure_engine()
     except EngineMissingError as error:
         fail(f"{error}; the source alone is written")
         return True

@@ -1,6 +1,7 @@
 #!/bin/sh
 # Usage: sh tools/bootstrap.sh STAMP [EXTRAS]
-# Makes .venv, installs longwave with the named extras (default: dev) into it, touches STAMP.
+# Makes .venv, installs longwave with the named extras (default: dev) into it, touches STAMP. The
+# versions are the tested ones of tools/constraints.txt; the package itself allows ranges.
 # PYTHON names the interpreter to use; LONGWAVE_NO_APT=1 keeps apt untouched.
 set -eu
 
@@ -23,14 +24,6 @@ find_python() {
     return 1
 }
 
-as_root() {
-    if [ "$(id -u)" = 0 ]; then "$@"; else sudo -n "$@"; fi
-}
-
-may_use_apt() {
-    [ -z "${LONGWAVE_NO_APT:-}" ] && command -v apt-get >/dev/null && as_root true 2>/dev/null
-}
-
 has_ensurepip() {
     "$1" -c 'import ensurepip, venv' 2>/dev/null
 }
@@ -38,11 +31,8 @@ has_ensurepip() {
 need_ensurepip() {
     has_ensurepip "$1" && return 0
     echo "bootstrap: $1 lacks ensurepip, so it cannot make a virtual environment." >&2
-    may_use_apt || fail "install the package python3-venv (Debian, Ubuntu), then repeat the command"
-    echo "bootstrap: installing python3-venv with apt-get (LONGWAVE_NO_APT=1 forbids this)" >&2
-    as_root apt-get -qq update
-    as_root env DEBIAN_FRONTEND=noninteractive apt-get -qq install -y python3-venv >&2
-    has_ensurepip "$1" || fail "$1 still lacks ensurepip: name another interpreter with PYTHON=..."
+    sh tools/apt.sh "'$1' -c 'import ensurepip, venv'" python3-venv ||
+        fail "or name another interpreter with PYTHON=..., then repeat the command"
 }
 
 python=$(find_python) || fail "Python 3.11 or newer is missing: install it, or name it with PYTHON=..."
@@ -52,5 +42,6 @@ if ! "$venv/bin/python" -m pip --version >/dev/null 2>&1; then
     "$python" -m venv --clear "$venv"
 fi
 echo "bootstrap: installing longwave[$extras] into $venv"
-"$venv/bin/python" -m pip install --quiet --no-input --disable-pip-version-check -e ".[$extras]"
+"$venv/bin/python" -m pip install --quiet --no-input --disable-pip-version-check \
+    -c tools/constraints.txt -e ".[$extras]"
 touch "$stamp"

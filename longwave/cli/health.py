@@ -122,14 +122,11 @@ def _kernels() -> Finding:
 
 
 def _latex() -> Finding:
-    from longwave.reports.engine import APT_PACKAGES, apt_prefix, engine_present
+    from longwave.reports.engine import APT_PACKAGES, engine_present
 
     if engine_present():
         return Finding("LaTeX", "latexmk and pdflatex")
-    if apt_prefix() is not None:
-        cost = "`longwave report` installs it with apt (LONGWAVE_NO_APT=1 forbids that)"
-    else:
-        cost = f"`longwave report` leaves the source: install {' '.join(APT_PACKAGES)}"
+    cost = f"`longwave report` leaves the source: install {' '.join(APT_PACKAGES)}"
     return Finding("LaTeX", "missing", "costs", cost)
 
 

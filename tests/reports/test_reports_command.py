@@ -52,7 +52,7 @@ def without_work(monkeypatch: pytest.MonkeyPatch) -> None:
         return folder / "longwave.tex"
 
     monkeypatch.setattr(build, "write_source", write_source)
-    monkeypatch.setattr(build, "ensure_engine", lambda say: None)
+    monkeypatch.setattr(build, "ensure_engine", lambda: None)
     monkeypatch.setattr(build, "compile_pdf", lambda tex: tex.with_suffix(".pdf"))
 
 
@@ -76,7 +76,7 @@ def test_it_ends_with_the_path(
 
 @pytest.fixture
 def without_latex(without_work: None, monkeypatch: pytest.MonkeyPatch) -> None:
-    def missing(say: object) -> None:
+    def missing() -> None:
         raise EngineMissingError("no LaTeX engine: install latexmk")
 
     monkeypatch.setattr(build, "ensure_engine", missing)

@@ -88,7 +88,4 @@ def test_kernels_that_cannot_be_kept_cost(monkeypatch: pytest.MonkeyPatch, tmp_p
 
 def test_without_latex_the_remedy_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(longwave.reports.engine, "engine_present", lambda: False)
-    monkeypatch.setattr(longwave.reports.engine, "apt_prefix", lambda: None)
     assert "install latexmk" in found("LaTeX").cost
-    monkeypatch.setattr(longwave.reports.engine, "apt_prefix", list)
-    assert "with apt" in found("LaTeX").cost
