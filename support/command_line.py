@@ -207,8 +207,9 @@ def run_words(command: click.Command, program: str, argv: Sequence[str] | None =
     """Run a command (by default on the arguments of the process); return its exit status.
 
     0 if all is well; 1 if something is refuted, undecided, rejected, missing or did not come to its
-    end; 2 for wrong input, told in one line; 130 after Ctrl-C; 141 if the reader of the output has
-    gone. The process is watched for silence and Ctrl-C as a whole if they are its own.
+    end; 2 for wrong input, told in one line; 130 after Ctrl-C, 143 after SIGTERM; 141 if the reader
+    of the output has gone. The process is watched for silence and signals as a whole if they are
+    its own.
     """
     arguments = list(sys.argv[1:] if argv is None else argv)
     known = command.commands if isinstance(command, click.Group) else ()

@@ -3,6 +3,8 @@
 The first Ctrl-C is a KeyboardInterrupt, from which a command unwinds and tells what it keeps. One
 that is in compiled code, waits for workers or has lost the interrupt in a finalizer is ended by a
 watching thread, which the signal wakes without Python's help. A second Ctrl-C ends it at once.
+
+SIGTERM, by which schedulers of clusters end their jobs, does the same to a process that is a command.
 """
 
 from __future__ import annotations
@@ -14,14 +16,20 @@ import sys
 import threading
 import time
 from collections import namedtuple
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from typing import NoReturn
 
 from longwave.support.user_files import on_one_line
 
-INTERRUPTED = 130
-"""Exit status after Ctrl-C: 128 + the signal."""
+ENDING = signal.SIGINT, signal.SIGTERM
+"""What Ctrl-C sends, and what a scheduler does."""
+
+SIGNALLED = 128
+"""Exit status after a signal, less its number."""
+
+INTERRUPTED = SIGNALLED + signal.SIGINT
+"""That after Ctrl-C."""
 
 PATIENCE = 1.5
 """Seconds in which a command may end by itself."""
@@ -45,21 +53,24 @@ class _Watch:
     def __init__(self, called: str) -> None:
         self.called, self.kept = called, ""
         self.since: float | None = None
+        self.status = INTERRUPTED
         self.patience = PATIENCE
         self.told = self.over = self.left = False
 
-    def press(self, *_: object) -> None:
-        """The handler of the signal: interrupt the main thread, or end if that was done before."""
+    def press(self, number: int, *_: object) -> None:
+        """The handler of a signal: interrupt the main thread, or end if that was done before."""
         now = time.monotonic()
         if self.over or (self.since is not None and now > self.since + SAME_PRESS):
             self.end()
         if self.since is None:
-            self.since = now
+            self.since, self.status = now, SIGNALLED + number
             raise KeyboardInterrupt
 
     def watch(self, reading: int) -> None:
         """In a thread: end the command a while after the signal's number has come."""
         byte = os.read(reading, 1)
+        while byte and byte[0] not in ENDING:  # of another handler
+            byte = os.read(reading, 1)
         begun = time.monotonic()
         while byte and not self.left:
             if time.monotonic() > begun + self.patience:
@@ -85,25 +96,30 @@ class _Watch:
             shown = SHOW_CURSOR if os.isatty(2) else ""
             kept = f" ({self.kept})" if self.kept else ""
             os.write(2, f"{shown}{self.called}: interrupted{kept}\n".encode())
-        os._exit(INTERRUPTED)
+        os._exit(self.status)
 
 
 _watch: _Watch | None = None
 
 
 def interruptible(called: str, work: Callable[[], int], whole_process: bool) -> int:
-    """What ``work`` returns, an exit status; 130 after Ctrl-C, told in one line.
+    """What ``work`` returns, an exit status; 130 after Ctrl-C, 143 after SIGTERM, told in one line.
 
     ``called`` is what the command is called by. With ``whole_process`` there is nothing but the
-    command, and Ctrl-C stays in these hands until the process has ended. Inside another one, and
-    where the signal is ignored, this only tells.
+    command, and the signals stay in these hands until the process has ended. Inside another one
+    SIGTERM is left to that; where a signal is ignored, this only tells.
     """
     main = threading.current_thread() is threading.main_thread()
-    if _watch is not None or not main or signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    numbers = [
+        number
+        for number in ENDING[: 2 if whole_process else 1]
+        if signal.getsignal(number) not in (signal.SIG_IGN, None)
+    ]
+    if _watch is not None or not main or not numbers:
         return _told(called, work)
 
     def watched() -> int:
-        with _watched(_Watch(called), whole_process):
+        with _watched(_Watch(called), whole_process, numbers):
             return _told(called, work)
 
     return _told(called, watched)
@@ -123,9 +139,9 @@ def _told(called: str, work: Callable[[], int]) -> int:
 
 
 @contextmanager
-def _watched(watch: _Watch, whole_process: bool) -> Iterator[None]:
+def _watched(watch: _Watch, whole_process: bool, numbers: Sequence[int]) -> Iterator[None]:
     global _watch
-    handler = signal.signal(signal.SIGINT, watch.press)
+    handlers = {number: signal.signal(number, watch.press) for number in numbers}
     reading, writing = os.pipe()
     os.set_blocking(writing, False)
     threading.Thread(target=watch.watch, args=(reading,), daemon=True).start()
@@ -140,7 +156,8 @@ def _watched(watch: _Watch, whole_process: bool) -> Iterator[None]:
         watch.over = whole_process
         if not whole_process:
             signal.set_wakeup_fd(woken)
-            signal.signal(signal.SIGINT, handler)
+            for number, handler in handlers.items():
+                signal.signal(number, handler)
             _watch, sys.unraisablehook, watch.left = None, hook, True
             os.close(writing)
 
@@ -150,7 +167,8 @@ def _ignore_from_here() -> None:
 
     Python forgets handlers as it ends, and the signal would kill it; one to ignore it leaves.
     """
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    for number in ENDING:
+        signal.signal(number, signal.SIG_IGN)
 
 
 def _leave_to_parent() -> None:
@@ -160,6 +178,7 @@ def _leave_to_parent() -> None:
         _watch = None
         signal.set_wakeup_fd(-1)
         signal.signal(signal.SIGINT, signal.SIG_IGN)
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
 
 
 if hasattr(os, "register_at_fork"):
@@ -178,11 +197,11 @@ def call_it(called: str) -> None:
 
 
 def interrupted(called: str = "", kept: str = "") -> int:
-    """Print one line on stderr after Ctrl-C, with what is ``kept``; return the exit status 130."""
+    """Print one line on stderr after Ctrl-C, with what is ``kept``; return the exit status."""
     watch = _watch or _Watch(called)
     watch.called = called or watch.called
     watch.tell(f" ({on_one_line(kept)})" if kept else "")
-    return INTERRUPTED
+    return watch.status
 
 
 def will_keep(kept: str) -> None:

@@ -99,11 +99,12 @@ def spent_by(process: int) -> float:
 
 
 @pytest.fixture
-def press_ctrl_c() -> Callable[[list[str], float], Stopped]:
+def press_ctrl_c() -> Callable[..., Stopped]:
     """``press_ctrl_c(words, seconds)``: ``python -m words``, stopped after its first line, when it
-    has taken so many more seconds of a processor: on a loaded machine it is as far then."""
+    has taken so many more seconds of a processor: on a loaded machine it is as far then. Another
+    ``number`` is of another signal."""
 
-    def stopped(words: list[str], seconds: float) -> Stopped:
+    def stopped(words: list[str], seconds: float, number: int = signal.SIGINT) -> Stopped:
         running = subprocess.Popen(
             [sys.executable, "-m", *words],
             stdout=subprocess.PIPE,
@@ -123,7 +124,7 @@ def press_ctrl_c() -> Callable[[list[str], float], Stopped]:
                     break
                 time.sleep(0.02)
             begun = spent() + spent_by(running.pid)
-            running.send_signal(signal.SIGINT)
+            running.send_signal(number)
             out, errors = running.communicate(timeout=PATIENCE)
         finally:
             running.kill()

@@ -20,7 +20,7 @@ from contextlib import closing
 from typing import TYPE_CHECKING, Any
 
 from longwave.support.command_line import fail
-from longwave.support.interruption import interrupted
+from longwave.support.interruption import ENDING, interrupted
 from longwave.support.request_limits import RequestLimits, current_limits
 from longwave.support.slow_work import count_notice
 
@@ -133,7 +133,8 @@ def _serve(server: Any, pages: Pages, address: str, browser: bool, program: str)
     try:
         loop.start()
     except KeyboardInterrupt:
-        signal.signal(signal.SIGINT, signal.SIG_IGN)
+        for number in ENDING:
+            signal.signal(number, signal.SIG_IGN)
     finally:
         server.stop()
         pages.close()

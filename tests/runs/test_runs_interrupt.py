@@ -1,5 +1,6 @@
 """Catches: a run whose records Ctrl-C loses, or one that claims an estimate nobody measured."""
 
+import signal
 from pathlib import Path
 from typing import Any
 
@@ -28,12 +29,16 @@ compared = 100
 
 
 @pytest.mark.slow
-def test_ctrl_c_keeps_the_snapshots_recorded(tmp_path: Path, press_ctrl_c: Any) -> None:
+@pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_ctrl_c_keeps_the_snapshots_recorded(
+    number: int, status: int, tmp_path: Path, press_ctrl_c: Any
+) -> None:
+    """And so does SIGTERM, by which a cluster ends a job that takes too long."""
     scene, output = tmp_path / "long.toml", tmp_path / "run.nc"
     scene.write_text(LONG)
-    done = press_ctrl_c(["longwave", "run", str(scene), "--output", str(output)], 8.0)
+    done = press_ctrl_c(["longwave", "run", str(scene), "--output", str(output)], 8.0, number)
     assert done.seconds < 4.0
-    assert done.status == 130
+    assert done.status == status
     assert done.announced.startswith("long: about ")
     assert done.errors.splitlines() == [
         f"longwave run: interrupted (2 snapshots are kept in {output}; the same command with "

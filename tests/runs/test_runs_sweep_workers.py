@@ -237,7 +237,10 @@ def test_a_client_is_made_of_an_address_alone(
 
 
 @pytest.mark.slow
-def test_ctrl_c_keeps_what_is_done_and_ends_the_workers(tmp_path: Path) -> None:
+@pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_ctrl_c_keeps_what_is_done_and_ends_the_workers(
+    number: int, status: int, tmp_path: Path
+) -> None:
     (tmp_path / "mine.toml").write_text(
         'scene = "toda_soliton"\n[grid]\neps = {from = 0.1, to = 0.2, count = 5000}\n'
     )
@@ -257,11 +260,12 @@ def test_ctrl_c_keeps_what_is_done_and_ends_the_workers(tmp_path: Path) -> None:
     while running.poll() is None and not (packs.is_dir() and len(list(packs.iterdir())) > 2):
         time.sleep(0.1)
     workers = children(running.pid)
-    running.send_signal(signal.SIGINT)
+    running.send_signal(number)
     told = running.communicate()[1].splitlines()
     stop.cancel()
-    assert running.returncode == 130
+    assert running.returncode == status
     assert "interrupted" in told[-1]
+    assert not list((tmp_path / "mine.store").glob(".*.sweep"))
     assert "of 5000 cells are kept" in told[-1]
     deadline = time.monotonic() + 120
     while any(Path(f"/proc/{worker}").exists() for worker in workers):
