@@ -4,7 +4,7 @@ The first Ctrl-C is a KeyboardInterrupt, from which a command unwinds and tells 
 that is in compiled code, waits for workers or has lost the interrupt in a finalizer is ended by a
 watching thread, which the signal wakes without Python's help. A second Ctrl-C ends it at once.
 
-SIGTERM, by which schedulers of clusters end their jobs, does the same to a process that is a command.
+SIGTERM, by which schedulers of clusters end their jobs, does the same to a command's process.
 """
 
 from __future__ import annotations
