@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 from longwave.support.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
-    from longwave.lattice.driving import DrivenChain, SiteForce, driven_chain
+    from longwave.lattice.driving import DrivenChain, driven_chain
     from longwave.lattice.integration import Cost, Trajectory, integrate
     from longwave.lattice.model import Model
+    from longwave.lattice.outer_forces import SiteForce
     from longwave.lattice.scheme_order import check_order
     from longwave.lattice.schemes import (
         SCHEMES,
@@ -54,7 +55,8 @@ __all__ = [
 __getattr__, __dir__ = lazy_exports(
     __name__,
     {
-        "longwave.lattice.driving": "DrivenChain SiteForce driven_chain",
+        "longwave.lattice.driving": "DrivenChain driven_chain",
+        "longwave.lattice.outer_forces": "SiteForce",
         "longwave.lattice.integration": "Cost Trajectory integrate",
         "longwave.lattice.state": "State",
         "longwave.lattice.model": "Model",

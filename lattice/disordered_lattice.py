@@ -22,14 +22,17 @@ Array = NDArray[np.float64]
 MassKind = Literal["displacements", "strains"]
 """What moves: masses themselves, or the strains between them."""
 
+Pulse = tuple[int, ForceProgram | None]
+"""A field that is kicked from outside, and by what of itself its kick is multiplied, if any."""
+
 
 @dataclass(frozen=True)
 class Variation:
     """What differs from cell to cell: the ``masses``, or parts ``c G`` of the bonds' ``forces``.
 
     ``masses`` says what a cell's fields are, None if masses are equal; ``forces`` has an entry for
-    each bond, None where it is the same in all cells. ``bound`` is the largest deviation. Each of
-    the ``pulsed`` fields is kicked from outside in some cells. Every drift shrinks the velocities
+    each bond, None where it is the same in all cells. ``bound`` is the largest deviation. Those
+    that are ``pulsed`` are kicked from outside in some cells. Every drift shrinks the velocities
     of ``damped`` fields at these rates, and spreads them if bonds have ``dashpots``. Walls are
     where inverse masses are 0, or, if it is ``walled``, where a last row of deviations is -1.
     """
@@ -37,7 +40,7 @@ class Variation:
     bound: float
     masses: MassKind | None = None
     forces: tuple[ForceProgram | None, ...] = ()
-    pulsed: tuple[int, ...] = ()
+    pulsed: tuple[Pulse, ...] = ()
     damped: tuple[float, ...] = ()
     dashpots: tuple[float, ...] = ()
     walled: bool = False
@@ -117,6 +120,17 @@ class DisorderedLattice(NumericLattice):
 
     variation: Variation
     deviations: Array
+
+    def __eq__(self, other: object) -> bool:
+        """Whether all that they are made of is the same."""
+        return type(other) is type(self) and all(
+            np.array_equal(one, two) if isinstance(one, np.ndarray) else one == two
+            for one, two in (
+                (getattr(self, item.name), getattr(other, item.name)) for item in fields(self)
+            )
+        )
+
+    __hash__ = NumericLattice.__hash__
 
     @property
     def ordered(self) -> NumericLattice:

@@ -8,25 +8,28 @@ splitting of Nystroem's kind keeps its order. Forces from outside are taken at e
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, fields, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
 from types import MappingProxyType
 from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from longwave.lattice.disordered_lattice import DisorderedLattice, Variation
-from longwave.lattice.force_program import ForceProgram
+from longwave.lattice.disordered_lattice import DisorderedLattice, Pulse, Variation
 from longwave.lattice.kernels.streams import TERMS
 from longwave.lattice.numeric_lattice import NumericLattice
+from longwave.lattice.outer_forces import (
+    SiteForce,
+    TimeFunction,
+    looked_at,
+    slope_of,
+    values_at,
+)
 from longwave.lattice.schemes import DriftKick
 from longwave.lattice.state import State
 
 Array = NDArray[np.float64]
-TimeFunction = Callable[[Array], Array]
-"""Of an array of times."""
-
 Factors = Mapping[int, float | Sequence[float]]
 """By the numbers of cells or bonds, of all fields or bonds there or of each."""
 
@@ -47,27 +50,6 @@ LOSS_TIME = 20.0
 """The time, in units of the inverse rate of losses of cells, half of which a step may take: stages
 that go back in time let velocities grow by less than exp(10), far from what doubles hold."""
 
-LOOKED_AT = 2**17 + 1
-"""Times at which what drives a chain is looked at before it is run. Steps resolve what is seen."""
-
-JUMP, MOST_CORNERS = 0.25, 100
-"""Share of the range of slopes by which one jumps at a corner, and corners beyond which it is taken
-for a drive that is fast."""
-
-CLOSER, MOST_HIDDEN, HIDDEN = 6, 2**12, 0.1
-"""Times that a formula is looked at 64 times closer, in at most so many gaps in which it may change
-by that share of all its change more than is seen: a push may lie in a gap. It went unseen with a
-width of 1e-4 in a run of 2000."""
-
-
-@dataclass(frozen=True)
-class SiteForce:
-    """The force ``value(t)`` on a field of the cell ``site``."""
-
-    site: int
-    value: TimeFunction
-    field: int = 0
-
 
 @dataclass(frozen=True)
 class _Wall:
@@ -75,8 +57,6 @@ class _Wall:
 
     places: tuple[int, ...]
     displacement: TimeFunction | None
-    pull: Array = field(default_factory=lambda: np.zeros((0, 0)))
-    """By how much each field of the ring is accelerated by a unit velocity, through dashpots."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,14 +92,31 @@ class DrivenChain(DisorderedLattice):
         rows, forces = self.variation.mass_rows(len(self.fields)), self.outer_forces
         found[:rows, self.cells :] = -1.0
         inverse = 1.0 + found[:rows] if rows else np.ones((len(self.fields), found.shape[1]))
-        moved = [wall.places for wall in self._moved for _ in self.fields]
+        moved = [wall.places for wall in self.moved for _ in self.fields]
         pulses = np.zeros((len(forces) + len(moved), found.shape[1]))
         for row, force in zip(pulses, forces, strict=False):
-            row[force.site] = inverse[force.field, force.site]
+            own = self.cell_masses[force.field, : self.cells]
+            row[: self.cells] = inverse[force.field, : self.cells] * force.shares(own)
         for row, places in zip(pulses[len(forces) :], moved, strict=True):
             row[list(places)] = 1.0
-        pulls = [wall.pull * inverse for wall in self._moved if wall.pull.size]
+        pulls = [self._pull(wall) * inverse for wall in self._pulling]
         return np.concatenate([found, pulses, *pulls])
+
+    @property
+    def _pulling(self) -> list[_Wall]:
+        """Walls whose velocity is felt, through dashpots."""
+        return self.moved if any(self.dashpots) else []
+
+    def _pull(self, wall: _Wall) -> Array:
+        """By how much a wall's unit velocity accelerates each field, if all had its usual mass."""
+        unit = np.zeros((len(self.fields), self.deviations.shape[1]))
+        unit[:, list(wall.places)] = 1.0
+        return self.pulled(self.dashed(unit))
+
+    def dashed(self, v: Array) -> list[Array]:
+        """The forces of all dashpots."""
+        parts = zip(self.bonds, self.dashpots, self.bond_shares, strict=True)
+        return [kept * (pot * (bond.stretched(v) - bond.offset)) for bond, pot, kept in parts]
 
     @property
     def lightest(self) -> float:
@@ -164,9 +161,14 @@ class DrivenChain(DisorderedLattice):
         return bool(self.exchanges_energy or self.free)
 
     @property
+    def moved(self) -> list[_Wall]:
+        """The walls that move."""
+        return [wall for wall in self.walls if wall.displacement is not None]
+
+    @property
     def drivers(self) -> tuple[str, ...]:
         """What does work on it, in words: walls that move, and forces."""
-        sides = ["right" if wall.places[0] == self.cells else "left" for wall in self._moved]
+        sides = ["right" if wall.places[0] == self.cells else "left" for wall in self.moved]
         forces = [f"force {count}" for count in range(1, len(self.outer_forces) + 1)]
         return (*(f"{side} wall" for side in sides), *forces)
 
@@ -176,7 +178,7 @@ class DrivenChain(DisorderedLattice):
         Or in which losses change velocities as much as a drift takes. And whether a force or a wall
         turns at corners: its slope jumps between times looked at.
         """
-        found, turns = _looked_at(self._drives, begin, end)
+        found, turns = looked_at(self._drives, begin, end)
         if any(self.losses):
             found = min(found, LOSS_TIME / max(self.losses))
         return min(found, SPREAD_TIME / self._spreading) if self._spreading else found, turns
@@ -184,7 +186,7 @@ class DrivenChain(DisorderedLattice):
     @property
     def _drives(self) -> tuple[TimeFunction, ...]:
         """What acts in time: forces, and displacements of walls that move."""
-        moved = (wall.displacement for wall in self._moved if wall.displacement is not None)
+        moved = (wall.displacement for wall in self.moved if wall.displacement is not None)
         return (*(force.value for force in self.outer_forces), *moved)
 
     def spread_within(self, duration: float) -> int:
@@ -221,59 +223,11 @@ class DrivenChain(DisorderedLattice):
             places = list(wall.places)
             f[..., places], v[..., places] = 0.0, 0.0
             if wall.displacement is not None:
-                f[..., places] = _values(wall.displacement, times)[:, np.newaxis]
+                f[..., places] = values_at(wall.displacement, times)[:, np.newaxis]
                 if moving:
-                    v[..., places] = _values(_slope(wall.displacement), times)[:, np.newaxis]
+                    v[..., places] = values_at(slope_of(wall.displacement), times)[:, np.newaxis]
         for place, beside in self.free:
             f[..., place], v[..., place] = f[..., beside], 0.0
-
-    def power(
-        self, f: Array, v: Array, times: Array, cuts: Sequence[int] = ()
-    ) -> tuple[Array, Array]:
-        """The rates at which energy comes and goes, and f'', of states at some times.
-
-        Rates are (rates, times): of the work of each of the `drivers`, of the heat, and of what
-        goes through the ``cuts``, each to the right of a cell. There half of what a bond stores,
-        and loses, is on either side. Fields, velocities and f'' have the shape (fields, times,
-        ring); what walls do then is put in its place.
-        """
-        self.place_walls(f, v, times, moving=True)
-        masses = np.array(self.masses)[:, np.newaxis, np.newaxis]
-        rates = [bond.stretched(v) - bond.offset for bond in self.bonds]
-        pots = [*zip(self.dashpots, self.bond_shares, strict=True)]
-        forces = [
-            force + dashpot * kept * rate
-            for force, (dashpot, kept), rate in zip(self.forces(f), pots, rates, strict=True)
-        ]
-        found = self.pulled(forces)
-        gained = masses * found * v
-        flows = [-gained[..., list(wall.places)].sum(axis=(0, 2)) for wall in self._moved]
-        for push in self.outer_forces:
-            values = _values(push.value, times)
-            flows.append(values * v[push.field, :, push.site])
-            found[push.field, :, push.site] += values / self.masses[push.field]
-        damping = np.array(self.losses)[:, np.newaxis, np.newaxis] * v
-        found -= damping
-        heat = (masses * damping * v)[..., : self.cells].sum(axis=(0, 2))
-        for (dashpot, kept), rate in zip(pots, rates, strict=True):
-            heat = heat + dashpot * (kept * rate * rate).sum(axis=-1)
-        if rows := self.variation.mass_rows(len(self.fields)):
-            found /= 1.0 + self.deviations[:rows, np.newaxis]
-        flows += [heat, *(self._flux(forces, v, cut) for cut in cuts)]
-        return np.array(flows), found
-
-    def _flux(self, forces: Sequence[Array], v: Array, cut: int) -> Array:
-        """Half of what the bonds over a cut do to the cells on its right, less that on its left."""
-        found, ring = np.zeros(v.shape[1]), v.shape[2]
-        for bond, force in zip(self.bonds, forces, strict=True):
-            shifts = [entry.shift[0] for entry in bond.stretch]
-            for left in range(min(shifts), max(shifts)):
-                base = cut - left
-                for entry in bond.stretch:
-                    half = -0.5 if entry.shift[0] > left else 0.5
-                    speed = v[entry.field, :, (base + entry.shift[0]) % ring]
-                    found += half * entry.weight * force[:, base % ring] * speed
-        return found
 
     def stage_weights(
         self, scheme: DriftKick, v: Array, t: float, h: float, steps: int
@@ -297,81 +251,19 @@ class DrivenChain(DisorderedLattice):
             columns += [lengths, factors]
         for force in self.outer_forces:
             share = kicks / self.masses[force.field]
-            columns.append((share * _values(force.value, times[1:]))[:, np.newaxis])
-        for wall in self._moved:
+            columns.append((share * values_at(force.value, times[1:]))[:, np.newaxis])
+        for wall in self.moved:
             assert wall.displacement is not None
-            path = _values(wall.displacement, times)
+            path = values_at(wall.displacement, times)
             for place in range(len(self.fields)):
                 speeds = _speeds(path, lengths[:, place])
                 v[place, list(wall.places)] = speeds[0]
                 kicked = np.append(speeds[1:], 0.0) - factors[:, place] * speeds
                 columns.append(kicked[:, np.newaxis])
-        for wall in self._moved:
-            if wall.pull.size:
-                speeds = kicks * _values(_slope(wall.displacement), times[1:])
-                columns.append(np.repeat(speeds[:, np.newaxis], len(wall.pull), axis=1))
+        for wall in self._pulling:
+            speeds = kicks * values_at(slope_of(wall.displacement), times[1:])
+            columns.append(np.repeat(speeds[:, np.newaxis], len(self.fields), axis=1))
         return drifts, np.ascontiguousarray(np.concatenate(columns, axis=1))
-
-    @property
-    def _moved(self) -> list[_Wall]:
-        return [wall for wall in self.walls if wall.displacement is not None]
-
-
-def _slope(value: TimeFunction | None) -> TimeFunction:
-    """The velocity of a wall."""
-    found: TimeFunction | None = getattr(value, "slope", None)
-    if found is None:
-        raise ValueError(
-            "displacement of a wall whose velocity is felt must have a slope, its velocity, got a "
-            "bare function (longwave.scenes.time_functions.time_function makes one)"
-        )
-    return found
-
-
-def _values(value: TimeFunction, times: Array) -> Array:
-    """A function's values at the times; ValueError where they are no numbers."""
-    with np.errstate(all="ignore"):
-        found = np.broadcast_to(np.asarray(value(times), dtype=np.float64), times.shape)
-    if not np.isfinite(found).all():
-        t = float(times[~np.isfinite(found)][0])
-        raise ValueError(
-            f"a force or displacement in time must be finite, got {found[~np.isfinite(found)][0]} "
-            f"at t = {t:g} (end earlier or change the formula)"
-        )
-    return found
-
-
-def _looked_at(drives: Sequence[TimeFunction], begin: float, end: float) -> tuple[float, bool]:
-    """The least time in which a drive changes by all that it does, and whether one has a corner."""
-    times = np.linspace(begin, end, LOOKED_AT)
-    least, turns = math.inf, False
-    for value in drives:
-        seen = _looked_closer(value, times)
-        values = _values(value, seen)
-        slopes = np.diff(values) / (np.diff(seen) if end > begin else 1.0)
-        steepest, spread = float(np.abs(slopes).max()), float(np.ptp(slopes))
-        least = min(least, float(np.ptp(values)) / steepest if steepest else math.inf)
-        jumps = np.count_nonzero(np.abs(np.diff(slopes)) > JUMP * spread)
-        turns = turns or bool(spread > 0.0 and 0 < jumps <= MOST_CORNERS)
-    return least, turns
-
-
-def _looked_closer(value: TimeFunction, times: Array) -> Array:
-    """The times, and more where a formula may do between two of them what neither shows."""
-    if not isinstance(value, ForceProgram) or times[0] == times[-1]:
-        return times
-    for _ in range(CLOSER):
-        values = _values(value, times)
-        with np.errstate(all="ignore"):
-            low, high = value.enclosed(times[:-1], times[1:])
-            widths = np.where(np.isfinite(high - low), high - low, 0.0)
-        beyond = widths - np.abs(np.diff(values))
-        [places] = np.nonzero(beyond > HIDDEN * max(np.ptp(values), widths.max()))
-        if not 0 < places.size <= MOST_HIDDEN:
-            break
-        between = np.linspace(times[places], times[places + 1], 65)[1:-1]
-        times = np.union1d(times, between)
-    return times
 
 
 def _stages(scheme: DriftKick, h: float, steps: int) -> tuple[Array, Array]:
@@ -441,8 +333,6 @@ def driven_chain(
     count, ring = len(lattice.fields), ends.cut.shape[1]
     heavier = _heavier(mass_factors, np.ones((count, ring)), cells)
     stiffer = _stiffer(lattice, spring_factors, np.where(ends.cut, 0.0, 1.0), cells)
-    if any(pots):
-        ends = ends._replace(walls=_pulling(lattice, pots, stiffer, ends.walls))
     each = [bool((row != 1.0).any()) for row in stiffer]
     spreads = any(pots) or (bool(mass_factors) and any(rates))
     parts = zip(lattice.bonds, each, strict=True)
@@ -450,7 +340,7 @@ def driven_chain(
         max(0.0, float(stiffer.max()) - 1.0),
         "displacements" if ends.walls or mass_factors else None,
         tuple(bond.force if some else None for bond, some in parts),
-        _pulsed(ends, forces, count),
+        _pulsed(ends, forces, count, any(pots)),
         tuple(np.divide(rates, lattice.masses).tolist()) if any(rates) or any(pots) else (),
         pots if spreads else (),
         bool(mass_factors) and spreads,
@@ -503,11 +393,11 @@ def _checked(
     return np.broadcast_to(found, (count,))
 
 
-def _pulsed(ends: _Ends, forces: Sequence[SiteForce], count: int) -> tuple[int, ...]:
-    """The field that each pulse kicks: of forces, of walls that move, of what pulls beside them."""
-    moved = [wall for wall in ends.walls if wall.displacement is not None]
-    times = len(moved) + sum(wall.pull.size > 0 for wall in moved)
-    return (*(force.field for force in forces), *tuple(range(count)) * times)
+def _pulsed(ends: _Ends, forces: Sequence[SiteForce], count: int, pulls: bool) -> tuple[Pulse, ...]:
+    """What each pulse is: of forces, of walls that move, of what pulls beside them."""
+    moved = sum(wall.displacement is not None for wall in ends.walls)
+    walls = [(place, None) for place in range(count)] * (2 * moved if pulls else moved)
+    return (*((force.field, force.law) for force in forces), *walls)
 
 
 def _rates(
@@ -521,22 +411,6 @@ def _rates(
             f"{', '.join(names)})"
         )
     return tuple(float(rate) for rate in rates)
-
-
-def _pulling(
-    lattice: NumericLattice, dashpots: Sequence[float], factors: Array, walls: Sequence[_Wall]
-) -> tuple[_Wall, ...]:
-    """Walls with what they do to others through dashpots, as if all had the mass of their field."""
-    found = []
-    for wall in walls:
-        unit = np.zeros((len(lattice.fields), factors.shape[1]))
-        unit[:, list(wall.places)] = 1.0
-        forces = [
-            row * (dashpot * (bond.stretched(unit) - bond.offset))
-            for bond, dashpot, row in zip(lattice.bonds, dashpots, factors, strict=True)
-        ]
-        found.append(replace(wall, pull=lattice.pulled(forces)))
-    return tuple(found)
 
 
 def _check_chain(
@@ -571,16 +445,7 @@ def _check_chain(
                 "ends, or none for a ring)"
             )
     for force in forces:
-        _check_force(lattice, cells, force)
-
-
-def _check_force(lattice: NumericLattice, cells: int, force: SiteForce) -> None:
-    for name, value, size in (
-        ("site", force.site, cells),
-        ("field", force.field, len(lattice.fields)),
-    ):
-        if value not in range(size):
-            raise ValueError(f"{name} of a force must be 0 to {size - 1}, got {value}")
+        force.check(cells, len(lattice.fields))
 
 
 class _Ends(NamedTuple):

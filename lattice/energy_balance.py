@@ -55,6 +55,52 @@ class Flow(NamedTuple):
     through: Array = np.zeros(0)
 
 
+def power(
+    chain: DrivenChain, f: Array, v: Array, times: Array, cuts: Sequence[int] = ()
+) -> tuple[Array, Array]:
+    """The rates at which energy comes and goes, and f'', of states at some times.
+
+    Rates are (rates, times): of the work of each of the chain's `drivers`, of the heat, and of what
+    goes through the ``cuts``, each to the right of a cell. There half of what a bond stores,
+    and loses, is on either side. Fields, velocities and f'' have the shape (fields, times,
+    ring); what walls do then is put in its place.
+    """
+    chain.place_walls(f, v, times, moving=True)
+    cells, masses = chain.cells, np.array(chain.masses)[:, np.newaxis, np.newaxis]
+    dashed = chain.dashed(v)
+    forces = [force + pot for force, pot in zip(chain.forces(f), dashed, strict=True)]
+    found = chain.pulled(forces)
+    gained = masses * found * v
+    flows = [-gained[..., list(wall.places)].sum(axis=(0, 2)) for wall in chain.moved]
+    for push in chain.outer_forces:
+        acting = push.at(f, times, chain.cell_masses[push.field, :cells])
+        flows.append((acting * v[push.field, :, :cells]).sum(axis=1))
+        found[push.field, :, :cells] += acting / chain.masses[push.field]
+    damping = np.array(chain.losses)[:, np.newaxis, np.newaxis] * v
+    found -= damping
+    heat = (masses * damping * v)[..., :cells].sum(axis=(0, 2))
+    for bond, pot in zip(chain.bonds, dashed, strict=True):
+        heat = heat + (pot * (bond.stretched(v) - bond.offset)).sum(axis=-1)
+    if rows := chain.variation.mass_rows(len(chain.fields)):
+        found /= 1.0 + chain.deviations[:rows, np.newaxis]
+    flows += [heat, *(_flux(chain, forces, v, cut) for cut in cuts)]
+    return np.array(flows), found
+
+
+def _flux(chain: DrivenChain, forces: Sequence[Array], v: Array, cut: int) -> Array:
+    """Half of what the bonds over a cut do to the cells on its right, less that on its left."""
+    found, ring = np.zeros(v.shape[1]), v.shape[2]
+    for bond, force in zip(chain.bonds, forces, strict=True):
+        shifts = [entry.shift[0] for entry in bond.stretch]
+        for left in range(min(shifts), max(shifts)):
+            base = cut - left
+            for entry in bond.stretch:
+                half = -0.5 if entry.shift[0] > left else 0.5
+                speed = v[entry.field, :, (base + entry.shift[0]) % ring]
+                found += half * entry.weight * force[:, base % ring] * speed
+    return found
+
+
 class EnergyBalance:
     """What flows in a chain and through ``cuts``, from a state on, followed step by step.
 
@@ -79,7 +125,7 @@ class EnergyBalance:
         times, *rings = zip(*self._ends, strict=True)
         t, (f, v) = np.array(times), (np.stack(each, axis=1) for each in rings)
         with np.errstate(all="ignore"):  # before a blow-up
-            rates, bent = self._chain.power(f, v, t, self._cuts)
+            rates, bent = power(self._chain, f, v, t, self._cuts)
             if t.size > 1:
                 self._sum = self._sum + self._between(t, f, v, bent)
         self._ends = self._ends[-1:]
@@ -99,17 +145,17 @@ class EnergyBalance:
         h = np.diff(t)
         times, length = t[:-1, np.newaxis] + np.outer(h, NODES), h[:, np.newaxis]
 
-        def power(weights: Array, known: Sequence[Array]) -> tuple[Array, Array]:
+        def between(weights: Array, known: Sequence[Array]) -> tuple[Array, Array]:
             places, speeds = weights[:, np.newaxis, np.newaxis] @ np.stack(known, axis=2)
             flat = len(f), times.size, f.shape[2]
             speeds = (speeds / length[..., np.newaxis]).reshape(flat)
-            return self._chain.power(places.reshape(flat), speeds, times.ravel(), self._cuts)
+            return power(self._chain, places.reshape(flat), speeds, times.ravel(), self._cuts)
 
         places, slopes, bends = (
             [scale * values[:, :-1], scale * values[:, 1:]]
             for scale, values in ((1.0, f), (length, v), (length**2, bent))
         )
-        _, found = power(FIRST, [*places, *slopes, *bends])
+        _, found = between(FIRST, [*places, *slopes, *bends])
         inner = [length**2 * found[:, node :: NODES.size] for node in range(NODES.size)]
-        rates, _ = power(SECOND, [*places, *bends, *inner])
+        rates, _ = between(SECOND, [*places, *bends, *inner])
         return np.asarray(rates.reshape(-1, *times.shape) @ WEIGHTS @ h)

@@ -16,9 +16,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import sparse
 
-from longwave.lattice.driving import DrivenChain, TimeFunction
+from longwave.lattice.driving import DrivenChain
 from longwave.lattice.force_program import ForceProgram
 from longwave.lattice.numeric_lattice import Entry
+from longwave.lattice.outer_forces import TimeFunction
 from longwave.lattice.schemes import REDUCED_PHASE_6, DriftKick
 from longwave.lattice.state import State
 
@@ -59,6 +60,10 @@ class VariedChain:
         fields, bonds = len(chain.fields), len(chain.bonds)
         masses = chain.cell_masses.ravel()
         self._inverse = np.divide(1.0, masses, out=np.zeros_like(masses), where=masses > 0.0)
+        self._pushes = []
+        for force in chain.outer_forces:
+            rows = slice(force.field * self._ring, force.field * self._ring + chain.cells)
+            self._pushes.append((rows, force.shares(masses[rows]) * self._inverse[rows], force.law))
         self._kept = chain.bond_shares.ravel()
         self._stretch = self._matrix([bond.stretch for bond in chain.bonds], fields, 1)
         action = self._matrix([bond.action for bond in chain.bonds], fields, -1).T
@@ -134,9 +139,8 @@ class VariedChain:
         drifts, kicks = scheme.drifts * h, scheme.kicks * h
         starts = t + h * np.arange(steps)[:, np.newaxis]
         moments: Array = np.asarray(starts + np.cumsum(drifts[:-1]), dtype=np.float64).reshape(-1)
-        outer, places, rates = np.zeros((3, moments.size, len(u)))
-        for force in self._chain.outer_forces:
-            outer[:, force.field * self._ring + force.site] += force.value(moments)
+        places, rates = np.zeros((2, moments.size, len(u)))
+        pushes = [force.value(moments) for force in self._chain.outer_forces]
         walls = self._walls()
         for at, path in walls:
             places[:, at] = np.reshape(path(moments), (-1, 1))
@@ -147,7 +151,8 @@ class VariedChain:
             self._drift(u, v, drifts[stage])
             for at, _ in walls:
                 u[at, 0] = places[number, at]
-            v += kicks[stage] * self._acceleration(u, outer[number], rates[number])
+            pushed = [values[number] for values in pushes]
+            v += kicks[stage] * self._acceleration(u, pushed, rates[number])
             if stage == kicks.size - 1:
                 self._drift(u, v, drifts[-1])
 
@@ -181,12 +186,18 @@ class VariedChain:
             size *= bound / count
         return count
 
-    def _acceleration(self, u: Array, outer: Array, rates: Array) -> Array:
+    def _acceleration(self, u: Array, pushed: Sequence[float], rates: Array) -> Array:
         forces = self._forces(self._stretch @ u)
         if rates.any():
             forces += self._pots * (self._stretch @ rates)[:, np.newaxis]
         found = self._action @ forces
-        found[:, 0] += outer * self._inverse
+        for value, (rows, shares, law) in zip(pushed, self._pushes, strict=True):
+            if law is None:
+                found[rows, 0] += value * shares
+                continue
+            own = u[rows]
+            found[rows, 0] += value * shares * law(own[:, 0])
+            found[rows, 1:] += (value * shares * law.slope(own[:, 0]))[:, np.newaxis] * own[:, 1:]
         found[:, 1:] -= self._heavier * found[:, :1]
         return np.asarray(found)
 

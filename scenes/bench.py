@@ -31,19 +31,31 @@ from __future__ import annotations
 import json
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
+from longwave.lattice.outer_forces import SiteForce
 from longwave.scenes import scene_checks as check
 from longwave.scenes.csv_table import number_list, with_columns
 from longwave.support.known_names import one_of
 from longwave.support.user_files import shown
 
-BENCH_TABLES = ("chain", "start", "force", "noise", "defects", "observables")
+
+class Acting(NamedTuple):
+    """Forces of a kind, in words, and of what kind they are for a lattice."""
+
+    words: str
+    made: type[SiteForce]
+
+
+ACTING = {"force": Acting("forces", SiteForce)}
+"""Tables of what acts on single cells, with a site, a value in time, and a field."""
+
+BENCH_TABLES = ("chain", "start", *ACTING, "noise", "defects", "observables")
 
 MOST_READINGS = 10**6
 """Times at which sensors are read."""
@@ -53,7 +65,7 @@ KEYS = {
     "start": ("rest", "mode", "impact"),
     "mode": ("number", "amplitude"),
     "impact": ("site", "velocity", "field"),
-    "force": ("site", "value", "field", "t"),
+    **dict.fromkeys(ACTING, ("site", "value", "field", "t")),
     "defects": ("mass", "spring"),
     "noise": ("temperature", "seed"),
     "observables": ("sensors", "energy", "mode_energies", "flux", "state", "every"),
@@ -111,11 +123,12 @@ class Cells:
 
 @dataclass(frozen=True)
 class Push:
-    """A force on a cell."""
+    """A force on a cell, of a kind in `ACTING`."""
 
     site: int
     value: Drive
     field: str = ""
+    kind: str = "force"
 
 
 @dataclass(frozen=True)
@@ -157,7 +170,7 @@ class Bench:
         watches = self.sensors.sites and self.sensors.of
         if not (watches or self.energy or self.modes or self.flux or self.state):
             raise ValueError("observables must name what is watched, got nothing (state = true)")
-        named = [("of [[force]]", push.site) for push in self.forces]
+        named = [(f"of [[{push.kind}]]", push.site) for push in self.forces]
         named += [("of impact", part.site) for part in self.start if isinstance(part, Impact)]
         cells = [part for part in self.start if isinstance(part, Cells)]
         named += [("in [start]", site) for part in cells for site in part.sites]
@@ -196,7 +209,7 @@ class Bench:
             sites,
             ends,
             tuple(_start(tables.get("start"))),
-            (*_pushes(tables.get("force", [])), *pushes),
+            (*(push for kind in ACTING for push in _pushes(kind, tables)), *pushes),
             _factors("mass", defects),
             _factors("spring", defects),
             _sensors(sensors),
@@ -347,22 +360,21 @@ def _factors(name: str, defects: Mapping[str, Any]) -> dict[int, Any]:
     return found
 
 
-def _pushes(given: object) -> list[Push]:
+def _pushes(kind: str, tables: Mapping[str, Any]) -> Iterator[Push]:
+    given = tables.get(kind, [])
     if not isinstance(given, list | tuple):
-        raise ValueError(f"force must be [[force]] tables, got {shown(given)} (write [[force]])")
-    found = []
+        raise ValueError(f"{kind} must be [[{kind}]] tables, got {shown(given)} (write [[{kind}]])")
     for entry in given:
-        table = _table(entry, "force")
+        table = _table(entry, kind)
         for key in ("site", "value"):
             if key not in table:
-                raise ValueError(f"{key} in [[force]] must be stated, got nothing")
+                raise ValueError(f"{key} in [[{kind}]] must be stated, got nothing")
         value = table["value"]
         if "t" in table:
             value = {"t": table["t"], "value": value}
-        _check_drive("value in [[force]]", value)
-        site = check.whole("site in [[force]]", table["site"], 0)
-        found.append(Push(site, value, str(table.get("field", ""))))
-    return found
+        _check_drive(f"value in [[{kind}]]", value)
+        site = check.whole(f"site in [[{kind}]]", table["site"], 0)
+        yield Push(site, value, str(table.get("field", "")), kind)
 
 
 def _noise(given: object) -> Noise:

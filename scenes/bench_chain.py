@@ -10,11 +10,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from longwave.lattice.driving import DrivenChain, End, SiteForce, driven_chain
+from longwave.lattice.driving import DrivenChain, End, driven_chain
 from longwave.lattice.energy_balance import Flow
 from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.lattice.state import State
-from longwave.scenes.bench import Bench, Cells, Drive, Impact
+from longwave.scenes.bench import ACTING, Bench, Cells, Drive, Impact
 from longwave.scenes.losses import LossRates
 from longwave.scenes.time_functions import Integral, time_function
 from longwave.support.known_names import one_of
@@ -77,10 +77,10 @@ def chain_on_bench(
         _end(side, given, *span) for side, given in zip(("left", "right"), bench.ends, strict=True)
     )
     forces = [
-        SiteForce(
+        ACTING[push.kind].made(
             push.site,
-            time_function("value in [[force]]", push.value),
-            _field(lattice, push.field, "[[force]]"),
+            time_function(f"value in [[{push.kind}]]", push.value),
+            _field(lattice, push.field, f"[[{push.kind}]]"),
         )
         for push in bench.forces
     ]

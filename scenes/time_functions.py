@@ -172,7 +172,15 @@ def time_function(label: str, given: object) -> Smooth:
     """
     if isinstance(given, Mapping):
         return Samples.of(label, given)
+    from sympy import Abs, sign
+
     from longwave.derive.lattice_file import time_formula
     from longwave.lattice.force_program import program_of
 
-    return program_of(time_formula(label, given))
+    formula = time_formula(label, given)
+    if formula.has(Abs, sign):
+        raise ValueError(
+            f"{label} must have a slope without jumps, got {shown(given)}, which turns at a corner "
+            "(round it: sqrt((t - 5)**2 + 1/10**6))"
+        )
+    return program_of(formula)

@@ -104,7 +104,7 @@ class CheckpointFolder:
 
     def _kept_loops(self) -> list[Memory]:
         found = (_read(read_sealed(path) or b"") for path in self._loops())
-        return [memory for stamp, _, memory in found if stamp == self._stamp]
+        return [memory for stamp, _, memory in found if memory is not None and stamp == self._stamp]
 
     def tell(self, name: str) -> None:
         """Tell whether the run of that name goes on with what was kept, or can not."""

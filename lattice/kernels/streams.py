@@ -351,10 +351,16 @@ def varied_stage_plan(lattice: NumericLattice, variation: Variation | None) -> V
         for place, (parts, mass) in enumerate(zip(acting, lattice.masses, strict=True))
     ]
     pulsed = variation.pulsed if variation is not None else ()
-    for pulse, place in enumerate(pulsed):
-        taps = [StreamRead(kicked[place]), StreamRead(fields + len(units))]
+    for pulse, (place, factor) in enumerate(pulsed):
+        felt, unit = StreamRead(fields + len(units)), 1.0
+        if factor is not None:
+            law, unit = force_formula(factor, builder.number)
+            assert law is not None
+            own, none = builder.force(builder.positions[place], law), builder.add("sum", [])
+            felt = StreamRead(builder.varied(StreamRead(none), felt, StreamRead(own)))
+        taps = [StreamRead(kicked[place]), felt]
         kicked[place] = builder.add("pulsed", taps, 0, field=place, number=pulse)
-        units.append(1.0)
+        units.append(unit)
     kicked += range(builder.fields + fields, 2 * builder.fields)
     damped = fields if variation is not None and variation.damped and not spread else 0
     flow = StagePlan(

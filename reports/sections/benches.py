@@ -24,7 +24,7 @@ from longwave.reports.pictures.run_data import placed
 from longwave.reports.studies.bench_laws import mode_return
 from longwave.reports.studies.effects import TOLERANCES, EffectCost
 from longwave.reports.studies.lattice_runs import SceneRun
-from longwave.scenes.bench import Bench
+from longwave.scenes.bench import ACTING, Bench
 
 
 def bench_table(runs: Mapping[str, SceneRun]) -> str:
@@ -77,10 +77,11 @@ def effects(bench: Bench, losses: str = "") -> str:
     'ends: fixed, free; losses of cells'
     """
     ends = ", ".join(end if isinstance(end, str) else "moved" for end in bench.ends)
-    acting = {
+    acts = {push.kind for push in bench.forces}
+    acting: dict[str, object] = {
         "losses of cells": '"site"' in losses,
         "dashpots": '"bond"' in losses,
-        "forces": bench.forces,
+        **{found.words: kind in acts for kind, found in ACTING.items()},
         "a bath": bench.noise,
         "defects": bench.masses or bench.springs,
     }

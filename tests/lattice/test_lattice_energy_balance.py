@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from longwave.derive import LATTICES
-from longwave.lattice import DrivenChain, SiteForce, State, driven_chain
+from longwave.lattice import DrivenChain, SiteForce, State, driven_chain, energy_balance
 from longwave.lattice.energy_balance import EnergyBalance, Flow
 from longwave.lattice.force_program import ForceProgram
 from longwave.lattice.integration import CellRingEngine
@@ -38,7 +38,7 @@ def power(made: DrivenChain, cuts: list[int], t: float = 0.7) -> tuple[Flow, Arr
     """What flows at random fields and velocities, and these, on the whole ring."""
     shape = len(made.fields), 1, made.deviations.shape[1]
     f, v = 0.3 * np.random.default_rng(5).standard_normal((2, *shape))
-    found, _ = made.power(f, v, np.array([t]), cuts)
+    found, _ = energy_balance.power(made, f, v, np.array([t]), cuts)
     return Flow(*np.split(found[:, 0], np.cumsum([len(made.drivers), 1]))), f[:, 0], v[:, 0]
 
 

@@ -444,6 +444,11 @@ REFUSED: list[tuple[dict[str, Any], str]] = [
     ({"force": [{"site": 1}]}, "value in [[force]] must be stated"),
     ({"force": [{"site": 12, "value": "1"}]}, "site of [[force]] must be 0 to 11, got 12"),
     ({"force": [{"site": 1, "value": "log(t - 9)"}]}, "in time must be finite, got nan"),
+    ({"force": [{"site": 1, "value": "1/(t - 1/3)"}]}, "jumps, got one that is not near t = 0.333"),
+    (
+        {"force": [{"site": 1, "value": "sqrt((t-5)**2)"}]},
+        "value in [[force]] must have a slope wi",
+    ),
     ({"losses": {"bond": 1e12}}, "must take at most 1e+10 steps, got about"),
     ({"observables": {"sensors": {"sites": []}}}, "sites of sensors must be a list of cells"),
     ({"observables": {"sensors": {"sites": [12]}}}, "site of sensors must be 0 to 11, got 12"),

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from longwave.lattice import DrivenChain, integrate
+from longwave.lattice import DrivenChain, energy_balance, integrate
 from searches.driven_chains import (
     attacked,
     balance_error,
@@ -47,13 +47,13 @@ def test_heat_that_is_wrong_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
     heat = found.trial.values[-1, 2]
     assert heat > 1e-3
     assert balance_error(case, found, exact) < found.error
-    power = DrivenChain.power
+    power = energy_balance.power
 
     def cold(chain: DrivenChain, *asked: Any) -> tuple[Any, Any]:
         flows, acceleration = power(chain, *asked)
         flows[-1] *= 0.99
         return flows, acceleration
 
-    monkeypatch.setattr(DrivenChain, "power", cold)
+    monkeypatch.setattr(energy_balance, "power", cold)
     wrong = balanced(case, 1e-4)
     assert balance_error(case, wrong, (exact[0], exact[1] * [1.0, 0.99])) > wrong.error
