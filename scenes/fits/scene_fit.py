@@ -26,12 +26,12 @@ from longwave.lattice.driving import DrivenChain
 from longwave.lattice.force_program import program_of
 from longwave.lattice.integration import integrate
 from longwave.lattice.sensitivities import FreeParameter, Sensor, VariedChain
-from longwave.scenes.bench import Bench
+from longwave.scenes.bench import ACTING, Bench
 from longwave.scenes.bench_chain import chain_on_bench, start_on_bench
 from longwave.scenes.fits.least_squares import DOUBTFUL, SPARE, LeastSquares, inverse_square
 from longwave.scenes.fits.sensor_records import SensorRecord, read_record
 from longwave.scenes.lattice_derivation import declared_lattice
-from longwave.scenes.losses import LossRates, without_losses
+from longwave.scenes.losses import lossy, without_losses
 from longwave.scenes.named_scenes import load_scene
 from longwave.scenes.scene import Scene
 from longwave.support.known_names import one_of
@@ -39,10 +39,11 @@ from longwave.support.user_files import shown
 
 Array = NDArray[np.float64]
 
-FITTED = ("chain", "start", "force", "observables")
+FITTED = ("chain", "start", *ACTING, "observables")
 """Tables of a bench of which readings have derivatives."""
 
-LOSSES = ("losses.site", "losses.bond")
+LOSSES = {"siteloss": "losses.site", "bondloss": "losses.bond"}
+"""Names of losses that are numbers, by their symbols."""
 
 EVALUATIONS, CLOSE = 200, 1e-10
 """Most runs, and the relative change of constants and chi^2 at which they have come to rest."""
@@ -76,14 +77,16 @@ class SceneModel:
                     "(leave it out)"
                 )
         self.scene, self.free = scene, tuple(free)
-        self._bench, self._lattice = Bench.of_json(scene.bench), declared_lattice(scene)
+        self._bench = Bench.of_json(scene.bench)
         stated = {name: float(number_value(name, value)) for name, value in scene.constants}
-        self._symbols = {str(symbol): symbol for symbol in self._lattice.constants}
         losses = {"site": 0, "bond": 0} | json.loads(scene.losses or "{}")
-        told = {f"losses.{key}": value for key, value in losses.items()}
-        self.stated = stated | {
-            name: float(value) for name, value in told.items() if isinstance(value, int | float)
-        }
+        for key, value in losses.items():
+            if isinstance(value, int | float):
+                stated[f"losses.{key}"] = float(value)
+                losses[key] = f"{key}loss"
+        self._lattice = lossy(declared_lattice(scene).with_losses(), json.dumps(losses))
+        self._symbols = {LOSSES.get(str(s), str(s)): s for s in self._lattice.constants}
+        self.stated = stated
         for name in self.free:
             if name not in self.stated or self.free.count(name) > 1:
                 raise ValueError(
@@ -92,9 +95,9 @@ class SceneModel:
                 )
         if not self.free:
             raise ValueError("free must name what is fitted, got nothing (such as K4)")
-        self._springs = tuple(float(bond.has_reaction) for bond in self._lattice.bonds)
         self.start = np.array([self.stated[name] for name in self.free])
-        positive = [name in LOSSES or self._symbols[name].is_positive for name in self.free]
+        lost = LOSSES.values()
+        positive = [name in lost or self._symbols[name].is_positive for name in self.free]
         self.least = np.where(positive, 0.0, -math.inf)
 
     def at(self, values: ArrayLike) -> dict[str, float]:
@@ -104,15 +107,10 @@ class SceneModel:
     def chain(self, values: ArrayLike) -> DrivenChain:
         """The chain at these values."""
         now = self.at(values)
-        exactly = {name: exact(name, now[name]) for name in self._symbols}
-        lattice, told = without_losses(self._lattice, exactly)
-        sites, bonds = told or LossRates([0.0] * len(lattice.fields), [0.0] * len(lattice.bonds))
-        if LOSSES[0] in self.free:
-            sites = [now[LOSSES[0]]] * len(sites)
-        if LOSSES[1] in self.free:
-            bonds = [now[LOSSES[1]] * own for own in self._springs]
+        exactly = {str(symbol): exact(name, now[name]) for name, symbol in self._symbols.items()}
+        lattice, losses = without_losses(self._lattice, exactly)
         span = self.scene.t0, self.scene.end
-        return chain_on_bench(self._bench, lattice, span, LossRates(sites, bonds))
+        return chain_on_bench(self._bench, lattice, span, losses)
 
     def step(self, values: ArrayLike, times: Array) -> float:
         """The step with which displacements and velocities meet the scene's tolerance."""
@@ -132,13 +130,7 @@ class SceneModel:
             return varied.readings(start, times, step, sensors)
 
     def _parameter(self, name: str, values: ArrayLike) -> FreeParameter:
-        lattice = self._lattice
-        fields, bonds = (0.0,) * len(lattice.fields), (0.0,) * len(lattice.bonds)
-        if name == LOSSES[0]:
-            return FreeParameter((None,) * len(bonds), fields, (1.0,) * len(fields), bonds)
-        if name == LOSSES[1]:
-            return FreeParameter((None,) * len(bonds), fields, fields, self._springs)
-        now, symbol = self.at(values), self._symbols[name]
+        lattice, now, symbol = self._lattice, self.at(values), self._symbols[name]
         at = {other: now[key] for key, other in self._symbols.items()}
 
         def slopes(expressions: Iterable[Expr]) -> tuple[float, ...]:
