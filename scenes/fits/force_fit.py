@@ -35,6 +35,7 @@ from longwave.scenes.fits.least_squares import (
     LeastSquares,
     inverse_square,
     norms,
+    of_residuals,
 )
 
 HIGHEST = 6
@@ -256,10 +257,9 @@ def _fitted(data: ForceData, law: ForceLaw) -> ForceFit:
     inverse = inverse_square(
         found.jac, law.free, "points", "fix one, such as {}=1, or state another law"
     )
-    errors, degrees = data.deviation, points - count
+    errors = data.deviation
     if errors is None:
-        noise = max(math.sqrt(float(found.fun @ found.fun) / degrees), _rounding(data))
-        inverse *= noise**2 * degrees / (degrees - 2)
+        inverse, noise = of_residuals(inverse, found.fun, _rounding(data))
         errors = np.full(points, noise)
     return ForceFit(data, law, found.x, inverse, errors)
 

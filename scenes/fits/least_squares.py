@@ -121,6 +121,14 @@ def inverse_square(jacobian: Points, names: Sequence[object], told_by: str, reme
     return np.asarray((inverse + inverse.T) / 2)
 
 
+def of_residuals(inverse: Points, residuals: Points, least: float) -> tuple[Points, float]:
+    """The covariance where one deviation for all points, ``least`` at the least, is taken from what
+    is left, and that deviation: the variance is that of Student's distribution."""
+    degrees = residuals.size - len(inverse)
+    noise = max(math.sqrt(float(residuals @ residuals) / degrees), least)
+    return inverse * (noise**2 * degrees / (degrees - 2)), noise
+
+
 def norms(columns: Points) -> Points:
     """The lengths of columns; 1 for one of zeros."""
     found = linalg.norm(columns, axis=0)

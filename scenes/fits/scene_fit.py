@@ -28,7 +28,13 @@ from longwave.lattice.integration import integrate
 from longwave.lattice.sensitivities import FreeParameter, Sensor, VariedChain
 from longwave.scenes.bench import ACTING, Bench
 from longwave.scenes.bench_chain import chain_on_bench, start_on_bench
-from longwave.scenes.fits.least_squares import DOUBTFUL, SPARE, LeastSquares, inverse_square
+from longwave.scenes.fits.least_squares import (
+    DOUBTFUL,
+    SPARE,
+    LeastSquares,
+    inverse_square,
+    of_residuals,
+)
 from longwave.scenes.fits.sensor_records import SensorRecord, read_record
 from longwave.scenes.lattice_derivation import declared_lattice
 from longwave.scenes.losses import lossy, without_losses
@@ -247,10 +253,9 @@ def fit_scene(
     problem = _Problem(model, read)
     found = problem.least(model.start)
     inverse = problem.inverse_square(found.jac)
-    noise, degrees = 1.0, found.fun.size - len(model.free)
+    noise = 1.0
     if not known:
-        noise = max(math.sqrt(float(found.fun @ found.fun) / degrees), math.ulp(1.0))
-        inverse = inverse * (noise**2 * degrees / (degrees - 2))
+        inverse, noise = of_residuals(inverse, found.fun, math.ulp(1.0))
     left = tuple(part / noise for part in problem.parts(-found.fun))
     bounds = tuple(name for name, on in zip(model.free, found.active_mask, strict=True) if on)
     given = None if known else noise
