@@ -111,7 +111,7 @@ def _looked_closer(value: TimeFunction, times: Array) -> Array:
         values = values_at(value, times)
         with np.errstate(all="ignore"):
             low, high = value.enclosed(times[:-1], times[1:])
-            widths = np.nan_to_num(high - low, nan=math.inf)
+            widths = np.nan_to_num(high - low, nan=math.inf, posinf=math.inf)
         allowed = HIDDEN * max(np.ptp(values), widths.max(initial=0.0, where=widths < math.inf))
         [places] = np.nonzero(widths > allowed)
         if not 0 < places.size <= MOST_HIDDEN:

@@ -60,10 +60,11 @@ class VariedChain:
         fields, bonds = len(chain.fields), len(chain.bonds)
         masses = chain.cell_masses.ravel()
         self._inverse = np.divide(1.0, masses, out=np.zeros_like(masses), where=masses > 0.0)
-        self._pushes = []
-        for force in chain.outer_forces:
-            rows = slice(force.field * self._ring, force.field * self._ring + chain.cells)
-            self._pushes.append((rows, force.shares(masses[rows]) * self._inverse[rows], force.law))
+        rows = [slice(at * self._ring, at * self._ring + chain.cells) for at in range(fields)]
+        self._pushes = [
+            (at := rows[force.field], force.shares(masses[at]) * self._inverse[at], force.law)
+            for force in chain.outer_forces
+        ]
         self._kept = chain.bond_shares.ravel()
         self._stretch = self._matrix([bond.stretch for bond in chain.bonds], fields, 1)
         action = self._matrix([bond.action for bond in chain.bonds], fields, -1).T
@@ -192,12 +193,11 @@ class VariedChain:
             forces += self._pots * (self._stretch @ rates)[:, np.newaxis]
         found = self._action @ forces
         for value, (rows, shares, law) in zip(pushed, self._pushes, strict=True):
-            if law is None:
-                found[rows, 0] += value * shares
-                continue
             own = u[rows]
-            found[rows, 0] += value * shares * law(own[:, 0])
-            found[rows, 1:] += (value * shares * law.slope(own[:, 0]))[:, np.newaxis] * own[:, 1:]
+            found[rows, 0] += value * shares * (1.0 if law is None else law(own[:, 0]))
+            if law is not None:
+                slopes = value * shares * law.slope(own[:, 0])
+                found[rows, 1:] += slopes[:, np.newaxis] * own[:, 1:]
         found[:, 1:] -= self._heavier * found[:, :1]
         return np.asarray(found)
 

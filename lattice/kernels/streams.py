@@ -352,12 +352,7 @@ def varied_stage_plan(lattice: NumericLattice, variation: Variation | None) -> V
     ]
     pulsed = variation.pulsed if variation is not None else ()
     for pulse, (place, factor) in enumerate(pulsed):
-        felt, unit = StreamRead(fields + len(units)), 1.0
-        if factor is not None:
-            law, unit = force_formula(factor, builder.number)
-            assert law is not None
-            own, none = builder.force(builder.positions[place], law), builder.add("sum", [])
-            felt = StreamRead(builder.varied(StreamRead(none), felt, StreamRead(own)))
+        felt, unit = builder.felt(StreamRead(fields + len(units)), place, factor)
         taps = [StreamRead(kicked[place]), felt]
         kicked[place] = builder.add("pulsed", taps, 0, field=place, number=pulse)
         units.append(unit)
@@ -500,6 +495,17 @@ class _Builder:
     def varied(self, whole: StreamRead, share: StreamRead, part: StreamRead) -> int:
         """``whole + share part``, cell by cell."""
         return self.add("varied", [whole, share, part])
+
+    def felt(
+        self, share: StreamRead, place: int, factor: ForceProgram | None
+    ) -> tuple[StreamRead, float]:
+        """The share times the factor at a field's position, if any, and the share's unit."""
+        if factor is None:
+            return share, 1.0
+        law, unit = force_formula(factor, self.number)
+        assert law is not None
+        own, none = self.force(self.positions[place], law), self.add("sum", [])
+        return StreamRead(self.varied(StreamRead(none), share, StreamRead(own))), unit
 
     def kicked(
         self,
