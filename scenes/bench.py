@@ -34,7 +34,7 @@ import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -44,16 +44,9 @@ from longwave.scenes.csv_table import number_list, with_columns
 from longwave.support.known_names import one_of
 from longwave.support.user_files import shown
 
-
-class Acting(NamedTuple):
-    """Forces of a kind, in words, and of what kind they are for a lattice."""
-
-    words: str
-    made: type[SiteForce]
-
-
-ACTING = {"force": Acting("forces", SiteForce)}
-"""Tables of what acts on single cells, with a site, a value in time, and a field."""
+ACTING = {"force": SiteForce}
+"""Tables of what acts on single cells, and of what kind it is; each has a site, a value and a
+field."""
 
 BENCH_TABLES = ("chain", "start", *ACTING, "noise", "defects", "observables")
 
@@ -86,14 +79,6 @@ MOVES = ("displacement", "velocity", "force")
 
 Drive: TypeAlias = "str | Mapping[str, Any]"
 """A formula in t, or a table of times and values."""
-
-
-@dataclass(frozen=True)
-class Sensors:
-    """Where and what is read."""
-
-    sites: tuple[int, ...] = ()
-    of: tuple[str, ...] = ("displacement",)
 
 
 @dataclass(frozen=True)
@@ -158,7 +143,8 @@ class Bench:
     forces: tuple[Push, ...] = ()
     masses: Mapping[int, float | Mapping[str, float]] = field(default_factory=dict)
     springs: Mapping[int, float | tuple[float, ...]] = field(default_factory=dict)
-    sensors: Sensors = field(default_factory=Sensors)
+    sensors: tuple[int, ...] = ()
+    sensed: tuple[str, ...] = ("displacement",)
     energy: bool = False
     modes: tuple[int, ...] = ()
     flux: tuple[int, ...] = ()
@@ -167,14 +153,15 @@ class Bench:
     noise: Noise | None = None
 
     def __post_init__(self) -> None:
-        watches = self.sensors.sites and self.sensors.of
-        if not (watches or self.energy or self.modes or self.flux or self.state):
+        if not (
+            (self.sensors and self.sensed) or self.energy or self.modes or self.flux or self.state
+        ):
             raise ValueError("observables must name what is watched, got nothing (state = true)")
         named = [(f"of [[{push.kind}]]", push.site) for push in self.forces]
         named += [("of impact", part.site) for part in self.start if isinstance(part, Impact)]
         cells = [part for part in self.start if isinstance(part, Cells)]
         named += [("in [start]", site) for part in cells for site in part.sites]
-        named += [("of sensors", site) for site in self.sensors.sites]
+        named += [("of sensors", site) for site in self.sensors]
         for where, site in [*named, *(("of flux", site) for site in self.flux)]:
             if site >= self.sites:
                 raise ValueError(
@@ -212,7 +199,7 @@ class Bench:
             (*(push for kind in ACTING for push in _pushes(kind, tables)), *pushes),
             _factors("mass", defects),
             _factors("spring", defects),
-            _sensors(sensors),
+            *_sensors(sensors),
             _truth("energy", watched.get("energy", False)),
             _numbers("mode_energies", watched, "modes", 1),
             _numbers("flux", watched, "cells", 0),
@@ -384,16 +371,17 @@ def _noise(given: object) -> Noise:
     return Noise(temperature, check.whole("seed in [noise]", table.get("seed", 0), 0))
 
 
-def _sensors(given: Mapping[str, Any]) -> Sensors:
+def _sensors(given: Mapping[str, Any]) -> tuple[tuple[int, ...], tuple[str, ...]]:
+    """Where and what is read."""
     if not given:
-        return Sensors()
+        return (), ()
     sites, of = given.get("sites"), given.get("of", ["displacement"])
     if not isinstance(sites, list | tuple) or not sites:
         raise ValueError(
             f"sites of sensors must be a list of cells, got {shown(sites)} (such as [0, 7])"
         )
     found = tuple(check.whole("sites of sensors", site, 0) for site in sites)
-    return Sensors(found, check.names("of in sensors", of, SENSED))
+    return found, check.names("of in sensors", of, SENSED)
 
 
 def _every(given: object) -> float:

@@ -77,7 +77,7 @@ def chain_on_bench(
         _end(side, given, *span) for side, given in zip(("left", "right"), bench.ends, strict=True)
     )
     forces = [
-        ACTING[push.kind].made(
+        ACTING[push.kind](
             push.site,
             time_function(f"value in [[{push.kind}]]", push.value),
             _field(lattice, push.field, f"[[{push.kind}]]"),
@@ -169,8 +169,8 @@ def is_balanced(bench: Bench, chain: DrivenChain) -> bool:
 
 def watched(bench: Bench, chain: DrivenChain) -> Iterator[Watched]:
     """All that is observed, in the order of its values."""
-    for name in bench.sensors.of if bench.sensors.sites else ():
-        yield _in_cells(f"sensor_{name}", "sensor", name, bench.sensors.sites)
+    for name in bench.sensed if bench.sensors else ():
+        yield _in_cells(f"sensor_{name}", "sensor", name, bench.sensors)
     if bench.energy:
         yield Watched("energy", (), "lattice units", "energy of chain and bonds", _energy)
     if is_balanced(bench, chain):

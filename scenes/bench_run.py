@@ -85,7 +85,7 @@ def scene_cost(scene: Scene) -> ExpectedCost:
             f"losses and what drives a chain must take at most {MOST_STEPS:g} steps, got about "
             f"{steps:.2g} (they change within {within:.2g}; slow them down or end earlier)"
         )
-    kept = times.size * max(1, len(bench.sensors.of)) * max(1, len(bench.sensors.sites))
+    kept = times.size * max(1, len(bench.sensed)) * max(1, len(bench.sensors))
     found = search_cost(chain, bench.sites, steps, REDUCED_PHASE_6.stages, float(kept))
     if watched_cuts(bench, chain) is None:
         return found
@@ -150,7 +150,7 @@ class BenchEngine(CellRingEngine):
     ) -> RunRecord:
         """The record of these variables, with places of sensors and numbers of modes."""
         for name, counted, long_name in (
-            ("sensor", self.bench.sensors.sites, "number of the cell"),
+            ("sensor", self.bench.sensors, "number of the cell"),
             ("mode", self.bench.modes, "number of the mode"),
             ("driver", self.chain.drivers, "wall that moves, or force in the scene's order"),
             ("cut", self.bench.flux, "number of the cell to the left"),

@@ -81,7 +81,7 @@ def effects(bench: Bench, losses: str = "") -> str:
     acting: dict[str, object] = {
         "losses of cells": '"site"' in losses,
         "dashpots": '"bond"' in losses,
-        **{found.words: kind in acts for kind, found in ACTING.items()},
+        **{f"{kind}s": kind in acts for kind in ACTING},
         "a bath": bench.noise,
         "defects": bench.masses or bench.springs,
     }
