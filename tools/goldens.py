@@ -75,7 +75,7 @@ def of_dataset(name: str, path: Path) -> Golden:
 
 def scenes(folder: Path) -> Golden:
     """Runs of the shipped scenes."""
-    for kind in ("scenes", "lattice-scenes"):
+    for kind in ("scenes", "lattice-scenes", "bench-scenes"):
         for name in names(kind):
             path = folder / f"{name}.nc"
             longwave("run", name, "--output", str(path))
