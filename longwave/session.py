@@ -209,10 +209,12 @@ def plot(
     announce: Told | None = None,
     at: Mapping[str, Any] | None = None,
     variable: str = "error",
+    columns: int = 2,
 ) -> ShownFigure:
     """Draw a run, a scene, which is run first, a sweep or a convergence: `reports` says how.
 
     The figure shows itself in a notebook, and is written to ``output`` (PNG, PDF or SVG) if given.
+    It is as wide as so many ``columns`` of a journal, 1 or 2.
     """
     from longwave.drawn_convergence import Convergence
     from longwave.reports.pictures import plotting
@@ -221,7 +223,7 @@ def plot(
     if isinstance(source, SceneConvergence):
         return Convergence(**vars(source)).plot(output)
     with shown_progress(_named(source), progress, announce) as told:
-        return plotting.plot(source, output, kind, *told, at, variable)
+        return plotting.plot(source, output, kind, *told, at, variable, columns)
 
 
 def animate(
