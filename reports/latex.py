@@ -179,7 +179,7 @@ def titled(title: str, name: str, fault: str = "") -> str:
 
 
 def picture_latex(name: str, caption: str, place: str = "htbp") -> str:
-    """The figure kept under that name, with its caption in LaTeX; [H] puts it where it stands."""
+    """The figure that is kept under that name with its caption in LaTeX; at H it does not float."""
     return "\n".join(
         [
             rf"\begin{{figure}}[{place}]",
