@@ -154,9 +154,10 @@ def _broken(rows: Sequence[Row], across: int, gap: str) -> Iterator[str]:
 
 
 def heading_row(words: str, across: int, spaced: bool) -> str:
-    """A heading across the columns, with space above it unless it is the first row."""
+    """A heading across the columns, which it does not widen; space above unless it is the first."""
     above = r"\addlinespace " if spaced else ""
-    return rf"{above}\multicolumn{{{across}}}{{@{{}}L{{\linewidth}}@{{}}}}{{{words}}}"
+    text = rf"\parbox[t]{{\linewidth}}{{\raggedright\strut {words}\strut}}"
+    return rf"{above}\multicolumn{{{across}}}{{@{{}}l@{{}}}}{{\makebox[0pt][l]{{{text}}}}}"
 
 
 PRINTED = {

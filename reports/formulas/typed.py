@@ -255,14 +255,14 @@ def _call(name: str, parts: tuple[FormulaTree, ...], power: str) -> str:
         return rf"\lvert {first} \rvert{power}"
     if name == "conjugate":
         return rf"\overline{{{first}}}{power}" if measure(first) <= ROOT else f"({first})^{{*}}"
+    if name.startswith("bessel_"):
+        return f"{name[-1].upper()}_{{{first}}}{power}{_brackets(inside[1])}"
     return f"{_function(name)}{power}{_brackets(_arguments(name, parts, inside))}"
 
 
 def _function(name: str) -> str:
     if name.startswith("jacobi_theta_"):
         return rf"\vartheta_{{{name[-1]}}}"
-    if name.startswith("bessel_"):
-        return name[-1].upper()
     return NAMES.get(name) or symbol_latex(name)
 
 

@@ -46,8 +46,9 @@ def claim_table(claims: Iterable[Claim]) -> str:
         rows += _measured(claim.measurements)
     head = ["quantity", "value", "own error"]
     caption = (
-        "The paper's statements, each with its verdict and the numbers measured for it; a number "
-        "without an own error is computed without a lattice."
+        "The paper's statements, each with its verdict and the numbers measured for it, which are "
+        r"$L^\infty_\epsilon$ where no other quantity is named; a number without an own error is "
+        "computed without a lattice."
     )
     return table("claims", caption, r"L{106mm}ll", head, rows)
 
