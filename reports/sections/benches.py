@@ -22,7 +22,7 @@ from longwave.reports.pictures.drawing import crest_track
 from longwave.reports.pictures.plotting import PICTURES
 from longwave.reports.pictures.run_data import placed
 from longwave.reports.studies.bench_laws import mode_return
-from longwave.reports.studies.effects import TOLERANCES, EffectCost
+from longwave.reports.studies.effects import CELLS, TOLERANCES, EffectCost
 from longwave.reports.studies.lattice_runs import SceneRun
 from longwave.scenes.bench import ACTING, Bench
 
@@ -104,7 +104,7 @@ def effect_table(costs: Mapping[str, EffectCost]) -> str:
         for name, cost in costs.items()
     ]
     caption = (
-        "Cost of each effect: operations and time for a cell and stage, share of the core's "
+        rf"Cost of each effect on the $\beta$ chain of {CELLS} cells: operations and time for a cell and stage, share of the core's "
         "multiply-adds; own error and time of a run to each tolerance."
     )
     return table("effects", caption, "lrrr" + "lr" * len(TOLERANCES), head, rows)
