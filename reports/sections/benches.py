@@ -104,8 +104,8 @@ def effect_table(costs: Mapping[str, EffectCost]) -> str:
         for name, cost in costs.items()
     ]
     caption = (
-        rf"Cost of each effect on the $\beta$ chain of {CELLS} cells: operations and time for a cell and stage, share of the core's "
-        "multiply-adds; own error and time of a run to each tolerance."
+        rf"Cost of each effect on the $\beta$ chain of {CELLS} cells: operations and time for "
+        "a cell and stage, share of the core's multiply-adds; own error and time of a run to each tolerance."
     )
     return table("effects", caption, "lrrr" + "lr" * len(TOLERANCES), head, rows)
 
