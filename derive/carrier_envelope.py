@@ -246,6 +246,7 @@ class Envelope(Displayed):
         names = {str(s): s for s in sorted(known, key=str)}
         given = {str(symbol): value for symbol, value in self.constants.items()} | {**constants}
         values = values_of(given, names, self.lattice.name)
+        lattice.check_values({symbol: value for symbol, value in values.items() if value == 0})
         used = names.keys() - {str(s) for s, _ in lattice.definitions}
         missing = sorted(used - given.keys())
         if missing:

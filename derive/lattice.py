@@ -39,6 +39,8 @@ Cell = tuple[int, ...]
 
 SINGULAR = (nan, oo, -oo, zoo)
 
+_ASSUMPTIONS = ("positive", "negative", "nonnegative", "nonpositive", "nonzero", "integer")
+
 MOST_CELLS = 10**6
 """Bound on shifts and weights."""
 
@@ -213,7 +215,8 @@ class Lattice(Displayed):
         at = values_of(values, {str(s): s for s in self.constants}, self.name, constant_value)
         for symbol, value in at.items():
             if symbol.is_positive and value.subs(eps, 0).is_positive is False:
-                raise ValueError(f"{symbol} must satisfy {symbol} > 0, got {value} ({self.name})")
+                remedy = self.vacuum_at(symbol, value) or self.name
+                raise ValueError(f"{symbol} must satisfy {symbol} > 0, got {value} ({remedy})")
         return replace(
             self,
             masses=tuple(mass.xreplace(at) for mass in self.masses),
@@ -287,6 +290,35 @@ class Lattice(Displayed):
         )
         return {*self.constants} - {*closed.constants}
 
+    def check_values(self, values: Mapping[Symbol, Expr]) -> None:
+        """Refuse a value that is not what its symbol is declared to be."""
+        for symbol, value in values.items():
+            for word in _ASSUMPTIONS:
+                if getattr(symbol, f"is_{word}") and getattr(value, f"is_{word}") is False:
+                    remedy = self.vacuum_at(symbol, value) or (
+                        "declare the symbol without it, if such values are meant"
+                    )
+                    raise ValueError(
+                        f"{symbol} must be {word}, as its symbol is declared, got {shown(value)} "
+                        f"({remedy})"
+                    )
+
+    def vacuum_at(self, symbol: Symbol, value: Expr) -> str:
+        """A word on a value that takes a spring its linear stiffness; nothing for any other.
+
+        >>> from longwave.derive import LATTICES
+        >>> LATTICES["granular"].vacuum_at(Symbol("d", positive=True), S.Zero)[:42]
+        'there a bond has no linear stiffness, a so'
+        """
+        defined = dict(self.definitions)
+        slopes = (bond.stiffness(S.Zero).xreplace(defined) for bond in self.bonds)
+        if value != 0 or all(slope.subs(symbol, 0) != 0 for slope in slopes if slope.has(symbol)):
+            return ""
+        return (
+            "there a bond has no linear stiffness, a sonic vacuum without linear waves to expand "
+            f"about: precompress the chain, {symbol} > 0, or run the lattice itself"
+        )
+
     @property
     def has_losses(self) -> bool:
         """Whether there is any loss."""
@@ -322,7 +354,7 @@ class Lattice(Displayed):
         """The lattice with each force as a polynomial of that degree about zero stretch.
 
         Coefficients that are no rational functions get a symbol, F2 for that of x^2 (F2b for that
-        of the second bond), and their expression is in ``definitions``.
+        of the second bond), and their expression is in ``definitions``; equal ones share it.
 
         >>> from sympy import Symbol, sin, sqrt
         >>> stiffness = Symbol("g", positive=True)
@@ -331,16 +363,17 @@ class Lattice(Displayed):
         ('F(x) = F1 x + F3 x^3', ((F1, sqrt(g)), (F3, -sqrt(g)/6)))
         """
         definitions = dict(self.definitions)
+        known = {value: symbol for symbol, value in self.definitions}
         bonds = []
         for letter, bond in zip("abcdefghijklmnopqrstuvwxyz", self.bonds, strict=False):
             force: Expr = S.Zero
             for power in () if bond.is_polynomial else range(degree + 1):
                 value = bond.taylor(power)
-                if not _is_rational(value):
+                if not _is_rational(value) and value not in known:
                     name = f"F{power}{'' if letter == 'a' else letter}"
-                    symbol = Symbol(name, real=True, positive=value.is_positive or None)
-                    definitions[symbol], value = value, symbol
-                force += value * x**power
+                    known[value] = Symbol(name, real=True, positive=value.is_positive or None)
+                    definitions[known[value]] = value
+                force += known.get(value, value) * x**power
             bonds.append(bond if bond.is_polynomial else replace(bond, force=force))
         return replace(self, bonds=tuple(bonds), definitions=tuple(definitions.items()))
 

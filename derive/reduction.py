@@ -19,7 +19,6 @@ from longwave.derive.output.notation import Notation, idle_loss, latex_of, power
 from longwave.derive.output.report import latex_report, reduction_data, text_report
 from longwave.derive.scaling import Scaling
 from longwave.derive.symbols import eps, values_of
-from longwave.support.user_files import shown
 
 _POWERS = {"KdV": 1, "mKdV": 2}
 """The power of Y before Y_X, of equations whose solitons have an amplitude law."""
@@ -207,7 +206,7 @@ class Reduction:
         own = (s for s in self.scaling.constants if s != self.scaling.frame_symbol)
         names = {str(s): s for s in sorted({*self.lattice.basic_constants, *own}, key=str)}
         values = values_of(constants, names, self.lattice.name)
-        _check_assumptions(values)
+        self.lattice.check_values(values)
         values = self.lattice.with_defined(values)
         self._check_denominators(values)
         self._check_speed(values)
@@ -275,14 +274,3 @@ class Reduction:
         The coefficients are those at ``constants``; raises ValueError as coefficients does.
         """
         return json.dumps(reduction_data(self, constants), indent=2)
-
-
-def _check_assumptions(values: Mapping[Symbol, Expr]) -> None:
-    """Refuse a value that is not what its symbol is declared to be."""
-    for symbol, value in values.items():
-        for word in ("positive", "negative", "nonnegative", "nonpositive", "nonzero", "integer"):
-            if getattr(symbol, f"is_{word}") and getattr(value, f"is_{word}") is False:
-                raise ValueError(
-                    f"{symbol} must be {word}, as its symbol is declared, got {shown(value)} "
-                    "(declare the symbol without it, if such values are meant)"
-                )

@@ -200,6 +200,10 @@ WRONG: dict[str, tuple[Any, str]] = {
         lambda: envelope(LATTICES["klein_gordon"]).coefficients(1, K2=1, g1=-9, g2=0, g3=1),
         "constants must give a real frequency",
     ),
+    "sonic vacuum": (
+        lambda: envelope(LATTICES["granular"]).coefficients(1, A=1, d=0),
+        "d must be positive.*got 0 .*no linear stiffness, a sonic vacuum.*precompress the chain, d",
+    ),
     "linear": (
         lambda: envelope(replace(FPUT, bonds=(replace(FPUT.bonds[0], force=K2**2 * x),))),
         "must be linear in one of the lattice's constants, got none among",

@@ -109,6 +109,7 @@ def test_an_envelope_takes_a_small_constant(capsys: Output) -> None:
         (["--set", "K3=0,K4=0"], "the coefficient of Y^2 Y_X must not vanish"),
         (["--background", "K5"], "background: expected a known name, got 'K5'"),
         (["toda", "--set", "b=eps"], "b must satisfy b > 0, got eps (toda)"),
+        (["granular", "--set", "A=1,d=0"], "a sonic vacuum without linear waves to expand about: "),
     ],
 )
 def test_what_cannot_be_found_is_refused(
