@@ -39,10 +39,10 @@ RESONANT = 1e-40
 ROUNDING = 1e-12
 """An imaginary part so small, beside the whole, is none."""
 
-LARGE_CELL = 4
-"""Fields of a cell from which on symbols are refused. Four masses in a row took 0.2 s at k = pi
-and 4 s for the mean's next order in numbers; with symbols for the springs alone the latter took
-18 s, and with symbols for the masses, too, the order before it 27 s."""
+LARGE_CELL, MOST_SYMBOLS = 4, 3
+"""Fields of a cell from which on symbols are refused, for masses and for more constants than these.
+Four masses in a row took 1.1 s of processor time in numbers and with symbols for the springs'
+K2, K3 and K4; with symbols for three masses it was not done after 20 s."""
 
 FIRST_MASS = Symbol("first mass", positive=True)
 """Stands for the first mass of a lattice in numbers."""
@@ -360,11 +360,13 @@ def envelope(
     values = values_of(constants, names, lattice.name)
     unknown = [name for name, symbol in names.items() if symbol not in values]
     is_large = len(lattice.fields) >= LARGE_CELL and not lattice.definitions
-    if is_large and len(unknown) > 1 and chosen != pi:
+    in_masses = {str(symbol) for mass in lattice.masses for symbol in mass.free_symbols}
+    is_long = len(unknown) > MOST_SYMBOLS or (len(unknown) > 1 and in_masses & {*unknown})
+    if is_large and is_long and chosen != pi:
         raise EnvelopeError(
-            f"constants of a cell with {len(lattice.fields)} fields must be given, got none for "
-            f"{', '.join(unknown)} (in symbols it takes more than a minute; numbers for all, as "
-            f"{unknown[0]}=1, make it several times as fast, k = pi a hundred times)"
+            f"constants of a cell with {len(lattice.fields)} fields must be given, but for "
+            f"{MOST_SYMBOLS} of its springs, got none for {', '.join(unknown)} (in more symbols it "
+            f"takes more than a minute; give all masses, as {unknown[0]}=1, or take k = pi)"
         )
     carrier = Carrier(lattice, at_pi=chosen == pi, values=values)
     carrier.solve()
