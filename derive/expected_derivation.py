@@ -19,7 +19,7 @@ many constants, and the power of their number with which they grow."""
 CARRIER, A_CONSTANT, A_FIELD = 0.06, 2.8, 6.0
 """Seconds for the envelope at k = pi with two fields and five constants; factors for each more."""
 
-ANY_CARRIER = 60.0
+ANY_CARRIER = 3.0
 """The same for other wavenumbers, whose phase is a further symbol, in units of that at pi."""
 
 A_REACH = 30.0
@@ -51,7 +51,7 @@ def envelope_seconds(lattice: Lattice, at_pi: bool, given: int = 0) -> float:
 
     >>> from longwave.derive import LATTICES
     >>> [f"{envelope_seconds(LATTICES['mass_dimer'], at_pi):.2g}" for at_pi in (True, False)]
-    ['0.06', '3.6']
+    ['0.06', '0.18']
     """
     if len(lattice.fields) == 1:
         return CARRIER * (1.0 if at_pi else A_REACH ** min(_reach(lattice) - 1, 6))
