@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import NamedTuple
 
@@ -36,31 +36,31 @@ class Moment(NamedTuple):
 Reader = Callable[[Moment], ArrayLike]
 
 
-class Reading(NamedTuple):
-    """The unit of what a sensor reads, what it is, what lies in a cell, and its values in all."""
+@dataclass(frozen=True)
+class Watched:
+    """One variable of a run: its dimensions beside time, and how it is read."""
 
+    name: str
+    dimensions: tuple[str, ...]
     units: str
     long_name: str
-    inner: str
     read: Reader
 
 
+_UNIT, _NEXT = "lattice units", "the bond to the next cell"
+
 READINGS = {
-    "displacement": Reading("lattice units", "displacement", "field", lambda at: at.f),
-    "velocity": Reading("per lattice time", "velocity", "field", lambda at: at.v),
-    "strain": Reading(
-        "lattice units",
-        "stretch of the bond to the next cell",
-        "bond",
-        lambda at: at.chain.stretches(at.f),
-    ),
-    "force": Reading(
-        "lattice units",
-        "force in the bond to the next cell",
-        "bond",
-        lambda at: at.chain.forces(at.f),
-    ),
+    found.name: found
+    for found in (
+        Watched("displacement", ("field",), _UNIT, "displacement", lambda at: at.f),
+        Watched("velocity", ("field",), "per lattice time", "velocity", lambda at: at.v),
+        Watched(
+            "strain", ("bond",), _UNIT, f"stretch of {_NEXT}", lambda at: at.chain.stretches(at.f)
+        ),
+        Watched("force", ("bond",), _UNIT, f"force in {_NEXT}", lambda at: at.chain.forces(at.f)),
+    )
 }
+"""What sensors read, in all cells, which come last."""
 
 
 def chain_on_bench(
@@ -146,17 +146,6 @@ def _mode(bench: Bench, number: int) -> Array:
     return np.asarray(np.sin(np.pi * number * place / (bench.sites + 1)))
 
 
-@dataclass(frozen=True)
-class Watched:
-    """One variable of a run: its dimensions beside time, and how it is read."""
-
-    name: str
-    dimensions: tuple[str, ...]
-    units: str
-    long_name: str
-    read: Reader
-
-
 def watched_cuts(bench: Bench, chain: DrivenChain) -> Sequence[int] | None:
     """Through which cuts energy is followed; None if no balance is kept."""
     return bench.flux if bench.flux or is_balanced(bench, chain) else None
@@ -172,18 +161,18 @@ def watched(bench: Bench, chain: DrivenChain) -> Iterator[Watched]:
     for name in bench.sensed if bench.sensors else ():
         yield _in_cells(f"sensor_{name}", "sensor", name, bench.sensors)
     if bench.energy:
-        yield Watched("energy", (), "lattice units", "energy of chain and bonds", _energy)
+        yield Watched("energy", (), _UNIT, "energy of chain and bonds", _energy)
     if is_balanced(bench, chain):
         yield from _balance(chain)
     if bench.flux:
-        name, unit = "energy sent to the right", "lattice units"
-        yield Watched("transmitted", ("cut",), unit, name, lambda at: at.total.through)
+        name = "energy sent to the right"
+        yield Watched("transmitted", ("cut",), _UNIT, name, lambda at: at.total.through)
         name, unit = "power to the right", "lattice units per lattice time"
         yield Watched("flux", ("cut",), unit, name, lambda at: at.rate.through)
     if bench.modes:
         what = "energy of the mode of a linear chain"
         read = partial(_mode_energies, bench=bench)
-        yield Watched("mode_energy", ("mode",), "lattice units", what, read)
+        yield Watched("mode_energy", ("mode",), _UNIT, what, read)
     for name in ("displacement", "velocity") if bench.state else ():
         yield _in_cells(name, "cell", name, range(bench.sites))
 
@@ -200,10 +189,12 @@ def _balance(chain: DrivenChain) -> Iterator[Watched]:
 
 def _in_cells(name: str, dimension: str, what: str, places: Sequence[int]) -> Watched:
     """What is read in some cells, by field or bond."""
-    units, long_name, inner, read = READINGS[what]
-    at = list(places)
-    return Watched(
-        name, (dimension, inner), units, long_name, lambda now: np.asarray(read(now))[:, at].T
+    whole, at = READINGS[what], list(places)
+    return replace(
+        whole,
+        name=name,
+        dimensions=(dimension, *whole.dimensions),
+        read=lambda now: np.asarray(whole.read(now))[:, at].T,
     )
 
 

@@ -120,7 +120,7 @@ def _sensor(name: str, lattice: NumericLattice, cells: int) -> Sensor:
             f"cell of {name} must be 0 to {cells - 1}, got {cell} (the chain has {cells} cells)"
         )
     known = lattice.fields
-    if READINGS[quantity].inner == "bond":
+    if READINGS[quantity].dimensions == ("bond",):
         known = tuple(str(number) for number in range(1, len(lattice.bonds) + 1))
     if inner is not None and inner not in known:
         raise ValueError(
