@@ -9,11 +9,13 @@ file ends with its checksum, as a store's other files do.
 from __future__ import annotations
 
 import json
+import os
 import uuid
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from io import BytesIO
+from mmap import ACCESS_READ, mmap
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,7 +23,7 @@ import numpy as np
 
 from longwave.runs.hdf_contents import check_contents
 from longwave.runs.run_file import as_json
-from longwave.support.sealed_file import LOG, check_no_link, is_whole, write_sealed
+from longwave.support.sealed_file import LOG, check_no_link, is_whole, open_plain, write_sealed
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -236,11 +238,20 @@ def packed_run(folder: Path, key: str) -> PackedRun | None:
     Keys stand in a pack as they are: the others need not be read as HDF5.
     """
     for path in _packs(folder):
-        if key.encode() in path.read_bytes():
+        if _names(path, key.encode()):
             for record, place in read_pack(path):
                 if record.key == key and place is not None:
                     return place
     return None
+
+
+def _names(path: Path, key: bytes) -> bool:
+    """Whether the bytes stand in a file, which is not taken into memory for that."""
+    with open(open_plain(path), "rb") as stream:
+        if os.fstat(stream.fileno()).st_size == 0:
+            return False
+        with mmap(stream.fileno(), 0, access=ACCESS_READ) as held:
+            return held.find(key) >= 0
 
 
 def _packs(folder: Path) -> list[Path]:

@@ -28,6 +28,7 @@ import numpy as np
 
 from longwave.support.compiled.source_digest import compiler_settings
 from longwave.support.plain_data import plain_bytes, plain_value
+from longwave.support.request_limits import current_limits
 from longwave.support.sealed_file import LOG, read_sealed, write_sealed
 
 Memory = dict[str, Any]
@@ -70,17 +71,21 @@ class CheckpointFolder:
         self._folder, self._stamp = folder, stamp
         self._usual, self._lock = least, Lock()
         self._spared, self._held = 0.0, 0.0
+        self.is_recalled = False
 
     def read(self, name: str, task: str) -> Memory | None:
         """What was kept of the loop of that name; None if nothing that fits was."""
         path = self._path(name)
-        data = read_sealed(path) if path in self._loops() else None
+        data = self._content(path) if path in self._loops() else None
         if data is None:
             if path in self._loops():
                 LOG.warning("%s is damaged: that part of the run is done again", path)
             return None
         stamp, kept_task, memory = _read(data)
-        return memory if (stamp, kept_task) == (self._stamp, task) else None
+        if memory is None or (stamp, kept_task) != (self._stamp, task):
+            return None
+        self.is_recalled = True
+        return memory
 
     def write(self, name: str, task: str, memory: Memory) -> None:
         """Keep it at once, in the place of what was kept before; what is in it changes later."""
@@ -103,7 +108,7 @@ class CheckpointFolder:
         return bool(self._kept_loops())
 
     def _kept_loops(self) -> list[Memory]:
-        found = (_read(read_sealed(path) or b"") for path in self._loops())
+        found = (_read(self._content(path) or b"") for path in self._loops())
         return [memory for stamp, _, memory in found if memory is not None and stamp == self._stamp]
 
     def tell(self, name: str) -> None:
@@ -138,6 +143,18 @@ class CheckpointFolder:
             for path in (*self._loops(), *self._folder.glob(".*.draft.loop")):
                 path.unlink(missing_ok=True)
             self._folder.rmdir()
+
+    def check(self, error: Exception) -> None:
+        """Raise ValueError if what was kept may be why a run that goes on has the error."""
+        if self.is_recalled:
+            raise ValueError(
+                f"a checkpoint must hold what its run remembers, got {self._folder} with "
+                f"{type(error).__name__}: {error} (remove it)"
+            ) from error
+
+    def _content(self, path: Path) -> bytes | None:
+        """That of a file, unless it would not fit the memory that a request may take."""
+        return read_sealed(path, current_limits().memory_bytes)
 
     def _loops(self) -> list[Path]:
         if os.path.islink(self._folder):  # nobody has typed its name
@@ -203,10 +220,16 @@ _TRAIL: ContextVar[_Trail | None] = ContextVar("_TRAIL", default=None)
 
 @contextmanager
 def kept_by(keeper: CheckpointFolder) -> Iterator[None]:
-    """Have the loops that begin in the body remembered."""
+    """Have the loops that begin in the body remembered.
+
+    Raises ValueError where what was kept is not what they remember.
+    """
     token = _TRAIL.set(_Trail(keeper))
     try:
         yield
+    except (LookupError, TypeError, AttributeError) as error:
+        keeper.check(error)
+        raise
     finally:
         _TRAIL.reset(token)
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import errno
 import hashlib
 import logging
+import math
 import os
 import stat
 from pathlib import Path
@@ -65,11 +66,12 @@ def check_no_link(folder: Path) -> None:
         raise OSError(errno.ELOOP, "a folder in a store must be no link (remove it)", str(folder))
 
 
-def read_sealed(path: Path) -> bytes | None:
-    """The content of such a file; None if it is not there, a link, or damaged."""
+def read_sealed(path: Path, most: float = math.inf) -> bytes | None:
+    """The content of such a file; None if it is not there, a link, longer than that, or damaged."""
     try:
         with open(open_plain(path), "rb") as stream:
-            return sealed_content(stream.read())
+            longer = os.fstat(stream.fileno()).st_size > most
+            return None if longer else sealed_content(stream.read())
     except OSError:
         return None
 

@@ -20,6 +20,7 @@ from longwave.support.checkpoint import (
     fitting,
     kept_by,
 )
+from longwave.support.request_limits import request_limits
 from longwave.support.sealed_file import write_sealed
 
 MEMORY: Memory = {"seconds": 1.5, "f": np.arange(3.0), "rows": [np.float64(2.0), (1, None, "a")]}
@@ -126,6 +127,31 @@ def test_machine_code_is_given_no_other_array_than_its_own(value: object) -> Non
     assert fitting(like, like) is like
     with pytest.raises(ValueError, match=r"^a checkpoint must hold what its run remembers, got "):
         fitting(value, like)
+
+
+def test_a_memory_of_another_kind_is_told_in_one_line(tmp_path: Path) -> None:
+    """Whoever knows the stamp of a run can write a file that fits but for what it remembers."""
+    CheckpointFolder(tmp_path, "this run").write("1", "this task", {"seconds": 1.0})
+    told = rf"^a checkpoint must hold [^\n]* got {tmp_path} with KeyError: 'f' \(remove"
+
+    def go_on(run: str) -> None:
+        with kept_by(CheckpointFolder(tmp_path, run)):
+            (begin_loop("this task").memory or {})["f"]
+
+    with pytest.raises(ValueError, match=told):
+        go_on("this run")
+    with pytest.raises(KeyError):  # which no checkpoint has brought
+        go_on("another run")
+
+
+def test_a_checkpoint_that_does_not_fit_the_memory_is_not_read(tmp_path: Path) -> None:
+    keeper = CheckpointFolder(tmp_path, "this run")
+    keeper.write("1", "this task", MEMORY)
+    (path,) = tmp_path.iterdir()
+    os.truncate(path, 10**9)  # takes nothing of the disk
+    with request_limits(memory="1M"):
+        assert keeper.read("1", "this task") is None
+        assert not keeper.is_begun
 
 
 def test_loops_are_numbered_by_the_order_in_which_they_begin(tmp_path: Path) -> None:
