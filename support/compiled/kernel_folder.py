@@ -201,5 +201,5 @@ def _prune(base: Path, module: str) -> None:
 
 @lru_cache
 def _warn(said: str) -> None:
-    """Warn of it, once."""
-    warnings.warn(said, RuntimeWarning, stacklevel=1)
+    """Warn of it, once, in one line: without the line of this file."""
+    warnings.warn_explicit(said, RuntimeWarning, "longwave", 0)

@@ -2,6 +2,7 @@
 
 import os
 import shutil
+import warnings
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -60,6 +61,19 @@ def test_what_others_may_have_planted_is_told_and_not_read(
     assert second.path.stat().st_mode & 0o777 == 0o700
     assert second.read("code") is None
     assert len(second.refused) == 1
+
+
+def test_a_warning_is_one_line(bases: tuple[Path, Path]) -> None:
+    first = cache_folder(MODULE)
+    assert first.path is not None
+    first.path.chmod(0o777)
+    forget()
+    with pytest.warns(RuntimeWarning) as told:
+        cache_folder(MODULE)
+    (one,) = told
+    shown = warnings.formatwarning(one.message, one.category, one.filename, one.lineno)
+    (line,) = shown.splitlines()
+    assert line.endswith("with the mode 0777: what it holds is not used (remove it)")
 
 
 def test_another_users_folder_is_not_read(
