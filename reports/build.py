@@ -43,7 +43,7 @@ from longwave.reports.studies.estimates import estimate_rows, judged_findings
 from longwave.reports.studies.evaluation_accuracy import Accuracy, accuracy_jobs, worst_of
 from longwave.reports.studies.evaluation_cost import evaluation_cost_jobs
 from longwave.reports.studies.hard_cases import hard_case_jobs
-from longwave.reports.studies.lattice_cost import lattice_cost_jobs
+from longwave.reports.studies.lattice_cost import MEDIANS, lattice_cost_jobs
 from longwave.reports.studies.lattice_models import modulation_plane
 from longwave.reports.studies.lattice_runs import rate_jobs, scene_run_jobs
 from longwave.reports.studies.long_runs import LongRun, long_run_jobs, long_runs
@@ -277,7 +277,7 @@ def study_figures(found: Findings) -> Iterator[tuple[str, Figure]]:
         ),
     )
     precision, error = costs.precision_panels(found.rows("precision")), r"error of $y/\epsilon$"
-    yield "work_precision", cost_figure(precision, "seconds", error, 2, 2.7, cheapest=True)
+    yield "work_precision", cost_figure(precision, "seconds", error, 2, 2.7, cheapest=MEDIANS)
     scaling, ticks = costs.scaling_panels(found.rows("scaling")), (10, 20, 40, 80, 160)
     yield "cost_scaling", cost_figure(scaling, r"$1/\epsilon$", "seconds", 1, 2.8, x_ticks=ticks)
     if peaks := found.all("peak"):

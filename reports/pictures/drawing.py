@@ -672,14 +672,15 @@ def cost_figure(
     height: float = COST_HEIGHT,
     x_ticks: Sequence[float] = (),
     digits: Sequence[float] = (),
-    cheapest: bool = False,
+    cheapest: str = "",
 ) -> Figure:
     """Draw the panels, at most ``across`` in a row of that height, with the same axes and one
     legend.
 
     ``x_ticks`` are those of a logarithmic axis where they are not the usual ones. With ``digits``
     the vertical axis is linear with these ticks, the last one its end. Where x is work and y an
-    error, lines join the `cheapest_places` alone, as the legend says.
+    error, ``cheapest`` says what the points are, such as "runs": lines join the `cheapest_places`
+    alone, as the legend says.
     """
     down, _ = grid_shape(len(panels), across)
     figure = Figure((page_width(), height * down + 0.4), layout="constrained")
@@ -687,7 +688,7 @@ def cost_figure(
     labels = dict.fromkeys(label for curves in panels.values() for label in curves)
     looks = dict(zip(labels, CURVES, strict=False))
     for (title, curves), ax in zip(panels.items(), grid, strict=True):
-        _draw_costs(ax, curves, looks, cheapest)
+        _draw_costs(ax, curves, looks, bool(cheapest))
         ax.set_title(title, loc="left")
     first = grid[0]
     shown = first.get_xlim()
@@ -703,7 +704,8 @@ def cost_figure(
         first.set_yticks(digits)
     handles = {h.get_label(): h for ax in grid for h in ax.lines}
     ordered = [handles[label] for label in looks]
-    words: Any = {"title": CHEAPEST if cheapest else None, "title_fontsize": 8.0}
+    title = CHEAPEST.format(cheapest) if cheapest else None
+    words: Any = {"title": title, "title_fontsize": 8.0}
     if free:
         free.legend(handles=ordered, loc="center", **words)
     else:
@@ -712,7 +714,7 @@ def cost_figure(
     return figure
 
 
-CHEAPEST = "points: runs; lines: the cheapest\nfor an error (monotone envelope)"
+CHEAPEST = "points: {}; lines: the cheapest\nfor an error (monotone envelope)"
 
 
 def cheapest_places(work: Sites, errors: Sites) -> NDArray[np.intp]:

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from longwave.derive.intervals import WIDE
-from longwave.reports.pictures.drawing import CURVES, STABLE, TEXT_WIDTH
+from longwave.reports.pictures.drawing import CURVES, STABLE, WIDTHS
 from longwave.scenes.fits.force_fit import ForceFit
 from longwave.support.user_files import cut
 
@@ -15,7 +15,7 @@ CURVE_POINTS, LONGEST_TITLE = 400, 60
 
 def force_figure(found: ForceFit, where: str) -> Figure:
     """The points with the law above, their residuals in standard deviations below."""
-    figure = Figure((0.8 * TEXT_WIDTH, 4.2), layout="constrained")
+    figure = Figure((WIDTHS[1], 3.4), layout="constrained")
     above, below = figure.subplots(2, sharex=True, height_ratios=(2, 1))
     stretch = found.data.stretch
     look: dict[str, Any] = {**CURVES[0], "linestyle": "", "capsize": 2.0}

@@ -15,10 +15,11 @@ from numpy.typing import NDArray
 from longwave.reports.pictures.drawing import (
     CURVES,
     STABLE,
-    TEXT_WIDTH,
     WAVENUMBER_TICKS,
     even_places,
+    page_width,
     part,
+    told_error,
 )
 
 if TYPE_CHECKING:
@@ -40,15 +41,19 @@ def even_times(run: xr.Dataset) -> list[int]:
 
 @part(4.6)
 def strain_maps(figure: FigureBase, run: xr.Dataset) -> None:
-    """Heat maps of a run on two axes: the lattice's strain, and its difference from the theory."""
+    """Heat maps of a run on two axes: the lattice's strain, and its difference from the theory.
+
+    A run `run_data.with_own` has its own error beside the difference.
+    """
     places = even_times(run)
     panels = figure.subplots(2, len(places), squeeze=False, sharey=True)
-    apart = abs(run["strain"] - run["analytic"])
-    for axes, values, words, colours in (
-        (panels[0], run["strain"], "strain", "viridis"),
-        (panels[1], apart, "|lattice $-$ theory|", "cividis"),
+    apart = run["strain"] - run["analytic"]
+    ends = float(run["strain"].min()), float(run["strain"].max())
+    largest = float(abs(apart).max())
+    for axes, values, words, colours, (least, most) in (
+        (panels[0], run["strain"], "strain", "viridis", ends),
+        (panels[1], apart, "lattice $-$ theory", "PuOr", (-largest, largest)),
     ):
-        least, most = float(values.min()), float(values.max())
         for place, ax in zip(places, axes, strict=True):
             at = values.isel(time=place)
             drawn = ax.pcolormesh(
@@ -56,6 +61,9 @@ def strain_maps(figure: FigureBase, run: xr.Dataset) -> None:
                 cmap=colours, vmin=least, vmax=most, rasterized=True,
             )  # fmt: skip
             ax.set_title(f"$T={float(run['slow_time'][place]):.3g}$", loc="left")
+            own = float(run["own"][place]) if "own" in run.coords else np.nan
+            if values is apart and np.isfinite(own):
+                ax.set_title(f"own error {told_error(own)}", loc="right", fontsize=7.0)
         axes[0].set_ylabel("$m$")
         figure.colorbar(drawn, ax=list(axes), label=words)
     for ax in panels[-1]:
@@ -75,7 +83,7 @@ def rate_figure(panels: Mapping[float, Mapping[str, Sequence[ConvergencePoint]]]
     A panel is that of a power of eps, which a dotted line has, and of the curves by their labels.
     """
     down = -(-len(panels) // RATES_ACROSS)
-    figure = Figure((TEXT_WIDTH, RATE_HEIGHT * down), layout="constrained")
+    figure = Figure((page_width(), RATE_HEIGHT * down), layout="constrained")
     grid = figure.subplots(down, RATES_ACROSS, squeeze=False)
     for ax, (power, curves) in zip(grid.flat, panels.items(), strict=False):
         for place, (label, errors) in enumerate(curves.items()):
@@ -119,7 +127,7 @@ def _draw_power(ax: Axes, points: Sequence[ConvergencePoint], power: float) -> N
 
 def modulation_figure(grid: ModulationGrid, quadratic: Array) -> Figure:
     """Growth rate over wavenumber and K3; grey where p q < 0, a black line between."""
-    figure = Figure((0.8 * TEXT_WIDTH, 3.0), layout="constrained")
+    figure = Figure((0.8 * page_width(), 3.0), layout="constrained")
     ax = figure.subplots()
     unstable = grid.product > 0
     stable = np.where(unstable, np.nan, 1.0)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import xarray as xr
 from matplotlib.figure import Figure
 
-from longwave.reports.pictures.drawing import TEXT_WIDTH, error_panels, snapshot_panels
+from longwave.reports.pictures.drawing import error_panels, page_width, snapshot_panels
 from longwave.reports.pictures.run_data import snapshots
 
 
@@ -88,5 +88,5 @@ def paper_figures(runs: Mapping[str, xr.Dataset]) -> Iterator[tuple[str, Figure]
             title: {label: runs[name]["error_curve"] for label, name in pairs}
             for title, pairs in curves.panels
         }
-        width = TEXT_WIDTH if len(panels) > 1 else 0.5 * TEXT_WIDTH
+        width = page_width() if len(panels) > 1 else 0.5 * page_width()
         yield curves.name, error_panels(panels).figure(width)

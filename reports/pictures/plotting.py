@@ -51,6 +51,7 @@ from longwave.reports.pictures.run_data import (
     snapshots,
     spectra,
     with_looks,
+    with_own,
     with_theory,
 )
 from longwave.reports.pictures.shown import ShownFigure
@@ -279,7 +280,7 @@ def _has(data: xr.Dataset, picture: Picture) -> bool:
 def _snapshots(data: xr.Dataset) -> Part:
     """Lattice against wave on a chain; on two axes maps of the strain and of the difference."""
     if "row" in data.dims:
-        return strain_maps(data)
+        return strain_maps(with_own(data))
     places = even_places(data.sizes["time"], MOST_PANELS)
     panels = snapshots(data, shown_half_width(data), places)
     _, across = grid_shape(len(panels), ACROSS)

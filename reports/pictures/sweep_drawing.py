@@ -311,7 +311,11 @@ def work_precision(
         draw_grid(ax)
     panels[0].set_ylabel("error")
     handles, labels = panels[0].get_legend_handles_labels()
-    columns = {"ncols": _work_columns(curves), "title": CHEAPEST, "title_fontsize": 8.0}
+    columns = {
+        "ncols": _work_columns(curves),
+        "title": CHEAPEST.format("runs"),
+        "title_fontsize": 8.0,
+    }
     above = figure.legend(handles, labels, loc="outside upper center", **columns)
     _plain_legend(above, LONGEST_ABOVE)
 

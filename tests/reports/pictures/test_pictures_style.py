@@ -300,12 +300,14 @@ def test_lines_of_work_join_the_cheapest_runs_alone() -> None:
     """Catches: a zigzag, where a run took longer than a finer one."""
     points = [(1.0, 1e-1), (3.0, 1e-2), (2.0, 1e-3), (4.0, 1e-4), (5.0, 2e-4)]
     work, errors = np.array(points).T
-    figure = cost_figure({"one": {"RK4": points}}, "seconds", "error", cheapest=True)
+    figure = cost_figure({"one": {"RK4": points}}, "seconds", "error", cheapest="runs")
     runs, line = figure.axes[0].lines
     assert np.array_equal(runs.get_xydata(), np.array(points))
     assert line.get_xdata().tolist() == [1.0, 2.0, 4.0]
     assert np.all(np.diff(np.asarray(line.get_ydata())) < 0.0)
-    assert "monotone envelope" in figure.legends[0].get_title().get_text()
+    told = figure.legends[0].get_title().get_text()
+    assert told.startswith("points: runs; ")
+    assert "monotone envelope" in told
     random = np.random.default_rng(3).uniform(size=(2, 200))
     chosen = cheapest_places(*random)
     assert np.all(np.diff(random[0][chosen]) > 0.0)
