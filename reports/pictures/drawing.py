@@ -704,8 +704,7 @@ def cost_figure(
         first.set_yticks(digits)
     handles = {h.get_label(): h for ax in grid for h in ax.lines}
     ordered = [handles[label] for label in looks]
-    title = CHEAPEST.format(cheapest) if cheapest else None
-    words: Any = {"title": title, "title_fontsize": 8.0}
+    words: Any = {"title": CHEAPEST.format(cheapest), "title_fontsize": 8.0} if cheapest else {}
     if free:
         free.legend(handles=ordered, loc="center", **words)
     else:

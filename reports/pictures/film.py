@@ -53,6 +53,7 @@ class Film:
         self._ax, self._below = self.figure.subplots(2, 1, height_ratios=(3.2, 1.0))
         for ax in (self._ax, self._below):
             ax.spines[["top", "right"]].set_visible(False)
+            ax.tick_params(which="both", top=False, right=False)
         self.figure.suptitle(title, parse_math=False, fontsize="medium")
         self._draw_track()
         self._moving = [*self._begin(), self._draw_clock(), self._past, self._now]
