@@ -105,7 +105,8 @@ def effect_table(costs: Mapping[str, EffectCost]) -> str:
     ]
     caption = (
         rf"Cost of each effect on the $\beta$ chain of {CELLS} cells: operations and time for "
-        "a cell and stage, share of the core's multiply-adds; own error and time of a run to each tolerance."
+        "a cell and stage, share of the core's multiply-adds; own error and time of a run to each "
+        "tolerance."
     )
     return table("effects", caption, "lrrr" + "lr" * len(TOLERANCES), head, rows)
 
