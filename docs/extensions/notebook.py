@@ -90,7 +90,7 @@ def _shown(output: dict[str, Any], keep: Keep) -> Iterator[str]:
         drawn = forms.get("image/svg+xml") or forms["text/html"]
         yield _fenced("{raw} html", _FORMULA.sub(lambda m: mathml(html.unescape(m[1])), drawn))
     elif "text/latex" in forms:
-        yield forms["text/latex"]
+        yield f"$$\n{forms['text/latex'].strip().strip('$')}\n$$"
     elif "text/plain" in forms:
         yield _fenced("text", forms["text/plain"])
     elif "traceback" in output:

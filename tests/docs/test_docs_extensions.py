@@ -59,6 +59,10 @@ def test_a_notebook_is_a_page_with_its_outputs() -> None:
             "output_type": "execute_result",
             "data": {"text/html": ["<b>$1</b>", RATIO], "text/plain": "1"},
         },
+        {
+            "output_type": "execute_result",
+            "data": {"text/latex": "$\\frac{1}{2}$", "text/plain": "0.5"},
+        },
         {"output_type": "error", "ename": "ValueError", "evalue": "k", "traceback": ["long"]},
     ]
     cells = [
@@ -79,6 +83,7 @@ def test_a_notebook_is_a_page_with_its_outputs() -> None:
         "```text\na\nb\n```",
         "![output](/p.png)",
         f"```{{raw}} html\n<b>$1</b>{drawn}\n```",
+        "$$\n\\frac{1}{2}\n$$",
         "```text\nValueError: k\n```",
     ]
 
