@@ -33,7 +33,7 @@ NAMED = re.compile(r"(?m)^(?:### |\* \*\*[A-Z]+\*\* )`(\w+)`")
 )
 def test_the_examples_in_docstrings(name: str) -> None:
     if name in ("mathml", "notebook"):
-        pytest.importorskip("sphinx", reason="make docs installs it")
+        pytest.importorskip("myst_parser", reason="make docs installs it")
     result = doctest.testmod(importlib.import_module(name))
     assert result.attempted
     assert not result.failed
@@ -48,7 +48,7 @@ def test_latex_that_is_not_understood_is_an_error(latex: str) -> None:
 
 
 def test_a_notebook_is_a_page_with_its_outputs() -> None:
-    pytest.importorskip("sphinx", reason="make docs installs it")
+    pytest.importorskip("myst_parser", reason="make docs installs it")
     kept: list[bytes] = []
     modules = {name: importlib.import_module(name) for name in ("mathml", "notebook")}
     outputs = [
