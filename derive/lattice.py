@@ -404,10 +404,10 @@ class Lattice(Displayed):
                 "(one for each field, or () for none)"
             )
         for name in fields:
-            if not re.fullmatch(r"[A-Za-z]+", name) or fields.count(name) > 1:
+            if not re.fullmatch(r"[A-Za-z][A-Za-z0-9]*", name, re.ASCII) or fields.count(name) > 1:
                 raise ValueError(
-                    f"fields must have names of letters, each its own, got {shown(name)} "
-                    "(such as 'y', 'z')"
+                    "fields must have names of letters and digits, each its own, got "
+                    f"{shown(name)} (such as 'u1', 'u2')"
                 )
         for mass in self.masses:
             if mass.has(x):

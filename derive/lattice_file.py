@@ -79,7 +79,7 @@ _KEYS = {
     "bond": {"stretch", "action", "force"},
 }
 _TERM = re.compile(
-    r"\s*([+-]?)\s*(?:(\d{1,6})\s*\*\s*)?([A-Za-z]+)\[\s*n\s*([+-]\s*\d{1,6})?\s*"
+    r"\s*([+-]?)\s*(?:(\d{1,6})\s*\*\s*)?([A-Za-z][A-Za-z0-9]*)\[\s*n\s*([+-]\s*\d{1,6})?\s*"
     r"(?:,\s*m\s*([+-]\s*\d{1,6})?\s*)?\]\s*",
     re.ASCII,
 )

@@ -302,15 +302,20 @@ def _refusal(left: Mapping[str, Expr], vanished: Sequence[str]) -> str:
     """The message where the terms that are left have no normal form."""
     lost = [term for term in vanished if term != "Y_X"]
     if lost:
+        linear = "" if any(_is_nonlinear(term) for term in left) else ", a linear equation"
         return (
             f"the coefficient of {lost[0]} must not vanish, got 0, which leaves "
-            f"{', '.join(left) or 'nothing'} ({_REMEDY.get(lost[0], 'take other constants')})"
+            f"{', '.join(left) or 'nothing'}{linear} ({_REMEDY.get(lost[0], 'take other constants')})"
         )
     known = "; ".join(f"{e.name}: {', '.join(e.terms)}" for e in NORMAL_EQUATIONS.values())
     return (
         "the terms must be those of an equation with a normal form, got "
         f"{', '.join(left) or 'none'} ({known})"
     )
+
+
+def _is_nonlinear(term: str) -> bool:
+    return " " in term or "^" in term
 
 
 _REMEDY = {

@@ -234,9 +234,10 @@ class Reduction:
     def _check_speed(self, values: Mapping[Symbol, Expr]) -> None:
         squared = self.speed_squared.xreplace(values)
         if squared.is_positive is False:
+            told = "" if self.speed_squared == squared else f"{text_of(self.speed_squared)}, "
             raise ValueError(
-                f"constants must satisfy {text_of(self.speed_squared)} > 0, got {squared} "
-                "(it is the square of the sound speed; take a positive stiffness)"
+                f"stiffness must be positive: {told}the square of the sound speed, must be > 0, got "
+                f"{squared} (a spring that is stretched pulls back: K*x with K > 0)"
             )
 
     def __repr__(self) -> str:
@@ -274,3 +275,14 @@ class Reduction:
         The coefficients are those at ``constants``; raises ValueError as coefficients does.
         """
         return json.dumps(reduction_data(self, constants), indent=2)
+
+
+def _check_assumptions(values: Mapping[Symbol, Expr]) -> None:
+    """Refuse a value that is not what its symbol is declared to be."""
+    for symbol, value in values.items():
+        for word in ("positive", "negative", "nonnegative", "nonpositive", "nonzero", "integer"):
+            if getattr(symbol, f"is_{word}") and getattr(value, f"is_{word}") is False:
+                raise ValueError(
+                    f"{symbol} must be {word}, got {shown(value)} (the equation is derived for "
+                    "such values; in a lattice file leave it out of `positive` if others are meant)"
+                )

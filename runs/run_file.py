@@ -118,6 +118,32 @@ def scene_of_run(run: xr.Dataset) -> Scene:
     return scene_of_toml(text)
 
 
+def strain_fault(run: xr.Dataset) -> str:
+    """What is wrong with the strain of a run's file, in words; empty if nothing is.
+
+    >>> import xarray as xr
+    >>> strain_fault(xr.Dataset({"strain": (("time", "site"), np.zeros((2, 3), dtype=int))}))
+    'strain must be floating-point numbers, got int64 (no run writes that; run the scene again)'
+    """
+    if "site" not in run.dims or SWEPT in run.attrs:
+        return ""
+    if "strain" not in run:
+        return 'strain must be there for snapshots and spectra, got none (observables = ["strain"])'
+    strain = run["strain"]
+    if strain.dtype.kind != "f":
+        return (
+            f"strain must be floating-point numbers, got {strain.dtype} (no run writes that; run the "
+            "scene again)"
+        )
+    finite = np.isfinite(strain.values).reshape(len(strain), -1).all(axis=1)
+    if finite.all():
+        return ""
+    return (
+        f"strain must be finite, got {np.count_nonzero(~finite)} of {len(strain)} snapshots that are "
+        "not (run the scene again)"
+    )
+
+
 def is_run_file(path: Path) -> bool:
     """Whether a file begins as runs do, older ones as well."""
     return _kind(path) is not None

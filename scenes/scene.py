@@ -36,6 +36,7 @@ from longwave.scenes.scene_rules import (
     PERTURBED_PLANE,
     USUAL_OBSERVABLES,
     check_any_lattice,
+    check_eps,
     check_growth,
     check_moving_wave,
 )
@@ -214,7 +215,7 @@ class Scene:
         else:
             check.closed_form(self.wave)
         self._set("eps", check.finite("eps", self.eps))
-        check.positive("eps", self.eps)
+        check_eps(self.eps)
         check.one_of("order", self.order, check.ORDERS)
         for key in ("constants", "parameters"):
             self._set(key, check.pairs(key, getattr(self, key)))

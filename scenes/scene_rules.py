@@ -86,16 +86,22 @@ def check_moving_wave(scene: Scene) -> None:
     check.within_reach(scene.model.sound_speed(), (scene.t0, scene.end))
 
 
+def check_eps(eps: float) -> None:
+    """Refuse what is not small, or not positive."""
+    check.positive("eps", eps)
+    if eps > LARGEST_EPS:
+        raise ValueError(
+            f"eps must satisfy eps <= {LARGEST_EPS:g}, got {eps:g} (it is small, as the waves are "
+            "long: such as 0.05)"
+        )
+
+
 def check_any_lattice(scene: Scene) -> None:
     """Refuse what is there for mKdV waves on the paper's chain alone."""
     if not isinstance(scene.wave, str):
         raise ValueError(
             f"wave must be the name of a closed form on {scene.lattice}, got {scene.wave.name}, "
             "which is not in the catalogue"
-        )
-    if scene.eps > LARGEST_EPS:
-        raise ValueError(
-            f"eps must satisfy eps <= {LARGEST_EPS:g}, got {scene.eps:g} (such as 0.05)"
         )
     _check_numerics(scene)
     _check_losses(scene)

@@ -294,7 +294,8 @@ def count(option: str, text: str | None, most: int) -> int | None:
         return None
     if not (text.isascii() and text.isdigit() and len(text) < 4 and int(text) <= most):
         raise ValueError(
-            f"{option} must be an integer <= {most}, got {text!r} (leave it for the default)"
+            f"{option} must be a whole number from 0 to {most}, got {text!r} (leave it out for the "
+            "default)"
         )
     return int(text)
 

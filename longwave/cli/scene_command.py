@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import sys
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +12,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from longwave.runs.run_file import load_run, names_a_run, scene_of_run
+from longwave.runs.run_file import load_run, names_a_run, scene_of_run, strain_fault
 from longwave.runs.run_output import (
     OutputCheckpoint,
     check_run_output,
@@ -117,6 +118,8 @@ def _finished_run(source: str, changed: Mapping[str, object]) -> xr.Dataset:
             f"run must have come to its end to be repeated, got {source}, unfinished: "
             f"{run.attrs['unfinished']} (run its scene)"
         )
+    if fault := strain_fault(run):
+        print(f"{source}: {fault}", file=sys.stderr)
     return run
 
 

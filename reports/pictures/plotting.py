@@ -4,6 +4,7 @@
 `plot` draws a run, or a scene that is run first; `draw` is the work of `longwave plot`.
 """
 
+import sys
 import textwrap
 import warnings
 from collections.abc import Callable, Mapping, Sequence
@@ -57,7 +58,7 @@ from longwave.reports.pictures.run_data import (
 from longwave.reports.pictures.shown import ShownFigure
 from longwave.reports.pictures.sweep_plotting import SWEEP_PICTURES, Choice, is_sweep, sweep_parts
 from longwave.runs import load_run
-from longwave.runs.run_file import REMEDY, names_a_run
+from longwave.runs.run_file import REMEDY, names_a_run, strain_fault
 from longwave.scenes import run
 from longwave.scenes.named_scenes import load_scene
 from longwave.scenes.observables import MEASURED
@@ -372,7 +373,9 @@ def draw(
     try:
         check_output(path, "run.png", force=force)
         picture_path(path)
-        drawn = changed_source(source, changes)
+        drawn = read_source(changed_source(source, changes))
+        if isinstance(drawn, xr.Dataset) and (fault := strain_fault(drawn)):
+            print(f"{source}: {fault}", file=sys.stderr)
         with progress_bar(Path(source).name, source) as (advance, tell):
             plot(drawn, path, kind, advance, Announcer(tell), at, variable, columns)
     except UnfinishedRun as stop:

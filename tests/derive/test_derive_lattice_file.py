@@ -156,7 +156,7 @@ COMMANDS: dict[str, tuple[list[str], str]] = {
     "set": (["fput", "--set", "K2"], "--set must be NAME=VALUE, got K2"),
     "set unknown": (["fput", "--set", "K9=1"], "constants must be among"),
     "set text": (["fput", "--set", "K2=one"], "K2: expected a known name, got 'one'"),
-    "orders": (["fput", "--orders", "99"], "--order must be an integer <= 13"),
+    "orders": (["fput", "--orders", "99"], "--order must be a whole number from 0 to 13"),
     "amplitude": (["fput", "--amplitude", "-1"], "--amplitude must be an integer"),
     "pinned": (["klein_gordon"], "no scaling fits klein_gordon"),
     "background": (["mass_dimer", "--background", "1/2"], "background must be left out"),

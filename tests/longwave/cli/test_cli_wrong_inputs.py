@@ -1,0 +1,275 @@
+"""Sixty wrong inputs, at the command line and in files: one line with the remedy, no traceback.
+
+Catches: an input that ends in a traceback, in several lines, in status 0, or in a message without
+what may be written instead; one that is told only after something was loaded or run.
+"""
+
+import errno
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from longwave.__main__ import main
+from longwave.runs import run_output, run_store, sweep_cells
+from longwave.runs.run_file import load_run, save_run
+from longwave.scenes.named_scenes import load_scene
+from longwave.support import atomic_file
+
+Output = pytest.CaptureFixture[str]
+
+CHAIN = """
+title = "short"
+wave = "soliton_sech"
+eps = 0.2
+t0 = 0
+snapshots = [0, 10]
+tolerance = 1e-3
+lattice = { K2 = 1, K4 = 1 }
+parameters = { A = 1 }
+domain = { compared = 60 }
+"""
+LATTICE = """
+fields = ["u1", "u2"]
+masses = ["m1", "m2"]
+[[spring]]
+between = ["u1[n]", "u2[n]"]
+force = "K*x + g*x**2"
+[[spring]]
+between = ["u2[n]", "u1[n+1]"]
+force = "K*x + g*x**2"
+"""
+SWEEP = 'scene = "chain.toml"\n[grid]\neps = [0.2, 0.25]\n'
+FIT = "stretch,force\n0,0\n1,1\n2,3\n3,7\n4,12\n"
+
+FILES = {"chain.toml": CHAIN, "lattice.toml": LATTICE, "sweep.toml": SWEEP, "force.csv": FIT}
+
+LINES = [
+    ("derive --order -1", "--order must be a whole number from 0 to 13, got '-1' (leave it out"),
+    ("derive --order 2.5", "--order must be a whole number from 0 to 13, got '2.5'"),
+    ("derive --amplitude -2", "--amplitude must be a whole number from 0 to 8, got '-2'"),
+    ("derive --time 99", "--time must be a whole number from 0 to 9, got '99'"),
+    ("derive --k2 -1", "K2 must be positive, got -1 (the equation is derived for such values; in"),
+    ("derive --k3 0 --k4 0", "which leaves Y_XXX, a linear equation (take a nonzero cubic"),
+    ("derive --k2 1/0", "K2"),
+    ("derive --set K5=1", "K5"),
+    ("derive todda", "(did you mean toda?"),
+    ("derive toda fput", "MODEL must be one, got toda fput (derive them in turn)"),
+    ("derive nowhere.toml", "nowhere.toml"),
+    ("derive dimer --branch optical", "--branch"),
+    ("derive --map 3", "--map"),
+    ("derive square --direction x", "direction"),
+    ("derive --background 1/", "background"),
+    ("prove --equation u_t", "--equation must be given with --solution alone, got no --solution"),
+    ("prove --equation u_t --solution u=1 --limit 0", "--limit must be 0.01 to 1e+06 seconds"),
+    ("library nothing", "nothing"),
+    ("check nowhere.json", "nowhere.json: No such file or directory"),
+    ("verify --only kinck", "(did you mean kink?"),
+    ("verify --digits 20", "digits"),
+    ("verify --points -1 --method residual", "points"),
+    ("verify --output a.json --export coq --json", "a.json"),
+    ("fit nowhere.csv", "nowhere.csv"),
+    ("fit force.csv --law x+", "law"),
+    ("fit force.csv --fix K2", "--fix must be NAME=VALUE, got 'K2' (such as m1=1,m2=3)"),
+    ("fit force.csv --units mm", "units"),
+    (
+        "fit force.csv --scene chain.toml",
+        "--scene must be given with --free, got one of them alone",
+    ),
+    ("fit force.csv --output a.txt", "--output must end in .toml, got 'a.txt'"),
+    ("run chain.tml", "scene must be a TOML file or a shipped scene, got 'chain.tml' ("),
+    ("run toda_solitn", "(did you mean toda_soliton"),
+    ("run chain.toml --tolerance 0", "tolerance must satisfy tolerance > 0, got 0 (such as 1e-4)"),
+    ("run chain.toml --tolerance 1e-30", "tolerance must"),
+    ("run chain.toml --engine spectal", "(did you mean spectral? one of stencil, spectral)"),
+    ("run chain.toml --output run.txt", "--output must end in .nc, got 'run.txt' (such as run.nc)"),
+    ("run chain.toml --output no/run.nc", "must lie in an existing folder, got no/run.nc (make it"),
+    ("run chain.toml --output chain.toml", "--output must end in .nc"),
+    ("run chain.toml --output .", "--output must name a file, got the folder . (such as run.nc in"),
+    ("run chain.toml --max-time soon", "must be a positive amount, got 'soon' (such as 90s, 30min"),
+    ("run chain.toml --max-memory -3G", "must be a positive amount, got '-3g'"),
+    ("run chain.toml --max-memory 1k", "must fit 1 kB, got about"),
+    ("run chain.toml --set eps=5", "eps must satisfy eps <= 1, got 5 (it is small, as the waves"),
+    ("run chain.toml --set constants.K2=-1", "K2 must satisfy K2 > 0, got -1 (the sound speed is"),
+    ("run chain.toml --set parameters.A=0", "A must"),
+    ("run chain.toml --set observables=[strian]", "observables must"),
+    ("run chain.toml --set snapshots=[]", "either slow_times or times must be given"),
+    ("run chain.toml --set compared=0.5", "compared must be a whole number"),
+    (
+        "sweep sweep.toml --processes 0",
+        "--processes must be 1 to 1024, got 0 (one a core is usual)",
+    ),
+    ("sweep sweep.toml --processes 1 --scheduler tcp://x:1", "must not be given with --scheduler"),
+    ("sweep sweep.toml --seed 3", "--seed must be given with --samples, got 3 alone"),
+    ("sweep chain.toml --samples 3", "samples must be 39 to 1000000, got 3 (39 are the fewest"),
+    ("sweep chain.toml", "keys must be known ones, got"),
+    ("sweep error_over", "sweep must be a TOML file or a shipped sweep, got 'error_over' ("),
+    ("sweep sweep.toml --output x.csv", "--output must end in .nc, got 'x.csv'"),
+    ("sweep sweep.toml --output a.nc --store a.nc", "--output must not be the --store, a folder"),
+    ("plot chain.toml --output a.bmp", "output must be a path ending in .png, .pdf, .svg"),
+    ("plot chain.toml --at eps", "--at must be NAME=VALUE, got 'eps' (such as eps=0.1)"),
+    ("plot chain.toml --kind map", "'map' is not one of 'all', 'snapshots', 'space_time'"),
+    ("plot nowhere.nc", "nowhere.nc"),
+    ("plot run.nc --kind values", "kind must not be given for a run or a scene"),
+    ("animate chain.toml --output a.avi", "output must be a path ending in .mp4, .gif"),
+    ("animate chain.toml --output a.gif --fps 0", "fps must satisfy 1 <= fps <= 50, got 0"),
+    ("animate chain.toml --output a.gif --duration 1e9", "duration must satisfy 0.2 <= duration"),
+    (
+        "animate chain.toml --output a.gif --times 5 1",
+        "times must satisfy first < last, got 5 and 1",
+    ),
+    ("converge chain.toml --eps 0.1,0.2", "eps must be 3 to 20 different values, got (0.1, 0.2)"),
+    ("converge chain.toml --eps 0.1,0.2,-0.3", "eps must satisfy eps > 0, got -0.3 (such as"),
+    ("converge chain.toml --output a.nc", "output must be a path ending in .png, .pdf, .svg"),
+    ("list waves --library", "--library must not be given with KIND, got waves as well"),
+    ("explore --port 99999", "99999 is not in the range 0<=x<=65535"),
+    ("report --workers 0 --output r", "workers"),
+]
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    for name, text in FILES.items():
+        Path(name).write_text(text, encoding="utf-8")
+    return tmp_path
+
+
+@pytest.fixture(scope="module")
+def kept(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A run's file."""
+    place = tmp_path_factory.mktemp("runs")
+    (place / "chain.toml").write_text(CHAIN, encoding="utf-8")
+    save_run(load_scene(place / "chain.toml").run(), place / "run.nc")
+    return place / "run.nc"
+
+
+@pytest.mark.parametrize(("line", "message"), LINES)
+def test_a_wrong_input_is_told_in_one_line(
+    line: str, message: str, folder: Path, kept: Path, capsys: Output
+) -> None:
+    (folder / "run.nc").write_bytes(kept.read_bytes())
+    before = sorted(folder.iterdir())
+    assert main(line.split()) in (1, 2)
+    output = capsys.readouterr()
+    assert output.err.startswith("error: ")
+    assert output.err.count("\n") == 1
+    assert message in output.err
+    assert sorted(folder.iterdir()) == before
+
+
+CONTENTS = [
+    ("lattice.toml", '"u1", "u2"', '"u_1", "u2"', "fields must have names of letters and digits"),
+    ("lattice.toml", '"u1", "u2"', '"1u", "u2"', "fields must have names of letters and digits"),
+    ("lattice.toml", '"u1", "u2"', '"u1", "u1"', "each its own, got 'u1'"),
+    ("lattice.toml", "K*x + g*x**2", "K*x", "forces must be nonlinear in the stretch x, got a"),
+    ("lattice.toml", "K*x + g*x**2", "-K*x + g*x**2", "stiffness must be positive: -K/(m1 + m2)"),
+    ("lattice.toml", "K*x + g*x**2", "-1*x + g*x**2", "stiffness must be positive: "),
+    ("lattice.toml", "K*x + g*x**2", "K*x +", "force: expected"),
+    ("lattice.toml", '"u2[n]", "u1[n+1]"', '"u2[n]"', "between must be two sites"),
+    ("lattice.toml", "u1[n+1]", "w[n+1]", "between must be among u1, u2, got 'w'"),
+    ("lattice.toml", '"m1", "m2"', '"m1"', "masses must be a list of 2, one a field"),
+    ("lattice.toml", "between", "betwen", "keys must be among between, force, got 'betwen'"),
+    ("chain.toml", "eps = 0.2", "eps = 5", "eps must satisfy eps <= 1, got 5 (it is small, as"),
+    ("chain.toml", "eps = 0.2", 'eps = "small"', "eps must be a number, got 'small' (such as"),
+    ("chain.toml", "eps = 0.2", "", "eps must be stated, got nothing"),
+    ("chain.toml", "K2 = 1", "K2 = -1", "K2 must satisfy K2 > 0, got -1 (the sound speed is"),
+    ("chain.toml", "K2 = 1, K4", "K2 = 1, k4", "keys in [lattice] must be known ones, got 'k4'"),
+    ("chain.toml", "A = 1", "B = 1", "parameters must be those of soliton_sech, got B"),
+    ("chain.toml", "[0, 10]", "[0, nan]", "snapshots must be finite, got nan"),
+    ("chain.toml", "[0, 10]", "[10, 0]", "snapshots must"),
+    ("chain.toml", "soliton_sech", "soliton_sec", "did you mean soliton_sech?"),
+    ("chain.toml", "tolerance = 1e-3", "", "must be stated, got nothing (state it or a tolerance)"),
+    ("chain.toml", "t0 = 0", "t0 = 0 0", "scene must be a TOML file, got"),
+    ("sweep.toml", "[0.2, 0.25]", "0.2", "eps must be a list of values or a range, got 0.2"),
+    ("sweep.toml", "[0.2, 0.25]", "[0.2, 0.2]", "eps in [grid] must have different values"),
+    ("sweep.toml", "eps =", "epz =", "fields must be known ones, got 'epz' (did you mean eps?"),
+    ("sweep.toml", "chain.toml", "chian.toml", "chian.toml: No such file or directory"),
+    ("force.csv", "stretch", "strech", "strech"),
+    ("force.csv", "3,7", "3,seven", "seven"),
+]
+COMMANDS = {"lattice.toml": "derive", "chain.toml": "run", "sweep.toml": "sweep"}
+
+
+@pytest.mark.usefixtures("folder")
+@pytest.mark.parametrize(("name", "right", "wrong", "message"), CONTENTS)
+def test_a_wrong_file_is_told_in_one_line(
+    name: str, right: str, wrong: str, message: str, capsys: Output
+) -> None:
+    assert right in FILES[name]
+    Path(name).write_text(FILES[name].replace(right, wrong), encoding="utf-8")
+    assert main([COMMANDS.get(name, "fit"), name]) in (1, 2)
+    output = capsys.readouterr()
+    assert output.err.startswith("error: ")
+    assert output.err.count("\n") == 1
+    assert message in output.err
+
+
+def test_a_strain_that_no_run_has_is_told(kept: Path, folder: Path, capsys: Output) -> None:
+    run = load_run(kept)
+    for fault, told in (
+        ("nan", "got 1 of 2 snapshots that are not"),
+        ("int", "got int64"),
+        ("none", "got none"),
+    ):
+        changed = run.copy(deep=True)
+        if fault == "nan":
+            changed["strain"].values[1] = np.nan
+        elif fault == "int":
+            changed["strain"] = changed["strain"].astype(int)
+        else:
+            changed = changed.drop_vars("strain")
+        save_run(changed, folder / f"{fault}.nc")
+        for words in (["plot"], ["run"]):
+            main([*words, f"{fault}.nc"])
+            errors = capsys.readouterr().err
+            assert "Traceback" not in errors
+            assert f"{fault}.nc: strain must be" in errors
+            assert told in errors
+
+
+def test_options_are_checked_before_anything_is_loaded(folder: Path) -> None:
+    lines = [
+        line for line, _ in LINES if re.search("output|processes|--seed|--at|--fps|--port", line)
+    ]
+    lines = [
+        line for line in lines if line.split()[0] in ("run", "sweep", "plot", "animate", "converge")
+    ]
+    script = (
+        "import sys\nfrom longwave.__main__ import main\n"
+        f"for line in {lines!r}: assert main(line.split()) == 2, line\n"
+        "heavy = {'sympy', 'numba'} & set(sys.modules)\n"
+        "sys.exit(', '.join(heavy) or 0)\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-P", "-c", script], capture_output=True, text=True, cwd=folder
+    )
+    assert done.returncode == 0, done.stderr
+
+
+def full(*_: object, **__: object) -> None:
+    raise OSError(errno.ENOSPC, "No space left on device", "there")
+
+
+def test_a_full_disk_is_status_1_wherever_it_is_met(
+    folder: Path, kept: Path, monkeypatch: pytest.MonkeyPatch, capsys: Output
+) -> None:
+    (folder / "run.nc").write_bytes(kept.read_bytes())
+    monkeypatch.setattr(run_output, "save_run", full)
+    monkeypatch.setattr(atomic_file.Path, "write_bytes", full)
+    monkeypatch.setattr(atomic_file.Path, "write_text", full)
+    for line in (
+        "run chain.toml --output new.nc",
+        "run chain.toml --store kept",
+        "sweep sweep.toml --processes 1 --store kept",
+        "plot run.nc --output run.png",
+        "verify --only kink --output kink.json",
+        "fit force.csv --output fitted.toml",
+    ):
+        assert main(line.split()) == 1, line
+        told = capsys.readouterr().err.splitlines()[-1]
+        assert told.startswith("error: ")
+        assert "No space left on device" in told
