@@ -131,8 +131,8 @@ def _balanced(
         return
     if all(bond.force.diff(x, 2).is_zero for bond in lattice.bonds):
         raise ReductionError(
-            f"forces must be nonlinear in the stretch x, got a linear lattice, {lattice.name} (add a "
-            "term such as K3*x**2; its waves are in the dispersion relation alone)"
+            f"forces must be nonlinear in the stretch x, got a linear lattice, {lattice.name} (add "
+            "a term such as K3*x**2; its waves are in the dispersion relation alone)"
         )
     if (amplitude, time) == (None, None):
         raise ReductionError(f"no scaling fits {lattice.name}: {refused}")

@@ -305,7 +305,8 @@ def _refusal(left: Mapping[str, Expr], vanished: Sequence[str]) -> str:
         linear = "" if any(_is_nonlinear(term) for term in left) else ", a linear equation"
         return (
             f"the coefficient of {lost[0]} must not vanish, got 0, which leaves "
-            f"{', '.join(left) or 'nothing'}{linear} ({_REMEDY.get(lost[0], 'take other constants')})"
+            f"{', '.join(left) or 'nothing'}{linear} "
+            f"({_REMEDY.get(lost[0], 'take other constants')})"
         )
     known = "; ".join(f"{e.name}: {', '.join(e.terms)}" for e in NORMAL_EQUATIONS.values())
     return (

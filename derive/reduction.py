@@ -236,8 +236,8 @@ class Reduction:
         if squared.is_positive is False:
             told = "" if self.speed_squared == squared else f"{text_of(self.speed_squared)}, "
             raise ValueError(
-                f"stiffness must be positive: {told}the square of the sound speed, must be > 0, got "
-                f"{squared} (a spring that is stretched pulls back: K*x with K > 0)"
+                f"stiffness must be positive: {told}the square of the sound speed, must be > 0, "
+                f"got {squared} (a spring that is stretched pulls back: K*x with K > 0)"
             )
 
     def __repr__(self) -> str:
