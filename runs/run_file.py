@@ -132,15 +132,15 @@ def strain_fault(run: xr.Dataset) -> str:
     strain = run["strain"]
     if strain.dtype.kind != "f":
         return (
-            f"strain must be floating-point numbers, got {strain.dtype} (no run writes that; run the "
-            "scene again)"
+            f"strain must be floating-point numbers, got {strain.dtype} (no run writes that; run "
+            "the scene again)"
         )
     finite = np.isfinite(strain.values).reshape(len(strain), -1).all(axis=1)
     if finite.all():
         return ""
     return (
-        f"strain must be finite, got {np.count_nonzero(~finite)} of {len(strain)} snapshots that are "
-        "not (run the scene again)"
+        f"strain must be finite, got {np.count_nonzero(~finite)} of {len(strain)} snapshots "
+        "that are not (run the scene again)"
     )
 
 

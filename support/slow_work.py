@@ -68,7 +68,7 @@ class TimeLeft:
         self._end = self.clock() + seconds
 
     def share(self, done: float) -> None:
-        """Take in which share of the work is done; what an earlier process did has no pace."""
+        """Take in which share is done; what was done before this process has no pace."""
         now = self.clock()
         self._first = self._first or (now, done)
         self._done = done
