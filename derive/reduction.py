@@ -19,6 +19,7 @@ from longwave.derive.output.notation import Notation, idle_loss, latex_of, power
 from longwave.derive.output.report import latex_report, reduction_data, text_report
 from longwave.derive.scaling import Scaling
 from longwave.derive.symbols import eps, values_of
+from longwave.support.user_files import shown
 
 _POWERS = {"KdV": 1, "mKdV": 2}
 """The power of Y before Y_X, of equations whose solitons have an amplitude law."""
