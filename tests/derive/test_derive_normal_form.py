@@ -113,7 +113,7 @@ def test_a_number_of_more_digits_than_a_float_keeps_them_or_is_refused() -> None
 def test_a_value_that_its_symbol_excludes_is_refused() -> None:
     """K2 is declared positive, and the reduction divides by it on that word."""
     with pytest.raises(
-        ValueError, match="K2 must be positive, got -1 .the equation is derived for"
+        ValueError, match=r"K2 must be positive, got -1 .the equation is derived for"
     ):
         mkdv_reduction().coefficients(K2=-1)
 
