@@ -296,12 +296,10 @@ class Lattice(Displayed):
             for word in _ASSUMPTIONS:
                 if getattr(symbol, f"is_{word}") and getattr(value, f"is_{word}") is False:
                     remedy = self.vacuum_at(symbol, value) or (
-                        "declare the symbol without it, if such values are meant"
+                        "the equation is derived for such values; in a lattice file leave it out "
+                        "of `positive` if others are meant"
                     )
-                    raise ValueError(
-                        f"{symbol} must be {word}, as its symbol is declared, got {shown(value)} "
-                        f"({remedy})"
-                    )
+                    raise ValueError(f"{symbol} must be {word}, got {shown(value)} ({remedy})")
 
     def vacuum_at(self, symbol: Symbol, value: Expr) -> str:
         """A word on a value that takes a spring its linear stiffness; nothing for any other.

@@ -19,7 +19,6 @@ from longwave.derive.output.notation import Notation, idle_loss, latex_of, power
 from longwave.derive.output.report import latex_report, reduction_data, text_report
 from longwave.derive.scaling import Scaling
 from longwave.derive.symbols import eps, values_of
-from longwave.support.user_files import shown
 
 _POWERS = {"KdV": 1, "mKdV": 2}
 """The power of Y before Y_X, of equations whose solitons have an amplitude law."""
@@ -276,14 +275,3 @@ class Reduction:
         The coefficients are those at ``constants``; raises ValueError as coefficients does.
         """
         return json.dumps(reduction_data(self, constants), indent=2)
-
-
-def _check_assumptions(values: Mapping[Symbol, Expr]) -> None:
-    """Refuse a value that is not what its symbol is declared to be."""
-    for symbol, value in values.items():
-        for word in ("positive", "negative", "nonnegative", "nonpositive", "nonzero", "integer"):
-            if getattr(symbol, f"is_{word}") and getattr(value, f"is_{word}") is False:
-                raise ValueError(
-                    f"{symbol} must be {word}, got {shown(value)} (the equation is derived for "
-                    "such values; in a lattice file leave it out of `positive` if others are meant)"
-                )
