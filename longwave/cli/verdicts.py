@@ -81,8 +81,8 @@ def print_verdicts(
     law = STABLE if stable else PROOF if sampling is None else RESIDUAL
     expected = law.total(names) * (1.0 if sampling is None else _effort(sampling))
     cheaper = "take a lower order, fewer forms or another method"
-    check_and_announce(f"{_noun(len(names))} to be checked", expected, cheaper=cheaper)
     proofs.check()
+    check_and_announce(f"{_noun(len(names))} to be checked", expected, cheaper=cheaper)
     work = _verdicts(names, stable, sampling)
     found, complete = finished(tracked(work, len(names), "checking"))
     proved = [v.certificate for v in found if isinstance(v, ProofVerdict)]

@@ -177,7 +177,12 @@ CONTENTS = [
     ("lattice.toml", '"u2[n]", "u1[n+1]"', '"u2[n]"', "between must be two sites"),
     ("lattice.toml", "u1[n+1]", "w[n+1]", "between must be among u1, u2, got 'w'"),
     ("lattice.toml", '"m1", "m2"', '"m1"', "masses must be a list of 2, one a field"),
-    ("lattice.toml", "between", "betwen", "keys must be among between, force, got 'betwen'"),
+    (
+        "lattice.toml",
+        "between",
+        "betwen",
+        "keys must be known ones, got 'betwen' (did you mean between?",
+    ),
     ("chain.toml", "eps = 0.2", "eps = 5", "eps must satisfy eps <= 1, got 5 (it is small, as"),
     ("chain.toml", "eps = 0.2", 'eps = "small"', "eps must be a number, got 'small' (such as"),
     ("chain.toml", "eps = 0.2", "", "eps must be stated, got nothing"),
