@@ -31,6 +31,7 @@ autodoc_default_options = {
     "members": True,
     "member-order": "bysource",
     "no-value": True,
+    "exclude-members": "set",  # which Matplotlib writes into each class of figures
 }
 autodoc_typehints_format = "short"
 autodoc_preserve_defaults = True

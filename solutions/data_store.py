@@ -14,7 +14,7 @@ from typing import Any, TypeVar, cast
 
 from longwave.solutions.catalogue import CATALOGUE
 from longwave.support.compiled.kernel_folder import CacheFolder, cache_folder
-from longwave.support.plain_data import Kind, plain_bytes, plain_value
+from longwave.support.plain_data import PlainKind, plain_bytes, plain_value
 
 MOST_FILES, SPARE_FILES = 512, 128
 """Files that stay in a folder; the oldest go first, when there are so many more: to look for them
@@ -78,24 +78,24 @@ class DataStore:
 
 
 @lru_cache
-def _kind(name: str) -> Kind | None:
+def _kind(name: str) -> PlainKind | None:
     """The type of that name, or long numbers; None if it has no place in what is kept."""
     if name == "mpf":
         from longwave.solutions.run.linear_phase import LONG, long_of
 
-        return Kind(LONG.mpf, lambda number: tuple(map(int, number._mpf_)), long_of)
+        return PlainKind(LONG.mpf, lambda number: tuple(map(int, number._mpf_)), long_of)
     if name not in TYPES:
         return None
     cls: Any = getattr(import_module(f"longwave.solutions.{TYPES[name]}"), name)
     if issubclass(cls, tuple):
-        return Kind(cls, tuple, lambda parts: cls(*parts))
+        return PlainKind(cls, tuple, lambda parts: cls(*parts))
 
     def made(parts: dict[str, Any]) -> Any:
         value = object.__new__(cls)
         vars(value).update(parts)
         return value
 
-    return Kind(cls, vars, made)
+    return PlainKind(cls, vars, made)
 
 
 def open_store(maker: str, key: str) -> DataStore | None:

@@ -26,7 +26,7 @@ HEAD = 8
 """Bytes that say how long the text is."""
 
 
-class Kind(NamedTuple):
+class PlainKind(NamedTuple):
     """A type that may stand in plain data: how it is taken apart, and made of those parts again."""
 
     type: type
@@ -34,7 +34,7 @@ class Kind(NamedTuple):
     made: Callable[[Any], object]
 
 
-Kinds = Callable[[str], Kind | None]
+Kinds = Callable[[str], PlainKind | None]
 """The type of a name that may stand in the data, None if there is none."""
 
 
