@@ -1,7 +1,7 @@
 """longwave: derive the long-wave limit of a lattice, check its solutions, test them on the lattice.
 
-The face of the project. The public nouns of the rooms are here under one name; each is imported
-when it is first asked for, so `import longwave` is quick.
+What a user needs is here under one name: lattices and their reductions, closed forms and proofs,
+scenes, runs and pictures. Each is imported when it is first used, so `import longwave` is quick.
 
 >>> import longwave
 >>> longwave.mkdv_normal_form(4, 1).s

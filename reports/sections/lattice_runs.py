@@ -27,7 +27,7 @@ from longwave.reports.latex import (
 )
 from longwave.reports.pictures.drawing import snapshot_panels
 from longwave.reports.pictures.lattice_figures import even_times, rate_figure, strain_maps
-from longwave.reports.pictures.run_data import snapshots
+from longwave.reports.pictures.run_data import placed, snapshots, with_own
 from longwave.reports.studies.lattice_runs import SceneRun
 from longwave.scenes.scene import Scene
 from longwave.scenes.scene_rules import COMPUTED
@@ -192,7 +192,7 @@ def lattice_figures(
     yield "lattice_peregrines", snapshot_panels(peregrines, "theory").figure()
     for name, run in ran.items():
         if is_map(scenes[name]):
-            yield f"scene_{name}", strain_maps(run).figure()
+            yield f"scene_{name}", strain_maps(with_own(placed(run))).figure()
     yield "lattice_rates", rate_figure(rate_panels(rates))
 
 

@@ -193,7 +193,7 @@ def test_constants_of_losses_have_values() -> None:
         ("site=1,site.u=2", "each once, got 'site.u'"),
         ("site.w=1", "site must be a loss of u, v, got one of 'w'"),
         ("bond.3=1", "bond must be a loss of 1, 2, got one of '3'"),
-        ("site", "--losses must be NAME=VALUE, got site"),
+        ("site", "--losses must be NAME=VALUE, got 'site'"),
     ],
 )
 def test_wrong_losses_are_one_line(
