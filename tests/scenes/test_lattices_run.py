@@ -195,7 +195,7 @@ GRANULAR = {"lattice": "granular", "constants": {"A": 1, "d": "1/100"}, "carrier
             "(one of kdv_soliton, kdv_two_soliton, kdv_cnoidal; an envelope needs",
         ),
         (DARK | {"wave": "nls_bright"}, "wave must solve the defocusing NLS equation"),
-        ({"lattice": "fput", "constants": FPUT | {"K4": 0}}, "no scaling fits fput"),
+        ({"lattice": "fput", "constants": FPUT | {"K4": 0}}, "got a linear lattice, fput"),
         ({"constants": {"a": 1}}, "constant b of toda must be given, got none"),
         ({"constants": {"a": 1, "b": 1, "c": 1}}, "constants must be among a, b, got 'c'"),
         ({"constants": {"a": -1, "b": 1}}, "a must satisfy a > 0, got -1"),
