@@ -253,9 +253,8 @@ def _limit(given: float | None) -> float:
     return limit
 
 
-def _announce_rest(count: int, seconds: float) -> None:
-    work = f"{count} statement{'' if count == 1 else 's'} to be decided"
-    give_notice(work, f"at most {duration(seconds)} more")
+def _announce_rest(count: int, takes: str) -> None:
+    give_notice(f"{count} statement{'' if count == 1 else 's'} to be decided", takes)
 
 
 # processes
@@ -265,24 +264,30 @@ def decided(
     problems: Sequence[StatedProblem],
     limit: float = LIMIT,
     hinting: float = HINT_SECONDS,
-    late: Callable[[int, float], None] = lambda count, seconds: None,
+    late: Callable[[int, str], None] = lambda count, takes: None,
     workers: Workers | None = None,
 ) -> Iterator[tuple[int, StatementVerdict]]:
     """The verdicts with the places of their problems, as they are reached.
 
     Past ``limit`` seconds a statement is undecided, and the reason says how far it came.
     ``hinting`` seconds at most are spent on what would hold in the place of a refuted one. After
-    `QUIET` seconds ``late`` is told how many statements are left, and their seconds at most.
+    `QUIET` seconds ``late`` is told how many statements are left, and what they take: as long as
+    those before them on average, or at most the limit if none is decided.
     ``workers`` may be those of a cluster.
     """
     workers = workers or LocalWorkers(os.cpu_count() or 1, apart=True)
-    left, patience = len(problems), time.monotonic() + QUIET
+    left, begun, is_told = len(problems), time.monotonic(), False
 
     def look(_: object) -> None:
-        nonlocal patience
-        if time.monotonic() > patience:
-            patience = math.inf
-            late(left, math.ceil(left / workers.count) * limit)
+        nonlocal is_told
+        seconds, done = time.monotonic() - begun, len(problems) - left
+        if is_told or seconds < QUIET:
+            return
+        is_told = True
+        if done:
+            late(left, f"about {duration(seconds * left / done)} more")
+        else:
+            late(left, f"at most {duration(math.ceil(left / workers.count) * limit)} more")
 
     jobs = (
         Job(
