@@ -402,7 +402,8 @@ class _Search:
         if self._stopped:
             raise KeyboardInterrupt
         usual = USUAL_WORK * (self._first_work or self._asked)
-        done = (self._worked + share * self._asked) / max(usual, self._worked + self._asked)
+        whole = max(usual, self._worked + self._asked)
+        done = (self._worked + share * self._asked) / whole if whole else share
         self._shown = max(self._shown, min(done, 1.0))
         self._progress(self._shown)
 

@@ -16,7 +16,6 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, ProgressColumn, Task, TextColumn, track
 from rich.text import Text
 
-from longwave.support.checkpoint import kept_seconds
 from longwave.support.interruption import interrupted
 from longwave.support.progress_line import ProgressLine, in_notebook
 from longwave.support.request_limits import Announcer
@@ -246,7 +245,13 @@ def progress_bar(
 def _of_what_is_left(tell: Tell) -> Tell:
     """Passes on the seconds that are expected, without those that a checkpoint spares."""
     announcer = Announcer(tell)
-    return lambda seconds: announcer(max(0.0, seconds - kept_seconds()))
+
+    def told(seconds: float) -> None:
+        from longwave.support.checkpoint import kept_seconds  # with NumPy
+
+        announcer(max(0.0, seconds - kept_seconds()))
+
+    return told
 
 
 class _TimeColumn(ProgressColumn):

@@ -140,6 +140,9 @@ class Factor:
             and bool(self.polynomial == other.polynomial)
         )
 
+    def __reduce__(self) -> tuple[Callable[..., Factor], tuple[Any, ...]]:
+        return _factor, (self.polynomial.context().names(), dict(self.terms))
+
     def taken_from(self, numer: fmpz_mpoly, most: int) -> tuple[fmpz_mpoly, int]:
         """The polynomial less this factor as often as it is in it, and what is left of ``most``."""
         while most:
@@ -173,8 +176,7 @@ class RationalFunction:
         self._parts: tuple[int, dict[Factor, int]] | None = None
 
     def __reduce__(self) -> tuple[Callable[..., RationalFunction], tuple[Any, ...]]:
-        below = [(dict(factor.terms), times) for factor, times in self.below.items()]
-        return _quotient, (self.field, dict(self.terms()), self.content, below)
+        return _quotient, (self.field, dict(self.terms()), self.content, dict(self.below))
 
     @property
     def denom(self) -> fmpz_mpoly:
@@ -409,11 +411,15 @@ def _quotient(
     field: RationalFunctions,
     above: Mapping[Exponents, int],
     content: int,
-    below: Iterable[tuple[Mapping[Exponents, int], int]],
+    below: Factors,
 ) -> RationalFunction:
     """A pickled element: numerator and factors below the line as they were."""
-    factors = {Factor(field.context.from_dict(terms)): times for terms, times in below}
-    return RationalFunction(field, field.context.from_dict(above), content, factors)
+    return RationalFunction(field, field.context.from_dict(above), content, below)
+
+
+def _factor(names: Sequence[str], terms: Mapping[Exponents, int]) -> Factor:
+    """A pickled factor."""
+    return Factor(fmpz_mpoly_ctx.get(names, "lex").from_dict(terms))
 
 
 def _terms(polynomial: fmpz_mpoly) -> Terms:

@@ -12,6 +12,7 @@ from longwave.reports.pictures.plotting import ALL
 from longwave.reports.pictures.plotting import PICTURES as KINDS
 from longwave.scenes.named_scenes import load_scene
 from longwave.scenes.run_record import RunRecord, UnfinishedRun
+from longwave.scenes.scene import Scene
 
 Output = pytest.CaptureFixture[str]
 
@@ -69,7 +70,7 @@ def test_ctrl_c_draws_what_was_run(
     capsys: Output,
 ) -> None:
     def plot(source: Any, *_: object, **__: object) -> None:
-        if isinstance(source, str):
+        if isinstance(source, Scene):
             raise stop
         if not drawable:
             raise ValueError("source must hold what is drawn")

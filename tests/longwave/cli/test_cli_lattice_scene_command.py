@@ -45,7 +45,7 @@ def test_a_run_is_printed_written_and_drawn(scene: Path, capsys: Output) -> None
     assert "energy kept to" in printed
     assert load_run(run)["strain"].dims == ("time", "site")
     assert main(["plot", str(run), "--output", str(picture)]) == 0
-    assert matplotlib.image.imread(picture).shape[1] == 1040
+    assert matplotlib.image.imread(picture).shape[1] == 1400
     assert main(["plot", str(run), "--kind", "crest", "--output", str(picture), "--force"]) == 0
 
 

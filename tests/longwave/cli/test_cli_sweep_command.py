@@ -106,7 +106,7 @@ def test_a_sweep_that_takes_its_time_says_so(
     path.write_text(TEXT, encoding="utf-8")
     store = str(tmp_path / "store")
     assert sweep_and_print(str(path), "longwave sweep", processes=1, store=store) == 1
-    assert re.search(r"sw, 2 cells: .*left \(Ctrl-C stops it\)", said)
+    assert re.search(r"sw, 2 cells: .*(left|so far) \(Ctrl-C stops it\)", said)
 
 
 def test_what_the_store_says_is_told_in_lines(

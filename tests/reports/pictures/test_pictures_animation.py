@@ -9,7 +9,7 @@ import xarray as xr
 from PIL import Image
 
 from longwave.__main__ import main
-from longwave.reports.pictures import animation
+from longwave.reports.pictures import animation, film_files
 from longwave.reports.pictures.animation import animate, bench_frames, film_of
 from longwave.reports.pictures.drawing import styled
 from longwave.runs import save_run
@@ -160,7 +160,8 @@ def test_the_command_says_that_a_run_has_few_snapshots(
 def test_the_film_is_mp4_where_ffmpeg_is_and_gif_otherwise(
     there: bool, capsys: Output, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(animation, "has_ffmpeg", lambda: there)
+    for module in (animation, film_files):
+        monkeypatch.setattr(module, "has_ffmpeg", lambda: there)
     monkeypatch.setattr(animation, "animate", lambda *_, **__: 99)
     assert main(["animate", "rogue_cn_k_0.5"]) == 0
     assert capsys.readouterr().out == f"rogue_cn_k_0.5.{'mp4' if there else 'gif'}\n"
