@@ -18,6 +18,7 @@ SECONDS, MEGABYTES = 5.0, 500.0
 
 # Memory is the process's own peak: ru_maxrss would count the test runner that it came from.
 SCRIPT = """
+import difflib  # which makes a named tuple from a text
 import json, re, sys, time
 from pathlib import Path
 from longwave.derive.algebra.formula_text import FormulaError
