@@ -19,8 +19,13 @@ many constants, and the power of their number with which they grow."""
 CARRIER, A_CONSTANT, A_FIELD = 0.06, 2.8, 6.0
 """Seconds for the envelope at k = pi with two fields and five constants; factors for each more."""
 
-ANY_CARRIER = 3.0
-"""The same for other wavenumbers, whose phase is a further symbol, in units of that at pi."""
+IN_NUMBERS, EACH_FIELD = 0.3, 2.0
+"""Seconds for other wavenumbers with two fields and numbers for all constants; a factor for each
+further field."""
+
+ANY_CARRIER, ITS_CONSTANT = 1.0, 6.0
+"""What five constants without a value add, as the phase is a further symbol; a factor for each
+more."""
 
 A_REACH = 30.0
 """For one field, by how much each further cell that a bond reaches makes that dearer."""
@@ -51,13 +56,15 @@ def envelope_seconds(lattice: Lattice, at_pi: bool, given: int = 0) -> float:
 
     >>> from longwave.derive import LATTICES
     >>> [f"{envelope_seconds(LATTICES['mass_dimer'], at_pi):.2g}" for at_pi in (True, False)]
-    ['0.06', '0.18']
+    ['0.06', '1.3']
     """
     if len(lattice.fields) == 1:
         return CARRIER * (1.0 if at_pi else A_REACH ** min(_reach(lattice) - 1, 6))
-    constants = max(0, len(lattice.constants) - given)
-    found = CARRIER * A_CONSTANT ** (constants - 5) * A_FIELD ** (len(lattice.fields) - 2)
-    return found * (1.0 if at_pi else ANY_CARRIER)
+    constants, further = max(0, len(lattice.constants) - given), len(lattice.fields) - 2
+    if at_pi:
+        return CARRIER * A_CONSTANT ** (constants - 5) * A_FIELD**further
+    symbols = ANY_CARRIER * ITS_CONSTANT ** (constants - 5) if constants else 0.0
+    return IN_NUMBERS * EACH_FIELD**further + symbols * A_FIELD**further
 
 
 def _reach(lattice: Lattice) -> int:
