@@ -52,6 +52,7 @@ LONGEST_LINE = 700
 """Characters of an error; the longest good one lists all shipped scenes."""
 
 ANNOUNCED = re.compile(r"\(Ctrl-C (?:stops|ends) it\)")
+UNREADABLE = re.compile(r"\d+ of \d+ statements cannot be read \(.*\)")
 FORBIDDEN = ("os.system", "os.exec", "os.posix_spawn", "pty.spawn", "ftplib.connect")
 """Events of what no input may bring about."""
 
@@ -418,7 +419,7 @@ def _said(status: int | None, stopped: bool, out: str, errors: str) -> Iterator[
     pictures = status == 2  # the part of a formula that is meant, below the error
     told = [line for line in lines if not ANNOUNCED.search(line)]
     told = [line for line in told if not (pictures and line.startswith("    "))]
-    if status == 2 and not (len(told) == 1 and told[0].startswith("error: ")):
+    if status == 2 and not _are_errors(told):
         yield f"lines: {len(told)} for status 2: {told[:2]}"
     if status == 130 and not (told and told[-1].count("interrupted")):
         yield f"lines: no word of the interruption: {told[-2:]}"
@@ -427,6 +428,14 @@ def _said(status: int | None, stopped: bool, out: str, errors: str) -> Iterator[
     strange = sorted({sign for sign in out + errors if not sign.isprintable() and sign != "\n"})
     if strange:
         yield f"signs: {strange[:5]}"
+
+
+def _are_errors(told: Sequence[str]) -> bool:
+    """Whether it is one error, or one of each statement that cannot be read and their number."""
+    several = bool(told) and UNREADABLE.fullmatch(told[-1]) is not None
+    errors = told[:-1] if several else told
+    alone = several or len(errors) == 1
+    return bool(errors) and alone and all(line.startswith("error: ") for line in errors)
 
 
 def _files(case: FuzzCase, place: Path) -> Iterator[str]:

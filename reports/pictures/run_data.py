@@ -246,6 +246,8 @@ def with_looks(data: xr.Dataset, least: int = LEAST_LOOKS) -> xr.Dataset:
     needed = {"strain", "background", "n", "error", "sup_error"} <= set(data.variables)
     if not needed or data.sizes.get("time", 0) < least or "space_time" in data:
         return data
+    if not data.sizes.get("site", 0):
+        return data
     line, speed, carried = _middle_row(data), data.attrs["speed"], data.attrs["carried"]
     names = ("strain", "analytic", "background", "n")
     strain, analytic, background, sites = (
