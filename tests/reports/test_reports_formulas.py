@@ -13,11 +13,13 @@ from pathlib import Path
 
 import pytest
 import sympy as sp
+from matplotlib.figure import Figure
 
 from longwave.reports.build import TABLES, Findings, source
 from longwave.reports.engine import compile_pdf, engine_present
 from longwave.reports.formulas.formula import Formula, broken
 from longwave.reports.formulas.printing import LINE, is_wide, latex, nesting, tidied, width
+from longwave.reports.pictures.drawing import TEXT_WIDTH
 from longwave.reports.pictures.paper_figures import ERROR_FIGURES, SNAPSHOT_FIGURES
 from longwave.reports.sections import theory
 from longwave.reports.sections.headlines import Headline
@@ -174,7 +176,8 @@ def test_a_short_formula_is_left_alone() -> None:
 @pytest.mark.slow
 @pytest.mark.skipif(not engine_present(), reason="no LaTeX engine on this machine")
 def test_the_source_compiles_without_overfull_lines(tmp_path: Path, report: str) -> None:
-    picture = Path(__file__).parents[2] / "docs" / "rogue_wave.png"
+    picture = tmp_path / "picture.png"
+    Figure((TEXT_WIDTH, 2.0)).savefig(picture, dpi=72)
     (tmp_path / "figures").mkdir()
     names = [figure.name for figure in (*SNAPSHOT_FIGURES, *ERROR_FIGURES)]
     names += ["evaluation_costs", "work_precision", "cost_scaling", "modulation"]
