@@ -218,8 +218,17 @@ def test_light_masses_and_stiff_bonds_have_the_fastest_waves() -> None:
         assert made.highest_frequency(made.rest_slopes()) > np.sqrt(square)
 
 
-@pytest.mark.parametrize("name", ["beta_fput", "mass_dimer", "klein_gordon"])
-@pytest.mark.parametrize("losses", [0.0, 0.1])
+@pytest.mark.parametrize(
+    ("name", "losses"),
+    [
+        ("beta_fput", 0.1),
+        *(
+            pytest.param(name, losses, marks=pytest.mark.slow)
+            for name in ("mass_dimer", "klein_gordon")
+            for losses in (0.0, 0.1)
+        ),
+    ],
+)
 def test_defects_are_felt_as_scipy_has_them(name: str, losses: float) -> None:
     lattice = chain(name)
     fields, bonds = len(lattice.fields), len(lattice.bonds)

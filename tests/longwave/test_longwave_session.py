@@ -101,6 +101,7 @@ def test_what_is_no_sweep_is_told(source: Any, grid: Any, told: str) -> None:
     assert "\n" not in str(refused.value)
 
 
+@pytest.mark.slow
 def test_a_script_without_a_guard_may_sweep(tmp_path: Path) -> None:
     """Catches: worker processes that run the user's script again, and begin a sweep each."""
     script = tmp_path / "mine.py"
@@ -207,6 +208,7 @@ def test_a_line_of_progress_is_written_over_and_told_to_be_done(
     assert last.startswith("toda_soliton: done in ")
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "openpty"), reason="there are no such terminals")
 def test_a_terminal_shows_a_bar_that_goes_away(tmp_path: Path) -> None:
     ours, theirs = os.openpty()

@@ -222,6 +222,7 @@ def test_tables_of_nothing_are_latex_still() -> None:
         assert text.count(r"\begin") == text.count(r"\end{"), name
 
 
+@pytest.mark.slow
 def test_every_case_and_scene_is_a_job() -> None:
     short, full = all_jobs({}, full=False), all_jobs({}, full=True)
     assert short.keys() < full.keys()

@@ -44,7 +44,14 @@ def check_resumed(name: str, folder: Path, rng: np.random.Generator, times: int)
         assert len(left) < len(names) or not any(kills)
 
 
-@pytest.mark.parametrize("name", ["stated window, refined", "bench", "bath"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "stated window, refined",
+        pytest.param("bench", marks=pytest.mark.slow),
+        pytest.param("bath", marks=pytest.mark.slow),
+    ],
+)
 def test_a_killed_run_goes_on_to_the_same_bits(
     name: str, tmp_path: Path, rng: np.random.Generator
 ) -> None:

@@ -176,6 +176,7 @@ def test_what_has_no_samples_is_told_in_one_line(
     assert not list(Path().glob("*.nc"))
 
 
+@pytest.mark.slow
 def test_a_sample_without_a_run_is_left_out(tmp_path: Path) -> None:
     Path("chain.toml").write_text(CHAIN.replace("0.0025", "2.25").replace("0.004", "0"))
     assert main(["sweep", "mode.toml", "--samples", "39", "--processes", "1"]) == 1

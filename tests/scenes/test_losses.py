@@ -150,7 +150,7 @@ def damped_equation(power: int, damping: float, end: float) -> float:
     return float(fine.max() / law)
 
 
-@pytest.mark.parametrize("power", [1, 2])
+@pytest.mark.parametrize("power", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_the_equation_leaves_its_law_with_the_first_power_of_the_damping(power: int) -> None:
     """At one `damping * tau`, and the library's own interval for the limit."""
     dampings = [0.02, 0.01, 0.005] if power == 2 else [0.08, 0.04, 0.02]
