@@ -212,14 +212,15 @@ class NumericWave:
         if fastest:
             low, high = np.floor(low * fastest) / fastest, np.ceil(high * fastest) / fastest
         key = (T, low, high)
-        if key not in self._integrals:
+        integral = self._integrals.get(key)
+        if integral is None:
             from longwave.solutions.quadrature import IntegralFromZero
 
             width = 1.0 / fastest if fastest else np.inf
-            found = IntegralFromZero(lambda x: self(x, T).Y, low, high, width)
+            integral = IntegralFromZero(lambda x: self(x, T).Y, low, high, width)
             kept = list(self._integrals.items())[1 - MOST_KEPT :]
-            self._integrals = {**dict(kept), key: found}
-        return self._integrals[key](points)
+            self._integrals = {**dict(kept), key: integral}
+        return integral(points)
 
     def potential(self, X: ArrayLike, T: ArrayLike, *, Z: ArrayLike) -> PlanarValues:
         """W, W_X, W_T, W_Z at the points (X, T, Z), with W_X = Y and W constant on the left.

@@ -221,11 +221,8 @@ def _all_decided(
     left: list[tuple[int, StatedProblem]] = []
     for place, problem in enumerate(problems):
         if isinstance(problem, UnreadableProblem):
-            words = str(problem.error)
-            yield (
-                place,
-                StatementVerdict(problem.name, "", "reading", Outcome.UNREADABLE, words),
-            )
+            told = problem.name, "", "reading", Outcome.UNREADABLE, str(problem.error)
+            yield place, StatementVerdict(*told)
         elif (verdict := kept.taken(problem.statement)) is not None:
             yield place, verdict
         else:

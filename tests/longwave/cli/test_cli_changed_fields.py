@@ -18,20 +18,10 @@ from longwave.runs.sweep_file import load_sweep
 from longwave.runs.sweep_scene import changed_scene
 from longwave.scenes.named_scenes import load_scene
 from longwave.scenes.scene import Scene
+from tests.longwave.cli.short_chain import CHAIN
 
 Output = pytest.CaptureFixture[str]
 
-CHAIN = """
-title = "short"
-wave = "soliton_sech"
-eps = 0.2
-t0 = 0
-snapshots = [0, 10]
-tolerance = 1e-3
-lattice = { K2 = 1, K4 = 1 }
-parameters = { A = 1 }
-domain = { compared = 60 }
-"""
 SWEEP = 'scene = "chain.toml"\n[grid]\neps = [0.2, 0.25]\n'
 
 

@@ -18,20 +18,10 @@ from longwave.runs import run_output, run_store
 from longwave.runs.run_file import load_run, save_run
 from longwave.scenes.named_scenes import load_scene
 from longwave.support import atomic_file
+from tests.longwave.cli.short_chain import CHAIN
 
 Output = pytest.CaptureFixture[str]
 
-CHAIN = """
-title = "short"
-wave = "soliton_sech"
-eps = 0.2
-t0 = 0
-snapshots = [0, 10]
-tolerance = 1e-3
-lattice = { K2 = 1, K4 = 1 }
-parameters = { A = 1 }
-domain = { compared = 60 }
-"""
 LATTICE = """
 fields = ["u1", "u2"]
 masses = ["m1", "m2"]

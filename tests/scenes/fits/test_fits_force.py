@@ -348,7 +348,8 @@ def test_a_loop_that_is_wide_in_one_place_is_one() -> None:
 def test_two_short_branches_are_no_loop_by_chance() -> None:
     stretch = np.array([0, 0.25, 0.5, 0.75, 1, 0.8, 0.6, 0.4, 0.2])
     for seed in range(100):
-        ForceData.of(stretch, noisy(cubic, seed, stretch), np.full(9, NOISE))
+        found = ForceData.of(stretch, noisy(cubic, seed, stretch), np.full(9, NOISE))
+        assert found.stretch.size == stretch.size
 
 
 def test_jitter_of_the_stretch_is_no_turn() -> None:

@@ -1,0 +1,13 @@
+"""The file of a scene that is run in a moment, which tests of the command line change."""
+
+CHAIN = """
+title = "short"
+wave = "soliton_sech"
+eps = 0.2
+t0 = 0
+snapshots = [0, 10]
+tolerance = 1e-3
+lattice = { K2 = 1, K4 = 1 }
+parameters = { A = 1 }
+domain = { compared = 60 }
+"""
