@@ -105,16 +105,19 @@ class CheckpointFolder:
     @property
     def is_begun(self) -> bool:
         """Whether anything was kept that this run can go on with."""
-        return bool(self._kept_loops())
+        return any(True for _ in self._kept())
 
-    def _kept_loops(self) -> list[Memory]:
-        found = (_read(self._content(path) or b"") for path in self._loops())
-        return [memory for stamp, _, memory in found if memory is not None and stamp == self._stamp]
+    def _kept(self) -> Iterator[float]:
+        """The seconds of each loop that was kept of this run, with one in memory at a time."""
+        for path in self._loops():
+            stamp, _, memory = _read(self._content(path) or b"")
+            if memory is not None and stamp == self._stamp:
+                yield memory["seconds"]
 
     def tell(self, name: str) -> None:
         """Tell whether the run of that name goes on with what was kept, or can not."""
-        kept = self._kept_loops()
-        self._held = sum(float(memory["seconds"]) for memory in kept)
+        kept = list(self._kept())
+        self._held = sum(kept)
         if kept:
             LOG.info("%s: goes on where it was broken off", name)
         elif self._loops():

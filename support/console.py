@@ -68,7 +68,7 @@ def print_found(
     That is 0, or 130 where ``program`` was interrupted before all that was ``asked``.
     """
     if json_wanted:
-        print(json.dumps([entry.json() for entry in found], indent=2))
+        print_json([entry.json() for entry in found])
     else:
         show(found)
     return 0 if complete else interrupted(program, f"after {len(found)} of {asked}")

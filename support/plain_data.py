@@ -22,6 +22,9 @@ BARE = (type(None), bool, int, float, str)
 NUMBERS = re.compile(r"[<>|=][biufcSU][1-9]\d{0,8}")
 """NumPy's types of numbers and texts, none of which is an address."""
 
+FAULTS = (ValueError, TypeError, LookupError, AttributeError, OverflowError, RecursionError)
+"""What reading meets in bytes that were not made here."""
+
 HEAD = 8
 """Bytes that say how long the text is."""
 
@@ -58,9 +61,7 @@ def plain_value(content: bytes, kinds: Kinds = no_kinds) -> Any:
     end = HEAD + int.from_bytes(content[:HEAD], "little")
     try:
         return _Reader(memoryview(content)[end:], kinds).value(json.loads(content[HEAD:end]))
-    except (ValueError, TypeError, LookupError, AttributeError, OverflowError) as error:
-        raise ValueError(f"data must be as they were written, got others: {error}") from None
-    except RecursionError as error:
+    except FAULTS as error:
         raise ValueError(f"data must be as they were written, got others: {error}") from None
 
 

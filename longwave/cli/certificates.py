@@ -18,7 +18,7 @@ from typing import Any, NoReturn, TypeVar
 
 from longwave.support.atomic_file import write_atomically
 from longwave.support.command_line import fail, one_line
-from longwave.support.console import check_output
+from longwave.support.console import check_output, print_json
 from longwave.support.processes import Job, limit_processor, run_apart
 from longwave.support.user_files import QUOTED, read_text, shown_path
 from longwave.verify.kernel.limits import FILE_BYTES
@@ -135,7 +135,7 @@ def print_certificates(
         print(f"{shown_path(path)}: rejected: {error}", file=sys.stderr)
         status = 1
     if json_wanted:
-        print(json.dumps(accepted, indent=2))
+        print_json(accepted)
     return status
 
 

@@ -5,7 +5,6 @@ What is fitted is printed, written as a lattice, and a law drawn.
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -25,6 +24,7 @@ from longwave.support.console import (
     SUFFIXES,
     check_output,
     plain_console,
+    print_json,
     print_lines,
     table_console,
 )
@@ -65,7 +65,7 @@ def fit_and_print(
         with styled():
             save(force_figure(found, where), Path(plot))
     if json_wanted:
-        print(json.dumps(fit_data(found), indent=2))
+        print_json(fit_data(found))
     else:
         print_fit(found, where)
     return 0
@@ -165,7 +165,7 @@ def fit_scene_and_print(
             "serial_p_value": found.serial_p_value,
             "warnings": _warnings(found),
         }
-        print(json.dumps(data, indent=2))
+        print_json(data)
         return 0
     print_lines(plain_console(), [f"{found.model.scene.name}, fitted to {where}"])
     _print_constants(found, found.names)
