@@ -9,9 +9,10 @@ from pathlib import Path
 import numpy as np
 
 from longwave.reports.pictures.animation import film_of
-from longwave.reports.pictures.drawing import save, snapshot_panels, styled
+from longwave.reports.pictures.drawing import snapshot_panels
 from longwave.reports.pictures.film_files import SUFFIXES, film_path, save_film
 from longwave.reports.pictures.run_data import snapshots
+from longwave.reports.pictures.style import save, styled
 from longwave.scenes import run
 from longwave.scenes.named_scenes import load_scene
 

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from longwave.cli.converge import convergence_figure
-from longwave.reports.pictures.drawing import save, styled
 from longwave.reports.pictures.shown import ShownFigure
+from longwave.reports.pictures.style import save, styled
 from longwave.scenes.convergence import SceneConvergence, scene_convergence
 from longwave.scenes.named_scenes import load_scene
 from longwave.scenes.scene import Scene

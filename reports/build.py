@@ -22,9 +22,10 @@ from rich.progress import Progress as Bars
 from longwave.reports.engine import CompileError, EngineMissingError, compile_pdf, ensure_engine
 from longwave.reports.latex import render, write
 from longwave.reports.paper import SOURCES
-from longwave.reports.pictures.drawing import TEXT_WIDTH, cost_figure, save, snapshot_panels, styled
+from longwave.reports.pictures.drawing import cost_figure, snapshot_panels
 from longwave.reports.pictures.lattice_figures import modulation_figure
 from longwave.reports.pictures.paper_figures import paper_figures
+from longwave.reports.pictures.style import TEXT_WIDTH, save, styled
 from longwave.reports.sections import (
     benches,
     costs,

@@ -5,7 +5,7 @@ import runpy
 from collections.abc import Iterable
 from pathlib import Path
 
-from longwave.reports.pictures.drawing import save, styled
+from longwave.reports.pictures.style import save, styled
 
 
 def scripts(folder: Path) -> list[Path]:

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from longwave.derive import dispersion_relation
 from longwave.derive.symbols import K2, k
-from longwave.reports.pictures.drawing import CURVES
+from longwave.reports.pictures.style import CURVES
 
 
 def picture() -> Figure:

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from longwave import Scene, run
-from longwave.reports.pictures.drawing import CURVES
+from longwave.reports.pictures.style import CURVES
 
 
 def scene(scheme: str) -> Scene:

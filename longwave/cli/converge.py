@@ -10,8 +10,8 @@ import numpy as np
 from matplotlib.ticker import NullFormatter
 from rich.table import Table
 
-from longwave.reports.pictures.drawing import BEADS, OWN, WAVE, WIDTHS, save, styled
 from longwave.reports.pictures.shown import ShownFigure
+from longwave.reports.pictures.style import BEADS, OWN, WAVE, WIDTHS, save, styled
 from longwave.runs.sweep_scene import changed_scene
 from longwave.scenes.scene_checks import finite
 from longwave.support.command_line import fail_for_memory, listed

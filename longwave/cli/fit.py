@@ -59,8 +59,8 @@ def fit_and_print(
         text = lattice_text(found, where)
         write_atomically(output, lambda draft: draft.write_text(text, encoding="utf-8"))
     if plot is not None:
-        from longwave.reports.pictures.drawing import save, styled
         from longwave.reports.pictures.force_picture import force_figure
+        from longwave.reports.pictures.style import save, styled
 
         with styled():
             save(force_figure(found, where), Path(plot))

@@ -12,7 +12,7 @@ from bokeh.plotting import figure
 from matplotlib.colors import to_hex
 
 from longwave.explore.explore_text import unit
-from longwave.reports.pictures.drawing import LATTICE, WAVE
+from longwave.reports.pictures.style import LATTICE, WAVE
 
 if TYPE_CHECKING:
     from longwave.explore.exploration_run import Array, Comparison

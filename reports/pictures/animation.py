@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 
 from longwave.lattice.refine import Announce
 from longwave.lattice.trial import Progress
-from longwave.reports.pictures.drawing import styled
 from longwave.reports.pictures.film import FILM_SIZE, ChainFilm, Film, PlaneFilm
 from longwave.reports.pictures.film_files import film_path, has_ffmpeg, save_film
 from longwave.reports.pictures.plotting import (
@@ -29,6 +28,7 @@ from longwave.reports.pictures.plotting import (
     shown_half_width,
 )
 from longwave.reports.pictures.run_data import check_run, placed
+from longwave.reports.pictures.style import styled
 from longwave.runs.run_file import SWEPT, names_a_run
 from longwave.scenes import scene_run
 from longwave.scenes.bench import Bench

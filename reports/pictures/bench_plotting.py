@@ -8,7 +8,8 @@ import numpy as np
 from matplotlib.ticker import LogLocator, NullFormatter
 from numpy.typing import NDArray
 
-from longwave.reports.pictures.drawing import CURVES, add_legend, even_places, part
+from longwave.reports.pictures.drawing import add_legend, even_places
+from longwave.reports.pictures.style import CURVES, part
 from longwave.scenes.bench import OF_MEANS
 
 if TYPE_CHECKING:

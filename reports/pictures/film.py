@@ -16,8 +16,9 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from longwave.reports.pictures.drawing import ANALYTICAL, LATTICE, WAVE, spread_limits
-from longwave.reports.pictures.drawing import BEADS as BEAD
+from longwave.reports.pictures.drawing import spread_limits
+from longwave.reports.pictures.style import ANALYTICAL, LATTICE, WAVE
+from longwave.reports.pictures.style import BEADS as BEAD
 
 Array = NDArray[np.float64]
 Image = NDArray[np.uint8]

@@ -6,7 +6,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from longwave.derive.intervals import WIDE
-from longwave.reports.pictures.drawing import CURVES, STABLE, WIDTHS
+from longwave.reports.pictures.drawing import STABLE
+from longwave.reports.pictures.style import CURVES, WIDTHS
 from longwave.scenes.fits.force_fit import ForceFit
 from longwave.support.user_files import cut
 

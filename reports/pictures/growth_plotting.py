@@ -23,7 +23,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from longwave.reports.pictures.drawing import CURVES, STABLE, WAVENUMBER_TICKS, part
+from longwave.reports.pictures.drawing import STABLE, WAVENUMBER_TICKS
+from longwave.reports.pictures.style import CURVES, part
 
 if TYPE_CHECKING:
     from longwave.scenes.scene import Scene

@@ -12,15 +12,8 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure, FigureBase
 from numpy.typing import NDArray
 
-from longwave.reports.pictures.drawing import (
-    CURVES,
-    STABLE,
-    WAVENUMBER_TICKS,
-    even_places,
-    page_width,
-    part,
-    told_error,
-)
+from longwave.reports.pictures.drawing import STABLE, WAVENUMBER_TICKS, even_places, told_error
+from longwave.reports.pictures.style import CURVES, page_width, part
 
 if TYPE_CHECKING:
     import xarray as xr

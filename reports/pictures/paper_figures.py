@@ -6,8 +6,9 @@ from dataclasses import dataclass
 import xarray as xr
 from matplotlib.figure import Figure
 
-from longwave.reports.pictures.drawing import error_panels, page_width, snapshot_panels
+from longwave.reports.pictures.drawing import error_panels, snapshot_panels
 from longwave.reports.pictures.run_data import snapshots
+from longwave.reports.pictures.style import page_width
 
 
 @dataclass(frozen=True)

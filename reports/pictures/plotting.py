@@ -30,18 +30,13 @@ from longwave.reports.pictures.bench_plotting import (
 )
 from longwave.reports.pictures.drawing import (
     MOST_SPECTRA,
-    WIDTHS,
-    Part,
     crest_track,
     error_panels,
     even_places,
     grid_shape,
-    page_width,
-    save,
     snapshot_panels,
     space_time_map,
     spectrum_panels,
-    styled,
 )
 from longwave.reports.pictures.growth_plotting import sideband_sizes
 from longwave.reports.pictures.lattice_figures import strain_maps
@@ -56,6 +51,7 @@ from longwave.reports.pictures.run_data import (
     with_theory,
 )
 from longwave.reports.pictures.shown import ShownFigure
+from longwave.reports.pictures.style import WIDTHS, Part, page_width, save, styled
 from longwave.reports.pictures.sweep_plotting import SWEEP_PICTURES, Choice, is_sweep, sweep_parts
 from longwave.runs import load_run
 from longwave.runs.run_file import REMEDY, names_a_run, strain_fault

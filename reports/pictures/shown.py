@@ -9,7 +9,7 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from longwave.reports.pictures.drawing import styled
+from longwave.reports.pictures.style import styled
 from longwave.support.user_files import shown_path
 
 SHARPNESS = 2

@@ -25,14 +25,13 @@ from numpy.typing import NDArray
 from longwave.reports.latex import greek
 from longwave.reports.pictures.drawing import (
     CHEAPEST,
-    CURVES,
     cheapest_places,
     draw_grid,
     grid_shape,
     panel_grid,
-    part,
     time_edges,
 )
+from longwave.reports.pictures.style import CURVES, part
 
 Array = NDArray[np.float64]
 Cells = NDArray[np.bool_]

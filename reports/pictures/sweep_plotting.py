@@ -15,8 +15,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from longwave.reports.pictures.drawing import Part
 from longwave.reports.pictures.growth_plotting import growth_map, growth_panels
+from longwave.reports.pictures.style import Part
 from longwave.reports.pictures.sweep_drawing import (
     SweptAxis,
     heat_maps,

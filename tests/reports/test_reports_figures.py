@@ -7,15 +7,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from longwave.reports.pictures.drawing import (
-    CURVES,
-    LATTICE,
-    WAVE,
-    error_panels,
-    save,
-    snapshot_panels,
-    styled,
-)
+from longwave.reports.pictures.drawing import error_panels, snapshot_panels
+from longwave.reports.pictures.style import CURVES, LATTICE, WAVE, save, styled
 
 SITES = np.arange(-20.0, 21.0)
 

@@ -16,9 +16,9 @@ import xarray as xr
 from PIL import Image
 
 from longwave.reports.pictures import film_files
-from longwave.reports.pictures.drawing import styled
 from longwave.reports.pictures.film import ChainFilm, PlaneFilm
 from longwave.reports.pictures.film_files import film_path, has_ffmpeg, save_film
+from longwave.reports.pictures.style import styled
 
 OFFSET = np.arange(-20.0, 21.0)
 ERRORS = np.array([0.0, 0.1, np.nan, 0.3])

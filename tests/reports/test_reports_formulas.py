@@ -19,8 +19,8 @@ from longwave.reports.build import TABLES, Findings, source
 from longwave.reports.engine import compile_pdf, engine_present
 from longwave.reports.formulas.formula import Formula, broken
 from longwave.reports.formulas.printing import LINE, is_wide, latex, nesting, tidied, width
-from longwave.reports.pictures.drawing import TEXT_WIDTH
 from longwave.reports.pictures.paper_figures import ERROR_FIGURES, SNAPSHOT_FIGURES
+from longwave.reports.pictures.style import TEXT_WIDTH
 from longwave.reports.sections import theory
 from longwave.reports.sections.headlines import Headline
 from longwave.reports.sections.theory import solution_table

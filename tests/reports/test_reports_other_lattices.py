@@ -12,13 +12,14 @@ from sympy import symbols
 
 from longwave.derive import LATTICES, find_scaling
 from longwave.reports.build import TABLES, Findings, all_jobs
-from longwave.reports.pictures.drawing import STABLE, styled
+from longwave.reports.pictures.drawing import STABLE
 from longwave.reports.pictures.lattice_figures import (
     modulation_figure,
     rate_figure,
     strain_maps,
 )
 from longwave.reports.pictures.run_data import snapshots
+from longwave.reports.pictures.style import styled
 from longwave.reports.sections.lattice_runs import (
     PEREGRINES,
     ROGUES,

@@ -11,7 +11,7 @@ from PIL import Image
 from longwave.__main__ import main
 from longwave.reports.pictures import animation, film_files
 from longwave.reports.pictures.animation import animate, bench_frames, film_of
-from longwave.reports.pictures.drawing import styled
+from longwave.reports.pictures.style import styled
 from longwave.runs import save_run
 from longwave.scenes import scene_run
 from longwave.scenes.named_scenes import load_scene

@@ -14,22 +14,24 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from longwave.reports.pictures.drawing import (
+    cheapest_places,
+    cost_figure,
+    crest_track,
+    grid_shape,
+    snapshot_panels,
+)
+from longwave.reports.pictures.plotting import plot, shown_half_width
+from longwave.reports.pictures.run_data import envelope, placed, with_looks, with_theory
+from longwave.reports.pictures.style import (
     CURVES,
     LATTICE,
     OWN,
     WAVE,
     WIDTHS,
-    cheapest_places,
-    cost_figure,
-    crest_track,
-    grid_shape,
     page_width,
     save,
-    snapshot_panels,
     styled,
 )
-from longwave.reports.pictures.plotting import plot, shown_half_width
-from longwave.reports.pictures.run_data import envelope, placed, with_looks, with_theory
 from longwave.scenes import scene_run
 from longwave.scenes.scene import Scene
 
