@@ -1,5 +1,6 @@
 """Jobs in processes of this machine, which can be killed; their limits of time and memory."""
 
+import gc
 import math
 import multiprocessing as mp
 import os
@@ -379,6 +380,7 @@ def _serve(
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     if other is not None:
         other.close()
+        gc.freeze()  # what the parent left may wait, at its end, for threads that are not here
     inbox: SimpleQueue[bytes] = SimpleQueue()
     threading.Thread(target=_receive, args=(pipe, inbox), daemon=True).start()
     inbox.get()

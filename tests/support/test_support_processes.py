@@ -1,5 +1,6 @@
 """Jobs in processes: results, progress, failures, limits; kills of a process and of its command."""
 
+import gc
 import os
 import subprocess
 import sys
@@ -229,3 +230,28 @@ def test_processes_and_what_they_started_end_with_a_command_that_is_killed(tmp_p
         command.kill()
     programs = [int(file.read_text()) for file in files]
     wait_until(lambda: not any(map(is_there, programs)))
+
+
+class Garbage:
+    """Tells of its end, in a cycle that a collection alone finds."""
+
+    def __init__(self, file: Path) -> None:
+        self.file, self.me = file, self
+
+    def __del__(self) -> None:
+        self.file.write_text(str(os.getpid()), encoding="utf-8")
+
+
+def test_a_fork_ends_no_garbage_of_its_parent(tmp_path: Path) -> None:
+    """Catches: a client of a cluster that a fork closes, waiting for a thread that it has not."""
+    file = tmp_path / "ended"
+    gc.disable()
+    try:
+        Garbage(file)
+        (found,) = in_order([Job(gc.collect)], LocalWorkers(1, apart=True))
+        assert isinstance(found, int)
+        assert not file.exists()
+    finally:
+        gc.enable()
+    gc.collect()
+    assert file.read_text(encoding="utf-8") == str(os.getpid())
