@@ -82,6 +82,7 @@ def test_an_effect_adds_operations_and_is_run_to_its_tolerances() -> None:
             assert 0.0 < error <= tolerance
 
 
+@pytest.mark.slow
 def test_what_is_known_of_chains_is_measured() -> None:
     found = scene_run("fput_1955")
     assert found.run is not None

@@ -140,6 +140,7 @@ def test_a_phase_that_runs_left_keeps_the_sign(
     assert found.stated.whole() == expression
 
 
+@pytest.mark.slow
 def test_arguments_and_the_modulus_have_names_of_their_own() -> None:
     [form] = [form for form in CATALOGUE if form.name == "rogue_cn"]
     printed = {latex(letter) for letter, _ in formula(form).printed_parts.values()}

@@ -191,6 +191,7 @@ def test_the_lattice_leaves_the_law_with_the_first_power_of_the_losses(
     assert 0.0 < apart[-1] < 0.4 * apart[0] < largest
 
 
+@pytest.mark.slow
 def test_the_shock_of_dashpots_runs_on_the_lattice_with_the_rate_of_theory() -> None:
     """Strains are off by eps^4, so the wave of size eps^2 is off by eps^2 of itself."""
     found = scene_convergence(scene(SHOCK), [0.2, 0.14, 0.1, 0.07])

@@ -17,7 +17,9 @@ from searches.driven_chains import (
 )
 
 
-@pytest.mark.parametrize("seed", [3, 12, 17, 53])
+@pytest.mark.parametrize(
+    "seed", [3, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (12, 17, 53))]
+)
 def test_estimates_of_driven_chains_are_honest(seed: int) -> None:
     *shares, text = attacked(seed)
     assert not any(share >= 1.0 for share in shares), f"{shares}; {text}"
