@@ -2,6 +2,7 @@
 
     python benchmarks/sweeps.py bookkeeping [CELLS]   # 10 000 small cells on all cores
     python benchmarks/sweeps.py speed [SCENES] [END]  # 400 to t = 16000: a loop, 1 and 2 processes
+    python benchmarks/sweeps.py million [CELLS]       # 1 000 000, of which all but 1000 are there
 
 Shares are of processor time, which a loaded machine changes little; the speed-up is of the clock
 and needs two idle cores. A worker takes two seconds to start, which the speed-up of short sweeps
@@ -18,11 +19,14 @@ import time
 from pathlib import Path
 from statistics import median
 
-from longwave.runs.run_pack import PACKS
+import xarray as xr
+
+from longwave.runs.run_pack import DONE, CellRecord, write_pack
 from longwave.runs.run_store import RunStore
+from longwave.runs.store_packs import new_pack
 from longwave.runs.sweep import SweepState, run_sweep
 from longwave.runs.sweep_cells import Cell, run_cells
-from longwave.runs.sweep_dataset import write_sweep
+from longwave.runs.sweep_dataset import cell_run, write_sweep
 from longwave.runs.sweep_file import Sweep, sweep_of
 from longwave.runs.sweep_workers import use_one_thread
 from longwave.scenes import scene_run
@@ -109,7 +113,6 @@ def side_by_side(sweep: Sweep) -> tuple[float, float]:
     spent, number = [0.0, 0.0], [0, 0]
     with tempfile.TemporaryDirectory() as folder:
         store = RunStore(folder)
-        (Path(folder) / PACKS).mkdir()
         (Path(folder) / TOKEN).touch()
         for place in range(-2, len(sweep) // TEN):
             scenes = [sweep.scene(TEN * max(place, 0) + i) for i in range(TEN)]
@@ -152,9 +155,75 @@ def speed(count: int, end: float) -> None:
     print(f"two processes are {median(ratios):.2f} times as fast (median)")
 
 
+MISSED = 1000
+"""Cells of the largest sweep that are run."""
+
+PACKED = 5000
+"""Cells in a pack of those that are not."""
+
+
+def fill(sweep: Sweep, store: RunStore) -> None:
+    """Have packs say that the cells are done, each with a run of one number, but for some."""
+    run = xr.Dataset({"error": ("time", [0.0])})
+    apart, records = len(sweep) // MISSED, list[CellRecord]()
+    for number in range(len(sweep)):
+        if number % apart:
+            key = store.key(sweep.scene(number))
+            records.append(CellRecord(key, DONE, "", {"error": 1e-3, "seconds": 1.0}, run))
+        if records and (len(records) == PACKED or number == len(sweep) - 1):
+            write_pack(new_pack(store.folder), records)
+            records.clear()
+
+
+def million(count: int) -> None:
+    """Print what the start, the rest, the data set and one cell of a large sweep take."""
+    half = round(count**0.5)
+    grid = {
+        "parameters.A": {"from": 0.5, "to": 1, "count": half},
+        "eps": {"from": 0.1, "to": 0.11, "count": count // half},
+    }
+    sweep = sweep_of({"scene": SCENE | {"snapshots": [0, 10]}, "grid": grid})
+
+    def told(what: str, begun: float, files: int) -> None:
+        taken = time.perf_counter() - begun
+        print(f"{what:32s} {taken:8.2f} s {files:7d} files {resident():7.0f} MB", flush=True)
+
+    with tempfile.TemporaryDirectory() as folder:
+        store = RunStore(Path(folder) / "store")
+
+        def files() -> int:
+            return sum(1 for path in store.folder.rglob("*") if path.is_file())
+
+        begun = time.perf_counter()
+        fill(sweep, store)
+        told(f"{len(sweep)} cells made", begun, files())
+        for what in ("first look, all packs read", "look by the index"):
+            begun = time.perf_counter()
+            held = store.held()
+            told(what, begun, files())
+        for what in ("resume", "again"):
+            begun = time.perf_counter()
+            workers = LocalWorkers(os.cpu_count() or 1, use_one_thread)
+            try:
+                done = run_sweep(sweep, store, workers, held=held).done
+            finally:
+                workers.stop()
+            told(f"{what}: {done} run", begun, files())
+            held = store.held()
+        del held
+        begun = time.perf_counter()
+        write_sweep(sweep, store, Path(folder) / "out.nc")
+        told("data set", begun, files())
+        begun = time.perf_counter()
+        cell_run(sweep, store, A=half // 2, eps=0)
+        told("one cell", begun, files())
+
+
 if __name__ == "__main__":
     kind, count = sys.argv[1], int(sys.argv[2]) if len(sys.argv) > 2 else 0
     if kind == "speed":
         speed(count or 400, float(sys.argv[3]) if len(sys.argv) > 3 else 16000.0)
+    elif kind == "million":
+        million(count or 1_000_000)
     else:
         bookkeeping(count or 10_000)

@@ -114,7 +114,7 @@ def sweep(
     Raises ValueError in one line for what is no sweep, and for one beyond the limits.
     """
     from longwave.runs.run_store import RunStore
-    from longwave.runs.sweep import SweepState, run_sweep, settled_keys
+    from longwave.runs.sweep import SweepState, run_sweep
     from longwave.runs.sweep_cost import expected_sweep_cost
     from longwave.runs.sweep_dataset import sweep_dataset
     from longwave.runs.sweep_workers import sweep_workers
@@ -122,12 +122,12 @@ def sweep(
 
     found = as_sweep(source, grid)
     kept = RunStore(Path(store or f"{found.name}.store"))
-    settled = settled_keys(kept)
+    held = kept.held()
     with (
         sweep_workers(processes, None) as workers,
         shown_progress(found.name, progress, None) as told,
     ):
-        cost = expected_sweep_cost(found, kept, settled).by(workers.count, together=True)
+        cost = expected_sweep_cost(found, kept, held).by(workers.count, together=True)
         check_request(found.name, cost, "take fewer or cheaper cells")
         if told[1] is not None:
             told[1](cost.seconds)
@@ -135,7 +135,7 @@ def sweep(
         def show(state: SweepState) -> None:
             told[0]((state.found + state.done) / state.cells)
 
-        run_sweep(found, kept, workers, show, settled=settled)
+        run_sweep(found, kept, workers, show, held=held)
     return sweep_dataset(found, kept)
 
 

@@ -1,21 +1,21 @@
-"""Packs: the runs of a sweep's small cells, many to a file.
+"""A pack: the runs of a sweep's small cells, many to a file.
 
 A file for every small run would cost as much as the run: HDF5 is a file's open and close, and a
 flush to the disk. In a pack, runs whose arrays have the same names and shapes are stacked along
 their first axis, a group for each kind; what did not come to a run has a group without arrays. The
-file ends with its checksum, as a store's other files do.
+file ends with its checksum, as a store's other files do. Where a store's packs lie, and what they
+hold together, is in `runs.store_packs`.
 """
 
 from __future__ import annotations
 
 import json
-import os
-import uuid
 from collections import defaultdict
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
+from functools import lru_cache
 from io import BytesIO
-from mmap import ACCESS_READ, mmap
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -23,13 +23,12 @@ import numpy as np
 
 from longwave.runs.hdf_contents import check_contents
 from longwave.runs.run_file import as_json
-from longwave.support.sealed_file import LOG, check_no_link, is_whole, open_plain, write_sealed
+from longwave.support.sealed_file import is_whole, write_sealed
 
 if TYPE_CHECKING:
+    import h5py
     import xarray as xr
-
-PACKS, SUFFIX = "packs", ".h5"
-"""The folder of a store for packs, and their suffix."""
+    from numpy.typing import NDArray
 
 DONE, BLOWN_UP, REFUSED, FAILED = "done", "blown up", "refused", "failed"
 """How a cell ended: as asked, before its last time, with a scene that is not admissible, and by
@@ -90,44 +89,159 @@ class CellRecord:
 
 
 @dataclass(frozen=True)
-class PackedRun:
-    """Where a run is: file, group and row."""
+class CellTable:
+    """Cells in columns: key, how each ended, its numbers, and where its run is.
 
-    path: Path
-    group: str
-    row: int
+    ``pack`` is a number of the pack, ``group`` and ``row`` a place in it; ``row`` is -1 where there
+    is no run.
+    """
 
-    def load(self) -> xr.Dataset:
-        """The run, with the bits that it had; ValueError where its pack holds none there."""
-        try:
-            return self._load()
-        except Exception as error:  # see read_pack
-            raise ValueError(f"a pack must hold whole runs, got {self.path}: {error}") from None
+    key: NDArray[Any]
+    status: NDArray[Any]
+    message: NDArray[Any]
+    pack: NDArray[Any]
+    group: NDArray[Any]
+    row: NDArray[Any]
+    numbers: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
 
-    def _load(self) -> xr.Dataset:
+    def __len__(self) -> int:
+        return len(self.key)
+
+    def taken(self, chosen: NDArray[Any]) -> CellTable:
+        """The cells at these places, or where it is true."""
+        columns = {name: getattr(self, name)[chosen] for name in PLAIN}
+        return CellTable(**columns, numbers={n: held[chosen] for n, held in self.numbers.items()})
+
+    def record(self, place: int) -> CellRecord:
+        """One of the cells, without its run."""
+        numbers = {name: float(held[place]) for name, held in self.numbers.items()}
+        key, status = (held[place].decode() for held in (self.key, self.status))
+        return CellRecord(key, status, self.message[place], numbers)
+
+
+PLAIN: Mapping[str, type | str] = {
+    "key": "S40",
+    "status": "S9",
+    "message": object,
+    "pack": np.int32,
+    "group": np.int32,
+    "row": np.int32,
+}
+"""The columns of a table beside its numbers: what their values are."""
+
+
+def joined_tables(tables: Sequence[CellTable]) -> CellTable:
+    """The cells of all tables; numbers that some do not have are NaN there."""
+    columns = {
+        name: np.concatenate([np.empty(0, kind), *(getattr(one, name) for one in tables)])
+        for name, kind in PLAIN.items()
+    }
+    return CellTable(**columns, numbers=_joined_numbers([(t.numbers, len(t)) for t in tables]))
+
+
+def _joined_numbers(
+    parts: Sequence[tuple[Mapping[str, NDArray[np.float64]], int]],
+) -> dict[str, NDArray[np.float64]]:
+    """Columns one after the other, each part with its length; NaN where one has no such column."""
+    names = {name for numbers, _ in parts for name in numbers}
+    return {
+        name: np.concatenate([held.get(name, np.full(size, np.nan)) for held, size in parts])
+        for name in NUMBERS
+        if name in names
+    }
+
+
+@dataclass(frozen=True)
+class _Stack:
+    """Cells whose runs have arrays of the same names, shapes and attributes, as a group holds them.
+
+    ``arrays`` are of all runs, the cells along the first axis, each with the attributes that it has
+    in the file.
+    """
+
+    texts: Mapping[str, Sequence[str]]
+    numbers: Mapping[str, NDArray[np.float64]]
+    arrays: Mapping[str, tuple[NDArray[Any], Mapping[str, Any]]]
+
+    @staticmethod
+    def of(alike: Sequence[CellRecord]) -> _Stack:
+        """The cells of one `_kind`."""
+        attributes = [{} if one.run is None else one.run.attrs for one in alike]
+        texts = {
+            "key": [one.key for one in alike],
+            "status": [one.status for one in alike],
+            "message": [one.message for one in alike],
+            "attributes": [json.dumps(told, default=as_json) for told in attributes],
+        }
+        numbers = {
+            name: np.array([float(one.numbers.get(name, np.nan)) for one in alike])
+            for name in NUMBERS
+            if name not in OPTIONAL or any(name in one.numbers for one in alike)
+        }
+        arrays = {}
+        runs = [one.run for one in alike if one.run is not None]
+        for label, variable in runs[0].variables.items() if runs else ():
+            values = np.stack([np.asarray(run.variables[label].values) for run in runs])
+            if values.dtype.kind == "U":
+                values = np.char.encode(values, "utf-8")
+            arrays[str(label)] = (
+                values,
+                {
+                    "dims": json.dumps(variable.dims),
+                    "coordinate": label in runs[0].coords,
+                    "attributes": json.dumps(variable.attrs, default=as_json),
+                },
+            )
+        return _Stack(texts, numbers, arrays)
+
+    @staticmethod
+    def read(group: Any) -> _Stack:
+        """What a group of a pack holds."""
+        return _Stack(
+            {name: list(group[name].asstr()[()]) for name in TEXTS},
+            {name: group[name][()] for name in NUMBERS if name in group},
+            {name: (held[()], dict(held.attrs)) for name, held in group["arrays"].items()},
+        )
+
+    @property
+    def kind(self) -> str:
+        """What stacks that are joined have in common."""
+        found = [
+            (name, values.shape[1:], "S" if values.dtype.kind == "S" else values.dtype.str, told)
+            for name, (values, told) in sorted(self.arrays.items())
+        ]
+        return repr(found)
+
+    def write(self, group: Any) -> None:
+        """Write it into an empty group."""
         import h5py
-        import xarray as xr
 
-        with h5py.File(self.path) as file:
-            group = file[self.group]
-            data: dict[str, Any] = {}
-            coordinates: dict[str, Any] = {}
-            for name, held in group["arrays"].items():
-                found = data if not held.attrs["coordinate"] else coordinates
-                texts = json.loads(held.attrs["attributes"])
-                found[name] = (json.loads(held.attrs["dims"]), values_of(held[self.row]), texts)
-            return xr.Dataset(data, coordinates, json.loads(group["attributes"][self.row]))
+        for name, lines in self.texts.items():
+            group.create_dataset(name, data=np.array(lines, object), dtype=h5py.string_dtype())
+        for name, column in self.numbers.items():
+            group.create_dataset(name, data=column)
+        arrays = group.create_group("arrays")
+        for name, (values, told) in self.arrays.items():
+            packing: dict[str, Any] = {}
+            if values[0].nbytes >= COMPRESSED:
+                packing = {"compression": LEVEL, "shuffle": True, "chunks": (1, *values.shape[1:])}
+            arrays.create_dataset(name, data=values, **packing).attrs.update(told)
+
+
+def _joined(alike: Sequence[_Stack]) -> _Stack:
+    """The cells of stacks of one kind."""
+    texts = {name: [line for one in alike for line in one.texts[name]] for name in TEXTS}
+    numbers = _joined_numbers([(one.numbers, len(one.texts["key"])) for one in alike])
+    arrays = {
+        name: (np.concatenate([one.arrays[name][0] for one in alike]), told)
+        for name, (_, told) in alike[0].arrays.items()
+    }
+    return _Stack(texts, numbers, arrays)
 
 
 def values_of(held: Any) -> Any:
     """What was put in: texts are held as bytes."""
     return np.char.decode(held, "utf-8") if held.dtype.kind == "S" else held
-
-
-def new_pack(folder: Path) -> Path:
-    """A name for a further pack of the store in that folder; OSError if it is a link there."""
-    check_no_link(folder / PACKS)
-    return folder / PACKS / f"{uuid.uuid4().hex}{SUFFIX}"
 
 
 def write_pack(path: Path, records: Iterable[CellRecord]) -> None:
@@ -137,16 +251,30 @@ def write_pack(path: Path, records: Iterable[CellRecord]) -> None:
 
 def pack_content(records: Iterable[CellRecord]) -> bytes:
     """The bytes of a pack's file, without its seal."""
-    import h5py
-
     kinds: dict[str, list[CellRecord]] = defaultdict(list)
     for record in records:
         kinds[_kind(record.run)].append(record)
+    return _content(map(_Stack.of, kinds.values()))
+
+
+def merged_content(packs: Iterable[Path]) -> bytes:
+    """The bytes of a pack of all that these packs hold. Raises as `open_pack`."""
+    kinds: dict[str, list[_Stack]] = defaultdict(list)
+    for path in packs:
+        with open_pack(path) as file:
+            for group in file.values():
+                stack = _Stack.read(group)
+                kinds[stack.kind].append(stack)
+    return _content(map(_joined, kinds.values()))
+
+
+def _content(stacks: Iterable[_Stack]) -> bytes:
+    import h5py
 
     image = BytesIO()  # a full disk breaks no library then
     with h5py.File(image, "w") as file:
-        for number, alike in enumerate(kinds.values()):
-            _write_group(file.create_group(str(number)), alike)
+        for number, stack in enumerate(stacks):
+            stack.write(file.create_group(str(number)))
     return image.getvalue()
 
 
@@ -158,103 +286,88 @@ def _kind(run: xr.Dataset | None) -> str:
     return repr([(n, v.dims, v.shape, v.dtype.str, n in run.coords, v.attrs) for n, v in variables])
 
 
-def _write_group(group: Any, alike: Sequence[CellRecord]) -> None:
-    import h5py
+@contextmanager
+def open_pack(path: Path) -> Iterator[h5py.File]:
+    """A pack, open to be read, whose bytes were looked through by this process.
 
-    attributes = [{} if one.run is None else one.run.attrs for one in alike]
-    texts = {
-        "key": [one.key for one in alike],
-        "status": [one.status for one in alike],
-        "message": [one.message for one in alike],
-        "attributes": [json.dumps(told, default=as_json) for told in attributes],
-    }
-    for name, lines in texts.items():
-        group.create_dataset(name, data=np.array(lines, object), dtype=h5py.string_dtype())
-    for name in NUMBERS:
-        if name in OPTIONAL and not any(name in one.numbers for one in alike):
-            continue
-        group.create_dataset(name, data=[float(one.numbers.get(name, np.nan)) for one in alike])
-    arrays = group.create_group("arrays")
-    first = alike[0].run
-    if first is None:
-        return
-    for label, variable in first.variables.items():
-        runs = [one.run for one in alike if one.run is not None]
-        values = np.stack([np.asarray(run.variables[label].values) for run in runs])
-        if values.dtype.kind == "U":
-            values = np.char.encode(values, "utf-8")
-        packing: dict[str, Any] = {}
-        if values[0].nbytes >= COMPRESSED:
-            packing = {"compression": LEVEL, "shuffle": True, "chunks": (1, *values.shape[1:])}
-        held = arrays.create_dataset(str(label), data=values, **packing)
-        held.attrs["dims"] = json.dumps(variable.dims)
-        held.attrs["coordinate"] = label in first.coords
-        held.attrs["attributes"] = json.dumps(variable.attrs, default=as_json)
-
-
-def read_pack(path: Path) -> list[tuple[CellRecord, PackedRun | None]]:
-    """What a pack holds, its runs still on the disk; nothing of one that is damaged or no pack."""
-    if not is_whole(path):
-        return []
-    try:
-        return _records(path)
-    except Exception as error:  # what the library raises for such a file is not documented
-        LOG.warning("%s is no pack: it counts as missing (%s)", path, error)
-        return []
-
-
-def _records(path: Path) -> list[tuple[CellRecord, PackedRun | None]]:
-    import h5py
-
-    found: list[tuple[CellRecord, PackedRun | None]] = []
-    with h5py.File(path) as file:
-        check_contents(file, path.stat().st_size, deepest=2)
-        for name, group in file.items():
-            keys, states, messages = (group[text].asstr()[()] for text in TEXTS[:3])
-            columns = {number: group[number][()] for number in NUMBERS if number in group}
-            has_runs = len(group["arrays"]) > 0
-            for row, (key, status, message) in enumerate(zip(keys, states, messages, strict=True)):
-                numbers = {number: float(column[row]) for number, column in columns.items()}
-                place = PackedRun(path, name, row) if has_runs else None
-                found.append((CellRecord(key, status, message, numbers), place))
-    return found
-
-
-def packed_records(folder: Path) -> dict[str, tuple[CellRecord, PackedRun | None]]:
-    """What the packs of the store in that folder hold, by key; of several attempts one that settled
-    it, if one did with its run. Damaged packs count as missing."""
-    found: dict[str, tuple[CellRecord, PackedRun | None]] = {}
-    for path in _packs(folder):
-        for record, place in read_pack(path):
-            older = found.get(record.key)
-            if older is None or (record.status in SETTLED and older[1] is None):
-                found[record.key] = record, place
-    return found
-
-
-def packed_run(folder: Path, key: str) -> PackedRun | None:
-    """The run of that key in a pack of the store in that folder; None if no whole pack has it.
-
-    Keys stand in a pack as they are: the others need not be read as HDF5.
+    Raises FileNotFoundError where none is, as when it was merged since, and ValueError for one that
+    is damaged, or is no pack.
     """
-    for path in _packs(folder):
-        if _names(path, key.encode()):
-            for record, place in read_pack(path):
-                if record.key == key and place is not None:
-                    return place
-    return None
+    import h5py
+
+    told = path.lstat()
+    _check_pack(path, told.st_size, told.st_mtime_ns)
+    try:
+        file = h5py.File(path)
+    except FileNotFoundError:
+        raise
+    except OSError as error:
+        raise ValueError(f"{path} is no pack ({error})") from None
+    with file:
+        yield file
 
 
-def _names(path: Path, key: bytes) -> bool:
-    """Whether the bytes stand in a file, which is not taken into memory for that."""
-    with open(open_plain(path), "rb") as stream:
-        if os.fstat(stream.fileno()).st_size == 0:
-            return False
-        with mmap(stream.fileno(), 0, access=ACCESS_READ) as held:
-            return held.find(key) >= 0
+@lru_cache(4096)
+def _check_pack(path: Path, size: int, changed: int) -> None:
+    """Raise ValueError for a damaged pack; one of that size that ``changed`` then is asked once."""
+    import h5py
+
+    if not is_whole(path):
+        path.lstat()  # FileNotFoundError if it went in between
+        raise ValueError(f"{path} is damaged")
+    with h5py.File(path) as file:
+        check_contents(file, size, deepest=2)
 
 
-def _packs(folder: Path) -> list[Path]:
-    packs = folder / PACKS
-    found = () if packs.is_symlink() else packs.glob(f"[!.]*{SUFFIX}")
-    return sorted(path for path in found if path.is_file() and not path.is_symlink())
+def read_pack(path: Path) -> CellTable:
+    """What a pack holds, its runs left on the disk. Raises as `open_pack`."""
+    try:
+        with open_pack(path) as file:
+            return joined_tables([_table(int(name), group) for name, group in file.items()])
+    except FileNotFoundError:
+        raise
+    except Exception as error:  # what the library raises for such a file is not documented
+        raise ValueError(f"{path} is no pack ({error})") from None
+
+
+def is_pack(path: Path) -> bool:
+    """Whether a pack can be read; FileNotFoundError where none is."""
+    try:
+        read_pack(path)
+    except FileNotFoundError:
+        raise
+    except (ValueError, OSError):
+        return False
+    return True
+
+
+def _table(number: int, group: Any) -> CellTable:
+    keys, states, messages = (group[text].asstr()[()] for text in TEXTS[:3])
+    rows = np.arange(len(keys)) if len(group["arrays"]) else np.full(len(keys), -1)
+    return CellTable(
+        np.array(keys, "S40"),
+        np.array(states, "S9"),
+        messages,
+        np.zeros(len(keys), np.int32),
+        np.full(len(keys), number, np.int32),
+        rows.astype(np.int32),
+        {name: group[name][()] for name in NUMBERS if name in group},
+    )
+
+
+def load_row(path: Path, group: int, row: int) -> xr.Dataset:
+    """One of a pack's runs, with the bits that it had. Raises as `open_pack`."""
+    import xarray as xr
+
+    with open_pack(path) as file:
+        try:
+            held_group = file[str(group)]
+            data: dict[str, Any] = {}
+            coordinates: dict[str, Any] = {}
+            for name, held in held_group["arrays"].items():
+                found = data if not held.attrs["coordinate"] else coordinates
+                texts = json.loads(held.attrs["attributes"])
+                found[name] = (json.loads(held.attrs["dims"]), values_of(held[row]), texts)
+            return xr.Dataset(data, coordinates, json.loads(held_group["attributes"][row]))
+        except Exception as error:  # see read_pack
+            raise ValueError(f"a pack must hold whole runs, got {path}: {error}") from None

@@ -5,7 +5,7 @@ the engines, and the packages whose numbers end up in a run. What is drawn or pr
 count. So a scene is run once, and again only when something that matters has changed.
 
 A run's file is NetCDF-4, sealed (`support.sealed_file`): one that was damaged is made anew. Small
-runs of sweeps lie many to a file (`runs.run_pack`), and are found there as well. Whoever makes a
+runs of sweeps lie many to a file (`runs.store_packs`), and are found there as well. Whoever makes a
 run holds its lock; a process that is killed lets go of it. Whoever else writes there may
 leave links instead: none that lies in the store is followed.
 """
@@ -14,13 +14,13 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Collection, Iterator
+from collections.abc import Container, Iterator
 from contextlib import contextmanager, suppress
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from longwave.runs.run_pack import PackedRun, packed_run
+from longwave.runs.store_packs import PackedRun, pack_index
 from longwave.support.checkpoint import LEAST, SHARE, CheckpointFolder, kept_by, run_stamp
 from longwave.support.file_lock import locked
 from longwave.support.sealed_file import LOG, check_no_link, is_whole, write_sealed
@@ -70,14 +70,14 @@ class RunStore:
         """Where the run of that key is, or would be."""
         return self.folder / key[:2] / f"{key}.nc"
 
-    def holds(self, key: str, settled: Collection[str]) -> bool:
-        """Whether the run of that key is ``settled`` in a pack, or in a whole file."""
-        return key in settled or is_whole(self.file_of(key))
-
     def find(self, scene: Scene) -> Path | None:
         """The file of the scene's run; None if there is none of its own, or only a damaged one."""
         path = self.path(scene)
         return path if is_whole(path) else None
+
+    def held(self) -> HeldRuns:
+        """What the store holds now, of which many keys are asked."""
+        return HeldRuns(self)
 
     def run(
         self,
@@ -96,11 +96,15 @@ class RunStore:
     def _told_place(self, scene: Scene) -> Path | PackedRun | None:
         """Where the scene's run is, which is told."""
         path = self.path(scene)
-        found = path if is_whole(path) else packed_run(self.folder, path.stem)
+        found = path if is_whole(path) else self._packed(path.stem)
         if found is not None:
             place = found if isinstance(found, Path) else found.path
             LOG.info("%s: found in %s, not run again", scene.name, place)
         return found
+
+    def _packed(self, key: str) -> PackedRun | None:
+        held = pack_index(self.folder).get(key)
+        return None if held is None else held[1]
 
     def keep(self, scene: Scene, run: xr.Dataset) -> Path:
         """Put the run of a scene that was made elsewhere into the store; return its file.
@@ -160,6 +164,27 @@ class RunStore:
                 with suppress(OSError):
                     draft.unlink()
             yield
+
+
+class HeldRuns(Container[str]):
+    """What a store held when it was asked: its packs, and by one listing the files of runs.
+
+    ``key in held`` says whether its cell is not run again: for there is its run, in a pack or a
+    whole file, or it has none.
+    """
+
+    def __init__(self, store: RunStore) -> None:
+        self.packs = pack_index(store.folder)
+        self._store = store
+        self._files = frozenset(path.stem for path in store.folder.glob("??/*.nc"))
+
+    def file(self, key: str) -> Path | None:
+        """The run's own file; None if there is none, or only a damaged one."""
+        path = self._store.file_of(key)
+        return path if key in self._files and is_whole(path) else None
+
+    def __contains__(self, key: object) -> bool:
+        return isinstance(key, str) and (self.packs.settles(key) or self.file(key) is not None)
 
 
 def run_key(scene: Scene) -> str:

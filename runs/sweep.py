@@ -3,24 +3,16 @@
 from __future__ import annotations
 
 import uuid
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Container, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import chain, islice
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from longwave.runs.run_pack import (
-    FAILED,
-    PACKS,
-    REFUSED,
-    SETTLED,
-    CellRecord,
-    new_pack,
-    packed_records,
-    write_pack,
-)
+from longwave.runs.run_pack import FAILED, REFUSED, CellRecord, write_pack
 from longwave.runs.run_store import RunStore
+from longwave.runs.store_packs import FAN, PACKS, merge_packs, new_pack
 from longwave.runs.sweep_cells import Batch, Cell, run_cells
 from longwave.runs.sweep_workers import code_here
 from longwave.support.atomic_file import write_atomically
@@ -109,35 +101,24 @@ class SweepState:
         self.pace = 0.5 * (self.pace + mean) if self.pace else mean
 
 
-def settled_keys(store: RunStore) -> set[str]:
-    """The keys of what the store's packs hold and is not run again: runs, and what has none. A run
-    that has a file of its own counts if that is whole."""
-    return {
-        key
-        for key, (record, place) in packed_records(store.folder).items()
-        if record.status == REFUSED or (record.status in SETTLED and place is not None)
-    }
-
-
 def run_sweep(
     sweep: Sweep,
     store: RunStore,
     workers: Workers,
     progress: Tell = lambda _: None,
     state: SweepState | None = None,
-    settled: Collection[str] | None = None,
+    held: Container[str] | None = None,
 ) -> SweepState:
     """Run what the store does not hold of a sweep; all that comes to an end is in the store.
 
     Cells with a fault are recorded and the sweep goes on; they are run again only if they may
     succeed then. The limits that hold here hold for each cell. ``progress`` is told now and then
-    how far it is, in the ``state`` that is returned. ``settled`` are the keys in the store's packs,
-    if they are known. Raises OSError if the store cannot be written, and passes on Ctrl-C; what was
+    how far it is, in the ``state`` that is returned. ``held`` is `RunStore.held`, if that was asked
+    already. Raises OSError if the store cannot be written, and passes on Ctrl-C; what was
     done is kept then, too.
     """
     state = SweepState(len(sweep), workers.count) if state is None else state
-    known = settled_keys(store) if settled is None else settled
-    missing = _missing(sweep, store, known, state)
+    missing = _missing(sweep, store, store.held() if held is None else held, state)
     first = next(missing, None)
     if first is not None:  # a store that holds all of it need not be writable
         (store.folder / PACKS).mkdir(parents=True, exist_ok=True)
@@ -148,7 +129,7 @@ def run_sweep(
 
 
 def _missing(
-    sweep: Sweep, store: RunStore, settled: Collection[str], state: SweepState
+    sweep: Sweep, store: RunStore, held: Container[str], state: SweepState
 ) -> Iterator[Cell]:
     """The cells that the store does not hold, as they are asked for; of cells with one scene the
     first."""
@@ -162,7 +143,7 @@ def _missing(
             state.found += 1
             continue
         key = store.key(scene)
-        if key in given or store.holds(key, settled):
+        if key in given or key in held:
             state.found += 1
         else:
             given.add(key)
@@ -191,6 +172,8 @@ class _March:
     token: str
     sent: int = 0
     """Cells that workers have."""
+    unmerged: int = 0
+    """Packs that were written since packs were merged."""
 
     def run(self, missing: Iterator[Cell]) -> None:
         """Run the cells in batches, and at last those that lost a worker, each alone."""
@@ -237,6 +220,10 @@ class _March:
             ) from error
         if batch.pack is not None:
             write_sealed(new_pack(self.store.folder), batch.pack, force=False)
+        self.unmerged += 1
+        if self.unmerged >= FAN:
+            merge_packs(self.store.folder)
+            self.unmerged = 0
         self.state.count(batch)
         self.progress(self.state)
         return True

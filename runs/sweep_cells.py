@@ -23,11 +23,11 @@ from longwave.runs.run_pack import (
     OPTIONAL,
     REFUSED,
     CellRecord,
-    new_pack,
     pack_content,
     write_pack,
 )
 from longwave.runs.run_store import RunStore, UnkeptRunError, runs_its_sources
+from longwave.runs.store_packs import new_pack
 from longwave.runs.sweep_cost import expected_cell_cost
 from longwave.runs.sweep_workers import check_code
 from longwave.support.compiled.cores import keep_to_one_core

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Container
 from dataclasses import dataclass, replace
 from random import Random
 from time import process_time
@@ -63,8 +63,8 @@ def expected_cell_cost(scene: Scene) -> ExpectedCost:
     return replace(found, seconds=CELL_SECONDS + max(0.0, found.seconds - found.once))
 
 
-def expected_sweep_cost(sweep: Sweep, store: RunStore, settled: Collection[str]) -> SweepCost:
-    """What the sweep is expected to cost beside the ``settled`` keys of the store's packs.
+def expected_sweep_cost(sweep: Sweep, store: RunStore, held: Container[str]) -> SweepCost:
+    """What the sweep is expected to cost beside the keys that are ``held`` by the store.
 
     Cells are taken in a random order, always the same. One that is inadmissible costs nothing.
     """
@@ -83,7 +83,7 @@ def expected_sweep_cost(sweep: Sweep, store: RunStore, settled: Collection[str])
         try:
             scene = sweep.scene(number)
             key = store.key(scene)
-            if key in given or store.holds(key, settled):
+            if key in given or key in held:
                 continue
             given.add(key)
             cost = expected_cell_cost(scene)

@@ -11,17 +11,9 @@ import numpy as np
 import xarray as xr
 
 from longwave.runs.run_file import SWEPT, file_content, load_run
-from longwave.runs.run_pack import (
-    NUMBERS,
-    OPTIONAL,
-    RATES,
-    REFUSED,
-    SETTLED,
-    CellRecord,
-    PackedRun,
-    packed_records,
-)
+from longwave.runs.run_pack import NUMBERS, OPTIONAL, RATES, REFUSED, SETTLED, CellRecord
 from longwave.runs.run_store import RunStore
+from longwave.runs.store_packs import PackedRun
 from longwave.runs.sweep_cells import record_of
 from longwave.runs.sweep_fields import Place, swept_fields
 from longwave.runs.sweep_file import CASE, SAMPLE, TAKEN, Sweep
@@ -30,28 +22,77 @@ from longwave.support.atomic_file import write_atomically
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from longwave.scenes.scene import Scene
+
 MISSING = "missing"
 """The status of a cell that was not run yet."""
 
 
-def _found(
-    sweep: Sweep,
-    number: int,
-    store: RunStore,
-    packed: Mapping[str, tuple[CellRecord, PackedRun | None]],
-) -> tuple[CellRecord, Place | None]:
-    try:
-        scene = sweep.scene(number)
-    except ValueError as error:
-        return CellRecord("", REFUSED, " ".join(str(error).split())), None
-    key = store.key(scene)
-    record, place = packed.get(key, (None, None))
-    if record is not None and place is not None:
-        return record, place
-    path = store.find(scene)
-    if path is not None and (record is None or record.status not in SETTLED):
-        record = record_of(key, scene, load_run(path))
-    return record or CellRecord(key, MISSING), path
+class _Cells:
+    """What a store holds of some cells of a sweep.
+
+    ``rows`` are those in the table of the store's packs, -1 where no pack has the run; ``others``
+    have a record and, if there is one, a file; the rest is missing.
+    """
+
+    def __init__(self, sweep: Sweep, numbers: Sequence[int], store: RunStore) -> None:
+        self._store, self._held = store, store.held()
+        self._keys = np.full(len(numbers), "", object)
+        self._rows = np.full(len(numbers), -1)
+        self._others: dict[int, tuple[CellRecord, Path | None]] = {}
+        for cell, number in enumerate(numbers):
+            try:
+                scene = sweep.scene(number)
+            except ValueError as error:
+                self._others[cell] = CellRecord("", REFUSED, " ".join(str(error).split())), None
+            else:
+                self._look(cell, scene)
+
+    def _look(self, cell: int, scene: Scene) -> None:
+        """Find the run of a cell, or what it came to."""
+        self._keys[cell] = key = self._store.key(scene)
+        packs = self._held.packs
+        row = packs.row(key)
+        if row is not None and packs.table.row[row] >= 0:
+            self._rows[cell] = row
+            return
+        record = None if row is None else packs.table.record(row)
+        path = self._held.file(key)
+        if path is not None and (record is None or record.status not in SETTLED):
+            record = record_of(key, scene, load_run(path))
+        if record is not None:
+            self._others[cell] = record, path
+
+    def texts(self) -> Iterator[tuple[str, NDArray[Any]]]:
+        """How the cells ended, what is told of that, and their keys."""
+        inside, table = self._rows >= 0, self._held.packs.table
+        rows = self._rows[inside]
+        status, message = (np.full(len(self._rows), text, object) for text in (MISSING, ""))
+        status[inside] = table.status[rows].astype("U9")
+        message[inside] = table.message[rows]
+        for cell, (record, _) in self._others.items():
+            status[cell], message[cell] = record.status, record.message
+        yield from {"status": status, "message": message, "key": self._keys}.items()
+
+    def numbers(self) -> Mapping[str, NDArray[np.float64]]:
+        """The columns of `NUMBERS`, NaN where a cell has none."""
+        columns = {name: np.full(len(self._rows), np.nan) for name in NUMBERS}
+        inside = self._rows >= 0
+        for name, column in self._held.packs.table.numbers.items():
+            columns[name][inside] = column[self._rows[inside]]
+        for cell, (record, _) in self._others.items():
+            for name, value in record.numbers.items():
+                columns[name][cell] = value
+        return columns
+
+    def places(self) -> Mapping[int, Place]:
+        """Where the runs are of the cells that have one."""
+        files = {cell: path for cell, (_, path) in self._others.items() if path is not None}
+        packed = {
+            int(cell): self._held.packs.place(self._rows[cell])
+            for cell in np.flatnonzero(self._rows >= 0)
+        }
+        return files | {cell: place for cell, place in packed.items() if place is not None}
 
 
 def sweep_dataset(sweep: Sweep, store: RunStore, fields: bool = True) -> xr.Dataset:
@@ -63,18 +104,13 @@ def sweep_dataset(sweep: Sweep, store: RunStore, fields: bool = True) -> xr.Data
     those of the runs that have one shape in all cells, which are read from the store when they are
     used; NaN, or 0, where there is no run. `cell_run` reads the whole run of one cell.
     """
-    packed = packed_records(store.folder)
-    cells = [_found(sweep, number, store, packed) for number in range(len(sweep))]
-    records = [record for record, _ in cells]
-    places = {number: place for number, (_, place) in enumerate(cells) if place is not None}
+    cells = _Cells(sweep, range(len(sweep)), store)
     names, shape = tuple(d.name for d in sweep.dimensions), sweep.shape
     data: dict[str, Any] = {
         name: (names, column.reshape(shape), told)
-        for name, column, told in _number_columns(records)
+        for name, column, told in _number_columns(cells.numbers())
     }
-    for name in ("status", "message", "key"):
-        texts = np.array([getattr(record, name) for record in records], dtype=object)
-        data[name] = (names, texts.reshape(shape))
+    data |= {name: (names, texts.reshape(shape)) for name, texts in cells.texts()}
     coordinates: dict[str, Any] = {}
     swept = [field for dimension in sweep.dimensions for field in dimension.fields]
     for dimension in sweep.dimensions:
@@ -85,7 +121,7 @@ def sweep_dataset(sweep: Sweep, store: RunStore, fields: bool = True) -> xr.Data
             coordinates[name] = (dimension.name, _values(column), {"field": field})
     if fields:
         taken = {*names, *data, *coordinates}
-        for name, variable, is_coordinate in swept_fields(names, shape, places, taken):
+        for name, variable, is_coordinate in swept_fields(names, shape, cells.places(), taken):
             (coordinates if is_coordinate else data)[name] = variable
     attributes = {
         "title": sweep.title or sweep.name,
@@ -96,13 +132,9 @@ def sweep_dataset(sweep: Sweep, store: RunStore, fields: bool = True) -> xr.Data
 
 
 def _number_columns(
-    records: Sequence[CellRecord],
+    columns: Mapping[str, NDArray[np.float64]],
 ) -> Iterator[tuple[str, NDArray[np.float64], dict[str, str]]]:
     """The numbers of all cells: name, values, and what they are."""
-    columns = {
-        name: np.array([record.numbers.get(name, np.nan) for record in records], dtype=np.float64)
-        for name in NUMBERS
-    }
     judged = np.isfinite(columns["error"])
     of_rates = judged.any() and np.isfinite(columns["growth_rate"][judged]).all()
     for name, (unit, meaning) in ({**NUMBERS, **RATES} if of_rates else NUMBERS).items():
@@ -140,11 +172,11 @@ def cell_run(sweep: Sweep, store: RunStore, **indices: int) -> xr.Dataset:
     except ValueError:
         sizes = " x ".join(map(str, sweep.shape))
         raise ValueError(f"indices must lie in {sizes} cells, got {indices}") from None
-    record, place = _found(sweep, number, store, packed_records(store.folder))
+    cell = _Cells(sweep, [number], store)
+    place = cell.places().get(0)
     if place is None:
-        raise ValueError(
-            f"cell {indices} must have a run, got none: {record.message or record.status}"
-        )
+        (_, status), (_, message), _ = cell.texts()
+        raise ValueError(f"cell {indices} must have a run, got none: {message[0] or status[0]}")
     return place.load() if isinstance(place, PackedRun) else load_run(place)
 
 

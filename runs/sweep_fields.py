@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections import defaultdict
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 
@@ -15,7 +15,8 @@ from xarray.backends import BackendArray
 from xarray.core import indexing
 
 from longwave.runs.run_file import load_run
-from longwave.runs.run_pack import PackedRun, values_of
+from longwave.runs.run_pack import load_row, open_pack, values_of
+from longwave.runs.store_packs import PackedRun, moved
 
 Place: TypeAlias = PackedRun | Path
 """Where a cell's run is: in a pack, or a file of its own."""
@@ -31,39 +32,37 @@ class FieldKind(NamedTuple):
     attributes: str
 
 
-Group: TypeAlias = "tuple[Path, str]"
-
-
-def _groups(places: Mapping[int, Place]) -> Mapping[Group, dict[int, int]]:
-    """Files and their groups, each with the cells that are there and their rows."""
-    found: dict[Group, dict[int, int]] = defaultdict(dict)
+def _groups(places: Mapping[int, Place]) -> Sequence[dict[int, Place]]:
+    """The cells whose runs lie in one group of a pack, or in a file of their own."""
+    found: dict[object, dict[int, Place]] = defaultdict(dict)
     for cell, place in places.items():
-        if isinstance(place, PackedRun):
-            found[place.path, place.group][cell] = place.row
-        else:
-            found[place, ""][cell] = 0
-    return found
+        group = (place.pack, place.group) if isinstance(place, PackedRun) else place
+        found[group][cell] = place
+    return list(found.values())
 
 
-def _kinds(group: Group, row: int) -> Iterator[tuple[str, FieldKind]]:
+def _kinds(place: Place) -> Iterator[tuple[str, FieldKind]]:
     """The variables of the runs in one place, by one of them."""
-    run = PackedRun(*group, row).load() if group[1] else load_run(group[0])
+    run = place.load() if isinstance(place, PackedRun) else load_run(place)
     for name, variable in run.variables.items():
         dims, told = tuple(map(str, variable.dims)), json.dumps(variable.attrs, sort_keys=True)
         held = variable.shape, variable.dtype.str, dims == (name,), told
         yield str(name), FieldKind(dims, *held)
 
 
-def _rows(group: Group, field: str, rows: Sequence[int]) -> NDArray[Any]:
-    """The values of a variable in these rows, stacked."""
-    path, name = group
-    if not name:
-        return np.asarray(load_run(path).variables[field].values)[None]
-    import h5py
-
-    with h5py.File(path) as file:
-        held = file[name]["arrays"][field]
-        return np.asarray(values_of(np.stack([held[row] for row in rows])))
+def _rows(field: str, places: Iterable[Place]) -> NDArray[Any]:
+    """The values of a variable of all runs in one group, stacked."""
+    packed = [place for place in places if isinstance(place, PackedRun)]
+    if not packed:
+        runs = (load_run(path) for path in places if isinstance(path, Path))
+        return np.stack([run.variables[field].values for run in runs])
+    try:
+        with open_pack(packed[0].path) as file:
+            held = file[str(packed[0].group)]["arrays"][field]
+            return np.asarray(values_of(np.stack([held[place.row] for place in packed])))
+    except FileNotFoundError:
+        runs = (load_row(place.path, place.group, place.row) for place in moved(packed))
+        return np.stack([run.variables[field].values for run in runs])
 
 
 class FieldOfCells(BackendArray):
@@ -92,8 +91,8 @@ class FieldOfCells(BackendArray):
         flat = np.full((wanted.size, *self._own), empty, self.dtype)
         asked = {int(cell): place for place, cell in enumerate(wanted.ravel())}
         known = {cell: self._places[cell] for cell in asked if cell in self._places}
-        for group, inside in _groups(known).items():
-            values = _rows(group, self._field, list(inside.values()))
+        for inside in _groups(known):
+            values = _rows(self._field, inside.values())
             flat[[asked[cell] for cell in inside]] = values
         inner = _outer(flat, (slice(None), *own))
         return inner.reshape((*wanted.shape, *inner.shape[1:]))
@@ -121,8 +120,8 @@ def swept_fields(
     """
     kinds: dict[str, list[FieldKind]] = defaultdict(list)
     groups = _groups(places)
-    for group, cells in groups.items():
-        for field, kind in _kinds(group, min(cells.values())):
+    for cells in groups:
+        for field, kind in _kinds(next(iter(cells.values()))):
             kinds[field].append(kind)
     for field, found in kinds.items():
         if len(found) < len(groups) or len(set(found)) > 1:
@@ -144,8 +143,8 @@ def swept_fields(
 def _common(array: FieldOfCells, field: str, places: Mapping[int, Place]) -> NDArray[Any] | None:
     """The values of a coordinate if all runs have the same ones."""
     first: NDArray[Any] | None = None
-    for group, inside in _groups(places).items():
-        values = _rows(group, field, list(inside.values()))
+    for inside in _groups(places):
+        values = _rows(field, inside.values())
         first = values[0] if first is None else first
         same = np.broadcast_to(first, values.shape)
         if not np.array_equal(values, same, equal_nan=values.dtype.kind == "f"):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Container, Iterator, Mapping
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
@@ -14,7 +14,7 @@ from longwave.runs.run_file import SWEPT, open_run
 from longwave.runs.run_output import check_run_output, store_messages
 from longwave.runs.run_pack import DONE, NUMBERS
 from longwave.runs.run_store import RunStore
-from longwave.runs.sweep import SweepState, run_sweep, settled_keys
+from longwave.runs.sweep import SweepState, run_sweep
 from longwave.runs.sweep_cost import SweepCost, expected_sweep_cost
 from longwave.runs.sweep_file import Sweep, load_sweep
 from longwave.runs.sweep_scene import changed_scene
@@ -67,11 +67,11 @@ def sweep_and_print(
                 check_run_output(output, force=True)
                 _check_overwriting(sweep, Path(output), force)
                 kept = _store_of(sweep, store, output)
-                settled = settled_keys(kept)
-                expected = expected_sweep_cost(sweep, kept, settled)
+                held = kept.held()
+                expected = expected_sweep_cost(sweep, kept, held)
             with sweep_workers(processes, scheduler) as workers:
                 told.workers = workers.count
-                _run_with_bar(sweep, kept, workers, told, expected, settled)
+                _run_with_bar(sweep, kept, workers, told, expected, held)
             found, seen = _written(sweep, kept, output, samples is not None)
     except KeyboardInterrupt:
         return interrupted(program, _kept(told))
@@ -157,7 +157,7 @@ def _run_with_bar(
     workers: Workers,
     told: SweepState,
     expected: SweepCost,
-    settled: Collection[str],
+    held: Container[str],
 ) -> None:
     """Run it, announced; OverBudgetError if it is expected to be beyond the limits."""
     here = isinstance(workers, LocalWorkers)
@@ -176,7 +176,7 @@ def _run_with_bar(
             if state.steady[0]:
                 tell(state.seconds_left)
 
-        run_sweep(sweep, store, workers, show, told, settled)
+        run_sweep(sweep, store, workers, show, told, held)
 
 
 def sweep_data(

@@ -8,7 +8,6 @@ import pytest
 from longwave.__main__ import main
 from longwave.runs import sweep_cells, sweep_cost
 from longwave.runs.run_store import RunStore
-from longwave.runs.sweep import settled_keys
 from longwave.runs.sweep_cells import Cell, run_cells
 from longwave.runs.sweep_cost import expected_sweep_cost
 from longwave.runs.sweep_file import Sweep, sweep_of
@@ -138,4 +137,4 @@ def test_a_cell_beyond_a_limit_is_tried_again_under_another(
     batch = run_cells([cell], tmp_path, "mark", RequestLimits(1e6, 1.0))
     assert batch.statuses == ["failed"]
     assert "must fit 1 MB, got about" in batch.first_fault
-    assert settled_keys(RunStore(tmp_path)) == set()
+    assert cell.key not in RunStore(tmp_path).held()

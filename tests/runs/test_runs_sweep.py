@@ -15,8 +15,9 @@ import xarray as xr
 from longwave.cli.scene_command import run_and_print
 from longwave.runs import run_pack, run_store, sweep_cells
 from longwave.runs.run_file import load_run
-from longwave.runs.run_pack import CellRecord, packed_records, read_pack, write_pack
+from longwave.runs.run_pack import CellRecord, load_row, read_pack, write_pack
 from longwave.runs.run_store import RunStore
+from longwave.runs.store_packs import pack_index
 from longwave.runs.sweep import MOST_LOSSES, run_sweep
 from longwave.runs.sweep_cells import Cell, numbers_of, run_cells
 from longwave.runs.sweep_cost import expected_sweep_cost
@@ -130,9 +131,9 @@ def test_fields_are_read_when_they_are_used(
     read: list[str] = []
     rows = sweep_fields._rows
 
-    def counted(group: Any, field: str, wanted: Any) -> Any:
+    def counted(field: str, places: Any) -> Any:
         read.append(field)
-        return rows(group, field, wanted)
+        return rows(field, places)
 
     monkeypatch.setattr(sweep_fields, "_rows", counted)
     found = sweep_dataset(sweep, store)
@@ -199,9 +200,9 @@ def test_errors_of_cells_have_errors_of_their_own(kind: str, store: RunStore) ->
 
 def test_a_run_that_measured_none_has_no_error_of_its_own(store: RunStore) -> None:
     run_sweep(small_sweep(eps=[0.1]), store, HereWorkers())
-    (pack,) = packed_records(store.folder).values()
-    assert pack[0].numbers["error"] > 0.0
-    assert np.isnan(pack[0].numbers["own_error"])
+    record = pack_index(store.folder).table.record(0)
+    assert record.numbers["error"] > 0.0
+    assert np.isnan(record.numbers["own_error"])
 
 
 def test_what_is_there_is_not_run_again(store: RunStore) -> None:
@@ -284,9 +285,10 @@ def test_a_run_is_found_whoever_made_it(
     path, kept = str(tmp_path / "small.toml"), str(store.folder)
     assert run_and_print(path, "longwave run", store=kept) == 0
     told = capsys.readouterr()
-    place = packed_records(store.folder)[store.key(scene)][1]
-    assert place is not None
-    pack = place.path
+    held = pack_index(store.folder).get(store.key(scene))
+    assert held is not None
+    assert held[1] is not None
+    pack = held[1].path
     assert told.err == f"small: found in {pack}, not run again\n"
     assert "10 steps, 1024 sites" in told.out
     assert store.find(scene) is None
@@ -497,15 +499,17 @@ def test_a_pack_keeps_bits_and_kinds_apart(tmp_path: Path) -> None:
     records += [CellRecord("k2", "done", "", {}, other), CellRecord("k3", "refused", "no")]
     records += [CellRecord("k4", "done", "", {}, runs[1])]
     write_pack(tmp_path / "a.h5", records)
-    found = {record.key: (record, place) for record, place in read_pack(tmp_path / "a.h5")}
+    table = read_pack(tmp_path / "a.h5")
+    found = {key.decode(): place for place, key in enumerate(table.key)}
     for key, run in (("k1", runs[0]), ("k2", other), ("k4", runs[1])):
-        place = found[key][1]
-        assert place is not None
-        loaded = place.load()
+        place = found[key]
+        loaded = load_row(tmp_path / "a.h5", int(table.group[place]), int(table.row[place]))
         xr.testing.assert_identical(loaded, run)
         assert loaded.a.values.tobytes() == run.a.values.tobytes()
-    assert found["k3"] == (CellRecord("k3", "refused", "no", found["k3"][0].numbers), None)
-    assert found["k1"][0].numbers["error"] == 0.5
+    refused = table.record(found["k3"])
+    assert (refused.key, refused.status, refused.message) == ("k3", "refused", "no")
+    assert table.row[found["k3"]] == -1
+    assert table.record(found["k1"]).numbers["error"] == 0.5
 
 
 def test_a_pack_keeps_a_number_that_only_some_of_its_cells_have(tmp_path: Path) -> None:
@@ -514,7 +518,8 @@ def test_a_pack_keeps_a_number_that_only_some_of_its_cells_have(tmp_path: Path) 
         tmp_path / "a.h5",
         [CellRecord("k1", "done", "", some), CellRecord("k2", "done", "", {"error": 0.25})],
     )
-    first, second = (record.numbers for record, _ in read_pack(tmp_path / "a.h5"))
+    table = read_pack(tmp_path / "a.h5")
+    first, second = (table.record(place).numbers for place in range(2))
     assert {name: first[name] for name in some} == some
     assert np.isnan([second["last_peak"], second["growth_rate"]]).all()
     assert "last_delay" not in first
@@ -535,7 +540,7 @@ def test_a_pack_without_a_number_is_read(tmp_path: Path, monkeypatch: pytest.Mon
     with monkeypatch.context() as before:
         before.setattr(run_pack, "NUMBERS", fewer)
         write_pack(tmp_path / "a.h5", [CellRecord("k", "done", "", {"error": 0.5})])
-    ((record, _),) = read_pack(tmp_path / "a.h5")
+    record = read_pack(tmp_path / "a.h5").record(0)
     assert record.numbers["error"] == 0.5
     assert np.isnan(record.numbers.get("own_error", np.nan))
 
@@ -543,14 +548,14 @@ def test_a_pack_without_a_number_is_read(tmp_path: Path, monkeypatch: pytest.Mon
 def test_a_damaged_pack_counts_as_none(store: RunStore) -> None:
     sweep = small_sweep(eps=[0.1])
     run_sweep(sweep, store, HereWorkers())
-    (pack,) = (store.folder / "packs").glob("*.h5")
+    (pack,) = (store.folder / "packs").rglob("*.h5")
     content = pack.read_bytes()
     for broken in (content[: len(content) // 2], b"", bytes([content[300] ^ 1])):
         pack.write_bytes(broken)
-        assert packed_records(store.folder) == {}
+        assert len(pack_index(store.folder)) == 0
     middle = len(content) // 2
     pack.write_bytes(content[:middle] + bytes([content[middle] ^ 1]) + content[middle + 1 :])
-    assert packed_records(store.folder) == {}
+    assert len(pack_index(store.folder)) == 0
 
 
 def test_the_written_data_set_is_plain(store: RunStore, tmp_path: Path) -> None:
@@ -575,7 +580,7 @@ def test_names_of_what_is_compared_are_those_of_all_cells(store: RunStore) -> No
 
 def test_a_folder_among_the_packs_is_passed_over(store: RunStore) -> None:
     (store.folder / "packs" / "x.h5").mkdir(parents=True)
-    assert packed_records(store.folder) == {}
+    assert len(pack_index(store.folder)) == 0
 
 
 def test_nothing_is_left_beside_the_packs(store: RunStore) -> None:

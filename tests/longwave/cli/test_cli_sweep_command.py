@@ -74,7 +74,7 @@ def test_one_damaged_pack_is_told_once_and_one_cell_as_one(
         (error,) = (line for line in told.out.splitlines() if line.startswith("relative error"))
         assert " to " not in error
         assert told.err.count("is damaged") == damaged
-        for pack in Path("sw.store", "packs").glob("*.h5"):
+        for pack in Path("sw.store", "packs").rglob("*.h5"):
             pack.write_bytes(pack.read_bytes()[:-100])
 
 

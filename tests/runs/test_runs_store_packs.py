@@ -1,0 +1,381 @@
+"""Catches: a cell lost by merging or by the index, a pack opened for nothing, an index believed."""
+
+from __future__ import annotations
+
+import io
+import os
+from collections.abc import Callable, Iterator
+from contextlib import nullcontext
+from pathlib import Path
+from threading import Thread
+from typing import Any
+
+import h5py
+import numpy as np
+import pytest
+import xarray as xr
+
+from longwave.runs import run_pack, run_store, store_packs
+from longwave.runs.run_pack import CellRecord, pack_content, write_pack
+from longwave.runs.run_store import RunStore
+from longwave.runs.store_packs import (
+    FAN,
+    INDEX,
+    LARGEST,
+    PACKS,
+    WORTH_AN_INDEX,
+    merge_packs,
+    new_pack,
+    pack_index,
+)
+from longwave.runs.sweep import run_sweep
+from longwave.runs.sweep_cost import expected_sweep_cost
+from longwave.runs.sweep_dataset import sweep_dataset
+from longwave.runs.sweep_file import sweep_of
+from longwave.support.processes import LocalWorkers
+from longwave.support.sealed_file import read_sealed, write_sealed
+
+
+def a_run(number: int) -> xr.Dataset:
+    """A run, of three shapes in turn, with texts of different lengths and a NaN."""
+    size = (3, 700, 0)[number % 3]
+    texts = ["é" * (1 + number % 4)] * 2
+    values = np.full(size, number / 3.0)
+    values[: size // 2] = np.nan
+    return xr.Dataset(
+        {"values": ("x", values), "texts": ("y", texts), "many": (("y", "x"), np.ones((2, size)))},
+        {"y": [1, 2]},
+        {"number": number, "title": f"é {number}"},
+    )
+
+
+def records(first: int, count: int) -> Iterator[CellRecord]:
+    for number in range(first, first + count):
+        key = f"{number:040x}"
+        if number % 5 == 4:
+            yield CellRecord(key, "refused", f"no {number}")
+        else:
+            numbers = {"error": float(number)} | ({"last_peak": 0.5} if number % 7 == 0 else {})
+            yield CellRecord(key, "done", "", numbers, a_run(number))
+
+
+def fill(folder: Path, packs: int, cells: int = 3, first: int = 0) -> None:
+    for number in range(packs):
+        write_pack(new_pack(folder), records(first + number * cells, cells))
+
+
+def check(folder: Path, count: int) -> None:
+    """Every cell is there, as it was put in."""
+    index = pack_index(folder)
+    assert len(index) == count
+    for record in records(0, count):
+        held = index.get(record.key)
+        assert held is not None
+        found, place = held
+        assert (found.status, found.message) == (record.status, record.message)
+        for name in ("error", "last_peak"):
+            assert found.numbers.get(name, np.nan) == pytest.approx(
+                record.numbers.get(name, np.nan), abs=0, nan_ok=True
+            )
+        assert index.settles(record.key)
+        assert (place is None) == (record.run is None)
+        if place is not None and record.run is not None:
+            xr.testing.assert_identical(place.load(), record.run)
+    assert index.get("f" * 40) is None
+    assert not index.settles("f" * 40)
+
+
+def files(folder: Path) -> list[Path]:
+    return sorted(path for path in (folder / PACKS).rglob("*.h5"))
+
+
+def test_packs_lie_in_folders_and_are_found(tmp_path: Path) -> None:
+    fill(tmp_path, 3)
+    check(tmp_path, 9)
+    assert all(path.parent.parent == tmp_path / PACKS for path in files(tmp_path))
+    write_pack(tmp_path / PACKS / "older.h5", records(9, 2))
+    check(tmp_path, 11)
+    assert not (tmp_path / PACKS / INDEX).exists()
+    fill(tmp_path, WORTH_AN_INDEX, first=11)
+    check(tmp_path, 11 + 3 * WORTH_AN_INDEX)
+    assert (tmp_path / PACKS / INDEX).exists()
+
+
+def test_with_an_index_only_new_packs_are_opened(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fill(tmp_path, WORTH_AN_INDEX)
+    before = pack_index(tmp_path)
+    opened: list[Path] = []
+    read = store_packs.read_pack
+
+    def counted(path: Path) -> Any:
+        opened.append(path)
+        return read(path)
+
+    monkeypatch.setattr(store_packs, "read_pack", counted)
+    assert len(pack_index(tmp_path)) == len(before)
+    assert opened == []
+    fill(tmp_path, 2, first=3 * WORTH_AN_INDEX)
+    assert len(pack_index(tmp_path)) == len(before) + 6
+    assert len(opened) == 2
+    check(tmp_path, len(before) + 6)
+    for path in opened[:2]:
+        path.unlink()
+    check(tmp_path, len(before))
+
+
+def test_a_changed_pack_is_read_again_and_a_damaged_one_is_none(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    fill(tmp_path, WORTH_AN_INDEX)
+    pack_index(tmp_path)
+    path, held = files(tmp_path)[0], len(pack_index(tmp_path))
+    content = path.read_bytes()
+    path.write_bytes(content[:-90] + bytes([content[-90] ^ 1]) + content[-89:])
+    assert len(pack_index(tmp_path)) == held - 3
+    assert "damaged" in caplog.text
+
+
+def test_a_run_that_was_damaged_since_the_index_is_run_again(tmp_path: Path) -> None:
+    """As by a disk, which leaves the times of files as they were."""
+    fill(tmp_path, WORTH_AN_INDEX)
+    pack_index(tmp_path)
+    run_pack._check_pack.cache_clear()
+    held = pack_index(tmp_path).get(f"{0:040x}")
+    assert held is not None
+    assert held[1] is not None
+    path = held[1].path
+    told, content = path.stat(), path.read_bytes()
+    path.write_bytes(content[:-90] + bytes([content[-90] ^ 1]) + content[-89:])
+    os.utime(path, ns=(told.st_atime_ns, told.st_mtime_ns))
+    assert pack_index(tmp_path).settles(held[0].key)
+    with pytest.raises(ValueError, match="damaged"):
+        held[1].load()
+    assert not pack_index(tmp_path).settles(held[0].key)
+
+
+def _other_length(file: Any) -> None:
+    rows = file["row"][()][:-1]
+    del file["row"]
+    file["row"] = rows
+
+
+def _other_pack(file: Any) -> None:
+    file["pack"][-1] = 999
+
+
+def _no_order(file: Any) -> None:
+    file["pack"][0] = 1
+
+
+def _no_column(file: Any) -> None:
+    del file["key"]
+
+
+def _a_claim(file: Any) -> None:
+    del file["row"]
+    file.create_dataset("row", shape=(10**9,), dtype="i4", chunks=(1000,))
+
+
+def _a_link(file: Any) -> None:
+    del file["row"]
+    file["row"] = h5py.ExternalLink("other.h5", "/row")
+
+
+@pytest.mark.parametrize(
+    "attack", [_other_length, _other_pack, _no_order, _no_column, _a_claim, _a_link]
+)
+def test_an_index_that_is_wrong_is_made_anew(
+    attack: Callable[[Any], None], tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    fill(tmp_path, WORTH_AN_INDEX)
+    pack_index(tmp_path)
+    path = tmp_path / PACKS / INDEX
+    content = read_sealed(path)
+    assert content is not None
+    image = io.BytesIO(content)
+    with h5py.File(image, "r+") as file:
+        attack(file)
+    write_sealed(path, image.getvalue())
+    check(tmp_path, 3 * WORTH_AN_INDEX)
+    assert "is no index" in caplog.text
+    path.write_bytes(b"anything")
+    check(tmp_path, 3 * WORTH_AN_INDEX)
+
+
+def test_merged_packs_hold_what_they_held(tmp_path: Path) -> None:
+    fill(tmp_path, FAN + 5)
+    merge_packs(tmp_path)
+    left = files(tmp_path)
+    assert len(left) < 6
+    check(tmp_path, 3 * (FAN + 5))
+    merge_packs(tmp_path)
+    assert files(tmp_path) == left
+    assert [path.name for path in (tmp_path / PACKS).iterdir() if path.is_file()] == []
+
+
+def test_few_packs_and_large_ones_are_left(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    fill(tmp_path, FAN - 1)
+    before = files(tmp_path)
+    merge_packs(tmp_path)
+    assert files(tmp_path) == before
+    fill(tmp_path, 1)
+    monkeypatch.setattr(store_packs, "LARGEST", before[0].stat().st_size)
+    merge_packs(tmp_path)
+    assert set(before) <= set(files(tmp_path))
+    monkeypatch.setattr(store_packs, "LARGEST", LARGEST)
+    merge_packs(tmp_path)
+    assert len(files(tmp_path)) < FAN
+
+
+def test_a_damaged_pack_is_not_merged_and_not_removed(tmp_path: Path) -> None:
+    fill(tmp_path, FAN + 2)
+    bad = files(tmp_path)[7]
+    bad.write_bytes(bad.read_bytes()[:-1])
+    merge_packs(tmp_path)
+    assert bad in files(tmp_path)
+    assert len(files(tmp_path)) < 6
+    assert len(pack_index(tmp_path)) == 3 * (FAN + 1)
+
+
+def test_a_place_that_was_read_before_a_merge_leads_to_the_run(tmp_path: Path) -> None:
+    fill(tmp_path, FAN + 2)
+    held = pack_index(tmp_path).get(f"{8:040x}")
+    assert held is not None
+    place = held[1]
+    assert place is not None
+    merge_packs(tmp_path)
+    assert not place.path.exists()
+    xr.testing.assert_identical(place.load(), a_run(8))
+    for path in files(tmp_path):
+        path.unlink()
+    with pytest.raises(ValueError, match="is gone"):
+        place.load()
+
+
+@pytest.mark.slow
+def test_readers_miss_nothing_while_packs_are_merged(tmp_path: Path) -> None:
+    fill(tmp_path, FAN, cells=2)
+    ended: list[int] = []
+
+    def merge() -> None:
+        for turn in range(1, 5):
+            merge_packs(tmp_path)
+            fill(tmp_path, FAN, cells=2, first=2 * FAN * turn)
+        ended.append(1)
+
+    writer = Thread(target=merge)
+    writer.start()
+    while not ended and writer.is_alive():
+        index = pack_index(tmp_path)
+        assert all(index.settles(f"{number:040x}") for number in range(2 * FAN))
+    writer.join()
+    check(tmp_path, 10 * FAN)
+
+
+def test_two_who_merge_at_once_lose_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As where files have no locks: one finds packs gone, or what it merges was merged as well."""
+    monkeypatch.setattr(store_packs, "locked", lambda *_: nullcontext())
+    merged = store_packs.merged_content
+    depth: list[int] = []
+
+    def slow(packs: Any) -> bytes:
+        content = merged(packs)
+        if not depth:
+            depth.append(1)
+            merge_packs(tmp_path)
+        return content
+
+    monkeypatch.setattr(store_packs, "merged_content", slow)
+    fill(tmp_path, FAN + 2)
+    merge_packs(tmp_path)
+    check(tmp_path, 3 * (FAN + 2))
+
+
+def test_links_among_packs_are_not_followed(tmp_path: Path) -> None:
+    fill(tmp_path / "other", 2)
+    (tmp_path / "store" / PACKS).mkdir(parents=True)
+    (tmp_path / "store" / PACKS / "ab").symlink_to(files(tmp_path / "other")[0].parent)
+    (tmp_path / "store" / PACKS / "x.h5").symlink_to(files(tmp_path / "other")[0])
+    assert len(pack_index(tmp_path / "store")) == 0
+    (tmp_path / "linked").mkdir()
+    (tmp_path / "linked" / PACKS).symlink_to(tmp_path / "other" / PACKS)
+    assert len(pack_index(tmp_path / "linked")) == 0
+    with pytest.raises(OSError, match="no link"):
+        new_pack(tmp_path / "linked")
+
+
+def test_an_attempt_that_failed_is_behind_one_that_did_not(tmp_path: Path) -> None:
+    key = "a" * 40
+    for status, run in (("failed", None), ("done", a_run(1)), ("failed", None), ("refused", None)):
+        write_pack(new_pack(tmp_path), [CellRecord(key, status, status, run=run)])
+        held = pack_index(tmp_path).get(key)
+        assert held is not None
+        assert held[0].status == (
+            "failed"
+            if run is None and status == "failed" and not pack_index(tmp_path).settles(key)
+            else "done"
+        )
+
+
+SCENE = {
+    "wave": "soliton_sech",
+    "eps": 0.1,
+    "t0": 0,
+    "snapshots": [0, 1],
+    "curve_points": 2,
+    "tolerance": 1e-3,
+    "lattice": {"K2": 1, "K4": 1},
+    "parameters": {"A": 1},
+    "domain": {"compared": 20},
+}
+
+
+def test_a_large_sweep_opens_no_file_that_is_not_there(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of 2000 cells 1990 are in the store: the rest is found by listings, and the data set."""
+    heights = {"from": 0.5, "to": 1, "count": 2000}
+    sweep, store = sweep_of({"scene": SCENE, "grid": {"parameters.A": heights}}), RunStore(tmp_path)
+    run = xr.Dataset({"error": ("time", [0.0])})
+    keys = [store.key(sweep.scene(number)) for number in range(1990)]
+    for first in range(0, 1990, 100):
+        cells = [CellRecord(key, "done", "", {"error": 0.5}, run) for key in keys[first:][:100]]
+        write_pack(new_pack(tmp_path), cells)
+    looked: list[Path] = []
+    whole = run_store.is_whole
+
+    def counted(path: Path) -> bool:
+        looked.append(path)
+        return whole(path)
+
+    monkeypatch.setattr(run_store, "is_whole", counted)
+    assert expected_sweep_cost(sweep, store, store.held()).missing < 100
+    workers = LocalWorkers(1)
+    try:
+        state = run_sweep(sweep, store, workers)
+    finally:
+        workers.stop()
+    assert (state.found, state.done, state.faults) == (1990, 10, 0)
+    found = sweep_dataset(sweep, store, fields=False)
+    assert (found.status == "done").all()
+    assert (found.error.values[:1990] == 0.5).all()
+    assert found.key.values[5] == keys[5]
+    assert looked == []
+
+
+def test_packs_of_one_kind_become_one_group(tmp_path: Path) -> None:
+    """Though some have numbers that others do not."""
+    run = xr.Dataset({"a": ("x", [1.0, 2.0])})
+    for number in range(FAN):
+        some = {"last_peak": 1.0} if number % 2 else {}
+        content = pack_content([CellRecord(f"{number:040x}", "done", "", some, run)])
+        write_sealed(new_pack(tmp_path), content)
+    merge_packs(tmp_path)
+    (pack,) = files(tmp_path)
+    with run_pack.open_pack(pack) as file:
+        assert list(file) == ["0"]
+        assert np.isnan(file["0"]["last_peak"][()]).sum() == FAN // 2
