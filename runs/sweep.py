@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import uuid
 from collections.abc import Callable, Container, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from itertools import chain, islice
 from pathlib import Path
@@ -222,7 +222,8 @@ class _March:
             write_sealed(new_pack(self.store.folder), batch.pack, force=False)
         self.unmerged += 1
         if self.unmerged >= FAN:
-            merge_packs(self.store.folder)
+            with suppress(OSError):  # such as a full disk: they serve as they are
+                merge_packs(self.store.folder)
             self.unmerged = 0
         self.state.count(batch)
         self.progress(self.state)

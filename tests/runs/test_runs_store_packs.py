@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import io
 import os
 from collections.abc import Callable, Iterator
@@ -16,6 +17,7 @@ import pytest
 import xarray as xr
 
 from longwave.runs import run_pack, run_store, store_packs
+from longwave.runs import sweep as sweep_module
 from longwave.runs.run_pack import CellRecord, pack_content, write_pack
 from longwave.runs.run_store import RunStore
 from longwave.runs.store_packs import (
@@ -365,6 +367,30 @@ def test_a_large_sweep_opens_no_file_that_is_not_there(
     assert (found.error.values[:1990] == 0.5).all()
     assert found.key.values[5] == keys[5]
     assert looked == []
+
+
+def test_packs_are_merged_while_a_sweep_runs_if_that_can_be_written(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    heights = {"from": 0.5, "to": 1, "count": 12}
+    sweep = sweep_of({"scene": SCENE, "grid": {"parameters.A": heights}})
+    for module in (store_packs, sweep_module):
+        monkeypatch.setattr(module, "FAN", 4)
+    monkeypatch.setattr(sweep_module._March, "_size", lambda _: 1)
+
+    def full(*_: Any, **__: Any) -> None:
+        raise OSError(errno.ENOSPC, "no space")
+
+    for name, write, fewest, most in (("a", full, 12, 12), ("b", write_sealed, 1, 6)):
+        monkeypatch.setattr(store_packs, "write_sealed", write)
+        workers = LocalWorkers(1)
+        try:
+            state = run_sweep(sweep, RunStore(tmp_path / name), workers)
+        finally:
+            workers.stop()
+        assert (state.done, state.faults) == (12, 0)
+        assert fewest <= len(files(tmp_path / name)) <= most
+        assert len(pack_index(tmp_path / name)) == 12
 
 
 def test_packs_of_one_kind_become_one_group(tmp_path: Path) -> None:
