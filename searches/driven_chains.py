@@ -290,7 +290,9 @@ def attacked(seed: int) -> tuple[float, float, str]:
 
     nan where it is refused.
     """
-    case = drawn(seed)
+    case = _unless_refused(partial(drawn, seed))
+    if case is None:
+        return math.nan, math.nan, "a drive that is refused"
     ends = ", ".join("moved" if callable(end) else str(end) for end in case.ends)
     text = f"{case.name}, ends {ends}, to {case.tolerance:.1e} until {case.end:.3g}"
     exact = _unless_refused(partial(exact_end, case))
