@@ -1,19 +1,43 @@
 """Files that appear whole or not at all: written beside their place, then put there in one step.
 
 Whoever is killed at any moment, or finds the disk full, leaves the older file as it was; at worst a
-draft stays beside it, named ``.NAME.….draft``.
+draft stays beside it, named ``.NAME.HOST-PROCESS-….draft``.
+
+Network file systems are believed as little as they ask for. A request that their client repeats is
+told as an error though it was done (EEXIST of a link, ENOENT of a rename): the file that then has
+the name is looked at. A file that another host has replaced is opened anew (ESTALE). What cannot be
+flushed is not flushed, and a file system without hard links is asked for an empty file of the name
+first.
 """
 
 import errno
+import hashlib
 import os
+import re
 import stat
+import time
 import uuid
 from collections.abc import Callable
 from contextlib import suppress
+from functools import lru_cache
 from pathlib import Path
+from typing import TypeVar
+
+T = TypeVar("T")
 
 LONGEST_STEM, LONGEST_SUFFIX = 40, 12
 """Letters of a file's name that its draft's keeps: a name has at most 255 bytes."""
+
+DRAFT = re.compile(r"\.([0-9a-f]{8})-([0-9]{1,9})-[0-9a-f]{16}\.draft")
+"""How the name of a draft goes on: its host and process, and a random number."""
+
+OLD_DRAFT = 86400.0
+"""Seconds after which nobody is still writing a draft."""
+
+STALE_TRIES = 5
+
+UNFLUSHED = (errno.EINVAL, errno.ENOSYS, errno.ENOTSUP, errno.EOPNOTSUPP)
+"""What file systems say that flush no folder, or nothing: they do that by themselves."""
 
 
 def write_atomically(
@@ -39,19 +63,16 @@ def write_atomically(
     place = Path(os.path.realpath(path)) if follow else path
     draft = draft_path(place)
     try:
-        is_link = not follow and place.is_symlink()
+        is_link = not follow and not_stale(place.is_symlink)
         if not is_link:  # which is replaced, wherever it leads
             _check_place(place, force)
         write(draft)
         if durable:
             with draft.open("rb+") as stream:
-                os.fsync(stream.fileno())
-        if place.exists() and not is_link:
-            draft.chmod(stat.S_IMODE(place.stat().st_mode))
-        if force:
-            draft.replace(place)
-        else:
-            _put_new(draft, place)
+                _flush(stream.fileno())
+        if not is_link and (mode := _mode(place)) is not None:
+            draft.chmod(stat.S_IMODE(mode))
+        _put(draft, place, force)
         if durable:
             _flush_folder(place.parent)
     except OSError as error:
@@ -64,35 +85,126 @@ def write_atomically(
 def draft_path(path: Path) -> Path:
     """A new name for a draft of the file, in its folder."""
     suffix = path.suffix if len(path.suffix) <= LONGEST_SUFFIX else ""
-    return path.with_name(f".{path.stem[:LONGEST_STEM]}.{uuid.uuid4().hex[:16]}.draft{suffix}")
+    name = f"{path.stem[:LONGEST_STEM]}.{_host()}-{os.getpid()}-{uuid.uuid4().hex[:16]}"
+    return path.with_name(f".{name}.draft{suffix}")
+
+
+def remove_dead_drafts(folder: Path, stem: str = "*") -> None:
+    """Remove the drafts that killed processes have left in a folder, of files of that stem.
+
+    A draft of this host goes if its process is no more, any other a day after it was written: where
+    locks do nothing, another process may be about to give it its name.
+    """
+    for draft in folder.glob(f".{stem[:LONGEST_STEM]}.*.draft*"):
+        with suppress(OSError):
+            if _is_dead(draft):
+                draft.unlink()
+
+
+def _is_dead(draft: Path) -> bool:
+    found = DRAFT.search(draft.name)
+    if found is None or found[1] != _host():
+        return time.time() - draft.lstat().st_mtime > OLD_DRAFT
+    try:
+        os.kill(int(found[2]), 0)
+    except ProcessLookupError:
+        return True
+    except PermissionError:  # another user's
+        return False
+    return False
+
+
+@lru_cache
+def _host() -> str:
+    """This host, and in it what numbers processes: a container does that by itself."""
+    import platform
+
+    numbers = ""
+    with suppress(OSError):
+        numbers = os.readlink("/proc/self/ns/pid")
+    return hashlib.sha256(f"{platform.node()} {numbers}".encode()).hexdigest()[:8]
+
+
+def not_stale(ask: Callable[[], T]) -> T:
+    """What ``ask`` gives, asked again where another host has just replaced the file (ESTALE)."""
+    for _ in range(STALE_TRIES - 1):
+        try:
+            return ask()
+        except OSError as error:
+            if error.errno != errno.ESTALE:
+                raise
+    return ask()
+
+
+def leads_to(path: Path, file: os.stat_result) -> bool:
+    """Whether the path is a name of that file."""
+    try:
+        return os.path.samestat(not_stale(lambda: os.lstat(path)), file)
+    except OSError:
+        return False
 
 
 def _check_place(place: Path, force: bool) -> None:
     """Refuse what is not to be replaced, before anything is written."""
-    if place.exists() and not (force and place.is_file()):
-        kind = "exists already" if place.is_file() else "is there, and is no file"
+    mode = _mode(place)
+    if mode is not None and not (force and stat.S_ISREG(mode)):
+        kind = "exists already" if stat.S_ISREG(mode) else "is there, and is no file"
         raise FileExistsError(errno.EEXIST, kind)
 
 
-def _put_new(draft: Path, place: Path) -> None:
-    """Give the draft its name; FileExistsError if another process has taken it."""
+def _mode(place: Path) -> int | None:
+    """The mode of what is there; None if nothing is, or a link that leads nowhere."""
     try:
-        os.link(draft, place)
-    except FileExistsError:
+        return not_stale(place.stat).st_mode
+    except OSError as error:
+        if error.errno not in (errno.ENOENT, errno.ENOTDIR, errno.ELOOP):
+            raise
+    return None
+
+
+def _put(draft: Path, place: Path, force: bool) -> None:
+    """Give the draft its name; without ``force`` FileExistsError if another file has it."""
+    name = os.replace if force else os.link
+    file = not_stale(lambda: os.lstat(draft))
+    try:
+        not_stale(lambda: name(draft, place))
+    except OSError as error:
+        if leads_to(place, file):  # done, and asked for once more
+            return
+        if force or isinstance(error, FileExistsError):
+            raise
+        _put_where_no_links_are(draft, place)
+
+
+def _put_where_no_links_are(draft: Path, place: Path) -> None:
+    """Give the draft its name, having taken that by an empty file."""
+    number = os.open(place, os.O_CREAT | os.O_EXCL | os.O_WRONLY)
+    try:
+        _put(draft, place, force=True)
+    except BaseException:
+        if leads_to(place, os.fstat(number)):
+            place.unlink()
         raise
-    except OSError:  # a file system without hard links: take the name first
-        os.close(os.open(place, os.O_CREAT | os.O_EXCL | os.O_WRONLY))
-        draft.replace(place)
+    finally:
+        os.close(number)
 
 
 def _flush_folder(folder: Path) -> None:
-    """Have the new name on the disk; systems that cannot flush a folder do that by themselves."""
+    """Have the new name on the disk."""
     with suppress(PermissionError):
-        number = os.open(folder, os.O_RDONLY)
+        number = not_stale(lambda: os.open(folder, os.O_RDONLY))
         try:
-            os.fsync(number)
+            _flush(number)
         finally:
             os.close(number)
+
+
+def _flush(number: int) -> None:
+    try:
+        os.fsync(number)
+    except OSError as error:
+        if error.errno not in UNFLUSHED:
+            raise
 
 
 def _named(error: OSError, path: Path) -> OSError:

@@ -26,6 +26,7 @@ from typing import Any
 
 import numpy as np
 
+from longwave.support.atomic_file import remove_dead_drafts
 from longwave.support.compiled.source_digest import compiler_settings
 from longwave.support.plain_data import plain_bytes, plain_value
 from longwave.support.request_limits import current_limits
@@ -142,9 +143,11 @@ class CheckpointFolder:
         """Remove what was kept: the run is finished. A folder that holds other files stays."""
         if os.path.islink(self._folder):
             return
+        for path in self._loops():
+            with suppress(OSError):
+                path.unlink()
+        remove_dead_drafts(self._folder)
         with suppress(OSError):
-            for path in (*self._loops(), *self._folder.glob(".*.draft.loop")):
-                path.unlink(missing_ok=True)
             self._folder.rmdir()
 
     def check(self, error: Exception) -> None:
@@ -163,7 +166,7 @@ class CheckpointFolder:
         if os.path.islink(self._folder):  # nobody has typed its name
             return []
         try:
-            return sorted(self._folder.glob("*.loop"))
+            return sorted(self._folder.glob("[!.]*.loop"))
         except OSError:  # a name that is too long, say
             return []
 

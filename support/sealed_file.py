@@ -13,9 +13,9 @@ import math
 import os
 import stat
 from pathlib import Path
-from typing import TYPE_CHECKING, BinaryIO
+from typing import TYPE_CHECKING
 
-from longwave.support.atomic_file import write_atomically
+from longwave.support.atomic_file import not_stale, write_atomically
 
 if TYPE_CHECKING:
     from hashlib import _Hash as Hash
@@ -28,6 +28,8 @@ SEAL = b"\nlongwave run, sha256 of all before this line: "
 
 SEAL_LENGTH = len(SEAL) + 64 + 1
 
+WRITE_TRIES = 3
+
 PART = 2**20
 """Bytes that are read at once."""
 
@@ -35,7 +37,8 @@ PART = 2**20
 def write_sealed(path: Path, content: bytes, force: bool = True, durable: bool = True) -> None:
     """Write the content and its seal, whole or not at all, in the place of a link too.
 
-    Nobody has typed the name; raises as `write_atomically`.
+    Nobody has typed the name; raises as `write_atomically`. A draft that somebody else removes is
+    written anew.
     """
 
     def write(draft: Path) -> None:
@@ -43,7 +46,13 @@ def write_sealed(path: Path, content: bytes, force: bool = True, durable: bool =
             stream.write(content)
             stream.write(_seal(hashlib.sha256(content)))
 
-    write_atomically(path, write, force, durable, follow=False)
+    for left in reversed(range(WRITE_TRIES)):
+        try:
+            write_atomically(path, write, force, durable, follow=False)
+            return
+        except OSError as error:
+            if not left or error.errno not in (errno.ENOENT, errno.ESTALE):
+                raise
 
 
 def open_plain(path: str | Path, folder: int | None = None) -> int:
@@ -53,7 +62,8 @@ def open_plain(path: str | Path, folder: int | None = None) -> int:
     file: a link might lead anywhere, a pipe would be waited for.
     """
     flags = os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
-    number = os.open(path, flags | getattr(os, "O_BINARY", 0), dir_fd=folder)
+    flags |= getattr(os, "O_BINARY", 0)
+    number = not_stale(lambda: os.open(path, flags, dir_fd=folder))
     if not stat.S_ISREG(os.fstat(number).st_mode):
         os.close(number)
         raise OSError(errno.EINVAL, "is no file", str(path))
@@ -62,16 +72,20 @@ def open_plain(path: str | Path, folder: int | None = None) -> int:
 
 def check_no_link(folder: Path) -> None:
     """Raise OSError for a folder that is a link, if nobody has typed its name."""
-    if folder.is_symlink():
+    if not_stale(folder.is_symlink):
         raise OSError(errno.ELOOP, "a folder in a store must be no link (remove it)", str(folder))
 
 
 def read_sealed(path: Path, most: float = math.inf) -> bytes | None:
     """The content of such a file; None if it is not there, a link, longer than that, or damaged."""
-    try:
+
+    def content() -> bytes | None:
         with open(open_plain(path), "rb") as stream:
             longer = os.fstat(stream.fileno()).st_size > most
             return None if longer else sealed_content(stream.read())
+
+    try:
+        return not_stale(content)
     except OSError:
         return None
 
@@ -85,8 +99,7 @@ def sealed_content(held: bytes) -> bytes | None:
 def is_whole(path: Path) -> bool:
     """Whether there is a run's file as it was written; one that is damaged is told, and a link."""
     try:
-        with open(open_plain(path), "rb") as stream:
-            whole = _is_sealed(stream, os.fstat(stream.fileno()).st_size - SEAL_LENGTH)
+        whole = not_stale(lambda: _is_sealed(path))
     except FileNotFoundError:
         return False
     except OSError as error:
@@ -99,13 +112,15 @@ def is_whole(path: Path) -> bool:
     return whole
 
 
-def _is_sealed(stream: BinaryIO, left: int) -> bool:
-    """Whether the seal after so many bytes is theirs."""
+def _is_sealed(path: Path) -> bool:
+    """Whether what stands before the seal of a file is what was sealed."""
     total = hashlib.sha256()
-    while left > 0 and (part := stream.read(min(left, PART))):
-        total.update(part)
-        left -= len(part)
-    return left == 0 and stream.read() == _seal(total)
+    with open(open_plain(path), "rb") as stream:
+        left = os.fstat(stream.fileno()).st_size - SEAL_LENGTH
+        while left > 0 and (part := stream.read(min(left, PART))):
+            total.update(part)
+            left -= len(part)
+        return left == 0 and stream.read() == _seal(total)
 
 
 def _seal(total: Hash) -> bytes:

@@ -7,14 +7,16 @@ import signal
 import stat
 import subprocess
 import sys
+import time
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 
 import pytest
 
-from longwave.support.atomic_file import write_atomically
+from longwave.support.atomic_file import OLD_DRAFT, draft_path, remove_dead_drafts, write_atomically
+from tests.support.failing_folder import FailingFolder
 
 OLD, NEW = "the older file", "new " * 1000
 
@@ -39,7 +41,7 @@ def write(draft):
 if moment == "flushing":
     os.fsync = die
 if moment == "naming":
-    Path.replace = die
+    os.replace = die
 if moment == "named":
     os.open = die
 write_atomically(place, write)
@@ -210,3 +212,99 @@ def test_the_longest_name_that_a_file_may_have_has_room_for_its_draft(tmp_path: 
         write_atomically(tmp_path / name, write)
         assert (tmp_path / name).read_text() == NEW
     assert seen == [".nc", ".draft", ".nc"]
+
+
+@pytest.mark.parametrize("force", [True, False])
+def test_a_request_that_is_done_and_told_as_an_error_has_been_done(
+    force: bool, tmp_path: Path
+) -> None:
+    """The client of a network file system repeats what it had no answer to."""
+    place = tmp_path / "run.nc"
+    view = FailingFolder(str(tmp_path), repeated=1.0, stale=0.0)
+    with view.seen():
+        write_atomically(place, lambda draft: draft.write_text(NEW), force)
+    assert place.read_text() == NEW
+    assert list(tmp_path.iterdir()) == [place]
+
+
+def test_another_file_of_the_name_is_not_taken_for_ones_own(tmp_path: Path) -> None:
+    place = tmp_path / "run.nc"
+
+    def write(draft: Path) -> None:
+        draft.write_text(NEW)
+        place.write_text(NEW)
+
+    with pytest.raises(FileExistsError):
+        write_atomically(place, write, force=False)
+    place.unlink()
+
+    def gone(draft: Path) -> None:
+        write(draft)
+        draft.unlink()
+
+    with pytest.raises(FileNotFoundError) as caught:
+        write_atomically(place, gone, durable=False)
+    assert caught.value.filename == str(place)
+
+
+def test_a_name_that_is_taken_and_not_given_is_free_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where no links are, an empty file has the name for a moment."""
+    place = tmp_path / "run.nc"
+
+    def fail(*_: object) -> None:
+        raise OSError(errno.EIO, "Input/output error")
+
+    monkeypatch.setattr(os, "replace", fail)
+    refused = pytest.raises(OSError, match="Input/output error")
+    with FailingFolder(str(tmp_path), links=False).seen(), refused:
+        write_atomically(place, lambda draft: draft.write_text(NEW), force=False)
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("number", [errno.EINVAL, errno.EOPNOTSUPP, errno.EIO, errno.ENOSPC])
+def test_what_cannot_be_flushed_is_no_error_and_what_does_not_fit_is_one(
+    number: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    place = tmp_path / "run.nc"
+    place.write_text(OLD)
+
+    def flush(_: int) -> None:
+        raise OSError(number, os.strerror(number))
+
+    monkeypatch.setattr(os, "fsync", flush)
+    fits = number in (errno.EINVAL, errno.EOPNOTSUPP)
+    with nullcontext() if fits else pytest.raises(OSError, match=os.strerror(number)):
+        write_atomically(place, lambda draft: draft.write_text(NEW))
+    assert place.read_text() == (NEW if fits else OLD)
+    assert list(tmp_path.iterdir()) == [place]
+
+
+@pytest.fixture
+def dead() -> int:
+    """The number of a process that has ended."""
+    with subprocess.Popen([sys.executable, "-c", ""]) as process:
+        pass
+    return process.pid
+
+
+@pytest.mark.parametrize("goes", [True, False])
+def test_drafts_of_the_dead_are_removed_and_those_of_the_living_stay(
+    goes: bool, dead: int, tmp_path: Path
+) -> None:
+    """Of another host, or of an older longwave, the age says it."""
+    here = draft_path(tmp_path / "run.nc").name
+    process = dead if goes else os.getpid()
+    names = [here.replace(f"-{os.getpid()}-", f"-{process}-")]
+    names += [f".run.{8 * '0'}-{os.getpid()}-{16 * 'a'}.draft.nc", f".run.{16 * 'a'}.draft.nc"]
+    names += [".run.draft-.draft.nc", ".run.-1-2.draft"]
+    for name in names:
+        (tmp_path / name).touch()
+    for name in names[1:]:
+        written = time.time() - (2 if goes else 0.5) * OLD_DRAFT
+        os.utime(tmp_path / name, (written, written))
+    remove_dead_drafts(tmp_path, "other")
+    assert {path.name for path in tmp_path.iterdir()} == {*names}
+    remove_dead_drafts(tmp_path, "run")
+    assert {path.name for path in tmp_path.iterdir()} == (set() if goes else {*names})

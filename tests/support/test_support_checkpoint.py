@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from longwave.support.atomic_file import draft_path
 from longwave.support.checkpoint import (
     CheckpointFolder,
     Memory,
@@ -152,6 +153,22 @@ def test_a_checkpoint_that_does_not_fit_the_memory_is_not_read(tmp_path: Path) -
     with request_limits(memory="1M"):
         assert keeper.read("1", "this task") is None
         assert not keeper.is_begun
+
+
+def test_drafts_are_no_loops_and_those_of_the_living_stay(tmp_path: Path) -> None:
+    """Where locks do nothing another process may be at the same run."""
+    keeper = CheckpointFolder(tmp_path, "this run")
+    keeper.write("1", "this task", MEMORY)
+    (path,) = tmp_path.iterdir()
+    draft = draft_path(path)
+    draft.write_bytes(path.read_bytes())
+    keeper.tell("this scene")
+    assert keeper.kept_seconds == MEMORY["seconds"]
+    keeper.clear()
+    assert list(tmp_path.iterdir()) == [draft]
+    draft.unlink()
+    keeper.clear()
+    assert not tmp_path.exists()
 
 
 def test_loops_are_numbered_by_the_order_in_which_they_begin(tmp_path: Path) -> None:

@@ -1,0 +1,191 @@
+"""A folder that a process sees as on a network file system on a bad day.
+
+What the client of such a file system tells the process, of names in that folder alone:
+
+* a request that was done and is repeated has an error: EEXIST of link and mkdir, ENOENT of rename,
+  unlink and rmdir;
+* ESTALE where a name is asked for, at random, of an open file once another process removed it;
+* attributes of a name, or that there is none, as they were some time ago: until the time is over,
+  or this process changes the name, opens it, or (of what was not there) lists its folder or makes
+  something there;
+* no folder can be flushed, and no file is: no power fails here;
+* locks work, are refused (ENOLCK, EOPNOTSUPP, ENOSYS), or are given to everybody; links are made or
+  refused.
+"""
+
+from __future__ import annotations
+
+import errno
+import fcntl
+import os
+import random
+import stat
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+WORK, REFUSED, BLIND = "work", "refused", "blind"
+"""Locks that do what they should, are an error, and exclude nobody."""
+
+REPEATED = {
+    "link": errno.EEXIST,
+    "mkdir": errno.EEXIST,
+    "replace": errno.ENOENT,
+    "unlink": errno.ENOENT,
+    "rmdir": errno.ENOENT,
+}
+"""What a request is told that was done the first time."""
+
+FLOCK_ERRORS = (errno.ENOLCK, errno.EOPNOTSUPP, errno.ENOSYS)
+
+
+def failure(number: int, path: object) -> OSError:
+    return OSError(number, os.strerror(number), str(path))
+
+
+OTHERS = ("stat", "lstat", "fstat", "open", "scandir", "fsync")
+"""Requests that are answered by the methods of these names."""
+
+
+@dataclass
+class FailingFolder:
+    """The folder, as the process that asks first sees it from then on."""
+
+    folder: str
+    seed: int = 0
+    repeated: float = 0.1
+    """How often a request is repeated."""
+    stale: float = 0.1
+    """How often a name is stale."""
+    locks: str = WORK
+    links: bool = True
+    old: float = 0.2
+    """Seconds for which attributes are believed."""
+    _cached: dict[tuple[str, bool], tuple[float, os.stat_result | None]] = field(
+        default_factory=dict
+    )
+    _has_failed: bool = False
+
+    def __post_init__(self) -> None:
+        self._random = random.Random(self.seed)
+        self._os = {name: getattr(os, name) for name in (*REPEATED, *OTHERS)}
+        self._flock = fcntl.flock
+
+    @contextmanager
+    def seen(self) -> Iterator[None]:
+        """See it so in the body."""
+        with pytest.MonkeyPatch.context() as patch:
+            for name in REPEATED:
+                patch.setattr(os, name, self._changing(name))
+            for name in OTHERS:
+                patch.setattr(os, name, getattr(self, f"_{name}"))
+            patch.setattr(fcntl, "flock", self._locking)
+            yield
+
+    def _holds(self, path: object) -> bool:
+        if isinstance(path, int):
+            path = os.readlink(f"/proc/self/fd/{path}").removesuffix(" (deleted)")
+        return str(path).startswith(self.folder)
+
+    def _fails(self, rate: float) -> bool:
+        """Whether what is asked for now fails: not twice running, a client asks again itself."""
+        self._has_failed = not self._has_failed and self._random.random() < rate
+        return self._has_failed
+
+    def _go_stale(self, path: Any) -> None:
+        """Raise ESTALE now and then, of a file: nobody replaces a folder."""
+        if self._fails(self.stale) and stat.S_ISREG(self._mode(path)):
+            raise failure(errno.ESTALE, path)
+
+    def _mode(self, path: Any) -> int:
+        with suppress(FileNotFoundError):
+            return int(self._os["lstat"](path).st_mode)
+        return 0
+
+    def _forget(self, *paths: object) -> None:
+        """What was known of the names, and of names beside them that were not there."""
+        for path in map(str, paths):
+            self._forget_absent(os.path.dirname(path))
+            for follow in (True, False):
+                self._cached.pop((path, follow), None)
+
+    def _forget_absent(self, folder: str) -> None:
+        for name, follow in list(self._cached):
+            if os.path.dirname(name) == folder and self._cached[name, follow][1] is None:
+                del self._cached[name, follow]
+
+    def _changing(self, name: str) -> Callable[..., Any]:
+        def change(*given: Any, **options: Any) -> None:
+            if not self._holds(given[0]):
+                return self._os[name](*given, **options)
+            paths = [path for path in given if isinstance(path, str | Path)]
+            self._forget(*paths)
+            if name in ("link", "replace"):
+                self._go_stale(given[0])
+            if name == "link" and not self.links:
+                raise failure(errno.EPERM, given[0])
+            self._os[name](*given, **options)
+            if self._fails(self.repeated):
+                raise failure(REPEATED[name], given[0])
+            return None
+
+        return change
+
+    def _stat(self, path: Any, *, follow_symlinks: bool = True, **options: Any) -> os.stat_result:
+        if isinstance(path, int) or options or not self._holds(path):
+            return self._os["stat"](path, follow_symlinks=follow_symlinks, **options)
+        self._go_stale(path)
+        place = str(path), follow_symlinks
+        now = time.monotonic()
+        since, found = self._cached.get(place, (-1e9, None))
+        if now - since > self.old:
+            try:
+                found = self._os["stat"](path, follow_symlinks=follow_symlinks)
+            except FileNotFoundError:
+                found = None
+            self._cached[place] = now, found
+        if found is None:
+            raise failure(errno.ENOENT, path)
+        return found
+
+    def _lstat(self, path: Any, **options: Any) -> os.stat_result:
+        return self._stat(path, follow_symlinks=False, **options)
+
+    def _fstat(self, number: int) -> os.stat_result:
+        found = self._os["fstat"](number)
+        if found.st_nlink == 0 and self._holds(number):
+            raise failure(errno.ESTALE, number)
+        return found
+
+    def _open(self, path: Any, flags: int, *given: Any, **options: Any) -> int:
+        if options.get("dir_fd") is None and self._holds(path):
+            self._go_stale(path)
+            if flags & os.O_CREAT:
+                self._forget(path)
+            for follow in (True, False):
+                since, found = self._cached.get((str(path), follow), (-1e9, None))
+                if found is None and time.monotonic() - since <= self.old:
+                    raise failure(errno.ENOENT, path)
+                self._cached.pop((str(path), follow), None)
+        return self._os["open"](path, flags, *given, **options)
+
+    def _scandir(self, path: Any = ".") -> Any:
+        self._forget_absent(str(path))
+        return self._os["scandir"](path)
+
+    def _fsync(self, number: int) -> None:
+        if not self._holds(number):
+            self._os["fsync"](number)
+        elif stat.S_ISDIR(self._os["fstat"](number).st_mode):
+            raise failure(errno.EINVAL, number)
+
+    def _locking(self, number: int, how: int) -> None:
+        if not self._holds(number) or self.locks == WORK:
+            self._flock(number, how)
+        elif self.locks == REFUSED:
+            raise failure(self._random.choice(FLOCK_ERRORS), number)

@@ -1,0 +1,133 @@
+"""Catches: a lock that lets two in, and work that ends where nothing can be locked."""
+
+from __future__ import annotations
+
+import errno
+import fcntl
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from threading import Event, Thread
+from typing import Any
+
+import pytest
+
+from longwave.support import file_lock
+from longwave.support.file_lock import locked
+from tests.support.failing_folder import FailingFolder
+
+FLOCK, OPEN, FSTAT = fcntl.flock, os.open, os.fstat
+
+
+@pytest.fixture(autouse=True)
+def _nothing_told() -> Iterator[None]:
+    """Of each file system something is tried and told once in a process."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(file_lock, "_TOLD", set())
+        patch.setattr(file_lock, "_TRIED", set())
+        yield
+
+
+@pytest.fixture
+def place(tmp_path: Path) -> Path:
+    return tmp_path / "run.lock"
+
+
+def refused(number: int) -> Any:
+    def refuse(*_: object) -> None:
+        raise OSError(number, os.strerror(number))
+
+    return refuse
+
+
+def test_one_is_let_in_at_a_time(place: Path, caplog: pytest.LogCaptureFixture) -> None:
+    waiting, done = Event(), []
+
+    def other() -> None:
+        with locked(place, waiting.set):
+            done.append("other")
+
+    with locked(place):
+        thread = Thread(target=other)
+        thread.start()
+        assert waiting.wait(600)
+        done.append("first")
+    thread.join()
+    assert done == ["first", "other"]
+    assert not place.exists()
+    assert not caplog.text
+
+
+@pytest.mark.parametrize("number", [errno.ENOLCK, errno.EOPNOTSUPP, errno.ENOSYS, 524])
+def test_where_nothing_can_be_locked_work_goes_on_and_that_is_told_once(
+    number: int, place: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    """524 is what Linux says of some file systems, and no error that has a name."""
+    monkeypatch.setattr(fcntl, "flock", refused(number))
+    for _ in range(2):
+        with locked(place), locked(place):
+            pass
+    (told,) = caplog.messages
+    assert f"{place.parent}: files cannot be locked there ({os.strerror(number)})" in told
+    assert not place.exists()
+
+
+def test_a_lock_that_excludes_nobody_is_told(
+    place: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setattr(fcntl, "flock", lambda *_: None)
+    with locked(place), locked(place):
+        assert "a lock there excludes nobody" in caplog.text
+
+
+def test_a_system_without_locks_is_one_where_nothing_can_be_locked(
+    place: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setattr(file_lock, "fcntl", None)
+    with locked(place):
+        assert "files cannot be locked there" in caplog.text
+
+
+def test_numbers_of_files_that_change_are_not_waited_for(
+    place: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setattr(os.path, "samestat", lambda *_: False)
+    with locked(place):
+        assert "the number of a file changes" in caplog.text
+
+
+def test_the_lock_of_another_is_not_removed(place: Path) -> None:
+    with locked(place):
+        place.unlink()
+        place.touch()
+    assert place.exists()
+
+
+def test_a_lock_whose_file_was_removed_from_another_host_is_taken_anew(
+    place: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    """As its holder there does while this process waits."""
+    opened: list[int] = []
+
+    def open_late(path: Any, *given: Any) -> int:
+        opened.append(OPEN(path, *given))
+        if len(opened) == 1:
+            os.unlink(path)
+        return opened[-1]
+
+    monkeypatch.setattr(os, "open", open_late)
+    with FailingFolder(str(place.parent), repeated=0.0, stale=0.0).seen(), locked(place):
+        assert place.exists()
+    assert not place.exists()
+    assert not caplog.text
+
+
+def test_a_lock_that_cannot_be_made_or_closed(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The one is an error, the other none: the work is done."""
+    with (
+        pytest.raises(FileNotFoundError, match=r"nowhere/run\.lock"),
+        locked(place.parent / "nowhere" / "run.lock"),
+    ):
+        pass
+    with monkeypatch.context() as patch, locked(place):
+        patch.setattr(os, "close", refused(errno.ENOSPC))

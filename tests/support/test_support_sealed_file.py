@@ -1,0 +1,78 @@
+"""Catches: a sealed file that a network file system loses, or has count as missing."""
+
+from __future__ import annotations
+
+import errno
+import os
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from longwave.support import sealed_file
+from longwave.support.sealed_file import is_whole, read_sealed, write_sealed
+from tests.support.failing_folder import FailingFolder
+
+CONTENT = b"a run" * 1000
+
+
+@pytest.mark.parametrize("force", [True, False])
+def test_a_draft_that_somebody_removes_is_written_anew(
+    force: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    place, fsync, left = tmp_path / "run.nc", os.fsync, [1, 2]
+
+    def tidied(number: int) -> None:
+        if left:
+            left.pop()
+            for draft in tmp_path.glob(".*.draft*"):
+                draft.unlink()
+        fsync(number)
+
+    monkeypatch.setattr(os, "fsync", tidied)
+    write_sealed(place, CONTENT, force)
+    assert read_sealed(place) == CONTENT
+    assert list(tmp_path.iterdir()) == [place]
+
+
+def test_a_folder_that_is_gone_is_an_error(tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError) as caught:
+        write_sealed(tmp_path / "folder" / "run.nc", CONTENT)
+    assert caught.value.filename == str(tmp_path / "folder" / "run.nc")
+
+
+def test_a_file_that_another_host_replaces_while_it_is_read_is_read_anew(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    place, opened = tmp_path / "run.nc", sealed_file.open_plain
+    write_sealed(place, CONTENT)
+    left = [1, 2]
+
+    def replaced(path: Any) -> int:
+        number = opened(path)
+        if left:
+            left.pop()
+            write_sealed(place, CONTENT)
+        return number
+
+    monkeypatch.setattr(sealed_file, "open_plain", replaced)
+    with FailingFolder(str(tmp_path), repeated=0.0, stale=0.0).seen():
+        assert is_whole(place)
+        left.append(1)
+        assert read_sealed(place) == CONTENT
+    assert not caplog.text
+
+
+def test_a_file_that_stays_stale_is_an_error(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It must not count as missing: it would be made anew though it may be there."""
+    place = tmp_path / "run.nc"
+    write_sealed(place, CONTENT)
+
+    def stale(*_: object, **__: object) -> int:
+        raise OSError(errno.ESTALE, "Stale file handle", str(place))
+
+    monkeypatch.setattr(os, "open", stale)
+    with pytest.raises(OSError, match="Stale file handle"):
+        is_whole(place)
