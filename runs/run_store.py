@@ -15,12 +15,13 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Container, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from longwave.runs.store_packs import PackedRun, pack_index
+from longwave.support.atomic_file import remove_dead_drafts
 from longwave.support.checkpoint import LEAST, SHARE, CheckpointFolder, kept_by, run_stamp
 from longwave.support.file_lock import locked
 from longwave.support.sealed_file import LOG, check_no_link, is_whole, write_sealed
@@ -160,9 +161,7 @@ class RunStore:
         path.parent.mkdir(parents=True, exist_ok=True)
         check_no_link(path.parent)
         with locked(path.with_suffix(".lock"), lambda: LOG.info(WAITING, path)):
-            for draft in path.parent.glob(f".{path.stem[:40]}.*.draft*"):
-                with suppress(OSError):
-                    draft.unlink()
+            remove_dead_drafts(path.parent, path.stem)
             yield
 
 
