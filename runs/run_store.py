@@ -149,7 +149,8 @@ class RunStore:
             with kept_by(checkpoint):
                 run = scene_run.run(scene, progress, announce)
             try:
-                _kept(path, run)
+                if not is_whole(path):  # where locks do nothing, another may have made it
+                    _kept(path, run)
             except OSError as error:
                 raise UnkeptRunError(error, run) from error
             checkpoint.clear()

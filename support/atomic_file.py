@@ -3,11 +3,10 @@
 Whoever is killed at any moment, or finds the disk full, leaves the older file as it was; at worst a
 draft stays beside it, named ``.NAME.HOST-PROCESS-….draft``.
 
-Network file systems are believed as little as they ask for. A request that their client repeats is
-told as an error though it was done (EEXIST of a link, ENOENT of a rename): the file that then has
-the name is looked at. A file that another host has replaced is opened anew (ESTALE). What cannot be
-flushed is not flushed, and a file system without hard links is asked for an empty file of the name
-first.
+On a network file system, a request that was done and then repeated ends with an error: EEXIST of a
+link, ENOENT of a rename. So after an error it is looked whether the name leads to the draft's file.
+What another host has just replaced (ESTALE) is asked for again. A file system that flushes no
+folders is left alone, and where there are no hard links an empty file takes the name first.
 """
 
 import errno
@@ -37,7 +36,7 @@ OLD_DRAFT = 86400.0
 STALE_TRIES = 5
 
 UNFLUSHED = (errno.EINVAL, errno.ENOSYS, errno.ENOTSUP, errno.EOPNOTSUPP)
-"""What file systems say that flush no folder, or nothing: they do that by themselves."""
+"""Errors of file systems that flush no folder, or nothing when asked: they do it by themselves."""
 
 
 def write_atomically(

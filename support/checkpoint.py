@@ -146,8 +146,8 @@ class CheckpointFolder:
         for path in self._loops():
             with suppress(OSError):
                 path.unlink()
-        remove_dead_drafts(self._folder)
         with suppress(OSError):
+            remove_dead_drafts(self._folder)
             self._folder.rmdir()
 
     def check(self, error: Exception) -> None:

@@ -120,6 +120,23 @@ def test_two_that_are_let_in_remove_nothing_of_each_other(
     assert [file for file in tmp_path.rglob("*") if file.is_file()] == [path]
 
 
+def test_of_two_that_make_a_run_the_first_ones_file_stays(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Others may be reading it."""
+    store, (scene,) = RunStore(tmp_path), scenes(1)
+    run, files = scene_run.run, []
+    monkeypatch.setattr(fcntl, "flock", lambda *_: None)
+
+    def late(*given: Any) -> Any:
+        monkeypatch.setattr(scene_run, "run", run)
+        files.append(store.fetch(scene).stat().st_ino)
+        return run(*given)
+
+    monkeypatch.setattr(scene_run, "run", late)
+    assert [store.fetch(scene).stat().st_ino] == files
+
+
 def test_a_lock_that_its_holder_removes_elsewhere_is_taken_anew(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
