@@ -63,10 +63,11 @@ class SharedStore:
         check_sources()  # once, and not in each of them
         first = scene_run.run(scenes(1)[0])
         content = file_content(first)
-        ends, (gate, opened) = [], os.pipe()
+        forks, ends, (gate, opened) = [], [], os.pipe()
         for number in range(len(self.locks)):
             end, start = os.pipe()
-            if os.fork() == 0:
+            forks.append(os.fork())
+            if forks[-1] == 0:
                 os.close(opened)
                 os.read(gate, 1)  # until all are there
                 said = self._want(number, first, content)
@@ -76,7 +77,10 @@ class SharedStore:
             ends.append(end)
         os.close(opened)
         os.close(gate)
-        return [Said(**json.loads(_all_of(end))) for end in ends]
+        said = [Said(**json.loads(_all_of(end))) for end in ends]
+        for fork in forks:
+            os.waitpid(fork, 0)
+        return said
 
     def _want(self, number: int, first: xr.Dataset, content: bytes) -> Said:
         """Fetch all runs, and put a new file into the folder after each of them."""
