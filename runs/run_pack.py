@@ -23,6 +23,7 @@ import numpy as np
 
 from longwave.runs.hdf_contents import check_contents
 from longwave.runs.run_file import as_json
+from longwave.support.atomic_file import not_stale
 from longwave.support.sealed_file import is_whole, write_sealed
 
 if TYPE_CHECKING:
@@ -295,7 +296,7 @@ def open_pack(path: Path) -> Iterator[h5py.File]:
     """
     import h5py
 
-    told = path.lstat()
+    told = not_stale(path.lstat)
     _check_pack(path, told.st_size, told.st_mtime_ns)
     try:
         file = h5py.File(path)
@@ -313,7 +314,7 @@ def _check_pack(path: Path, size: int, changed: int) -> None:
     import h5py
 
     if not is_whole(path):
-        path.lstat()  # FileNotFoundError if it went in between
+        not_stale(path.lstat)  # FileNotFoundError if it went in between
         raise ValueError(f"{path} is damaged")
     with h5py.File(path) as file:
         check_contents(file, size, deepest=2)

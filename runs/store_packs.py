@@ -14,6 +14,7 @@ from bisect import bisect
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import partial
 from io import BytesIO
 from itertools import pairwise
 from pathlib import Path
@@ -35,6 +36,7 @@ from longwave.runs.run_pack import (
     merged_content,
     read_pack,
 )
+from longwave.support.atomic_file import not_stale
 from longwave.support.file_lock import locked
 from longwave.support.sealed_file import LOG, check_no_link, read_sealed, write_sealed
 
@@ -212,7 +214,7 @@ def _kept_index(folder: Path) -> dict[str, tuple[PackStamp, CellTable]]:
     import h5py
 
     path = folder / PACKS / INDEX
-    content = None if (folder / PACKS).is_symlink() else read_sealed(path)
+    content = None if not_stale(path.parent.is_symlink) else read_sealed(path)
     if content is None:
         return {}
     try:
@@ -254,7 +256,7 @@ def _packs(folder: Path) -> dict[str, PackStamp]:
     """The packs there by name, sorted, without following links."""
     found: dict[str, PackStamp] = {}
     packs = folder / PACKS
-    if packs.is_symlink():
+    if not_stale(packs.is_symlink):
         return found
     _list(packs, "", found)
     return dict(sorted(found.items()))
@@ -270,7 +272,7 @@ def _list(folder: Path, inside: str, found: dict[str, PackStamp]) -> None:
                     _list(folder / entry.name, f"{entry.name}/", found)
             elif entry.name.endswith(SUFFIX):
                 with suppress(FileNotFoundError):
-                    told = entry.stat(follow_symlinks=False)
+                    told = not_stale(partial(entry.stat, follow_symlinks=False))
                     found[inside + entry.name] = PackStamp(told.st_size, told.st_mtime_ns)
 
 

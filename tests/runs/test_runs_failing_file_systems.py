@@ -15,6 +15,8 @@ from typing import Any
 
 import pytest
 
+from longwave.runs import store_packs
+from longwave.runs import sweep as sweep_module
 from longwave.runs.run_file import load_run
 from longwave.runs.run_store import RunStore
 from longwave.runs.sweep import run_sweep
@@ -159,10 +161,14 @@ def test_no_cell_of_a_sweep_is_lost(
 ) -> None:
     monkeypatch.setattr(cores, "_alone", False)  # a cell keeps its process to one core
     sweep, store = small_sweep(eps=[0.1 + 0.01 * cell for cell in range(6)]), RunStore(tmp_path)
-    view = FailingFolder(str(tmp_path), repeated=0.3, stale=0.0, links=links)
+    for module in (store_packs, sweep_module):
+        monkeypatch.setattr(module, "FAN", 2)
+    monkeypatch.setattr(sweep_module._March, "_size", lambda _: 1)
+    view = FailingFolder(str(tmp_path), repeated=0.3, links=links)
     with view.seen():
         for workers in (HereWorkers(), HereWorkers()):
             state = run_sweep(sweep, store, workers)
     assert state.found == 6
     assert set(sweep_dataset(sweep, store)["status"].values) == {"done"}
     assert not list(tmp_path.rglob("*.draft*"))
+    assert len(list(tmp_path.rglob("*.h5"))) < 6
