@@ -30,6 +30,7 @@ from longwave.runs.run_store import RunStore, UnkeptRunError, runs_its_sources
 from longwave.runs.store_packs import new_pack
 from longwave.runs.sweep_cost import expected_cell_cost
 from longwave.runs.sweep_workers import check_code
+from longwave.support.atomic_file import not_stale
 from longwave.support.compiled.cores import keep_to_one_core
 from longwave.support.request_limits import (
     Cancelled,
@@ -94,7 +95,7 @@ def run_cells(
         check_code(code)
     keep_to_one_core()
     begun = process_time()
-    store = RunStore(folder) if (folder / token).is_file() else None
+    store = RunStore(folder) if not_stale((folder / token).is_file) else None
     found: list[CellRecord] = []
     seconds = processor = 0.0
     pack = None

@@ -164,7 +164,7 @@ def test_no_cell_of_a_sweep_is_lost(
     for module in (store_packs, sweep_module):
         monkeypatch.setattr(module, "FAN", 2)
     monkeypatch.setattr(sweep_module._March, "_size", lambda _: 1)
-    view = FailingFolder(str(tmp_path), repeated=0.3, links=links)
+    view = FailingFolder(str(tmp_path), seed=5, repeated=0.3, stale=0.2, links=links)
     with view.seen():
         for workers in (HereWorkers(), HereWorkers()):
             state = run_sweep(sweep, store, workers)
