@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from longwave.solutions.pieces import in_pieces
 from longwave.solutions.points import check_points, evaluate_points
 from longwave.solutions.run.doubledouble import split
 from longwave.solutions.run.linear_phase import LONG, LinearPhase, Variables, long_number
@@ -33,6 +34,9 @@ NOTHING = 1e-10
 
 HIGHEST = 20
 """Highest order of a jet."""
+
+FAR = 60.0
+"""A phase so large is far from where a wave may rise or fall: exp(-60) is 1e-26."""
 
 MOST_KEPT = 4
 """Integrals that are kept: of compared cells, of a ring, and of the ring's ends."""
@@ -155,7 +159,8 @@ class NumericWave:
         self, n: ArrayLike, t: ArrayLike, eps: float, *, m: ArrayLike | None = None
     ) -> WaveValues:
         """``at`` in double-double: arrays (2, ...) of high and low parts, about 30 digits."""
-        return self._joined(self._bounded("wave", self._lattice(eps), n, t, m)[:, :2])
+        variables = self._lattice(eps)
+        return self._joined(self._bounded("wave", variables, *self._points(n, t, m))[:, :2])
 
     def jets(
         self, X: ArrayLike, T: ArrayLike, highest: int, *, Z: ArrayLike | None = None
@@ -169,21 +174,41 @@ class NumericWave:
         """
         points = self._points(X, T, Z)
         evaluator = self._taylor(highest)
-        rows = evaluate_points(partial(evaluator, evaluator.phases(self._slow)), *points)
         rates, rate = [self.numbers.rates.h], self.numbers.rates.a
         for order in range(1, highest + 1):
             rates.append(rates[-1] * rate * order)
-        parts = 2 if self.numbers.is_complex else 1
-        rows = scale_rows(rows, [split(rate) for rate in rates] * parts)
+        rates *= 2 if self.numbers.is_complex else 1
+        far = partial(self._is_far, "formula", self._slow)
+        units = np.abs(np.array(rates, dtype=float))
+        found = in_pieces(partial(self._jet_rows, evaluator, rates), points, far, units)
+        if self.numbers.is_complex:
+            found = found[: highest + 1] + 1j * found[highest + 1 :]
+        return found
+
+    def _jet_rows(self, evaluator: "Evaluator", rates: list[Any], *points: Array) -> Array:
+        """The jets at points, real and imaginary parts one after the other."""
+        rows = evaluate_points(partial(evaluator, evaluator.phases(self._slow)), *points)
+        rows = scale_rows(rows, [split(rate) for rate in rates])
         flat = np.abs(rows[:, 0]).reshape(len(rows), -1)
-        least = NOTHING * np.abs(np.array(rates * parts, dtype=float))
+        least = NOTHING * np.abs(np.array(rates, dtype=float))
         with np.errstate(invalid="ignore"):
             largest = np.max(flat, axis=1, initial=0.0, where=np.isfinite(flat))
             allowed = OF_LARGEST * np.maximum(largest, least)
             certain = rows[:, 2] <= allowed.reshape(-1, *[1] * points[0].ndim)
+        highest = len(rates) // (1 + self.numbers.is_complex) - 1
         settle = partial(self._settle, "formula", self._slow, highest=highest)
-        found = settle_rows(rows, certain, points, settle)[:, 0]
-        return found[: highest + 1] + 1j * found[highest + 1 :] if parts == 2 else found
+        return settle_rows(rows, certain, points, settle)[:, 0]
+
+    def _is_far(self, part: Part, variables: Variables, x: Array, t: Array, *across: Array) -> bool:
+        """Whether points of one time are far from every place where a phase vanishes."""
+        if across or t.min() != t.max():
+            return False
+        low, high, time = float(x.min()), float(x.max()), float(t[0])
+        for phase in self._phases(part, variables):
+            zero, room = phase.zero(time), FAR / abs(phase.rate or 1.0)
+            if zero is not None and low - room <= zero <= high + room:
+                return False
+        return True
 
     def _taylor(self, highest: int) -> "Evaluator":
         if not isinstance(highest, int) or isinstance(highest, bool) or not 0 <= highest <= HIGHEST:
@@ -306,7 +331,12 @@ class NumericWave:
     def _evaluate(
         self, part: Part, variables: Variables, x: ArrayLike, t: ArrayLike, z: ArrayLike | None
     ) -> Any:
-        return self._joined(self._bounded(part, variables, x, t, z)[:, 0])
+        def values(*points: Array) -> Array:
+            return self._bounded(part, variables, *points)[:, 0]
+
+        units = [abs(high) for high, _ in self._scales]
+        far = partial(self._is_far, part, variables)
+        return self._joined(in_pieces(values, self._points(x, t, z), far, units))
 
     def _joined(self, rows: Array) -> Any:
         """The rows by their names, real and imaginary parts together."""
@@ -324,16 +354,8 @@ class NumericWave:
             f"(it solves the {self.numbers.equation} equation)"
         )
 
-    def _bounded(
-        self,
-        part: Part,
-        variables: Variables,
-        x: ArrayLike,
-        t: ArrayLike,
-        z: ArrayLike | None = None,
-    ) -> Array:
+    def _bounded(self, part: Part, variables: Variables, *points: Array) -> Array:
         """Value and derivatives: high parts, low parts, bounds of their errors (rows, 3, ...)."""
-        points = self._points(x, t, z)
         phases = self._phases(part, variables)
         rows = evaluate_points(partial(self._evaluator(part), phases), *points)
         rows = scale_rows(rows, self._scales)

@@ -15,6 +15,13 @@ PRECISE = 1e-13
 
 HALVINGS = 12
 MOST_PANELS = 2_000_000
+MOST_WIDTHS = 20_000_000
+
+FEW = 4096
+"""Panels up to which no wider ones are looked for where the function is a constant."""
+
+FLAT = 1e-20
+"""Largest change from end to end of a panel where it is one, in units of the function's largest."""
 
 BLOCK = 65_536
 """Points that are evaluated at once, so that they fit the cache."""
@@ -31,10 +38,10 @@ INTEGRAL = legendre.legint(SERIES, lbnd=-1)
 class IntegralFromZero:
     """The integrals of ``function`` from 0 to any points from ``low`` to ``high``, real or complex.
 
-    No panel is wider than ``width``, over which the function must not hide anything; a panel that
-    its two halves do not confirm is halved. The cost is that of the panels, however many points
-    lie in them. Raises ValueError for ends that are too far apart for that, and where halving does
-    not end.
+    No panel is wider than ``width``, over which the function must not hide anything, but where it
+    is a constant over many; a panel that its two halves do not confirm is halved. The cost is that
+    of the panels, however many points lie in them. Raises ValueError for ends that are too far
+    apart for that, and where halving does not end.
 
     >>> sine = IntegralFromZero(np.cos, -1.0, 0.5, 1.0)
     >>> float(abs(sine(np.array([0.5, -1.0])) - np.sin([0.5, -1.0])).max()) < 1e-15
@@ -48,15 +55,14 @@ class IntegralFromZero:
         low, high = min(low, 0.0), max(high, 0.0)
         width = min(width, max(high - low, 1.0))
         count = high / width - low / width + 2.0
-        if not count <= MOST_PANELS:
-            raise ValueError(
-                f"points must span at most {MOST_PANELS * width:g}, got {high - low:g} "
-                "(integrate between nearer ones)"
-            )
+        self._check(count, MOST_WIDTHS, width, high - low)
         first = math.floor(low / width)
         steps = np.arange(first, max(math.ceil(high / width), first + 1), dtype=np.float64)
-        whole = steps * width, np.full(steps.size, width)
-        self._left, self._step, self._series = self._confirmed(*whole)
+        left, widths = steps * width, np.full(steps.size, width)
+        if steps.size > FEW:
+            left, widths = self._changing(left, widths)
+            self._check(left.size, MOST_PANELS, width, high - low)
+        self._left, self._step, self._series = self._confirmed(left, widths)
         ends = np.concatenate([[0.0], np.cumsum(self._series.sum(axis=0))])
         origin = np.searchsorted(np.append(self._left, high), 0.0)
         self._before = ends[:-1] - ends[origin]
@@ -72,6 +78,24 @@ class IntegralFromZero:
             inside = legendre.legval(place, self._series[:, panel], tensor=False)
             found[block] = self._before[panel] + inside
         return found.reshape(points.shape)
+
+    @staticmethod
+    def _check(count: float, most: int, width: float, span: float) -> None:
+        if not count <= most:
+            raise ValueError(
+                f"points must span at most {most * width:g}, got {span:g} (integrate between "
+                "nearer ones)"
+            )
+
+    def _changing(self, left: Array, step: Array) -> tuple[Array, Array]:
+        """These panels, those in one where neither the function nor its neighbours change."""
+        values = self._function(np.append(left, left[-1] + step[-1]))
+        changes = np.abs(np.diff(values)) > FLAT * np.max(np.abs(values))
+        kept = np.convolve(changes, np.ones(4), "full")[1:-2] > 0.0
+        kept[0] = True
+        kept |= left == 0.0
+        first = np.flatnonzero(kept)
+        return left[first], np.add.reduceat(step, first)
 
     def _panels(self, left: Array, step: Array) -> tuple[Array, float]:
         """The series (NODES + 1, panels) of the integrals within panels, and the sum of |f|."""

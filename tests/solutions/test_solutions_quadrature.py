@@ -49,3 +49,23 @@ def test_integrals_at_many_points_within_a_panel(
 def test_a_function_that_is_not_smooth_is_refused() -> None:
     with pytest.raises(ValueError, match="not smooth there"):
         IntegralFromZero(lambda x: np.sign(x - 0.3), 0.0, 1.0, 1.0)
+
+
+@pytest.mark.parametrize("level", [0.0, 0.3])
+def test_where_the_function_is_a_constant_panels_are_few(level: float) -> None:
+    """Catches: a wide panel over one that changes, or over 0, from which integrals count."""
+
+    def pulses(x: Array) -> Array:
+        return np.asarray(level + np.cosh(np.minimum(np.abs(x - 30_000.0), 300.0)) ** -2)
+
+    asked: list[int] = []
+
+    def counted(x: Array) -> Array:
+        asked.append(x.size)
+        return pulses(x)
+
+    points = np.linspace(-1e5, 1e5, 100_001)
+    found = IntegralFromZero(counted, -1e5, 1e5, 1.0)(points)
+    exact = level * points + np.tanh(points - 30_000.0) + 1.0
+    assert np.max(np.abs(found - exact)) <= 1e-13 * max(1.0, level * 1e5)
+    assert sum(asked) < 220_000
