@@ -29,6 +29,9 @@ def advance(
 CHUNK = 64
 """Most steps between two stops; a chunk that blew up is repeated step by step."""
 
+LEAST_CHUNK = 8
+"""Fewest of them, unless told: to look at a large ring, and to copy it, takes as long as a step."""
+
 UPDATES = 3e8
 """Most force evaluations between two stops, a fraction of a second: Ctrl-C waits for them."""
 
@@ -50,7 +53,7 @@ class Stepper:
     Between two times that are wanted, or at which the domain moves, the steps are equal and not
     longer than ``step``, so that those times are hit exactly. ``amplitude`` is the largest stretch
     of the wave at the run's beginning, None if there is no wave and strains may be what they will.
-    At most ``chunk`` steps, by default some `UPDATES`, lie between two stops.
+    At most ``chunk`` steps, by default some `UPDATES` or `LEAST_CHUNK`, lie between two stops.
     ``ranges`` are what was met at the stops, on any site (`Dynamics.ranges`). ``blow_up`` is set
     when the march had to stop; ``steps`` counts.
     """
@@ -73,7 +76,8 @@ class Stepper:
         self.steps = 0
         self._amplitude = amplitude
         self._between: tuple[float, int] | None = None
-        self._chunk = chunk or max(1, min(CHUNK, int(UPDATES / (scheme.stages * state.size))))
+        usual = min(CHUNK, int(UPDATES / (scheme.stages * state.size)))
+        self._chunk = chunk or max(LEAST_CHUNK, usual)
         self.ranges = self.dynamics.ranges(state)
         self.blow_up: BlowUp | None = self._find_blow_up()
 
@@ -123,7 +127,7 @@ class Stepper:
     def _advance(self, h: float, steps: int, t: float) -> None:
         """Advance by a chunk that ends at ``t``; if it blows up, repeat it step by step."""
         state, begin = self.state, self.state.t
-        before = [values.copy() for values in state.arrays]
+        before = [values.copy() for values in state.arrays] if steps > 1 else []
         f, v = state.arrays
         self.dynamics.advance(self.scheme, f, v, h, steps, begin)
         state.t = t

@@ -23,6 +23,7 @@ from longwave.lattice.numeric_lattice import (
 )
 from longwave.scenes.envelope_flow import EnvelopeFlow
 from longwave.scenes.lattice_wave import CellRing, LatticeWave
+from longwave.solutions.pieces import PIECE
 
 if TYPE_CHECKING:
     from longwave.solutions import Wave
@@ -60,10 +61,18 @@ class PlaneBackground:
     def jets(self, X: Array, T: float, highest: int) -> Complex:
         """A and its X-derivatives, each the same multiple of the one before it."""
         A = self._wave.background(X, T)
-        if np.array_equal(A.Y, self._wave.jets(X, T, 0)[0]):
+        if self._is_plane(T):
             return np.zeros((highest + 1, *A.Y.shape), np.complex128)
         turn = np.divide(A.Y_X, A.Y, out=np.zeros_like(A.Y), where=A.Y != 0.0)
         return np.stack([A.Y * turn**order for order in range(highest + 1)])
+
+    def _is_plane(self, T: float) -> bool:
+        X = np.linspace(-FARTHEST, FARTHEST, LOOKS)
+        return np.array_equal(self._wave.background(X, T).Y, self._wave.jets(X, T, 0)[0])
+
+
+LOOKS = 8001
+"""Places where it is looked for a wave."""
 
 
 class EnvelopeData(LatticeWave):
@@ -171,14 +180,20 @@ class EnvelopeData(LatticeWave):
 
     def state(self, cells: ArrayLike, t: float) -> tuple[Array, Array]:
         """Fields and their time derivatives, (fields, *sites)."""
-        n, form = np.asarray(cells, dtype=np.float64), self.carrier
-        jets = _Jets(self, n, t)
-        mean, flow = self._mean(jets, n)
-        found = []
-        for terms, share in zip(form.parts, form.shares, strict=True):
-            f, v = self._field(terms, jets, form.k * n - form.omega * t)
-            found.append((f + share * mean, v + share * flow))
-        f, v = (np.stack(part) for part in zip(*found, strict=True))
+        n = np.asarray(cells, dtype=np.float64)
+        fields = len(self.carrier.parts)
+        f, v, mean = np.empty((fields, n.size)), np.empty((fields, n.size)), np.empty((3, n.size))
+        for piece in _pieces(n):
+            jets = _Jets(self, n[piece], t)
+            theta = self.carrier.k * n[piece] - self.carrier.omega * t
+            mean[:, piece] = self._mean(jets, n[piece])
+            for row, terms in enumerate(self.carrier.parts):
+                f[row, piece], v[row, piece] = self._field(terms, jets, theta)
+        if self.order != "leading" and self.carrier.is_displacement:
+            mean[0] = _integral(mean[0], mean[2], n)
+        for row, share in enumerate(self.carrier.shares):
+            f[row] += share * mean[0]
+            v[row] += share * mean[1]
         return f, v
 
     def mean_strain(self, cells: Array, t: float) -> tuple[float, ...]:
@@ -187,8 +202,9 @@ class EnvelopeData(LatticeWave):
             return (0.0,)
         if self.order == "leading":
             return (self._uniform,)
-        strain, _ = _Jets(self, cells, t).sums(self._kept(self.carrier.mean))
-        return (float(np.mean(strain.real)),)
+        kept = self._kept(self.carrier.mean)
+        strains = [_Jets(self, cells[piece], t).sums(kept)[0].real for piece in _pieces(cells)]
+        return (float(np.mean(np.concatenate(strains))),)
 
     def rest_slopes(self, ring: CellRing) -> list[float]:
         """The slope of each bond's force at the ring's mean strain, about which the carrier swings.
@@ -244,18 +260,24 @@ class EnvelopeData(LatticeWave):
             v += (turn * (rate - 1j * j * self.carrier.omega * value)).real
         return f, v
 
-    def _mean(self, jets: _Jets, n: Array) -> tuple[Array, Array]:
-        """The mean and its time derivative; of displacements, its integral over the cells."""
-        form, eps = self.carrier, self.eps
+    def _mean(self, jets: _Jets, n: Array) -> tuple[Array, Array, Array]:
+        """The mean and its time derivative; of slaved displacements what the mean is the integral
+        of, with the slope of that.
+        """
+        form, eps, none = self.carrier, self.eps, np.zeros_like(n)
         if self.order == "leading":
             grown = n if form.is_displacement else np.ones_like(n)
-            return self._uniform * grown, np.zeros_like(n)
+            return self._uniform * grown, none, none
         strain, rate = (part.real for part in jets.sums(self._kept(form.mean)))
         if not form.is_displacement:
-            return strain, rate
+            return strain, rate, none
         slope = jets.sums(self._kept(form.mean_slope))[0].real
         flow = jets.sums(form.mean_flow)[0].real
-        return _integral(strain, eps * slope, n), -form.v * strain + eps * flow
+        return strain, -form.v * strain + eps * flow, eps * slope
+
+
+def _pieces(n: Array) -> list[slice]:
+    return [slice(first, first + PIECE) for first in range(0, n.size, PIECE)]
 
 
 def _integral(values: Array, slopes: Array, n: Array) -> Array:
@@ -273,7 +295,7 @@ def _integral(values: Array, slopes: Array, n: Array) -> Array:
 
 def _ends(wave: EnvelopeWave, T: float, wider: float = 1.0) -> tuple[float, float]:
     """The X between which there is a wave, stretched about their middle; or all X."""
-    X = np.linspace(-FARTHEST, FARTHEST, 8001)
+    X = np.linspace(-FARTHEST, FARTHEST, LOOKS)
     size = np.abs(wave.jets(X, T, 0)[0])
     inside = X[size > FLAT * np.max(size)]
     if abs(inside[0]) == FARTHEST or abs(inside[-1]) == FARTHEST:

@@ -28,6 +28,7 @@ from longwave.scenes.first_correction import FirstCorrection
 from longwave.scenes.jet_polynomial import JetPolynomial, with_numbers
 from longwave.scenes.lattice_wave import LatticeWave
 from longwave.solutions import WaveValues
+from longwave.solutions.pieces import PIECE
 
 if TYPE_CHECKING:
     from sympy import Expr, Symbol
@@ -38,9 +39,6 @@ Array = NDArray[np.float64]
 
 FLAT = 1e-9
 """A wave has ended where it changes by less than that share of its size."""
-
-PIECE = 65_536
-"""Cells whose jets are made at once, a few megabytes."""
 
 FARTHEST = 400.0
 """A wave that has not ended so far in X fills the line."""
@@ -220,6 +218,9 @@ class LongWaveData(LatticeWave):
         """The fields of strains; of displacements what they grow by along each axis of the wave."""
         if not self._is_displacement:
             return self._fields(cells, t)
+        n = np.asarray(cells, dtype=np.float64)
+        if n.ndim == 1 and n.size > PIECE and np.all(np.diff(n) == 1.0):
+            return np.diff(self._fields(np.append(n, n[-1] + 1.0), t))
         here = self._fields(cells, t)
         rows = []
         for axis in self._axes:

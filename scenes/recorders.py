@@ -130,11 +130,14 @@ class Recorder:
         self.times, self._rows, self.moments.next = (memory[k] for k in ("times", "rows", "next"))
 
     def variables(self) -> Variables:
-        """What was measured at ``times``, and they unless they are the snapshots'."""
+        """What was measured at ``times``, and they unless they are the snapshots'.
+
+        It is handed over: of a large ring there is no room for it twice.
+        """
         found: Variables = {}
         for variable in (variable for entry in self.entries for variable in entry.variables):
             if variable.name in self._rows:
-                values = np.array(self._rows[variable.name][: len(self.times)])
+                values = np.array(self._rows.pop(variable.name)[: len(self.times)])
                 dimensions = (self.dimension, *_dimensions(variable, values.ndim - 1))
                 found[variable.name] = (dimensions, values, variable.attributes)
         if self.dimension != "time":

@@ -24,7 +24,7 @@ from longwave.lattice.schemes import (
     stability_limit,
 )
 from longwave.lattice.state import GROWTH, BlowUp, Sites, State
-from longwave.lattice.stepper import Stepper, StillRing
+from longwave.lattice.stepper import LEAST_CHUNK, Stepper, StillRing
 from longwave.lattice.trial import (
     DRIVEN_SHARE,
     Choices,
@@ -257,7 +257,7 @@ class RingCells:
 
     @cached_property
     def ring(self) -> CellRing:
-        """The data."""
+        """The data, until they are stepped: there is one copy of a large ring."""
         ring = self.rings.ring(self.ends)
         return ring.nudged() if self._nudged else ring
 
@@ -268,7 +268,7 @@ class RingCells:
         if restart is not None:
             self.ends = _ends_of(restart, self.rings.ends())
         ring = self.ring
-        state = State(ring.t, ring.f.copy(), ring.v.copy())
+        state = State(ring.t, ring.f, ring.v)
         if restart is not None:
             shape = state.f.shape
             state = State(restart.t, restart.f.reshape(shape), restart.v.reshape(shape))
@@ -315,10 +315,10 @@ class CellDomain(StillRing):
 def ring_stepper(
     lattice: NumericLattice, domain: StillRing, scheme: Scheme, step: float
 ) -> Stepper:
-    """What steps a ring, with a stop every ``LOOK_SECONDS``."""
+    """What steps a ring, with a stop every ``LOOK_SECONDS`` or `LEAST_CHUNK` steps."""
     state = domain.state
     seconds = cell_seconds(lattice) * state.f[0].size
-    chunk = max(1, int(LOOK_SECONDS / (scheme.stages * seconds)))
+    chunk = max(LEAST_CHUNK, int(LOOK_SECONDS / (scheme.stages * seconds)))
     return Stepper(state, scheme, lattice, domain, step, None, chunk)
 
 
@@ -459,6 +459,7 @@ class SiteRingEngine(StepSearch):
         around = Samples(ends[1:], lambda view: view.judged(AROUND))
         energies = Samples(ends, lambda view: np.array(view.energy))
         witnesses = [judged, around, energies]
+        limit, largest = self.rings.limit(cells.ring), float(np.max(np.abs(cells.ring.f)))
         metered = Samples(self.times)
         meter = wave.disorder.meter(cells.ring) if wave.disorder is not None else None
         if meter is not None:
@@ -474,16 +475,15 @@ class SiteRingEngine(StepSearch):
             tell_energies(run, float(metered.samples[0][-1]), float(metered.samples[-1][-1]))
         elif wave.lattice.conserves_energy and wave.losses is None:
             tell_energies(run, float(energies.samples[0]), float(energies.samples[-1]))
-        values, ring = np.array(judged.samples), cells.ring
+        values = np.array(judged.samples)
         done = len(values) == len(self.times) or stopped
-        sound = done and bool(np.all(np.abs(values) <= self.rings.limit(ring)))
-        largest = float(np.max(np.abs(ring.f))) / wave.scale
+        sound = done and bool(np.all(np.abs(values) <= limit))
         trial = Trial(
             choices,
             values if sound else None,
             self.work(choices),
             float(run.attrs["seconds"]),
-            rounding_error(largest, run.attrs["force_evaluations"]),
+            rounding_error(largest / wave.scale, run.attrs["force_evaluations"]),
             run,
             not choices.nudged,
             around=around.samples[0] if sound and not stopped else None,
