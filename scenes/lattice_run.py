@@ -18,6 +18,7 @@ from longwave.scenes.observables import MEASURED, observable_named
 from longwave.scenes.pulse_meter import PULSE_VARIABLES, crest, pulse_track
 from longwave.scenes.recorders import MOMENT_BYTES, exact_times
 from longwave.scenes.ring_cost import USUAL_RUNS, search_cost
+from longwave.scenes.ring_part import found_on_part
 from longwave.scenes.ring_runs import (
     ComparedCells,
     RingCells,
@@ -221,7 +222,10 @@ def _to_tolerance(
     begun: float,
 ) -> RunRecord:
     announce(engine.expected.seconds)
-    found = searched(engine, scene, progress or (lambda _: None), announce)
+    progress, found = progress or (lambda _: None), None
+    if isinstance(engine, SiteRingEngine):
+        found = found_on_part(scene, engine, progress, announce)
+    found = found or searched(engine, scene, progress, announce)
     record: RunRecord | None = found.trial.payload
     if record is None or (math.isinf(found.error) and not record.attrs["blow_up"]):
         raise ValueError(
@@ -238,8 +242,8 @@ def _to_tolerance(
 
 def _add_pulse(record: RunRecord, engine: SiteRingEngine, step: float) -> None:
     """Add what disorder left of the wave, where it was metered."""
-    metered, wave = engine.metered[step], engine.rings.wave
-    if not metered.size:
+    metered, wave = engine.metered.get(step), engine.rings.wave
+    if metered is None or not metered.size:
         return
     assert wave.disorder is not None
     theory = []

@@ -6,6 +6,7 @@ seam is never felt there.
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
@@ -40,11 +41,12 @@ from longwave.scenes.chain.domain import front
 from longwave.scenes.lattice_wave import CellRing, LatticeWave, largest_group_velocity
 from longwave.scenes.numerics import Discretisation
 from longwave.scenes.recorders import Samples
-from longwave.scenes.ring_cost import cell_seconds, search_cost
+from longwave.scenes.ring_cost import USUAL_RUNS, cell_seconds, search_cost
 from longwave.scenes.run_record import RunRecord, UnfinishedRun
 from longwave.scenes.scene import Scene
 from longwave.scenes.stated_run import run_from
 from longwave.scenes.view import View
+from longwave.solutions.pieces import PIECE
 from longwave.support.request_limits import ExpectedCost, check_request
 
 Array = NDArray[np.float64]
@@ -163,7 +165,44 @@ def _cost(
     )
     steps = (times[-1] - times[0]) * shortest
     kept = math.prod(2.0 * reach + 1.0 for reach in compared.reach) * len(times)
-    return cells, search_cost(wave.lattice, cells, steps, SCHEME.stages, kept)
+    part = part_of(wave, compared, times, signals)
+    share = 1.0
+    if part is not None:
+        share = sites_of(part.ring(times, signals, WIDER)) / cells + 1.0 / USUAL_RUNS
+    found = search_cost(wave.lattice, cells, steps * share, SCHEME.stages, kept)
+    return cells, replace(found, steps=steps)
+
+
+LARGE = 100_000
+"""Compared cells from which on the step is looked for on a part of them."""
+
+SHARE = 8
+"""The part is at most one of so many."""
+
+REPEATED = 100.0
+"""X on either side of the frame, in which a wave that does not end has shown what it does."""
+
+
+def part_of(
+    wave: LatticeWave, compared: ComparedCells, times: Sequence[float], signals: Sequence[float]
+) -> ComparedCells | None:
+    """The compared cells of a large chain that stand for all, or None.
+
+    Of a wave that ends they hold all that it may reach: elsewhere nothing happens.
+    """
+    [reach, *others] = compared.reach
+    if others or 2 * reach < LARGE or wave.disorder is not None:
+        return None
+    ends = wave.support(times[0])
+    reached = REPEATED / wave.eps
+    if math.isfinite(ends[1] - ends[0]):
+        reached = max(
+            abs(end - wave.speed * t) + _signal(signals[0], t - times[0])
+            for end in ends
+            for t in times
+        )
+    part = math.ceil(reached)
+    return replace(compared, reach=(part,)) if SHARE * part <= reach else None
 
 
 class WaveRings:
@@ -194,7 +233,7 @@ class WaveRings:
         self.room = wave.seam_room(self.times[0])
         self._spread = wave.lattice.spread_within(self.times[-1] - self.times[0])
         self._turn = wave.frequency or lattice.highest_frequency(rest)
-        self.least = float(np.max(np.abs(self.seen(near, near.f, near.v))))
+        self.sizes = self._sizes(near)
 
     def _check_cost(self, fastest: float, signals: Sequence[float]) -> None:
         cells, self.expected = _cost(self.wave, self.compared, self.times, fastest, signals)
@@ -215,13 +254,47 @@ class WaveRings:
 
     def limit(self, ring: CellRing) -> float:
         """The largest that may be seen of a run from this state, in units of the scale."""
-        whole = float(np.max(np.abs(self.seen(ring, ring.f, ring.v))))
-        return GROWTH * max(self.least, whole) / self.wave.scale
+        largest = max(float(np.max(sizes[0])) for sizes in (self.sizes, self._sizes(ring)))
+        return GROWTH * largest / self.wave.scale
+
+    def _sizes(self, ring: CellRing) -> Array:
+        """The largest that is seen of each quantity and rate on a ring, and step to the next cell.
+
+        An array (2, 2, quantities).
+        """
+        cells, reach = ring.f.shape[-1], self.wave.lattice.reach
+        if ring.cells.ndim > 1 or cells <= PIECE:
+            return _largest(self.seen(ring, ring.f, ring.v))
+        ends = [*range(reach, cells - reach, PIECE), cells - reach]
+        found = [
+            _largest(self.seen_at(ring, ring.f, ring.v, (slice(first, last),)))
+            for first, last in itertools.pairwise(ends)
+        ]
+        return np.asarray(np.max(found, axis=0))
 
     def seen(self, ring: CellRing, f: Array, v: Array) -> Array:
         """What is compared, in all cells of a ring, and its rate in the same unit."""
         rates = self.wave.measured(v, (0.0,) * len(ring.mean_strain)) / self._turn
         return np.stack([self.wave.measured(f, ring.mean_strain), rates])
+
+    def seen_at(self, ring: CellRing, f: Array, v: Array, places: Sequence[slice]) -> Array:
+        """The same in some of its cells, none of which is at its ends."""
+        wide, inner = self.beside(places)
+        return np.asarray(self.seen(ring, f[:, *wide], v[:, *wide])[:, :, *inner])
+
+    def beside(self, places: Sequence[slice]) -> tuple[list[slice], list[slice]]:
+        """These places with those that their bonds reach, and where they are among them."""
+        reach = self.wave.lattice.reach
+        wide = [slice(max(0, one.start - reach), one.stop + reach) for one in places]
+        starts = [one.start - more.start for one, more in zip(places, wide, strict=True)]
+        lengths = [one.stop - one.start for one in places]
+        return wide, [slice(s, s + n) for s, n in zip(starts, lengths, strict=True)]
+
+
+def _largest(seen: Array) -> Array:
+    axes = tuple(range(2, seen.ndim))
+    steps = np.abs(np.diff(seen, axis=2)).max(axis=axes, initial=0.0)
+    return np.stack([np.abs(seen).max(axis=axes), steps])
 
 
 class RingCells:
@@ -353,8 +426,9 @@ class CellView(View):
     @cached_property
     def numerics(self) -> Array:
         """All quantities that are compared, of the run: a copy, for the state goes on."""
-        found = self._wave.measured(self.state.f, self.held.ring.mean_strain)
-        return np.array(found[:, *self._places()])
+        wide, inner = self.held.rings.beside(self._places(self.held.rings.compared))
+        found = self._wave.measured(self.state.f[:, *wide], self.held.ring.mean_strain)
+        return np.array(found[:, *inner])
 
     @cached_property
     def analytics(self) -> Array:
@@ -405,11 +479,11 @@ class CellView(View):
         f, v = (values[0] if len(values) == 1 else values for values in self.state.arrays)
         return self.held.ends[0][0], f.copy(), v.copy()
 
-    def judged(self, beyond: int = 0) -> Array:
-        """What is compared and its rate, in units of the scale, and so many cells beyond."""
-        rings = self.held.rings
-        seen = rings.seen(self.held.ring, *self.state.arrays) / self.held.scale
-        return np.asarray(seen[:, :, *self._places(beyond)])
+    def judged(self, beyond: int = 0, compared: ComparedCells | None = None) -> Array:
+        """What is compared, in these cells and some beyond, and its rate, in units of the scale."""
+        places = self._places(compared or self.held.rings.compared, beyond)
+        seen = self.held.rings.seen_at(self.held.ring, *self.state.arrays, places)
+        return seen / self.held.scale
 
     @property
     def _wave(self) -> LatticeWave:
@@ -419,8 +493,8 @@ class CellView(View):
     def _cells(self) -> Array:
         return self.held.rings.compared.cells(self.t)
 
-    def _places(self, beyond: int = 0) -> tuple[slice, ...]:
-        return self.held.rings.compared.places(self.held.ends, self.t, beyond)
+    def _places(self, compared: ComparedCells, beyond: int = 0) -> tuple[slice, ...]:
+        return compared.places(self.held.ends, self.t, beyond)
 
 
 SLOPE_APART = 1e-3
@@ -432,15 +506,17 @@ class SiteRingEngine(StepSearch):
 
     The scene has times of the lattice. Values are what is compared, in units of the wave's scale,
     and its rate: an error that passes through 0 at one of the times does not seem to be none. The
-    payload is a `RunRecord`; ``metered`` holds what the wave's meter gave, by step.
+    payload is a `RunRecord`; ``metered`` holds what the wave's meter gave, by step. Of the compared
+    cells only those ``judged`` are, if they are given.
     """
 
-    def __init__(self, scene: Scene, rings: WaveRings) -> None:
+    def __init__(self, scene: Scene, rings: WaveRings, judged: ComparedCells | None = None) -> None:
         self.scene, self.rings = scene, rings
         wave, self.times = rings.wave, rings.times
         self._scheme = scheme_named(scene.target.scheme) if scene.target.scheme else SCHEME
         self._fields = len(wave.lattice.fields)
         self.amplifies_rounding = math.isinf(max(map(abs, wave.support(self.times[0]))))
+        self.judged = judged or rings.compared
         self.metered: dict[float, Array] = {}
         longest = longest_step(rings.fastest, wave.frequency, self._scheme)
         longest = min(longest, DRIVEN_SHARE * wave.lattice.driven_within(*self.times[:2]))
@@ -455,8 +531,8 @@ class SiteRingEngine(StepSearch):
         """
         wave, ends = self.rings.wave, (self.times[0], self.times[-1])
         cells = self._cells(choices)
-        judged = Samples(self.times, CellView.judged)
-        around = Samples(ends[1:], lambda view: view.judged(AROUND))
+        judged = Samples(self.times, lambda view: view.judged(0, self.judged))
+        around = Samples(ends[1:], lambda view: view.judged(AROUND, self.judged))
         energies = Samples(ends, lambda view: np.array(view.energy))
         witnesses = [judged, around, energies]
         limit, largest = self.rings.limit(cells.ring), float(np.max(np.abs(cells.ring.f)))
