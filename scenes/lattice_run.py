@@ -18,7 +18,6 @@ from longwave.scenes.observables import MEASURED, observable_named
 from longwave.scenes.pulse_meter import PULSE_VARIABLES, crest, pulse_track
 from longwave.scenes.recorders import MOMENT_BYTES, exact_times
 from longwave.scenes.ring_cost import USUAL_RUNS, search_cost
-from longwave.scenes.ring_part import found_on_part
 from longwave.scenes.ring_runs import (
     ComparedCells,
     RingCells,
@@ -26,7 +25,14 @@ from longwave.scenes.ring_runs import (
     WaveRings,
     expected_rings,
 )
-from longwave.scenes.run_record import RunRecord, UnfinishedRun, error_unit, judged, searched
+from longwave.scenes.run_record import (
+    RunRecord,
+    UnfinishedRun,
+    error_unit,
+    judged,
+    searched,
+    searched_on_part,
+)
 from longwave.scenes.scene import Scene
 from longwave.scenes.scene_checks import enough_steps
 from longwave.scenes.stated_run import run_from, stated_runs
@@ -224,7 +230,8 @@ def _to_tolerance(
     announce(engine.expected.seconds)
     progress, found = progress or (lambda _: None), None
     if isinstance(engine, SiteRingEngine):
-        found = found_on_part(scene, engine, progress, announce)
+        parts = engine.parts()
+        found = parts and searched_on_part(*parts, scene, progress, announce)
     found = found or searched(engine, scene, progress, announce)
     record: RunRecord | None = found.trial.payload
     if record is None or (math.isinf(found.error) and not record.attrs["blow_up"]):

@@ -49,6 +49,12 @@ BYTES_PER_VALUE = 100.0
 BYTES_PER_CELL = 160.0
 """Of a run, for each field of a cell: state, data, and what is compared."""
 
+LARGE = 100_000
+"""Compared cells from which on the step is looked for on a part of them."""
+
+SHARE = 8
+"""The part is at most one of so many."""
+
 
 def cell_seconds(lattice: NumericLattice) -> float:
     """Seconds to advance all fields of a cell by a stage.

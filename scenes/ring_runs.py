@@ -41,7 +41,7 @@ from longwave.scenes.chain.domain import front
 from longwave.scenes.lattice_wave import CellRing, LatticeWave, largest_group_velocity
 from longwave.scenes.numerics import Discretisation
 from longwave.scenes.recorders import Samples
-from longwave.scenes.ring_cost import USUAL_RUNS, cell_seconds, search_cost
+from longwave.scenes.ring_cost import LARGE, SHARE, USUAL_RUNS, cell_seconds, search_cost
 from longwave.scenes.run_record import RunRecord, UnfinishedRun
 from longwave.scenes.scene import Scene
 from longwave.scenes.stated_run import run_from
@@ -173,11 +173,8 @@ def _cost(
     return cells, replace(found, steps=steps)
 
 
-LARGE = 100_000
-"""Compared cells from which on the step is looked for on a part of them."""
-
-SHARE = 8
-"""The part is at most one of so many."""
+ALIKE = 1e-3
+"""By what share data may be larger or steeper elsewhere than on a part that stands for all."""
 
 REPEATED = 100.0
 """X on either side of the frame, in which a wave that does not end has shown what it does."""
@@ -567,6 +564,21 @@ class SiteRingEngine(StepSearch):
         if stopped:
             raise StoppedTrial(trial)
         return trial
+
+    def parts(self) -> tuple[SiteRingEngine, SiteRingEngine] | None:
+        """Engines of a part that stands for all cells, and of all of them, judged there.
+
+        None where there is none: the data must be no larger, nor steeper, anywhere than there.
+        """
+        rings = self.rings
+        part = part_of(rings.wave, rings.compared, rings.times, rings.signals)
+        if part is None:
+            return None
+        inner = WaveRings(rings.wave, part, rings.times)
+        if not np.all(rings.sizes <= (1.0 + ALIKE) * inner.sizes):
+            return None
+        within = SiteRingEngine(replace(self.scene, observables=()), inner)
+        return within, SiteRingEngine(self.scene, rings, part)
 
     def _cells(self, choices: Choices) -> RingCells:
         wider = WIDER if choices.size > self._first.size else 0

@@ -7,14 +7,15 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from longwave.lattice.refine import StoppedSearch, refine
+from longwave.lattice.refine import USUAL_WORK, StoppedSearch, refine
+from longwave.lattice.trial import StoppedTrial, difference
 from longwave.scenes.observables import TIME, axis_values
 from longwave.support.checkpoint import spared_seconds
 from longwave.support.html_tables import html_table
@@ -156,3 +157,31 @@ def searched(engine: Engine, scene: Scene, progress: Progress, announce: Announc
     except StoppedSearch as stop:
         run = None if stop.trial is None else stop.trial.payload
         raise unfinished(run, scene, stop.error, stop.before) from None
+
+
+def searched_on_part(
+    within: Engine, whole: Engine, scene: Scene, progress: Progress, announce: Announce
+) -> Refined | None:
+    """What a search on a part of the cells finds, and one run of the ``whole`` with that step.
+
+    A search takes four or five runs, all but one of them to see what a shorter step changes. Where
+    some of the cells show all that the wave does, these are of them alone, ``within`` a domain of
+    its own. The whole is judged on them, too, and must give what the last of those gave: what it
+    differs by is in the error. None where that is more than the tolerance. Raises as `searched`.
+    """
+    sizes = within.first().size * USUAL_WORK, whole.first().size
+    share = sizes[0] / sum(sizes)
+    try:
+        found = refine(
+            within, scene.target.tolerance, lambda done: progress(share * done), announce
+        )
+    except StoppedSearch:
+        raise unfinished(None, scene, None, 0.0) from None
+    choices = replace(whole.first(), step=found.trial.choices.step)
+    announce(found.trial.seconds * whole.work(choices) / within.work(found.trial.choices))
+    try:
+        trial = whole.run(choices, True, lambda done: progress(share + (1.0 - share) * done))
+    except StoppedTrial as stop:
+        raise unfinished(stop.trial.payload, scene, found.error, 0.0) from None
+    error = found.error + difference(trial, found.trial)
+    return replace(found, trial=trial, error=error) if error <= scene.target.tolerance else None

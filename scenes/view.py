@@ -228,9 +228,11 @@ class SiteView(View):
         wave = self.moving.wave
         if wave.constant_background is not None or wave.numbers.is_bare:
             return None
-        left = self._strain(self.moving.wave.far_field_at(*self._place, "left"))
-        right = self._strain(self.moving.wave.far_field_at(*self._place, "right"))
-        return np.where(np.arange(left.size) < self.moving.compared, left, right)
+        sites, t, eps = self._place
+        behind, ahead = np.split(sites, [self.moving.compared])
+        left = self._strain(wave.far_field_at(behind, t, eps, "left"))
+        right = self._strain(wave.far_field_at(ahead, t, eps, "right"))
+        return np.concatenate([left, right])
 
     def displaced(self, shift: float) -> tuple[Array, Array, Array, Array]:
         """Wave, background and their slopes in n, at n - ``shift`` for the compared sites n."""

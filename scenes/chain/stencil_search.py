@@ -33,6 +33,7 @@ from longwave.scenes.chain.domain import (
     Array,
     SiteRing,
     Window,
+    front,
     least_ring,
     least_window,
     seam_room,
@@ -43,11 +44,12 @@ from longwave.scenes.chain.moving_wave import MovingWave, WaveBounds, find_bound
 from longwave.scenes.numerics import Discretisation
 from longwave.scenes.observables import observable_named
 from longwave.scenes.recorders import Samples, exact_times
-from longwave.scenes.run_record import RunRecord, UnfinishedRun, searched
+from longwave.scenes.ring_cost import LARGE, SHARE
+from longwave.scenes.run_record import RunRecord, UnfinishedRun, searched, searched_on_part
 from longwave.scenes.scene import Scene
 from longwave.scenes.stated_run import run_from
 from longwave.scenes.view import SiteView
-from longwave.support.request_limits import ExpectedCost
+from longwave.support.request_limits import ExpectedCost, current_limits
 
 
 class ChainSites:
@@ -174,8 +176,8 @@ CLEARANCE = 128
 LARGEST_GROWTH = 4.0
 """Largest factor on a size from one choice to the next."""
 
-MOST_SITES = 2**20
-"""Sites of the largest domain: a run takes 230 bytes a site (measured); two are done at once."""
+PERIODS = 20
+"""Of a background, on either side of a wave, that show what it does."""
 
 RUNAWAY = 4.0
 """A causal ring whose strains ask for one so many times wider has run away: the step is at fault,
@@ -190,7 +192,9 @@ def run_stencil(scene: Scene, progress: Progress, announce: Announce) -> tuple[R
     UnfinishedRun on Ctrl-C.
     """
     engine = StencilEngine(scene, scene.moving_wave)
-    found = searched(engine, scene, progress, announce)
+    parts = engine.parts()
+    found = parts and searched_on_part(*parts, scene, progress, announce)
+    found = found or searched(engine, scene, progress, announce)
     run = found.trial.payload
     if math.isinf(found.error) and not run.attrs["blow_up"]:
         raise ValueError(
@@ -201,16 +205,21 @@ def run_stencil(scene: Scene, progress: Progress, announce: Announce) -> tuple[R
 
 
 class StencilEngine(StepSearch):
-    """Runs of a scene in windows or, where the background is not constant, on causal rings."""
+    """Runs of a scene in windows or, where the background is not constant, on causal rings.
+
+    Of the compared cells only those within ``judged`` of c t are judged, if that is given.
+    """
 
     threads = 2
     decay = 5.0
     """Measured: between 5.8 and 7.4."""
     unstable = 1
 
-    def __init__(self, scene: Scene, moving: MovingWave) -> None:
+    def __init__(self, scene: Scene, moving: MovingWave, judged: int | None = None) -> None:
         scheme = scheme_named(scene.target.scheme or PREFERRED)
         self._scene, self._moving = scene, moving
+        beside = 0 if judged is None else scene.compared - judged
+        self._judged = slice(beside, 2 * scene.compared + 1 - beside)
         self._bounds = find_bounds(moving, scene.target.tolerance)
         self._met: list[Array] = []  # on rings that were too narrow, of runs done at once
         self.amplifies_rounding = moving.wave.wavelength is not None
@@ -234,8 +243,29 @@ class StencilEngine(StepSearch):
         compared = min(self._scene.compared, bounds.reach + CLEARANCE)
         if self._domain == "ring" or compared == self._scene.compared:
             return self
+        return self._near(compared)
+
+    def _near(self, compared: int) -> StencilEngine:
         scene = self._scene.changed(compared=compared, observables=())
         return StencilEngine(scene, replace(self._moving, compared=compared))
+
+    def parts(self) -> tuple[StencilEngine, StencilEngine] | None:
+        """Engines of a part that stands for all cells, and of all of them, judged there; or None.
+
+        It holds the wave and all that signals from it reach, and many periods of its background.
+        """
+        moving, compared = self._moving, self._scene.compared
+        if 2 * compared < LARGE:
+            return None
+        bounds = find_bounds(replace(moving, compared=1), self._scene.target.tolerance)
+        fastest = moving.constants.highest_frequency(bounds.strain) / 2.0
+        reached = bounds.reach + (moving.speed + fastest) * moving.duration
+        reached += front(fastest, moving.duration)
+        reached += PERIODS * (moving.wave.wavelength or 0.0) / moving.eps
+        part = round_up(reached)
+        if SHARE * part > compared:
+            return None
+        return self._near(part), StencilEngine(self._scene, moving, part)
 
     def run(self, choices: Choices, shown: bool, progress: Progress) -> Trial:
         """A run; on a ring that proves not to be causal, another one on a wider ring."""
@@ -293,7 +323,7 @@ class StencilEngine(StepSearch):
         return replace(choices, size=_checked(round_up(sites)))
 
     def _run(self, choices: Choices, shown: bool, progress: Progress) -> Trial:
-        samples = Samples(self._times)
+        samples = Samples(self._times, lambda view: np.array(view.numerics[:, self._judged]))
         looked = (shown or choices.causal) and not choices.nudged
         domain = "closed_ring" if choices.causal else "window"
         scheme = self._base.discretisation.scheme
@@ -330,10 +360,11 @@ class StencilEngine(StepSearch):
 
 
 def _checked(sites: int) -> int:
-    if sites <= MOST_SITES:
+    most = current_limits().memory_bytes / SITE_BYTES
+    if sites <= most:
         return sites
     raise ValueError(
-        f"snapshots, compared and tolerance must ask for at most {MOST_SITES} sites with engine "
+        f"snapshots, compared and tolerance must ask for at most {most:.3g} sites with engine "
         f"'stencil', got {sites} (end earlier, compare fewer or take engine 'spectral')"
     )
 
@@ -356,6 +387,6 @@ def stencil_cost(scene: Scene) -> ExpectedCost:
     steps = moving.duration / longest_step(scene.model, scheme, bounds)
     kind = domain_kind(scene, moving)
     sites = least_sites(moving, kind, bounds)
-    most = min(MOST_SITES, sites + WIDER if kind == "ring" else round(4.0 * SIZE_RATIO * sites))
+    most = sites + WIDER if kind == "ring" else round(4.0 * SIZE_RATIO * sites)
     seconds = START_SECONDS + SECONDS_PER_UPDATE * steps * scheme.stages * sites
     return ExpectedCost(seconds, SITE_BYTES * 2.0 * most)
