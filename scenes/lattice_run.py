@@ -17,7 +17,7 @@ from longwave.scenes.numerics import Tolerance
 from longwave.scenes.observables import MEASURED, observable_named
 from longwave.scenes.pulse_meter import PULSE_VARIABLES, crest, pulse_track
 from longwave.scenes.recorders import MOMENT_BYTES, exact_times
-from longwave.scenes.ring_cost import USUAL_RUNS, search_cost
+from longwave.scenes.ring_cost import SHOWN, USUAL_RUNS, search_cost
 from longwave.scenes.ring_runs import (
     ComparedCells,
     RingCells,
@@ -78,7 +78,7 @@ def _stated_cost(timed: Scene, wave: LatticeWave, compared: ComparedCells) -> Ex
     duration = timed.end - timed.t0
     enough_steps(stated.step, duration)
     sites = stated.sites * (2.0 if "domain_error" in timed.observables else 1.0)
-    kept = (2.0 * compared.reach[0] + 1.0) * len(timed.snapshots)
+    kept = SHOWN * (2.0 * compared.reach[0] + 1.0) * len(timed.snapshots)
     steps = duration / stated.step
     share = runs / USUAL_RUNS * stated.sites / sites
     found = search_cost(wave.lattice, sites, steps * share, stated.table.stages, kept)

@@ -41,7 +41,7 @@ from longwave.scenes.chain.domain import front
 from longwave.scenes.lattice_wave import CellRing, LatticeWave, largest_group_velocity
 from longwave.scenes.numerics import Discretisation
 from longwave.scenes.recorders import Samples
-from longwave.scenes.ring_cost import LARGE, SHARE, USUAL_RUNS, cell_seconds, search_cost
+from longwave.scenes.ring_cost import LARGE, SHARE, SHOWN, USUAL_RUNS, cell_seconds, search_cost
 from longwave.scenes.run_record import RunRecord, UnfinishedRun
 from longwave.scenes.scene import Scene
 from longwave.scenes.stated_run import run_from
@@ -168,6 +168,7 @@ def _cost(
     part = part_of(wave, compared, times, signals)
     share = 1.0
     if part is not None:
+        kept *= SHOWN
         share = sites_of(part.ring(times, signals, WIDER)) / cells + 1.0 / USUAL_RUNS
     found = search_cost(wave.lattice, cells, steps * share, SCHEME.stages, kept)
     return cells, replace(found, steps=steps)

@@ -27,6 +27,7 @@ from longwave.scenes.chain.stencil_search import (
     SITE_BYTES,
     START_SECONDS,
     ChainSites,
+    part_of,
     run_stencil,
     stencil_cost,
 )
@@ -157,10 +158,13 @@ def scene_cost(scene: Scene) -> ExpectedCost:
     named = scene.target.engine
     costs = {name: cost(scene) for name, cost in engines.items() if named in ("", name)}
     name, cheapest = min(costs.items(), key=lambda entry: entry[1].seconds)
+    kept = TRIALS * _seen(scene).exact * _width(scene)
+    if name == "stencil" and part_of(scene, scene.moving_wave) is not None:
+        kept = 0.0
     return replace(
         least,
         seconds=least.seconds + RUNS[name] * cheapest.seconds,
-        memory_bytes=least.memory_bytes + cheapest.memory_bytes,
+        memory_bytes=least.memory_bytes + VALUE_BYTES * kept + cheapest.memory_bytes,
     )
 
 
@@ -168,10 +172,9 @@ def _least_cost(scene: Scene) -> ExpectedCost:
     """What is known from the scene alone: all of it, if its step and its sites are stated."""
     seen = _seen(scene)
     if scene.tolerance is not None:
-        kept = seen.values + TRIALS * seen.exact * _width(scene)
         return ExpectedCost(
             seen.seconds,
-            PROCESS_BYTES + VALUE_BYTES * kept + MOMENT_BYTES * seen.times,
+            PROCESS_BYTES + VALUE_BYTES * seen.values + MOMENT_BYTES * seen.times,
             once=PROCESS_SECONDS,
         )
     stated, measures = scene.discretisation, refinements(scene)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from longwave.lattice.model import Model
-from longwave.lattice.refine import Announce, Refined
+from longwave.lattice.refine import USUAL_WORK, Announce, Refined
 from longwave.lattice.schemes import Scheme, check_step, scheme_named, stability_limit
 from longwave.lattice.state import Domain, State
 from longwave.lattice.stepper import Stepper, advance
@@ -204,6 +204,23 @@ def run_stencil(scene: Scene, progress: Progress, announce: Announce) -> tuple[R
     return run, found
 
 
+def part_of(scene: Scene, moving: MovingWave) -> int | None:
+    """The cells, on either side of c t, that stand for all that are compared in a large run.
+
+    They hold the wave and all that signals from it reach, and many periods of its background. None
+    where these are not few.
+    """
+    if 2 * scene.compared < LARGE:
+        return None
+    bounds = find_bounds(replace(moving, compared=1), scene.target.tolerance)
+    fastest = moving.constants.highest_frequency(bounds.strain) / 2.0
+    reached = bounds.reach + (moving.speed + fastest) * moving.duration
+    reached += front(fastest, moving.duration)
+    reached += PERIODS * (moving.wave.wavelength or 0.0) / moving.eps
+    part = round_up(reached)
+    return part if SHARE * part <= scene.compared else None
+
+
 class StencilEngine(StepSearch):
     """Runs of a scene in windows or, where the background is not constant, on causal rings.
 
@@ -250,22 +267,11 @@ class StencilEngine(StepSearch):
         return StencilEngine(scene, replace(self._moving, compared=compared))
 
     def parts(self) -> tuple[StencilEngine, StencilEngine] | None:
-        """Engines of a part that stands for all cells, and of all of them, judged there; or None.
-
-        It holds the wave and all that signals from it reach, and many periods of its background.
-        """
-        moving, compared = self._moving, self._scene.compared
-        if 2 * compared < LARGE:
+        """Engines of a part that stands for all cells, if any, and of all of them, judged there."""
+        part = part_of(self._scene, self._moving)
+        if part is None:
             return None
-        bounds = find_bounds(replace(moving, compared=1), self._scene.target.tolerance)
-        fastest = moving.constants.highest_frequency(bounds.strain) / 2.0
-        reached = bounds.reach + (moving.speed + fastest) * moving.duration
-        reached += front(fastest, moving.duration)
-        reached += PERIODS * (moving.wave.wavelength or 0.0) / moving.eps
-        part = round_up(reached)
-        if SHARE * part > compared:
-            return None
-        return self._near(part), StencilEngine(self._scene, moving, part)
+        return self._near(part), StencilEngine(self._scene, self._moving, part)
 
     def run(self, choices: Choices, shown: bool, progress: Progress) -> Trial:
         """A run; on a ring that proves not to be causal, another one on a wider ring."""
@@ -375,8 +381,8 @@ START_SECONDS = 0.03
 SECONDS_PER_UPDATE = 6e-10
 """Seconds per site and force evaluation, measured with the planning."""
 
-SITE_BYTES = 280.0
-"""Of a run, for each site: 130 with a soliton, 280 with a rational wave."""
+SITE_BYTES = 130.0
+"""Of a run, for each site: 90 at ten million of them, with what it is compared with at a time."""
 
 
 @lru_cache(maxsize=4)
@@ -387,6 +393,10 @@ def stencil_cost(scene: Scene) -> ExpectedCost:
     steps = moving.duration / longest_step(scene.model, scheme, bounds)
     kind = domain_kind(scene, moving)
     sites = least_sites(moving, kind, bounds)
-    most = sites + WIDER if kind == "ring" else round(4.0 * SIZE_RATIO * sites)
     seconds = START_SECONDS + SECONDS_PER_UPDATE * steps * scheme.stages * sites
+    part = part_of(scene, moving)
+    if part is not None:
+        once = seconds * (1.0 / USUAL_WORK + part / scene.compared)
+        return ExpectedCost(once, SITE_BYTES * sites)
+    most = sites + WIDER if kind == "ring" else round(4.0 * SIZE_RATIO * sites)
     return ExpectedCost(seconds, SITE_BYTES * 2.0 * most)

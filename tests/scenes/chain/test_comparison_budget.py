@@ -16,7 +16,7 @@ from longwave.lattice.refine import refine
 from longwave.lattice.trial import Choices, Engine, Kind, Progress, Trial
 from longwave.scenes import run
 from longwave.scenes.scene import Scene
-from longwave.support.request_limits import OverBudgetError
+from longwave.support.request_limits import OverBudgetError, request_limits
 from searches.estimate_scenes import random_scene
 
 
@@ -164,7 +164,7 @@ def test_the_tolerance_that_a_refusal_names_is_kept() -> None:
 def test_more_sites_than_memory_holds_are_refused(fields: dict[str, Any]) -> None:
     base: dict[str, Any] = {"K2": 1.0, "K4": 1.0, "t0": 0.0, "snapshots": (10.0,), "compared": 60}
     scene = _scene("wave_cn", 0.02, **(base | fields), tolerance=1e-3, parameters=(("k", 0.5),))
-    with pytest.raises(ValueError, match="must ask for at most 1048576 sites with engine"):
+    with request_limits(memory="500M"), pytest.raises(ValueError, match=r"must fit 500 MB, got"):
         run(scene.changed(engine="stencil"))
 
 
