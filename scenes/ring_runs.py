@@ -386,10 +386,11 @@ class CellDomain(StillRing):
 def ring_stepper(
     lattice: NumericLattice, domain: StillRing, scheme: Scheme, step: float
 ) -> Stepper:
-    """What steps a ring, with a stop every ``LOOK_SECONDS`` or `LEAST_CHUNK` steps."""
+    """What steps a ring, with a stop every ``LOOK_SECONDS``, of a chain or `LEAST_CHUNK` steps."""
     state = domain.state
     seconds = cell_seconds(lattice) * state.f[0].size
-    chunk = max(LEAST_CHUNK, int(LOOK_SECONDS / (scheme.stages * seconds)))
+    least = LEAST_CHUNK if lattice.dimension == 1 else 1
+    chunk = max(least, int(LOOK_SECONDS / (scheme.stages * seconds)))
     return Stepper(state, scheme, lattice, domain, step, None, chunk)
 
 
