@@ -73,14 +73,23 @@ def bytes_a_cell(wave: str) -> float:
     return (peaks[1] - peaks[0]) / 140_000
 
 
-@pytest.mark.parametrize(("wave", "most"), [("dimer", 200), ("peregrine", 300), ("chain", 120)])
+@pytest.mark.parametrize(
+    ("wave", "most"),
+    [
+        ("dimer", 200),
+        pytest.param("peregrine", 300, marks=pytest.mark.slow),
+        pytest.param("chain", 120, marks=pytest.mark.slow),
+    ],
+)
 def test_a_cell_takes_few_bytes(wave: str, most: float) -> None:
     """Catches: jets, panels or rows of all cells at once."""
     run(stated(wave, 20_000))
     assert bytes_a_cell(wave) < most
 
 
-@pytest.mark.parametrize("wave", WAVES)
+@pytest.mark.parametrize(
+    "wave", ["dimer", pytest.param("peregrine", marks=pytest.mark.slow), "chain"]
+)
 def test_the_step_of_many_cells_is_found_on_a_part_of_them(
     wave: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
