@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cache, cached_property
 from math import nan
 from typing import Any
 
@@ -455,10 +455,11 @@ def _plain(value: mpmath.mpc) -> Any:
 def evaluated(element: RationalFunction, at: Mapping[str, mpmath.mpc]) -> mpmath.mpc | None:
     """The element at a point; None where its denominator vanishes."""
     gens = [str(symbol) for symbol in element.field.symbols]
+    power = cache(lambda name, exponent: at[name] ** exponent)  # one stands in many terms
     sums = []
     for line in (False, True):
         terms = [
-            mpmath.fprod(at[g] ** e for g, e in zip(gens, exponents, strict=True) if e) * value
+            mpmath.fprod(power(g, e) for g, e in zip(gens, exponents, strict=True) if e) * value
             for exponents, value in element.terms(below=line)
         ]
         size = mpmath.fsum(terms, absolute=True)
