@@ -17,8 +17,11 @@ USUAL_RUNS = 4.5
 BEGIN_SECONDS = 1.6
 """Once in a process: imports, to derive the equation and to have its wave as a program."""
 
-STEP_SECONDS = 2e-5
-"""For a step of few cells: what is called for each of its stages."""
+STEP_SECONDS = 3e-7
+"""For a step of a ring of few cells: 2.6e-7 to 3.3e-7, on chains of 100 cells."""
+
+DRIVEN_STEP_SECONDS = 2.5e-5
+"""For a step whose stages take weights of their own times: 2.8e-5 to 4e-5 on a busy machine."""
 
 SECONDS_PER_DASHPOT = 3e-9
 """For a dashpot beside a spring, which follows its bond's rate in each stage."""
@@ -97,7 +100,8 @@ def search_cost(
     ``steps`` are those of the first run.
     """
     fields = len(lattice.fields)
-    first = steps * (STEP_SECONDS + stages * cells * cell_seconds(lattice))
+    begun = DRIVEN_STEP_SECONDS if lattice.is_driven else STEP_SECONDS
+    first = steps * (begun + stages * cells * cell_seconds(lattice))
     return ExpectedCost(
         BEGIN_SECONDS + CELL_SECONDS * cells + USUAL_RUNS * first,
         PROCESS_BYTES + (BYTES_PER_CELL * cells + BYTES_PER_VALUE * kept) * fields,
