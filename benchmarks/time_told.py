@@ -74,7 +74,7 @@ def sweep_told(name: str) -> dict[str, object]:
         def tell(state: SweepState) -> None:
             told.append((time.perf_counter() - begun, state.seconds_left))
 
-        state = SweepState(len(sweep), expected=expected.seconds)
+        state = SweepState(len(sweep), expected=expected.each)
         run_sweep(sweep, store, workers, tell, state)
         workers.stop()
         whole = time.perf_counter() - begun

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import uuid
-from collections.abc import Callable, Container, Iterator
+from collections.abc import Callable, Container, Iterator, Mapping
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import chain, islice
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -34,9 +34,9 @@ SHARE = 4
 AHEAD = 2
 """Batches that a worker has, with the one that it is doing: it never waits for the next."""
 
-LEAST_LEFT = 0.2
-"""What a cell that is left costs at least, in units of those that were done: a large sweep is
-judged by some of its cells."""
+LATE = 5
+"""Batches of each worker by which the pace is told. What they held counts as so many of the cells
+that were looked at beforehand, where the cells that are left are judged by those among them."""
 
 MOST_LOSSES = 3
 """Workers that a cell may lose, alone, before it is taken to be why."""
@@ -63,13 +63,14 @@ class SweepState:
     first_fault: str = ""
     pace: float = 0.0
     """Seconds of a cell, of late."""
-    expected: float = 0.0
-    """Seconds that all cells to be run were estimated to take; 0 if nobody has looked."""
-    expected_done: float = 0.0
-    """The same of the cells that were done."""
+    expected: Mapping[int, float] = field(default_factory=dict)
+    """Seconds that cells were estimated to take, of those looked at by number (`SweepCost`)."""
+    beyond: int = 0
+    """The number after that of the last cell that was done."""
     batches: int = 0
-    steady: tuple[float, float] = 0.0, 0.0
-    """Seconds taken and expected of the batches after each worker's first, which loads code."""
+    late: tuple[float, float, float] = 0.0, 0.0, 0.0
+    """Cells, seconds expected and taken in batches of late, after each worker's first, which loads
+    code."""
 
     @property
     def seconds_left(self) -> float:
@@ -78,25 +79,28 @@ class SweepState:
         Where nothing was expected it is by the cells that were done of late.
         """
         left = self.cells - self.found - self.done
-        taken, expected = self.steady
-        if not (self.expected and expected and self.done):
+        cells, expected, taken = self.late
+        if not expected:
             return left * self.pace / self.workers
-        least = LEAST_LEFT * left * self.expected_done / self.done
-        rest = max(self.expected - self.expected_done, least) if left else 0.0
-        return rest * taken / expected / self.workers
+        ahead = [seconds for number, seconds in self.expected.items() if number >= self.beyond]
+        each = (sum(ahead) + LATE * expected / cells) / (len(ahead) + LATE)
+        return left * each * taken / expected / self.workers
 
-    def count(self, batch: Batch) -> None:
-        """Take in what a worker did."""
+    def count(self, batch: Batch, beyond: int) -> None:
+        """Take in what a worker did of the cells before the number ``beyond``."""
         self.done += len(batch.statuses)
         self.faults += sum(status in (REFUSED, FAILED) for status in batch.statuses)
         self.seconds += batch.seconds
         self.processor_seconds += batch.processor_seconds
         self.worker_seconds += batch.whole_processor_seconds
         self.first_fault = self.first_fault or batch.first_fault
-        self.expected_done += batch.expected
+        self.beyond = max(self.beyond, beyond)
         self.batches += 1
         if self.batches > self.workers:
-            self.steady = self.steady[0] + batch.seconds, self.steady[1] + batch.expected
+            kept = 1.0 - 1.0 / (LATE * self.workers)
+            new = len(batch.statuses), batch.expected, batch.seconds
+            cells, expected, taken = (kept * a + b for a, b in zip(self.late, new, strict=True))
+            self.late = cells, expected, taken
         mean = batch.seconds / len(batch.statuses)
         self.pace = 0.5 * (self.pace + mean) if self.pace else mean
 
@@ -225,7 +229,7 @@ class _March:
             with suppress(OSError):  # such as a full disk: they serve as they are
                 merge_packs(self.store.folder)
             self.unmerged = 0
-        self.state.count(batch)
+        self.state.count(batch, cells[-1].number + 1)
         self.progress(self.state)
         return True
 
@@ -237,4 +241,4 @@ class _March:
                 return
         told = f"its worker process ended {MOST_LOSSES} times (killed, or out of memory)"
         write_pack(new_pack(self.store.folder), [CellRecord(cell.key, FAILED, told)])
-        self.state.count(Batch([FAILED], 0.0, 0.0, 0.0, told))
+        self.state.count(Batch([FAILED], 0.0, 0.0, 0.0, told), cell.number + 1)

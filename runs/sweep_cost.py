@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Container
+from collections.abc import Container, Mapping
 from dataclasses import dataclass, replace
 from random import Random
 from time import process_time
@@ -28,14 +28,24 @@ sweep, and at most. A cell takes 30 ms where an equation is derived anew."""
 class SweepCost:
     """The cells looked at, the missing ones among them, and the cost of all that are missing.
 
-    ``seconds`` are those of one worker; ``cell`` is the dearest one that was met.
+    ``seconds`` are those of one worker, ``each`` those of the cells looked at by their numbers, 0
+    where nothing is to be run.
     """
 
     cells: int
-    looked_at: int
     missing: int
-    seconds: float
+    each: Mapping[int, float]
     memory_bytes: float
+
+    @property
+    def looked_at(self) -> int:
+        """Cells."""
+        return len(self.each)
+
+    @property
+    def seconds(self) -> float:
+        """Of all that are missing."""
+        return sum(self.each.values()) * self.cells / len(self.each)
 
     @property
     def words(self) -> str:
@@ -70,16 +80,16 @@ def expected_sweep_cost(sweep: Sweep, store: RunStore, held: Container[str]) -> 
     """
     order = Random(0).sample(range(len(sweep)), min(MOST_LOOKED_AT, len(sweep)))
     begun = process_time()
-    seconds = memory = 0.0
-    looked_at = missing = 0
+    memory, missing = 0.0, 0
+    each: dict[int, float] = {}
     given: set[str] = set()
     for number in order:
-        share = LOOKING_SHARE * seconds * len(sweep) / max(1, looked_at)
+        share = LOOKING_SHARE * sum(each.values()) * len(sweep) / max(1, len(each))
         allowed = min(max(LOOKING_SECONDS, share), MOST_LOOKING_SECONDS)
-        if looked_at >= FEWEST and process_time() - begun > allowed:
+        if len(each) >= FEWEST and process_time() - begun > allowed:
             break
-        looked_at += 1
-        begun = process_time() if looked_at == 2 else begun
+        each[number] = 0.0
+        begun = process_time() if len(each) == 2 else begun
         try:
             scene = sweep.scene(number)
             key = store.key(scene)
@@ -90,7 +100,6 @@ def expected_sweep_cost(sweep: Sweep, store: RunStore, held: Container[str]) -> 
         except ValueError:
             continue
         missing += 1
-        seconds += cost.seconds
+        each[number] = cost.seconds
         memory = max(memory, cost.memory_bytes)
-    scale = len(sweep) / looked_at
-    return SweepCost(len(sweep), looked_at, round(scale * missing), scale * seconds, memory)
+    return SweepCost(len(sweep), round(len(sweep) / len(each) * missing), each, memory)

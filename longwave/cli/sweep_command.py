@@ -169,11 +169,11 @@ def _run_with_bar(
     shown = work.removesuffix(",")
     with progress_bar(sweep.name, shown, clock=perf_counter) as (advance, tell):
         tell(cost.seconds)
-        told.expected = expected.seconds
+        told.expected = expected.each
 
         def show(state: SweepState) -> None:
             advance((state.found + state.done) / state.cells)
-            if state.steady[0]:
+            if any(state.late):
                 tell(state.seconds_left)
 
         run_sweep(sweep, store, workers, show, told, held)
