@@ -8,10 +8,12 @@ import numpy as np
 import pytest
 
 from longwave.scenes import run
+from longwave.scenes.lattice_derivation import lattice_wave
 from longwave.scenes.lattice_run import wave_rings
 from longwave.scenes.named_scenes import scene_of
 from longwave.scenes.ring_runs import SiteRingEngine
 from longwave.scenes.scene import Scene
+from longwave.solutions.pieces import PIECE
 from longwave.support.request_limits import OverBudgetError
 
 DIMER: dict[str, Any] = {
@@ -71,6 +73,28 @@ def bytes_a_cell(wave: str) -> float:
         peaks.append(tracemalloc.get_traced_memory()[1])
         tracemalloc.stop()
     return (peaks[1] - peaks[0]) / 140_000
+
+
+DARK = {
+    "lattice": "granular",
+    "wave": "nls_dark",
+    "constants": {"A": 1, "d": 1},
+    "carrier": "pi/2",
+    "parameters": {"kappa": "1/2", "v": 0},
+}
+
+
+@pytest.mark.parametrize("given", [DIMER, DIMER | DARK], ids=["dimer", "dark"])
+def test_theory_of_many_cells_is_that_of_few(given: dict[str, Any]) -> None:
+    """Catches: a cell beside the last one, or between pieces, that is another."""
+    asked = {"t0": 0, "snapshots": [5.0], "compared": 10, "tolerance": 1e-3}
+    wave = lattice_wave(Scene.of(**given, **asked))
+    cells = np.arange(1.0 - 2.5 * PIECE, 1.0)
+    for made in (wave.strain, wave.background):
+        whole = made(cells, 5.0)
+        for first in (0, PIECE - 50, 2 * PIECE - 50, cells.size - 100):
+            few = slice(first, first + 100)
+            np.testing.assert_allclose(whole[:, few], made(cells[few], 5.0), rtol=0, atol=1e-13)
 
 
 @pytest.mark.parametrize(
