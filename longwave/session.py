@@ -114,7 +114,7 @@ def sweep(
     Raises ValueError in one line for what is no sweep, and for one beyond the limits.
     """
     from longwave.runs.run_store import RunStore
-    from longwave.runs.sweep import SweepState, run_sweep
+    from longwave.runs.sweep import SweepState, run_shown
     from longwave.runs.sweep_cost import expected_sweep_cost
     from longwave.runs.sweep_dataset import sweep_dataset
     from longwave.runs.sweep_workers import sweep_workers
@@ -127,15 +127,13 @@ def sweep(
         sweep_workers(processes, None) as workers,
         shown_progress(found.name, progress, None) as told,
     ):
-        cost = expected_sweep_cost(found, kept, held).by(workers.count, together=True)
+        expected = expected_sweep_cost(found, kept, held)
+        cost = expected.by(workers.count, together=True)
         check_request(found.name, cost, "take fewer or cheaper cells")
         if told[1] is not None:
             told[1](cost.seconds)
-
-        def show(state: SweepState) -> None:
-            told[0]((state.found + state.done) / state.cells)
-
-        run_sweep(found, kept, workers, show, held=held)
+        state = SweepState(len(found), workers.count, expected=expected.each)
+        run_shown(found, kept, workers, state, held, told)
     return sweep_dataset(found, kept)
 
 

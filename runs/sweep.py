@@ -132,6 +132,25 @@ def run_sweep(
     return state
 
 
+def run_shown(
+    sweep: Sweep,
+    store: RunStore,
+    workers: Workers,
+    state: SweepState,
+    held: Container[str],
+    shown: tuple[Callable[[float], object], Callable[[float], object] | None],
+) -> None:
+    """`run_sweep`, of which the share that is done and the seconds that are left are ``shown``."""
+    advance, tell = shown
+
+    def show(state: SweepState) -> None:
+        advance((state.found + state.done) / state.cells)
+        if tell is not None and any(state.late):
+            tell(state.seconds_left)
+
+    run_sweep(sweep, store, workers, show, state, held)
+
+
 def _missing(
     sweep: Sweep, store: RunStore, held: Container[str], state: SweepState
 ) -> Iterator[Cell]:

@@ -14,7 +14,7 @@ from longwave.runs.run_file import SWEPT, open_run
 from longwave.runs.run_output import check_run_output, store_messages
 from longwave.runs.run_pack import DONE, NUMBERS
 from longwave.runs.run_store import RunStore
-from longwave.runs.sweep import SweepState, run_sweep
+from longwave.runs.sweep import SweepState, run_shown
 from longwave.runs.sweep_cost import SweepCost, expected_sweep_cost
 from longwave.runs.sweep_file import Sweep, load_sweep
 from longwave.runs.sweep_scene import changed_scene
@@ -167,16 +167,10 @@ def _run_with_bar(
     fewer = "fewer --processes, " if too_large else ""
     check_request(work, cost, f"take {fewer}fewer or cheaper cells")
     shown = work.removesuffix(",")
-    with progress_bar(sweep.name, shown, clock=perf_counter) as (advance, tell):
-        tell(cost.seconds)
+    with progress_bar(sweep.name, shown, clock=perf_counter) as progress:
+        progress[1](cost.seconds)
         told.expected = expected.each
-
-        def show(state: SweepState) -> None:
-            advance((state.found + state.done) / state.cells)
-            if any(state.late):
-                tell(state.seconds_left)
-
-        run_sweep(sweep, store, workers, show, told, held)
+        run_shown(sweep, store, workers, told, held, progress)
 
 
 def sweep_data(

@@ -18,7 +18,7 @@ from longwave.runs.run_file import load_run
 from longwave.runs.run_pack import CellRecord, load_row, read_pack, write_pack
 from longwave.runs.run_store import RunStore
 from longwave.runs.store_packs import pack_index
-from longwave.runs.sweep import MOST_LOSSES, run_sweep
+from longwave.runs.sweep import MOST_LOSSES, SweepState, run_shown, run_sweep
 from longwave.runs.sweep_cells import Cell, numbers_of, run_cells
 from longwave.runs.sweep_cost import expected_sweep_cost
 from longwave.runs.sweep_dataset import cell_run, sweep_dataset, write_sweep
@@ -216,6 +216,18 @@ def test_what_is_there_is_not_run_again(store: RunStore) -> None:
     again = HereWorkers()
     run_sweep(sweep, store, again)
     assert again.cells == 0
+
+
+def test_the_share_that_is_done_and_the_seconds_left_are_shown(store: RunStore) -> None:
+    sweep, shares, left = small_sweep(eps=[0.1, 0.2, 0.3, 0.4]), list[float](), list[float]()
+    held = store.held()
+    state = SweepState(len(sweep), expected=expected_sweep_cost(sweep, store, held).each)
+    run_shown(sweep, store, HereWorkers(), state, held, (shares.append, left.append))
+    assert shares[-1] == 1.0
+    assert shares == sorted(shares)
+    assert left[-1] == 0.0
+    assert len(left) < len(shares) or left[0] > 0.0
+    run_shown(sweep, RunStore(store.folder / "b"), HereWorkers(), state, (), (shares.append, None))
 
 
 def test_cells_with_one_scene_are_run_once(store: RunStore) -> None:

@@ -101,7 +101,7 @@ def test_a_sweep_that_takes_its_time_says_so(
 
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(slow_work, "EVERY", 0.0)
-    monkeypatch.setattr(sweep_command, "run_sweep", nothing_yet)
+    monkeypatch.setattr(sweep_command, "run_shown", nothing_yet)
     path = tmp_path / "sw.toml"
     path.write_text(TEXT, encoding="utf-8")
     store = str(tmp_path / "store")
@@ -119,7 +119,7 @@ def test_what_the_store_says_is_told_in_lines(
     path.parent.mkdir(parents=True)
     path.write_bytes(b"damaged")
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(sweep_command, "run_sweep", lambda *_: None)
+    monkeypatch.setattr(sweep_command, "run_shown", lambda *_: None)
     kept = str(store.folder)
     assert sweep_and_print("sw.toml", "longwave sweep", processes=1, store=kept) == 1
     told = f"{path} is damaged: it counts as missing, and is made anew"
