@@ -16,6 +16,7 @@ import resource
 import sys
 import tempfile
 import time
+from multiprocessing import active_children
 from pathlib import Path
 from statistics import median
 
@@ -76,9 +77,9 @@ def bookkeeping(count: int) -> None:
 
     def look(state: SweepState) -> None:
         for share, seen in marks.items():
-            if not seen and state.done >= share * state.cells and workers._pool is not None:
+            if not seen and state.done >= share * state.cells:
                 marks[share] = True
-                held = [f"{resident(pid):.0f}" for pid in workers._pool._processes]
+                held = [f"{resident(one.pid):.0f}" for one in active_children() if one.pid]
                 print(f"{share:.0%} done: {resident():.0f} MB here, workers {', '.join(held)} MB")
 
     with tempfile.TemporaryDirectory() as folder:
