@@ -343,17 +343,26 @@ def is_pack(path: Path) -> bool:
 
 
 def _table(number: int, group: Any) -> CellTable:
-    keys, states, messages = (group[text].asstr()[()] for text in TEXTS[:3])
-    rows = np.arange(len(keys)) if len(group["arrays"]) else np.full(len(keys), -1)
-    return CellTable(
-        np.array(keys, "S40"),
-        np.array(states, "S9"),
-        messages,
-        np.zeros(len(keys), np.int32),
-        np.full(len(keys), number, np.int32),
-        rows.astype(np.int32),
-        {name: group[name][()] for name in NUMBERS if name in group},
-    )
+    columns = {name: group[name].asstr()[()] for name in TEXTS[:3]}
+    count = len(columns["key"])
+    rows = np.arange(count) if len(group["arrays"]) else np.full(count, -1)
+    columns |= {"pack": np.zeros(count), "group": np.full(count, number), "row": rows}
+    return checked_table(columns, group)
+
+
+def checked_table(columns: Mapping[str, Any], numbers: Any) -> CellTable:
+    """The table of columns, and of those of ``numbers``, that a file holds.
+
+    Raises ValueError unless all are of one length and of what they should be.
+    """
+    count = len(columns["key"])
+    made = {name: np.asarray(columns[name]).astype(kind) for name, kind in PLAIN.items()}
+    held = {n: np.asarray(numbers[n][()]).astype(np.float64) for n in NUMBERS if n in numbers}
+    if any(column.shape != (count,) for column in (*made.values(), *held.values())):
+        raise ValueError("its columns differ in length")
+    for name in ("key", "status"):
+        made[name].astype("U")  # which must be letters
+    return CellTable(**made, numbers=held)
 
 
 def load_row(path: Path, group: int, row: int) -> xr.Dataset:

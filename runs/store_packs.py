@@ -24,12 +24,12 @@ import numpy as np
 
 from longwave.runs.hdf_contents import check_contents
 from longwave.runs.run_pack import (
-    NUMBERS,
     PLAIN,
     REFUSED,
     SETTLED,
     CellRecord,
     CellTable,
+    checked_table,
     is_pack,
     joined_tables,
     load_row,
@@ -165,7 +165,7 @@ def pack_index(folder: Path) -> PackIndex:
     """
     known = _kept_index(folder)
     old = len(known)
-    bad: set[tuple[str, PackStamp]] = set()
+    bad, gone = set[tuple[str, PackStamp]](), set[tuple[str, PackStamp]]()
     while True:
         here = _packs(folder)
         for name, stamp in here.items():
@@ -173,7 +173,10 @@ def pack_index(folder: Path) -> PackIndex:
                 try:
                     known[name] = stamp, read_pack(folder / PACKS / name)
                 except FileNotFoundError:  # it was merged in between, into one to be listed
-                    break
+                    if (name, stamp) not in gone:
+                        gone.add((name, stamp))
+                        break
+                    bad.add((name, stamp))  # and is listed again: the listing is an old one
                 except (ValueError, OSError) as error:
                     LOG.warning("%s: it counts as missing", error)
                     bad.add((name, stamp))
@@ -225,15 +228,10 @@ def _kept_index(folder: Path) -> dict[str, tuple[PackStamp, CellTable]]:
                 for name, size, changed in json.loads(file["packs"].asstr()[0])
             ]
             columns = {
-                name: file[name].asstr()[()] if kind is object else file[name][()].astype(kind)
+                name: file[name].asstr()[()] if kind is object else file[name][()]
                 for name, kind in PLAIN.items()
             }
-            numbers = {
-                name: file["numbers"][name][()] for name in NUMBERS if name in file["numbers"]
-            }
-        table = CellTable(**columns, numbers=numbers)
-        if {len(column) for column in (*columns.values(), *numbers.values())} != {len(table)}:
-            raise ValueError("its columns differ in length")
+            table = checked_table(columns, file["numbers"])
         ends = np.searchsorted(table.pack, np.arange(len(packs) + 1))
         if np.any(np.diff(table.pack) < 0) or ends[0] != 0 or ends[-1] != len(table):
             raise ValueError("its rows are of other packs")

@@ -185,8 +185,34 @@ def _a_link(file: Any) -> None:
     file["row"] = h5py.ExternalLink("other.h5", "/row")
 
 
+def _no_letters(file: Any) -> None:
+    file["status"][0] = b"\xff"
+
+
+def _a_square(file: Any) -> None:
+    values = file["numbers"]["error"][()]
+    del file["numbers"]["error"]
+    file["numbers"]["error"] = np.stack([values, values], axis=1)
+
+
+def _texts_for_numbers(file: Any) -> None:
+    del file["numbers"]["error"]
+    file["numbers"]["error"] = np.full(len(file["row"]), b"x")
+
+
 @pytest.mark.parametrize(
-    "attack", [_other_length, _other_pack, _no_order, _no_column, _a_claim, _a_link]
+    "attack",
+    [
+        _other_length,
+        _other_pack,
+        _no_order,
+        _no_column,
+        _a_claim,
+        _a_link,
+        _no_letters,
+        _a_square,
+        _texts_for_numbers,
+    ],
 )
 def test_an_index_that_is_wrong_is_made_anew(
     attack: Callable[[Any], None], tmp_path: Path, caplog: pytest.LogCaptureFixture
@@ -204,6 +230,27 @@ def test_an_index_that_is_wrong_is_made_anew(
     assert "is no index" in caplog.text
     path.write_bytes(b"anything")
     check(tmp_path, 3 * WORTH_AN_INDEX)
+
+
+@pytest.mark.parametrize("column", ["error", "status", "message", "key"])
+def test_a_pack_with_a_shorter_column_is_none(column: str, tmp_path: Path) -> None:
+    image = io.BytesIO(pack_content(records(0, 3)))
+    with h5py.File(image, "r+") as file:
+        held = file["0"][column][()][:-1]
+        del file["0"][column]
+        kind = {} if column == "error" else {"dtype": h5py.string_dtype()}
+        file["0"].create_dataset(column, data=held, **kind)
+    write_sealed(new_pack(tmp_path), image.getvalue())
+    assert len(pack_index(tmp_path)) == 0
+
+
+def test_a_listing_that_is_old_ends(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As on a network file system, where a pack that went is listed for a while."""
+    fill(tmp_path, 3)
+    listed = store_packs._packs(tmp_path)
+    files(tmp_path)[0].unlink()
+    monkeypatch.setattr(store_packs, "_packs", lambda _: listed)
+    assert len(pack_index(tmp_path)) == 6
 
 
 def test_merged_packs_hold_what_they_held(tmp_path: Path) -> None:
