@@ -74,8 +74,8 @@ def check_shared(ask: Ask, folder: Path, runs: int, locks: tuple[str, ...], **ho
 @pytest.mark.parametrize(
     ("locks", "links"),
     [
-        ((WORK, WORK, WORK), True),
-        ((REFUSED, REFUSED, REFUSED), False),
+        pytest.param((WORK, WORK, WORK), True, marks=pytest.mark.slow),
+        pytest.param((REFUSED, REFUSED, REFUSED), False, marks=pytest.mark.slow),
         ((BLIND, BLIND, BLIND), True),
         ((WORK, REFUSED, BLIND), False),
     ],

@@ -323,6 +323,7 @@ def test_readers_miss_nothing_while_packs_are_merged(tmp_path: Path) -> None:
     check(tmp_path, 10 * FAN)
 
 
+@pytest.mark.slow
 def test_two_who_merge_at_once_lose_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -383,6 +384,7 @@ SCENE = {
 }
 
 
+@pytest.mark.slow
 def test_a_large_sweep_opens_no_file_that_is_not_there(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -416,6 +418,7 @@ def test_a_large_sweep_opens_no_file_that_is_not_there(
     assert looked == []
 
 
+@pytest.mark.slow
 def test_packs_are_merged_while_a_sweep_runs_if_that_can_be_written(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
