@@ -287,12 +287,16 @@ def _kind(run: xr.Dataset | None) -> str:
     return repr([(n, v.dims, v.shape, v.dtype.str, n in run.coords, v.attrs) for n, v in variables])
 
 
+class DamagedPackError(ValueError):
+    """A pack whose bytes are not those that were written, which the log was told."""
+
+
 @contextmanager
 def open_pack(path: Path) -> Iterator[h5py.File]:
     """A pack, open to be read, whose bytes were looked through by this process.
 
-    Raises FileNotFoundError where none is, as when it was merged since, and ValueError for one that
-    is damaged, or is no pack.
+    Raises FileNotFoundError where none is, as when it was merged since, DamagedPackError, and
+    ValueError for what is no pack.
     """
     import h5py
 
@@ -315,7 +319,7 @@ def _check_pack(path: Path, size: int, changed: int) -> None:
 
     if not is_whole(path):
         not_stale(path.lstat)  # FileNotFoundError if it went in between
-        raise ValueError(f"{path} is damaged")
+        raise DamagedPackError(f"{path} is damaged")
     with h5py.File(path) as file:
         check_contents(file, size, deepest=2)
 
@@ -325,7 +329,7 @@ def read_pack(path: Path) -> CellTable:
     try:
         with open_pack(path) as file:
             return joined_tables([_table(int(name), group) for name, group in file.items()])
-    except FileNotFoundError:
+    except (FileNotFoundError, DamagedPackError):
         raise
     except Exception as error:  # what the library raises for such a file is not documented
         raise ValueError(f"{path} is no pack ({error})") from None

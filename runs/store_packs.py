@@ -29,6 +29,7 @@ from longwave.runs.run_pack import (
     SETTLED,
     CellRecord,
     CellTable,
+    DamagedPackError,
     checked_table,
     is_pack,
     joined_tables,
@@ -177,6 +178,8 @@ def pack_index(folder: Path) -> PackIndex:
                         gone.add((name, stamp))
                         break
                     bad.add((name, stamp))  # and is listed again: the listing is an old one
+                except DamagedPackError:
+                    bad.add((name, stamp))
                 except (ValueError, OSError) as error:
                     LOG.warning("%s: it counts as missing", error)
                     bad.add((name, stamp))
