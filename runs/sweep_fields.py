@@ -15,7 +15,7 @@ from xarray.backends import BackendArray
 from xarray.core import indexing
 
 from longwave.runs.run_file import load_run
-from longwave.runs.run_pack import load_row, open_pack, values_of
+from longwave.runs.run_pack import open_pack, values_of
 from longwave.runs.store_packs import PackedRun, moved
 
 Place: TypeAlias = PackedRun | Path
@@ -61,8 +61,7 @@ def _rows(field: str, places: Iterable[Place]) -> NDArray[Any]:
             held = file[str(packed[0].group)]["arrays"][field]
             return np.asarray(values_of(np.stack([held[place.row] for place in packed])))
     except FileNotFoundError:
-        runs = (load_row(place.path, place.group, place.row) for place in moved(packed))
-        return np.stack([run.variables[field].values for run in runs])
+        return np.stack([place.load().variables[field].values for place in moved(packed)])
 
 
 class FieldOfCells(BackendArray):

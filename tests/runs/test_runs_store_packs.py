@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from longwave.runs import run_pack, run_store, store_packs
+from longwave.runs import run_pack, run_store, store_packs, sweep_fields
 from longwave.runs import sweep as sweep_module
 from longwave.runs.run_pack import CellRecord, pack_content, write_pack
 from longwave.runs.run_store import RunStore
@@ -298,6 +298,8 @@ def test_a_place_that_was_read_before_a_merge_leads_to_the_run(tmp_path: Path) -
     merge_packs(tmp_path)
     assert not place.path.exists()
     xr.testing.assert_identical(place.load(), a_run(8))
+    fields = sweep_fields._rows("values", [place])
+    np.testing.assert_array_equal(fields, [a_run(8)["values"].values])
     for path in files(tmp_path):
         path.unlink()
     with pytest.raises(ValueError, match="is gone"):
