@@ -66,7 +66,7 @@ def advance_nystroem(
     _advance(y, s, table, h, steps, space, *constants)
 
 
-@njit(cache=True, fastmath={"contract"})
+@njit(cache=True, subnormals=False, fastmath={"contract"})
 def _advance(
     y: Array,
     s: Array,

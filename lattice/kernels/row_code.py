@@ -27,6 +27,7 @@ from longwave.lattice.kernels.streams import (
     apart,
     rows_of,
 )
+from longwave.support.compiled.subnormals import flushed_subnormals
 
 __all__ = ["LaneCode", "lane_force", "passage_text"]
 
@@ -584,7 +585,7 @@ class _Writer:
         function, code = self._function("script", [_INDICES, _INDEX], internal=False)
         words, count = function.args
         builder, size = code.builder, 1 + max(FUNCTIONS.values())
-        with code.loop(_INDEX(0), count) as row:
+        with flushed_subnormals(self._module, builder), code.loop(_INDEX(0), count) as row:
             at = builder.gep(words, [builder.mul(row, _INDEX(size))])
             wanted = builder.load(at)
             for place, name in enumerate(FUNCTIONS):

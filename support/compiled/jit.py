@@ -16,6 +16,7 @@ import os
 import re
 import struct
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import nullcontext
 from functools import cached_property, lru_cache
 from types import MethodType
 from typing import Any
@@ -47,11 +48,14 @@ NEVER_CALLED = re.compile(r"^declare (void @NRT_MemInfo_call_dtor\(.*?\)).*$", r
 """What numba calls when an array of its own is left: never in a kernel that makes none."""
 
 
-def njit(*, cache: bool = False, **options: Any) -> Callable[[Callable[..., Any]], Any]:
+def njit(
+    *, cache: bool = False, subnormals: bool = True, **options: Any
+) -> Callable[[Callable[..., Any]], Any]:
     """``numba.njit(**options)``; with ``cache``, a kernel whose machine code is kept.
 
     A kernel takes doubles, integers, arrays, tuples and None. It gives nothing, makes no arrays and
-    raises nothing.
+    raises nothing. One without ``subnormals`` takes and gives 0 for them, however it is called from
+    Python (`support.compiled.subnormals`).
 
     >>> @njit()
     ... def half(x):
@@ -63,7 +67,7 @@ def njit(*, cache: bool = False, **options: Any) -> Callable[[Callable[..., Any]
     def compiled(function: Callable[..., Any]) -> Any:
         if os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0"):
             return function
-        return Kernel(function, cache, options)
+        return Kernel(function, cache, subnormals, options)
 
     return compiled
 
@@ -71,10 +75,18 @@ def njit(*, cache: bool = False, **options: Any) -> Callable[[Callable[..., Any]
 class Kernel:
     """A function to be compiled: for Python, and for the kernels that call it."""
 
-    def __init__(self, function: Callable[..., Any], kept: bool, options: dict[str, Any]) -> None:
+    def __init__(
+        self,
+        function: Callable[..., Any],
+        kept: bool,
+        subnormals: bool,
+        options: dict[str, Any],
+    ) -> None:
+        if not (kept or subnormals):
+            raise ValueError("cache must be True where subnormals is False, got False")
         functools.update_wrapper(self, function)
         self.py_func = function
-        self._kept, self._options = kept, OPTIONS | options
+        self._kept, self._subnormals, self._options = kept, subnormals, OPTIONS | options
         self._entries: dict[tuple[Any, ...], tuple[Callable[..., int], Callable[..., bytes]]] = {}
 
     def __call__(self, *arguments: Any) -> Any:
@@ -129,7 +141,8 @@ class Kernel:
             r"define internal \1 {\n  unreachable\n}", compiled.library.get_llvm_str()
         )
         module = binding.parse_assembly(text)
-        module.link_in(binding.parse_assembly(_entry_text(self.dispatcher.targetctx, compiled)))
+        entry = _entry_text(self.dispatcher.targetctx, compiled, self._subnormals)
+        module.link_in(binding.parse_assembly(entry))
         return str(module)
 
     @cached_property
@@ -143,10 +156,12 @@ class Kernel:
         return _numba().njit(**self._options)(self.py_func)
 
 
-def _entry_text(context: Any, compiled: Any) -> str:
+def _entry_text(context: Any, compiled: Any, subnormals: bool) -> str:
     """A function in LLVM's language that calls the kernel with the words at an address."""
     from llvmlite import ir
     from numba import types
+
+    from longwave.support.compiled.subnormals import flushed_subnormals
 
     module, word = ir.Module(), ir.IntType(64)
     native = context.declare_function(module, compiled.fndesc)
@@ -181,7 +196,9 @@ def _entry_text(context: Any, compiled: Any) -> str:
         for value, kind in zip(words, kinds, strict=True)
     ]
     space = builder.alloca(result.pointee), builder.alloca(exception.pointee)
-    builder.ret(builder.call(native, [*space, *values], attrs=("noinline",)))
+    with nullcontext() if subnormals else flushed_subnormals(module, builder):
+        status = builder.call(native, [*space, *values], attrs=("noinline",))
+    builder.ret(status)
     return str(module)
 
 

@@ -16,7 +16,10 @@ HOUSE = Path(__file__).parents[3]
 SOLUTIONS = Path("longwave") / "solutions"
 
 RUN_FILES = (
-    *(f"support/compiled/{n}.py" for n in ("jit", "native_code", "kernel_folder", "source_digest")),
+    *(
+        f"support/compiled/{n}.py"
+        for n in ("jit", "native_code", "kernel_folder", "source_digest", "subnormals")
+    ),
     *(f"support/{name}.py" for name in ("atomic_file", "sealed_file", "lazy_exports")),
 )
 
