@@ -1,4 +1,4 @@
-"""Code of lattices takes subnormal numbers for 0; what runs before, after and beside it does not."""
+"""Code of lattices takes subnormal numbers for 0; what runs before and beside it does not."""
 
 import threading
 from pathlib import Path
@@ -34,32 +34,32 @@ def _doubled_gradually(x, out):
 
 
 @pytest.fixture(params=[64, 5], ids=["in rows", "one by one"])
-def _advanced(request: pytest.FixtureRequest):
+def advanced_positions(request: pytest.FixtureRequest):
     """Return the positions of a chain of tiny strains after some steps."""
 
-    def advanced() -> np.ndarray:
+    def compute() -> np.ndarray:
         lattice = Model(1.0, 0.0, 1.0).lattice
         f = np.full((1, request.param), SUBNORMAL)
         ring = lattice.held(State(0.0, f, np.zeros_like(f)))
         Dynamics(lattice).advance(REDUCED_PHASE_6, ring.f, ring.v, 0.1, 3)
         return ring.f[0, : request.param]
 
-    return advanced
+    return compute
 
 
-def test_lattice_code_flushes_and_restores(_advanced):
+def test_lattice_code_flushes_and_restores(advanced_positions):
     """Catches: a mode that is not set on entry, or is left set on exit."""
     assert is_gradual()
-    assert np.all(_advanced() == 0.0)
+    assert np.all(advanced_positions() == 0.0)
     assert is_gradual()
 
 
-def test_each_thread_has_its_own_mode(_advanced):
+def test_each_thread_has_its_own_mode(advanced_positions):
     """Catches: a mode set once in the main thread, or leaked from a worker into it."""
     seen = {}
 
     def work():
-        seen["flushed"] = bool(np.all(_advanced() == 0.0))
+        seen["flushed"] = bool(np.all(advanced_positions() == 0.0))
         seen["gradual"] = is_gradual()
 
     thread = threading.Thread(target=work)
