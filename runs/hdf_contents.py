@@ -21,8 +21,8 @@ MOST_SHRUNK = 1100
 SMALL = 10**6
 """Bytes that any file may hold."""
 
-UNREAD = b"This is a netCDF dimension but not a netCDF variable"
-"""In the name of an array that is there for its length."""
+UNREAD = b"This is a netCDF dimension but not a netCDF variable."
+"""In the name of an array that is there for its length, as h5netcdf asks for it."""
 
 DEFLATE, SHUFFLE, CHECKSUM = 1, 2, 3
 """Filters of the library's own; each once, as two that shrink would shrink by their product."""
@@ -35,18 +35,23 @@ def check_contents(file: Any, size: int, deepest: int = 0) -> None:
     """Look through an open file of ``size`` bytes with groups nested ``deepest`` deep.
 
     Raises ValueError for what no run's file or pack has, and one that would take more bytes than
-    such a file can hold.
+    such a file can hold. Without groups it is read by h5netcdf, which leaves arrays alone that are
+    there for their length.
     """
-    look = _Look(size)
-    for thing in _things(file["/"], deepest):
+    look = _Look(size, leaves_lengths=deepest == 0)
+    for thing in _things(file["/"], deepest, set()):
         look.attributes(thing)
         look.array(thing)
 
 
-def _things(group: Any, deepest: int) -> Iterator[Any]:
-    """The group and all that is in it, by links that lead into the file itself."""
+def _things(group: Any, deepest: int, seen: set[Any]) -> Iterator[Any]:
+    """The group and all that is in it, by links that lead into the file itself, each once.
+
+    ``seen`` are the addresses of the objects met before.
+    """
     import h5py
 
+    _check_new(group, seen)
     yield group
     for name in group:
         link = group.get(name, getclass=True, getlink=True)
@@ -56,18 +61,29 @@ def _things(group: Any, deepest: int) -> Iterator[Any]:
         if isinstance(thing, h5py.Group):
             if deepest == 0:
                 raise ValueError(f"{name} is a group in which nothing may be")
-            yield from _things(thing, deepest - 1)
+            yield from _things(thing, deepest - 1, seen)
         elif isinstance(thing, h5py.Dataset):
+            _check_new(thing, seen)
             yield thing
         else:
             raise ValueError(f"{name} is no array")
 
 
+def _check_new(thing: Any, seen: set[Any]) -> None:
+    """Note an object's address; ValueError for one that was seen, by another hard link."""
+    from h5py import h5o
+
+    address = h5o.get_info(thing.id).addr
+    if address in seen:
+        raise ValueError(f"{thing.name} has another name")
+    seen.add(address)
+
+
 class _Look:
     """Counts the bytes that a file's arrays and attributes take in memory."""
 
-    def __init__(self, size: int) -> None:
-        self.size, self.total = size, 0
+    def __init__(self, size: int, leaves_lengths: bool) -> None:
+        self.size, self.total, self._leaves_lengths = size, 0, leaves_lengths
         self.most = SMALL + MOST_SHRUNK * size
 
     def count(self, more: int) -> None:
@@ -101,7 +117,7 @@ class _Look:
         """An array; a group has none."""
         import h5py
 
-        if not isinstance(thing, h5py.Dataset) or UNREAD in bytes(thing.attrs.get("NAME", b"")):
+        if not isinstance(thing, h5py.Dataset):
             return
         layout, kind = thing.id.get_create_plist(), thing.id.get_type()
         if layout.get_external_count() or thing.is_virtual:
@@ -112,6 +128,8 @@ class _Look:
         of, h5t = kind.get_class(), h5py.h5t
         if of not in (h5t.INTEGER, h5t.FLOAT, h5t.STRING, h5t.ENUM):
             raise ValueError(f"{thing.name} is of no numbers and no texts")
+        if self._leaves_lengths and of != h5t.STRING and _is_unread(thing):
+            return
         places = prod(thing.shape or ())
         self.count(max(places, prod(thing.chunks or (0,))) * kind.get_size())
         if of == h5t.STRING and kind.is_variable_str():
@@ -134,6 +152,12 @@ class _Look:
 
     def _letters(self, texts: Iterable[Any]) -> None:
         self.count(sum(OBJECT + len(text) for text in texts))
+
+
+def _is_unread(thing: Any) -> bool:
+    """Whether h5netcdf takes an array for the length of a dimension, and nothing more."""
+    name = thing.attrs.get("NAME")
+    return thing.is_scale and isinstance(name, bytes | np.bytes_) and UNREAD in bytes(name)
 
 
 def _has_lists(kind: Any) -> bool:

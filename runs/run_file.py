@@ -13,9 +13,10 @@ import json
 import os
 import stat
 from collections.abc import Mapping
+from contextlib import ExitStack
 from io import BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
@@ -63,44 +64,68 @@ def file_content(run: xr.Dataset) -> bytes:
     return image.getvalue()
 
 
-def load_run(path: str | Path) -> xr.Dataset:
+def load_run(path: str | Path, follow: bool = True) -> xr.Dataset:
     """Read a run back into memory.
 
-    Raises OSError if there is none, and ValueError in one line if the file is no run, damaged or
-    of an older kind.
+    A name that nobody has typed, as in a store, is one to ``follow`` only to a file, not by a link.
+    Raises OSError if there is none, ValueError in one line if the file is no run, damaged or of an
+    older kind, and MemoryError for what does not fit.
     """
-    with open_run(path) as run:
+    with open_run(path, follow) as run:
         try:
             return run.load()
+        except MemoryError:
+            raise
         except Exception as error:  # what the library raises for a damaged file is not documented
             raise _damaged(path, error) from None
 
 
-def open_run(path: str | Path) -> xr.Dataset:
-    """A run whose values are read when they are asked for; to be closed. Raises as `load_run`."""
+def open_run(path: str | Path, follow: bool = True) -> xr.Dataset:
+    """A run whose values are read when they are asked for; to be closed. Raises as `load_run`.
+
+    The file is opened once: what is checked is what is read, also where its name leads to another
+    file since.
+    """
+    path = Path(path)
+    with ExitStack() as opened:
+        stream = opened.enter_context(_opened(path, follow))
+        size = _checked_size(path, stream)
+        try:
+            run = _looked_through(stream, size, opened)
+            _check_coordinates(run)
+            run = _decoded(run)
+        except MemoryError:
+            raise
+        except Exception as error:  # see load_run
+            raise _damaged(path, error) from None
+        run.set_close(opened.pop_all().close)
+        return run
+
+
+def _opened(path: Path, follow: bool) -> BinaryIO:
+    """Open a file to be read; ValueError for what is none, without waiting for a pipe."""
+    if not follow:
+        from longwave.support.sealed_file import open_plain
+
+        return open(open_plain(path), "rb")
+    number = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
+    if not stat.S_ISREG(os.fstat(number).st_mode):
+        os.close(number)
+        raise ValueError(f"run must be a file, got {path}, which is none ({REMEDY})")
+    return open(number, "rb")
+
+
+def _looked_through(stream: BinaryIO, size: int, opened: ExitStack) -> xr.Dataset:
+    """The dataset of an open file whose contents were looked at; ``opened`` closes its parts."""
+    import h5netcdf
     import h5py
     import xarray as xr
+    from xarray.backends import H5NetCDFStore
 
-    path = Path(path)
-    size = _checked_size(path)
-    try:
-        with h5py.File(path) as file:
-            check_contents(file, size)  # fails cleanly where h5netcdf leaves half an object
-        run = xr.open_dataset(
-            path,
-            engine="h5netcdf",
-            decode_times=False,
-            mask_and_scale=False,
-            phony_dims="access",
-        )
-    except Exception as error:  # see load_run
-        raise _damaged(path, error) from None
-    try:
-        _check_coordinates(run)
-        return _decoded(run)
-    except Exception as error:
-        run.close()
-        raise _damaged(path, error) from None
+    file = opened.enter_context(h5py.File(stream))
+    check_contents(file, size)  # fails cleanly where h5netcdf leaves half an object
+    held = opened.enter_context(h5netcdf.File(file, phony_dims="access"))
+    return xr.open_dataset(H5NetCDFStore(held), decode_times=False, mask_and_scale=False)
 
 
 def scene_of_run(run: xr.Dataset) -> Scene:
@@ -146,13 +171,15 @@ def strain_fault(run: xr.Dataset) -> str:
 
 def is_run_file(path: Path) -> bool:
     """Whether a file begins as runs do, older ones as well."""
-    return _kind(path) is not None
+    with path.open("rb") as stream:
+        return _kind(stream) is not None
 
 
-def _kind(path: Path) -> str | None:
+def _kind(stream: BinaryIO) -> str | None:
     """What a file is by its beginning; None for what is no run."""
-    with path.open("rb") as file:
-        begun = file.read(8)
+    stream.seek(0)
+    begun = stream.read(8)
+    stream.seek(0)
     return next((kind for sign, kind in SIGNATURES.items() if begun.startswith(sign)), None)
 
 
@@ -165,16 +192,13 @@ def names_a_run(source: str | Path) -> bool:
 REMEDY = "write it with `longwave run SCENE --output run.nc`"
 
 
-def _checked_size(path: Path) -> int:
-    """The size of a file that begins as NetCDF-4 does."""
-    state = os.stat(path)
-    if not stat.S_ISREG(state.st_mode):
-        raise ValueError(f"run must be a file, got {path}, which is none ({REMEDY})")
-    kind = _kind(path) or "no run"
+def _checked_size(path: Path, stream: BinaryIO) -> int:
+    """The size of an open file that begins as NetCDF-4 does."""
+    kind = _kind(stream) or "no run"
     if kind != "NetCDF-4":
         remedy = REMEDY if kind == "no run" else "of an earlier longwave; run its scene again"
         raise ValueError(f"run must be a NetCDF-4 file, got {path}, which is {kind} ({remedy})")
-    return state.st_size
+    return os.fstat(stream.fileno()).st_size
 
 
 def _check_coordinates(run: xr.Dataset) -> None:

@@ -10,21 +10,29 @@ hold together, is in `runs.store_packs`.
 from __future__ import annotations
 
 import json
+import os
+import time
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from functools import lru_cache
 from io import BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
 from longwave.runs.hdf_contents import check_contents
 from longwave.runs.run_file import as_json
-from longwave.support.atomic_file import not_stale
-from longwave.support.sealed_file import is_whole, write_sealed
+from longwave.support.sealed_file import (
+    DAMAGED,
+    LINKED,
+    LOG,
+    NO_FILE,
+    is_sealed,
+    open_plain,
+    write_sealed,
+)
 
 if TYPE_CHECKING:
     import h5py
@@ -287,6 +295,17 @@ def _kind(run: xr.Dataset | None) -> str:
     return repr([(n, v.dims, v.shape, v.dtype.str, n in run.coords, v.attrs) for n, v in variables])
 
 
+YOUNG = 2 * 10**9
+"""Nanoseconds in which a file may change again without a later time of change (a clock's tick, or
+the second of some file systems): one that is younger is looked through at each opening."""
+
+MOST_CHECKED = 4096
+"""Packs of which it is remembered that they were looked through."""
+
+_checked: dict[tuple[int, ...], None] = {}
+"""Those packs, by file, size and times; the time of change is nobody's to choose."""
+
+
 class DamagedPackError(ValueError):
     """A pack whose bytes are not those that were written, which the log was told."""
 
@@ -295,33 +314,43 @@ class DamagedPackError(ValueError):
 def open_pack(path: Path) -> Iterator[h5py.File]:
     """A pack, open to be read, whose bytes were looked through by this process.
 
-    Raises FileNotFoundError where none is, as when it was merged since, DamagedPackError, and
-    ValueError for what is no pack.
+    The file is opened once: what is checked is what is read. Raises FileNotFoundError where none
+    is, as when it was merged since, DamagedPackError, and ValueError for what is no pack.
     """
     import h5py
 
-    told = not_stale(path.lstat)
-    _check_pack(path, told.st_size, told.st_mtime_ns)
+    with _plain_pack(path) as stream:
+        state = os.fstat(stream.fileno())
+        stamp = state.st_dev, state.st_ino, state.st_size, state.st_mtime_ns, state.st_ctime_ns
+        checked = stamp in _checked
+        if not checked and not is_sealed(stream):
+            LOG.warning(DAMAGED, path)
+            raise DamagedPackError(f"{path} is damaged")
+        try:
+            file = h5py.File(stream)
+        except OSError as error:
+            raise ValueError(f"{path} is no pack ({error})") from None
+        with file:
+            if not checked:
+                check_contents(file, state.st_size, deepest=2)
+                if time.time_ns() - state.st_ctime_ns > YOUNG:
+                    _checked[stamp] = None
+                    for old in [*_checked][: max(0, len(_checked) - MOST_CHECKED)]:
+                        del _checked[old]
+            yield file
+
+
+def _plain_pack(path: Path) -> BinaryIO:
+    """The open file; DamagedPackError for a link or what is no file."""
     try:
-        file = h5py.File(path)
+        return open(open_plain(path), "rb")
     except FileNotFoundError:
         raise
     except OSError as error:
-        raise ValueError(f"{path} is no pack ({error})") from None
-    with file:
-        yield file
-
-
-@lru_cache(4096)
-def _check_pack(path: Path, size: int, changed: int) -> None:
-    """Raise ValueError for a damaged pack; one of that size that ``changed`` then is asked once."""
-    import h5py
-
-    if not is_whole(path):
-        not_stale(path.lstat)  # FileNotFoundError if it went in between
-        raise DamagedPackError(f"{path} is damaged")
-    with h5py.File(path) as file:
-        check_contents(file, size, deepest=2)
+        if error.errno not in NO_FILE:
+            raise
+        LOG.warning(LINKED, path)
+        raise DamagedPackError(f"{path} is a link, or no file") from None
 
 
 def read_pack(path: Path) -> CellTable:

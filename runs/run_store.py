@@ -92,7 +92,7 @@ class RunStore:
         found = self._told_place(scene)
         if isinstance(found, PackedRun):
             return found.load()
-        return load_run(found or self._made(scene, progress, announce))
+        return load_run(found or self._made(scene, progress, announce), follow=False)
 
     def _told_place(self, scene: Scene) -> Path | PackedRun | None:
         """Where the scene's run is, which is told."""

@@ -184,7 +184,7 @@ def run_cell(cell: Cell, store: RunStore | None = None) -> CellRecord:
         except Cancelled:
             assert store is not None
             alone = True
-            run = load_run(store.fetch(cell.scene))
+            run = load_run(store.fetch(cell.scene), follow=False)
     except UnkeptRunError as error:
         run, alone = error.run, False
     except OverBudgetError as error:  # the next attempt may be allowed more

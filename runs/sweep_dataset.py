@@ -59,7 +59,7 @@ class _Cells:
         record = None if row is None else packs.table.record(row)
         path = self._held.file(key)
         if path is not None and (record is None or record.status not in SETTLED):
-            record = record_of(key, scene, load_run(path))
+            record = record_of(key, scene, load_run(path, follow=False))
         if record is not None:
             self._others[cell] = record, path
 
@@ -177,7 +177,7 @@ def cell_run(sweep: Sweep, store: RunStore, **indices: int) -> xr.Dataset:
     if place is None:
         (_, status), (_, message), _ = cell.texts()
         raise ValueError(f"cell {indices} must have a run, got none: {message[0] or status[0]}")
-    return place.load() if isinstance(place, PackedRun) else load_run(place)
+    return place.load() if isinstance(place, PackedRun) else load_run(place, follow=False)
 
 
 def write_sweep(sweep: Sweep, store: RunStore, path: str | Path, force: bool = True) -> xr.Dataset:

@@ -43,7 +43,7 @@ def _groups(places: Mapping[int, Place]) -> Sequence[dict[int, Place]]:
 
 def _kinds(place: Place) -> Iterator[tuple[str, FieldKind]]:
     """The variables of the runs in one place, by one of them."""
-    run = place.load() if isinstance(place, PackedRun) else load_run(place)
+    run = place.load() if isinstance(place, PackedRun) else load_run(place, follow=False)
     for name, variable in run.variables.items():
         dims, told = tuple(map(str, variable.dims)), json.dumps(variable.attrs, sort_keys=True)
         held = variable.shape, variable.dtype.str, dims == (name,), told
@@ -54,7 +54,7 @@ def _rows(field: str, places: Iterable[Place]) -> NDArray[Any]:
     """The values of a variable of all runs in one group, stacked."""
     packed = [place for place in places if isinstance(place, PackedRun)]
     if not packed:
-        runs = (load_run(path) for path in places if isinstance(path, Path))
+        runs = (load_run(path, follow=False) for path in places if isinstance(path, Path))
         return np.stack([run.variables[field].values for run in runs])
     try:
         with open_pack(packed[0].path) as file:

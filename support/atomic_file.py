@@ -45,14 +45,15 @@ def write_atomically(
     force: bool = True,
     durable: bool = True,
     follow: bool = True,
+    mode: int | None = None,
 ) -> None:
     """Have ``write(draft)`` write a file beside ``path``, and give it that name when it is whole.
 
     The draft has the suffix of ``path``. Without ``force`` nothing is overwritten: of several
-    processes one wins. A file that is there keeps its permissions, and a link still leads to the
-    file that it led to; unless told to ``follow`` it, where nobody has typed the name, the file
-    takes its place. What can be lost if the power fails need not be ``durable``, on the disk before
-    this returns.
+    processes one wins. A user's own file that is there keeps its permissions, unless there is a
+    ``mode`` to have, and a link still leads to the file that it led to; unless told to ``follow``
+    it, where nobody has typed the name, the file takes its place. What can be lost if the power
+    fails need not be ``durable``, on the disk before this returns.
 
     Raises OSError that names the file where it cannot be written (FileExistsError if it is there
     and is not to be overwritten, and for a folder or a device) and what ``write`` raises; the draft
@@ -69,8 +70,10 @@ def write_atomically(
         if durable:
             with draft.open("rb+") as stream:
                 _flush(stream.fileno())
-        if not is_link and (mode := _mode(place)) is not None:
-            draft.chmod(stat.S_IMODE(mode))
+        if mode is None and not is_link:
+            mode = _own_mode(place)
+        if mode is not None:
+            draft.chmod(mode)
         _put(draft, place, force)
         if durable:
             _flush_folder(place.parent)
@@ -153,8 +156,21 @@ def _check_place(place: Path, force: bool) -> None:
 
 def _mode(place: Path) -> int | None:
     """The mode of what is there; None if nothing is, or a link that leads nowhere."""
+    state = _state(place)
+    return None if state is None else state.st_mode
+
+
+def _own_mode(place: Path) -> int | None:
+    """The permissions of what is there; None if nothing is, or another user's file."""
+    state = _state(place)
+    if state is None or (hasattr(os, "geteuid") and state.st_uid != os.geteuid()):
+        return None
+    return stat.S_IMODE(state.st_mode)
+
+
+def _state(place: Path) -> os.stat_result | None:
     try:
-        return not_stale(place.stat).st_mode
+        return not_stale(place.stat)
     except OSError as error:
         if error.errno not in (errno.ENOENT, errno.ENOTDIR, errno.ELOOP):
             raise

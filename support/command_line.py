@@ -4,22 +4,32 @@ A room declares its words with click, next to what they do; `run_words` is the w
 """
 
 import errno
+import math
 import os
 import re
 import sys
-from collections.abc import Callable, Iterable, Sequence
-from contextlib import AbstractContextManager, nullcontext
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
 from typing import Any, TypeVar
 
 import click
 
-from longwave.support.interruption import call_it, interrupted, interruptible, was_interrupted
+from longwave.support.interruption import (
+    call_it,
+    ended_after,
+    interrupted,
+    interruptible,
+    owns_process,
+    was_interrupted,
+)
 from longwave.support.known_names import did_you_mean, one_of
 from longwave.support.request_limits import (
     USUAL_SECONDS,
     ExpectedCost,
     RequestLimits,
     check_request,
+    duration,
+    enforced_memory,
     request_limits,
 )
 from longwave.support.slow_work import announce, time_told
@@ -82,10 +92,11 @@ def example(line: str) -> str:
     return f"\b\nExample:\n  {line}"
 
 
-def _held(
-    limits: Callable[[str | None], AbstractContextManager[RequestLimits]],
-) -> Callable[[click.Context, click.Parameter, str | None], None]:
-    """An option's callback: the limits that it gives hold while the command runs."""
+Limit = Callable[[str | None], AbstractContextManager[object]]
+
+
+def _held(limits: Limit) -> Callable[[click.Context, click.Parameter, str | None], None]:
+    """Return an option's callback: the limits that it gives hold while the command runs."""
 
     def hold(context: click.Context, _: click.Parameter, given: str | None) -> None:
         try:
@@ -96,20 +107,50 @@ def _held(
     return hold
 
 
-_hold_memory = _held(lambda given: request_limits(memory=given))
-_hold_time = _held(lambda given: request_limits(seconds=USUAL_SECONDS if given is None else given))
+def _estimated_memory(given: str | None) -> AbstractContextManager[RequestLimits]:
+    """Refuse requests that are estimated to take more memory."""
+    return request_limits(memory=given)
+
+
+def _estimated_time(given: str | None) -> AbstractContextManager[RequestLimits]:
+    """Refuse requests that are estimated to take longer."""
+    return request_limits(seconds=USUAL_SECONDS if given is None else given)
+
+
+@contextmanager
+def _enforced_memory(given: str | None) -> Iterator[None]:
+    """Refuse by estimate; one that is stated fails beyond it as well, whatever the estimate."""
+    with ExitStack() as held:
+        limits = held.enter_context(_estimated_memory(given))
+        if given and owns_process():
+            held.enter_context(enforced_memory(limits.memory_bytes))
+        yield
+
+
+@contextmanager
+def _enforced_time(given: str | None) -> Iterator[None]:
+    """Refuse by estimate; one that is stated ends the command as well, whatever the estimate."""
+    with _estimated_time(given) as limits:
+        allowed = limits.seconds if given else math.inf
+        limit = f"must end within {duration(allowed)} and had not (take less, or raise --max-time)"
+        with ended_after(allowed, limit):
+            yield
 
 
 def limits_of_each(memory: str = "", time: str = "") -> Callable[[Wrapped], Wrapped]:
     """Give a command `--max-memory` and `--max-time`, which hold while it runs.
 
-    Unless told they are these, of a command that has many runs in turn, or the usual ones.
+    Unless told they are these, of a command that has many runs in turn, or the usual ones. Limits
+    of each run are compared with its estimate; stated ones of a command are enforced as well.
     """
+    each = bool(memory or time)
+    hold_memory = _held(_estimated_memory if each else _enforced_memory)
+    hold_time = _held(_estimated_time if each else _enforced_time)
 
     def limited(command: Wrapped) -> Wrapped:
         for name, metavar, said, own, usual, hold in (
-            ("memory", "SIZE", "more, as 4G", memory, "half of the machine's", _hold_memory),
-            ("time", "TIME", "longer, as 30min", time, "1h", _hold_time),
+            ("memory", "SIZE", "more, as 4G", memory, "half of the machine's", hold_memory),
+            ("time", "TIME", "longer, as 30min", time, "1h", hold_time),
         ):
             said = f"Refuse what takes {said} (default {own or usual})."
             words: dict[str, Any] = {"default": own or None, "expose_value": False}
@@ -240,7 +281,10 @@ def _run(command: click.Command, program: str, called: str, argv: Sequence[str])
             _drop_output()
         return fail(error)
     except MemoryError:
-        return fail("the request must fit the memory, got one that does not (make it smaller)")
+        return fail(
+            "the request must fit the memory, got one that does not (make it smaller, or raise "
+            "--max-memory)"
+        )
 
 
 def _flushed(status: int) -> int:

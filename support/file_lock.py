@@ -43,8 +43,8 @@ def locked(path: Path, wait: Callable[[], None] = lambda: None) -> Iterator[None
     """Hold the lock ``path`` in the body, and remove its file after it.
 
     ``wait`` is called before another holder is waited for. Where files cannot be locked, the body
-    is run all the same. Raises OSError that names the file if it cannot be made, and for a link:
-    nobody has typed its name.
+    is run all the same. A link of that name, which nobody has typed, is removed. Raises OSError
+    that names the file if it cannot be made.
     """
     number = _acquired(path, cache(wait))
     try:
@@ -77,7 +77,14 @@ def _acquired(path: Path, wait: Callable[[], None]) -> int:
 
 
 def _opened(path: Path) -> int:
-    return not_stale(lambda: os.open(path, FLAGS, 0o666))
+    for _ in range(TRIES):
+        try:
+            return not_stale(lambda: os.open(path, FLAGS, 0o666))
+        except OSError:
+            if not path.is_symlink():
+                raise
+            path.unlink(missing_ok=True)
+    raise OSError(errno.ELOOP, "is made a link each time that it is removed", str(path))
 
 
 def _is_held(path: Path, number: int, wait: Callable[[], None]) -> bool:

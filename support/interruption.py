@@ -4,7 +4,8 @@ The first Ctrl-C is a KeyboardInterrupt, from which a command unwinds and tells 
 that is in compiled code, waits for workers or has lost the interrupt in a finalizer is ended by a
 watching thread, which the signal wakes without Python's help. A second Ctrl-C ends it at once.
 
-SIGTERM, by which schedulers of clusters end their jobs, does the same to a command's process.
+SIGTERM, by which schedulers of clusters end their jobs, does the same to a command's process, and
+so does SIGALRM, when the time of `ended_after` is over.
 """
 
 from __future__ import annotations
@@ -22,14 +23,20 @@ from typing import NoReturn
 
 from longwave.support.user_files import on_one_line
 
-ENDING = signal.SIGINT, signal.SIGTERM
-"""What Ctrl-C sends, and what a scheduler does."""
+ENDING = signal.SIGINT, signal.SIGTERM, signal.SIGALRM
+"""What Ctrl-C sends, what a scheduler does, and what a timer does."""
 
 SIGNALLED = 128
 """Exit status after a signal, less its number."""
 
 INTERRUPTED = SIGNALLED + signal.SIGINT
 """That after Ctrl-C."""
+
+OVERDUE = 2
+"""Exit status of a command whose time is over: that of a request beyond a limit."""
+
+LONGEST_TIMER = 1e7
+"""Seconds from which on no timer is set."""
 
 PATIENCE = 1.5
 """Seconds in which a command may end by itself."""
@@ -51,7 +58,7 @@ class _Watch:
     """A running command: what it is called by, what it keeps, and since when it is to end."""
 
     def __init__(self, called: str) -> None:
-        self.called, self.kept = called, ""
+        self.called, self.kept, self.limit = called, "", ""
         self.since: float | None = None
         self.status = INTERRUPTED
         self.patience = PATIENCE
@@ -63,7 +70,8 @@ class _Watch:
         if self.over or (self.since is not None and now > self.since + SAME_PRESS):
             self.end()
         if self.since is None:
-            self.since, self.status = now, SIGNALLED + number
+            overdue = number == signal.SIGALRM
+            self.since, self.status = now, OVERDUE if overdue else SIGNALLED + number
             raise KeyboardInterrupt
 
     def watch(self, reading: int) -> None:
@@ -82,7 +90,13 @@ class _Watch:
         """Say in one line that the command was interrupted, once."""
         if not self.told:
             self.told = True
-            print(f"{self.called}: interrupted{kept}", file=sys.stderr, flush=True)
+            print(self._line(kept), file=sys.stderr, flush=True)
+
+    def _line(self, kept: str) -> str:
+        """Return the line that says why the command ended, with what is ``kept``."""
+        if self.status == OVERDUE:
+            return f"error: {self.called} {self.limit}{kept}"
+        return f"{self.called}: interrupted{kept}"
 
     def end(self) -> NoReturn:
         """End the process here and now, its workers too."""
@@ -95,7 +109,7 @@ class _Watch:
         else:
             shown = SHOW_CURSOR if os.isatty(2) else ""
             kept = f" ({self.kept})" if self.kept else ""
-            os.write(2, f"{shown}{self.called}: interrupted{kept}\n".encode())
+            os.write(2, f"{shown}{self._line(kept)}\n".encode())
         os._exit(self.status)
 
 
@@ -112,7 +126,7 @@ def interruptible(called: str, work: Callable[[], int], whole_process: bool) -> 
     main = threading.current_thread() is threading.main_thread()
     numbers = [
         number
-        for number in ENDING[: 2 if whole_process else 1]
+        for number in ENDING[: len(ENDING) if whole_process else 1]
         if signal.getsignal(number) not in (signal.SIG_IGN, None)
     ]
     if _watch is not None or not main or not numbers:
@@ -160,6 +174,28 @@ def _watched(watch: _Watch, whole_process: bool, numbers: Sequence[int]) -> Iter
                 signal.signal(number, handler)
             _watch, sys.unraisablehook, watch.left = None, hook, True
             os.close(writing)
+
+
+def owns_process() -> bool:
+    """Whether the process is a command's own, as `interruptible` was told."""
+    return _watch is not None and signal.getsignal(signal.SIGALRM) == _watch.press
+
+
+@contextmanager
+def ended_after(seconds: float, limit: str) -> Iterator[None]:
+    """End the command as Ctrl-C does if the body takes longer; its line tells the ``limit``.
+
+    Only where the command `owns_process`.
+    """
+    if _watch is None or not owns_process() or seconds > LONGEST_TIMER:
+        yield
+        return
+    _watch.limit = limit
+    signal.setitimer(signal.ITIMER_REAL, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
 
 
 def _ignore_from_here() -> None:

@@ -37,6 +37,9 @@ POLL = 0.2
 TELLING = 0.1
 """Least seconds between two shares that a job tells."""
 
+SAFE_PATH = "PYTHONSAFEPATH"
+"""The variable that keeps the current folder out of Python's path."""
+
 PATIENCE = 1.0
 """Seconds in which a process that is told to end may write what it has."""
 
@@ -251,7 +254,7 @@ class LocalWorkers:
         ours, theirs = context.Pipe()
         given = (theirs, ours if forked else None, self._begin, job)
         process = context.Process(target=_serve, args=given)
-        with _interrupts_blocked(), warnings.catch_warnings(), _without_script():
+        with _interrupts_blocked(), warnings.catch_warnings(), _without_script(), _safe_path():
             warnings.simplefilter("ignore", DeprecationWarning)  # of a fork beside threads
             process.start()
         theirs.close()
@@ -327,6 +330,23 @@ class LocalWorkers:
         end = time.monotonic() + PATIENCE
         for worker in workers:
             worker.end(max(0.0, end - time.monotonic()))
+
+
+@contextmanager
+def _safe_path() -> Iterator[None]:
+    """Begin processes that import nothing from the current folder before they have our path.
+
+    A fresh interpreter looks there first, also for the standard library, unless this says no.
+    """
+    before = os.environ.get(SAFE_PATH)
+    os.environ[SAFE_PATH] = "1"
+    try:
+        yield
+    finally:
+        if before is None:
+            del os.environ[SAFE_PATH]
+        else:
+            os.environ[SAFE_PATH] = before
 
 
 @contextmanager

@@ -13,7 +13,7 @@ import math
 import os
 import stat
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, BinaryIO
 
 from longwave.support.atomic_file import not_stale, write_atomically
 
@@ -33,8 +33,21 @@ WRITE_TRIES = 3
 PART = 2**20
 """Bytes that are read at once."""
 
+NO_FILE = errno.ELOOP, errno.EINVAL, errno.EMLINK
+"""Errors of `open_plain` for a link, and for what is no file."""
 
-def write_sealed(path: Path, content: bytes, force: bool = True, durable: bool = True) -> None:
+DAMAGED = "%s is damaged: it counts as missing, and is made anew"
+LINKED = "%s is a link, or no file: it counts as missing, and is made anew"
+"""What the log is told of files that are not taken."""
+
+
+def write_sealed(
+    path: Path,
+    content: bytes,
+    force: bool = True,
+    durable: bool = True,
+    mode: int | None = None,
+) -> None:
     """Write the content and its seal, whole or not at all, in the place of a link too.
 
     Nobody has typed the name; raises as `write_atomically`. A draft that somebody else removes is
@@ -48,7 +61,7 @@ def write_sealed(path: Path, content: bytes, force: bool = True, durable: bool =
 
     for left in reversed(range(WRITE_TRIES)):
         try:
-            write_atomically(path, write, force, durable, follow=False)
+            write_atomically(path, write, force, durable, follow=False, mode=mode)
             return
         except OSError as error:
             if not left or error.errno not in (errno.ENOENT, errno.ESTALE):
@@ -98,29 +111,33 @@ def sealed_content(held: bytes) -> bytes | None:
 
 def is_whole(path: Path) -> bool:
     """Whether there is a run's file as it was written; one that is damaged is told, and a link."""
+
+    def whole() -> bool:
+        with open(open_plain(path), "rb") as stream:
+            return is_sealed(stream)
+
     try:
-        whole = not_stale(lambda: _is_sealed(path))
+        found = not_stale(whole)
     except FileNotFoundError:
         return False
     except OSError as error:
-        if error.errno not in (errno.ELOOP, errno.EINVAL, errno.EMLINK):
+        if error.errno not in NO_FILE:
             raise
-        LOG.warning("%s is a link, or no file: it counts as missing, and is made anew", path)
+        LOG.warning(LINKED, path)
         return False
-    if not whole:
-        LOG.warning("%s is damaged: it counts as missing, and is made anew", path)
-    return whole
+    if not found:
+        LOG.warning(DAMAGED, path)
+    return found
 
 
-def _is_sealed(path: Path) -> bool:
-    """Whether what stands before the seal of a file is what was sealed."""
+def is_sealed(stream: BinaryIO) -> bool:
+    """Whether what stands before the seal of an open file is what was sealed."""
     total = hashlib.sha256()
-    with open(open_plain(path), "rb") as stream:
-        left = os.fstat(stream.fileno()).st_size - SEAL_LENGTH
-        while left > 0 and (part := stream.read(min(left, PART))):
-            total.update(part)
-            left -= len(part)
-        return left == 0 and stream.read() == _seal(total)
+    left = os.fstat(stream.fileno()).st_size - SEAL_LENGTH
+    while left > 0 and (part := stream.read(min(left, PART))):
+        total.update(part)
+        left -= len(part)
+    return left == 0 and stream.read() == _seal(total)
 
 
 def _seal(total: Hash) -> bytes:

@@ -14,9 +14,13 @@ import secrets
 import signal
 import socket
 import sys
+import tempfile
 import threading
 import webbrowser
-from contextlib import closing
+from collections.abc import Iterator
+from contextlib import closing, contextmanager, nullcontext
+from html import escape
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from longwave.support.command_line import fail
@@ -106,7 +110,7 @@ def refuse_others(application: Any, port: int, token: str) -> None:
             given = request.query_arguments.get(TOKEN, [b""])[0]
             known = hmac.compare_digest(given, token.encode())
             public = request.path.startswith("/static/") or request.path == "/favicon.ico"
-            allowed = request.host in hosts and (known or public)
+            allowed = request.host in hosts and (known or public) and "%00" not in request.path
             return None if allowed else {}
 
     router = application.default_router
@@ -128,17 +132,40 @@ def _serve(server: Any, pages: Pages, address: str, browser: bool, program: str)
     server.start()
     count_notice()
     print(f"longwave explore: {address} (Ctrl-C ends it)", flush=True)
-    if browser:
-        threading.Thread(target=webbrowser.open, args=(address,), daemon=True).start()
-    try:
-        loop.start()
-    except KeyboardInterrupt:
-        for number in ENDING:
-            signal.signal(number, signal.SIG_IGN)
-    finally:
-        server.stop()
-        pages.close()
+    with _shown(address) if browser else nullcontext():
+        try:
+            loop.start()
+        except KeyboardInterrupt:
+            for number in ENDING:
+                signal.signal(number, signal.SIG_IGN)
+        finally:
+            server.stop()
+            pages.close()
     return interrupted(program)
+
+
+REDIRECT = """<!DOCTYPE html>
+<html><head><meta charset="utf-8"><meta http-equiv="refresh" content="0; url={address}">
+<title>longwave explore</title></head>
+<body><p>The page is at <a href="{address}">{address}</a>.</p></body></html>
+"""
+
+
+@contextmanager
+def _shown(address: str) -> Iterator[None]:
+    """Open the browser at the address, which stands in a file that the user alone may read.
+
+    The browser's arguments are everybody's to read, and in them would be the token.
+    """
+    number, name = tempfile.mkstemp(prefix="longwave-explore-", suffix=".html")
+    try:
+        with open(number, "w", encoding="utf-8") as stream:
+            stream.write(REDIRECT.format(address=escape(address)))
+        page = Path(name).as_uri()
+        threading.Thread(target=webbrowser.open, args=(page,), daemon=True).start()
+        yield
+    finally:
+        Path(name).unlink(missing_ok=True)
 
 
 def keep_style_sheets_here(document: Any) -> None:

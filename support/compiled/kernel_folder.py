@@ -32,8 +32,8 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from longwave.support.compiled.source_digest import Files
 
-PRIVATE, WRITABLE = 0o700, 0o022
-"""The mode of a cache's folder, and rights that others may not have on its files."""
+PRIVATE, OWN, WRITABLE = 0o700, 0o600, 0o022
+"""The modes of a cache's folder and its files, and rights that others may not have on them."""
 
 KEPT = 8
 """Versions of a module's folder that a cache keeps; the least lately used ones go first."""
@@ -87,7 +87,7 @@ class CacheFolder:
         if self.path is not None and runs_as_written(self.sources):
             with suppress(OSError), _opened(self.path):
                 content = self._title(name) + b"\n" + data
-                write_sealed(self.path / name, content, durable=False)
+                write_sealed(self.path / name, content, durable=False, mode=OWN)
 
 
 @lru_cache

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -12,9 +13,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from longwave.runs import load_run, save_run
+from longwave.runs import load_run, run_file, run_pack, save_run
 from longwave.runs.hdf_contents import MOST_SHRUNK
-from longwave.runs.run_pack import DONE, CellRecord, write_pack
+from longwave.runs.run_pack import DONE, CellRecord, load_row, write_pack
 from longwave.runs.store_packs import PACKS, pack_index
 from longwave.support.sealed_file import write_sealed
 
@@ -95,6 +96,39 @@ def a_long_attribute(file: Any, _: Path) -> None:
     file["a"].attrs.create("many", 4000 * ["x"], dtype=TEXT)
 
 
+NAMES = (
+    b"This is a netCDF dimension but not a netCDF variable",
+    b"This is a netCDF dimension but not a netCDF variable.         1",
+)
+"""What h5netcdf takes for an ordinary array, and for the length of a dimension."""
+
+
+def other_files_under_a_name(file: Any, path: Path) -> None:
+    """A name that switches nothing off: what is in other files is never read."""
+    other_files(file, path)
+    file["a"].attrs["NAME"] = np.bytes_(NAMES[0])
+
+
+def other_files_as_a_length(file: Any, path: Path) -> None:
+    other_files(file, path)
+    file["a"].make_scale(NAMES[1])
+
+
+def a_fill_value_under_a_name(file: Any, _: Path) -> None:
+    file.create_dataset("a", 10**9, "f8", chunks=(10**5,), fillvalue=1.0)
+    file["a"].attrs["NAME"] = np.bytes_(NAMES[1])
+
+
+def texts_as_a_length(file: Any, _: Path) -> None:
+    file.create_dataset("a", 10**4, TEXT, chunks=(100,), fillvalue=60_000 * "x")
+    file["a"].make_scale(NAMES[1])
+
+
+def two_names(file: Any, _: Path) -> None:
+    file["a"] = [1.0]
+    file["b"] = file["a"]
+
+
 ATTACKS = [
     (a_fill_value, "are claimed to be in"),
     (a_fill_value_in_two_directions, "texts"),
@@ -109,6 +143,11 @@ ATTACKS = [
     (objects, "no numbers"),
     (groups, "a group"),
     (a_long_attribute, "4000 texts"),
+    (other_files_under_a_name, "in other files"),
+    (other_files_as_a_length, "in other files"),
+    (a_fill_value_under_a_name, "are claimed to be in"),
+    (texts_as_a_length, "are claimed to be in"),
+    (two_names, "has another name"),
 ]
 
 
@@ -157,3 +196,113 @@ def test_packs_are_looked_through_as_well(
     assert not len(pack_index(tmp_path))
     assert "is no pack" in caplog.text
     assert "it counts as missing" in caplog.text
+
+
+def test_the_length_of_a_dimension_may_be_large(tmp_path: Path) -> None:
+    """Such an array is written for its length and never filled: it counts for nothing."""
+    path = tmp_path / "run.nc"
+    with h5py.File(path, "w") as file:
+        file.create_dataset("x", 10**9, ">f4", chunks=(10**5,))
+        file["x"].make_scale(NAMES[1])
+        file["a"] = 1.0
+    assert float(load_run(path)["a"]) == 1.0
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_pack_with_an_array_in_another_file_gives_none_of_it(name: bytes, tmp_path: Path) -> None:
+    """A pack is read without h5netcdf, so no name stands for a length there."""
+    path = tmp_path / "p.pack"
+    write_pack(path, [CellRecord("k", DONE, run=xr.Dataset({"a": ("x", [1.0, 2.0])}))])
+    secret = tmp_path / "secret"
+    secret.write_bytes(np.array([[3.0, 4.0]]).tobytes())
+    image = io.BytesIO(path.read_bytes())
+    with h5py.File(image, "r+") as file:
+        [group] = file.values()
+        attributes = dict(group["arrays/a"].attrs)
+        del group["arrays/a"]
+        made = group["arrays"].create_dataset("a", (1, 2), "f8", external=[(str(secret), 0, 16)])
+        made.attrs.update(attributes)
+        made.attrs["NAME"] = np.bytes_(name)
+    write_sealed(path, image.getvalue())
+    with pytest.raises(ValueError, match="in other files"):
+        load_row(path, 0, 0)
+
+
+def test_groups_of_a_pack_that_share_their_arrays_are_refused_at_once(tmp_path: Path) -> None:
+    """Looked at one by one, 300 groups with 300 arrays took 15 s."""
+    image = io.BytesIO()
+    with h5py.File(image, "w") as file:
+        first = file.create_group("0").create_group("arrays")
+        for number in range(300):
+            first[f"a{number}"] = [1.0]
+        for number in range(1, 300):
+            file.create_group(f"{number}")["arrays"] = first
+    path = tmp_path / "p.pack"
+    write_sealed(path, image.getvalue())
+    with pytest.raises(ValueError, match="has another name"):
+        load_row(path, 0, 0)
+
+
+def _a_run(value: float) -> xr.Dataset:
+    return xr.Dataset({"a": ("x", [value, value])})
+
+
+@pytest.mark.parametrize("kind", ["run", "pack"])
+def test_what_was_checked_is_read_when_the_name_leads_elsewhere_since(
+    kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Catches: a file that is opened by name once to be checked and once to be read."""
+    path, other = tmp_path / "mine", tmp_path / "other"
+    for place, value in ((path, 1.0), (other, 2.0)):
+        if kind == "run":
+            save_run(_a_run(value), place)
+        else:
+            write_pack(place, [CellRecord("k", DONE, run=_a_run(value))])
+    module = run_file if kind == "run" else run_pack
+    checked = module.check_contents
+
+    def swap(*given: Any, **named: Any) -> None:
+        checked(*given, **named)
+        other.replace(path)
+
+    monkeypatch.setattr(module, "check_contents", swap)
+    found = load_run(path) if kind == "run" else load_row(path, 0, 0)
+    assert found["a"].values.tolist() == [1.0, 1.0]
+    assert not other.exists()
+
+
+def test_a_checked_pack_that_is_replaced_is_checked_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Also by one of the same size and time of change, which the writer of a file may choose."""
+    path, other = tmp_path / "mine", tmp_path / "other"
+    for place, value in ((path, 1.0), (other, 2.0)):
+        write_pack(place, [CellRecord("k", DONE, run=_a_run(value))])
+    monkeypatch.setattr(run_pack, "YOUNG", -1)
+    load_row(path, 0, 0)
+    state = path.stat()
+    spoilt = bytearray(other.read_bytes())
+    assert len(spoilt) == state.st_size
+    spoilt[-90] ^= 1
+    path.write_bytes(spoilt)
+    os.utime(path, ns=(state.st_atime_ns, state.st_mtime_ns))
+    with pytest.raises(run_pack.DamagedPackError):
+        load_row(path, 0, 0)
+
+
+def test_a_pack_that_is_young_is_not_remembered(tmp_path: Path) -> None:
+    """Within a tick of the clock it may change again and keep all its times."""
+    path = tmp_path / "mine"
+    write_pack(path, [CellRecord("k", DONE, run=_a_run(1.0))])
+    before = len(run_pack._checked)
+    load_row(path, 0, 0)
+    assert len(run_pack._checked) == before
+
+
+def test_a_link_in_a_store_leads_to_no_run_of_another_folder(tmp_path: Path) -> None:
+    """Catches: a store's file that is a link since it was found whole."""
+    save_run(_a_run(1.0), tmp_path / "mine.nc")
+    (tmp_path / "key.nc").symlink_to(tmp_path / "mine.nc")
+    assert load_run(tmp_path / "key.nc")["a"].values.tolist() == [1.0, 1.0]
+    with pytest.raises(OSError, match=r"key\.nc"):
+        load_run(tmp_path / "key.nc", follow=False)

@@ -308,3 +308,27 @@ def test_drafts_of_the_dead_are_removed_and_those_of_the_living_stay(
     assert {path.name for path in tmp_path.iterdir()} == {*names}
     remove_dead_drafts(tmp_path, "run")
     assert {path.name for path in tmp_path.iterdir()} == (set() if goes else {*names})
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() != 0, reason="another's file")
+def test_a_file_of_another_user_passes_no_permissions_on(tmp_path: Path) -> None:
+    """Catches: a damaged file with mode 0666 in the place of a run, and the new one as open."""
+    place = tmp_path / "key.nc"
+    place.write_text("damaged")
+    place.chmod(0o666)
+    os.chown(place, 12345, 12345)
+    write_atomically(place, lambda draft: draft.write_text("new"), follow=False)
+    assert place.read_text() == "new"
+    assert place.stat().st_mode & 0o022 == 0
+
+
+def test_a_file_of_ones_own_keeps_its_permissions_unless_a_mode_is_asked_for(
+    tmp_path: Path,
+) -> None:
+    place = tmp_path / "file"
+    place.write_text("old")
+    place.chmod(0o640)
+    write_atomically(place, lambda draft: draft.write_text("new"))
+    assert place.stat().st_mode & 0o777 == 0o640
+    write_atomically(place, lambda draft: draft.write_text("new"), mode=0o600)
+    assert place.stat().st_mode & 0o777 == 0o600

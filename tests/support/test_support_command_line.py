@@ -1,11 +1,14 @@
 """Catches: usage dumps, messages of several lines, a wrong exit status, in any room's command."""
 
+import resource
+import signal
 from importlib import import_module
 
+import click
 import pytest
 
 from longwave.derive.__main__ import main
-from longwave.support.command_line import fail
+from longwave.support.command_line import fail, limit_options, run_words
 
 COMMANDS = {
     "longwave.derive.__main__": ("",),
@@ -42,3 +45,17 @@ def test_two_dashes_are_no_value(capsys: pytest.CaptureFixture[str]) -> None:
     assert capsys.readouterr().err.startswith(
         "error: K2: expected a number, a name or '(', got the end"
     )
+
+
+def test_limits_inside_another_process_leave_that_alone() -> None:
+    """Catches: a limit of memory or a timer that stays, or that ends what calls the command."""
+    before = resource.getrlimit(resource.RLIMIT_DATA)
+
+    @click.command()
+    @limit_options
+    def command() -> int:
+        assert resource.getrlimit(resource.RLIMIT_DATA) == before
+        assert signal.getitimer(signal.ITIMER_REAL) == (0.0, 0.0)
+        return 0
+
+    assert run_words(command, "command", ["--max-memory", "1M", "--max-time", "1s"]) == 0

@@ -116,3 +116,17 @@ def test_a_planted_link_is_replaced_and_what_it_leads_to_stays(tmp_path: Path) -
     folder.write("code", b"kept")
     assert (tmp_path / "letter").read_text() == "mine"
     assert folder.read("code") == b"kept"
+
+
+def test_files_are_the_users_alone_whatever_the_mask(tmp_path: Path) -> None:
+    """Catches: with the mask 0 files that all may write, which are written and never read."""
+    folder = tmp_path / "folder"
+    folder.mkdir(mode=0o700)
+    cache = CacheFolder(folder)
+    before = os.umask(0)
+    try:
+        cache.write("name", b"data")
+    finally:
+        os.umask(before)
+    assert (folder / "name").stat().st_mode & 0o777 == 0o600
+    assert cache.read("name") == b"data"

@@ -1,0 +1,52 @@
+"""Catches: the current folder before the standard library in an interpreter that is begun."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+HOUSE = Path(__file__).parents[2]
+
+PLANTED = "open('{mark}', 'a').close()\n"
+
+WORKER = """
+from longwave.support.dask_cluster import _outcome
+from longwave.support.processes import Job
+
+print(_outcome(Job(len, ("four",), seconds=60.0)))
+"""
+
+POOL = """
+if __name__ == "__main__":
+    from longwave.support.processes import Job, LocalWorkers, in_order
+
+    workers = LocalWorkers(1)
+    print(*in_order([Job(len, ("four",))], workers))
+    workers.stop()
+"""
+
+
+@pytest.mark.parametrize("name", ["pickle.py", "subprocess.py", "longwave/__init__.py"])
+@pytest.mark.parametrize("code", [WORKER, POOL], ids=["cluster", "processes"])
+def test_what_lies_in_the_folder_of_a_worker_is_not_run(
+    code: str, name: str, tmp_path: Path
+) -> None:
+    folder, mark = tmp_path / "folder", tmp_path / "mark"
+    planted = folder / name
+    planted.parent.mkdir(parents=True)
+    planted.write_text(PLANTED.format(mark=mark))
+    script = tmp_path / "script.py"
+    script.write_text(code)
+    done = subprocess.run(
+        [sys.executable, str(script)],
+        cwd=folder,
+        env={**os.environ, "PYTHONPATH": str(HOUSE)},
+        capture_output=True,
+        text=True,
+        timeout=600,
+        check=False,
+    )
+    assert "4" in done.stdout, done.stderr
+    assert not mark.exists()
