@@ -21,8 +21,8 @@ MOST_SHRUNK = 1100
 SMALL = 10**6
 """Bytes that any file may hold."""
 
-UNREAD = b"This is a netCDF dimension but not a netCDF variable"
-"""In the name of an array that is there for its length."""
+UNREAD = b"This is a netCDF dimension but not a netCDF variable."
+"""Start of the name of an array that is there for its length, as h5netcdf asks for it."""
 
 DEFLATE, SHUFFLE, CHECKSUM = 1, 2, 3
 """Filters of the library's own; each once, as two that shrink would shrink by their product."""
@@ -31,24 +31,34 @@ OBJECT = 64
 """Bytes that a text in memory takes beside its letters."""
 
 
-def check_contents(file: Any, size: int, deepest: int = 0) -> None:
+def check_contents(file: Any, size: int, deepest: int = 0, is_netcdf: bool = False) -> None:
     """Look through an open file of ``size`` bytes with groups nested ``deepest`` deep.
+
+    A file that ``is_netcdf`` is read by h5netcdf, which leaves out the arrays that stand for a
+    dimension: only their length is not counted.
 
     Raises ValueError for what no run's file or pack has, and one that would take more bytes than
     such a file can hold.
     """
-    look = _Look(size)
-    for thing in _things(file["/"], deepest):
+    look = _Look(size, is_netcdf)
+    for thing in _things(file["/"], deepest, set()):
         look.attributes(thing)
         look.array(thing)
 
 
-def _things(group: Any, deepest: int) -> Iterator[Any]:
-    """The group and all that is in it, by links that lead into the file itself."""
+def _things(group: Any, deepest: int, known: set[int]) -> Iterator[Any]:
+    """Yield the group and all that is in it, by links that lead into the file itself.
+
+    Each is there under one name, as it is written: ``known`` are the places of those before.
+    """
     import h5py
 
+    place = h5py.h5o.get_info(group.id).addr
+    if place in known:
+        raise ValueError(f"{group.name} is there under two names")
+    known.add(place)
     yield group
-    for name in group:
+    for name in group if isinstance(group, h5py.Group) else ():
         link = group.get(name, getclass=True, getlink=True)
         if link is not h5py.HardLink:
             raise ValueError(f"{name} is a link ({link.__name__})")
@@ -56,9 +66,9 @@ def _things(group: Any, deepest: int) -> Iterator[Any]:
         if isinstance(thing, h5py.Group):
             if deepest == 0:
                 raise ValueError(f"{name} is a group in which nothing may be")
-            yield from _things(thing, deepest - 1)
+            yield from _things(thing, deepest - 1, known)
         elif isinstance(thing, h5py.Dataset):
-            yield thing
+            yield from _things(thing, 0, known)
         else:
             raise ValueError(f"{name} is no array")
 
@@ -66,8 +76,8 @@ def _things(group: Any, deepest: int) -> Iterator[Any]:
 class _Look:
     """Counts the bytes that a file's arrays and attributes take in memory."""
 
-    def __init__(self, size: int) -> None:
-        self.size, self.total = size, 0
+    def __init__(self, size: int, is_netcdf: bool) -> None:
+        self.size, self.total, self.is_netcdf = size, 0, is_netcdf
         self.most = SMALL + MOST_SHRUNK * size
 
     def count(self, more: int) -> None:
@@ -101,7 +111,7 @@ class _Look:
         """An array; a group has none."""
         import h5py
 
-        if not isinstance(thing, h5py.Dataset) or UNREAD in bytes(thing.attrs.get("NAME", b"")):
+        if not isinstance(thing, h5py.Dataset):
             return
         layout, kind = thing.id.get_create_plist(), thing.id.get_type()
         if layout.get_external_count() or thing.is_virtual:
@@ -112,10 +122,17 @@ class _Look:
         of, h5t = kind.get_class(), h5py.h5t
         if of not in (h5t.INTEGER, h5t.FLOAT, h5t.STRING, h5t.ENUM):
             raise ValueError(f"{thing.name} is of no numbers and no texts")
+        if self._is_unread(thing):
+            return
         places = prod(thing.shape or ())
         self.count(max(places, prod(thing.chunks or (0,))) * kind.get_size())
         if of == h5t.STRING and kind.is_variable_str():
             self._texts(thing, places)
+
+    def _is_unread(self, thing: Any) -> bool:
+        """Whether an array is a dimension's, of which h5netcdf makes no variable."""
+        name = thing.attrs.get("NAME") if self.is_netcdf else None
+        return isinstance(name, bytes) and name.startswith(UNREAD)
 
     def _texts(self, thing: Any, places: int) -> None:
         """Texts, read so many at a time as the file could hold if each were all of it."""

@@ -78,28 +78,29 @@ def load_run(path: str | Path) -> xr.Dataset:
 
 def open_run(path: str | Path) -> xr.Dataset:
     """A run whose values are read when they are asked for; to be closed. Raises as `load_run`."""
+    import h5netcdf
     import h5py
     import xarray as xr
+    from xarray.backends import H5NetCDFStore
 
     path = Path(path)
-    size = _checked_size(path)
+    _check_kind(path)
     try:
-        with h5py.File(path) as file:
-            check_contents(file, size)  # fails cleanly where h5netcdf leaves half an object
-        run = xr.open_dataset(
-            path,
-            engine="h5netcdf",
-            decode_times=False,
-            mask_and_scale=False,
-            phony_dims="access",
-        )
+        file = h5py.File(path)
     except Exception as error:  # see load_run
         raise _damaged(path, error) from None
     try:
+        size = os.fstat(file.id.get_vfd_handle()).st_size
+        check_contents(file, size, is_netcdf=True)
+        # of the file that was looked through: the name may be another's by now
+        words = {"phony_dims": "access", "decode_vlen_strings": True}
+        store = H5NetCDFStore(h5netcdf.File(file, "r", **words))
+        run = xr.open_dataset(store, decode_times=False, mask_and_scale=False)
+        run.set_close(file.close)
         _check_coordinates(run)
         return _decoded(run)
     except Exception as error:
-        run.close()
+        file.close()
         raise _damaged(path, error) from None
 
 
@@ -165,16 +166,14 @@ def names_a_run(source: str | Path) -> bool:
 REMEDY = "write it with `longwave run SCENE --output run.nc`"
 
 
-def _checked_size(path: Path) -> int:
-    """The size of a file that begins as NetCDF-4 does."""
-    state = os.stat(path)
-    if not stat.S_ISREG(state.st_mode):
+def _check_kind(path: Path) -> None:
+    """Refuse what is no file, and one that does not begin as NetCDF-4 does."""
+    if not stat.S_ISREG(os.stat(path).st_mode):
         raise ValueError(f"run must be a file, got {path}, which is none ({REMEDY})")
     kind = _kind(path) or "no run"
     if kind != "NetCDF-4":
         remedy = REMEDY if kind == "no run" else "of an earlier longwave; run its scene again"
         raise ValueError(f"run must be a NetCDF-4 file, got {path}, which is {kind} ({remedy})")
-    return state.st_size
 
 
 def _check_coordinates(run: xr.Dataset) -> None:

@@ -14,7 +14,6 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from functools import lru_cache
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -24,7 +23,7 @@ import numpy as np
 from longwave.runs.hdf_contents import check_contents
 from longwave.runs.run_file import as_json
 from longwave.support.atomic_file import not_stale
-from longwave.support.sealed_file import is_whole, write_sealed
+from longwave.support.sealed_file import FileStamp, open_whole, write_sealed
 
 if TYPE_CHECKING:
     import h5py
@@ -287,6 +286,12 @@ def _kind(run: xr.Dataset | None) -> str:
     return repr([(n, v.dims, v.shape, v.dtype.str, n in run.coords, v.attrs) for n, v in variables])
 
 
+CHECKED: dict[FileStamp, None] = {}
+"""Packs that this process has looked through, the latest last."""
+
+MOST_CHECKED = 4096
+
+
 class DamagedPackError(ValueError):
     """A pack whose bytes are not those that were written, which the log was told."""
 
@@ -300,28 +305,23 @@ def open_pack(path: Path) -> Iterator[h5py.File]:
     """
     import h5py
 
-    told = not_stale(path.lstat)
-    _check_pack(path, told.st_size, told.st_mtime_ns)
-    try:
-        file = h5py.File(path)
-    except FileNotFoundError:
-        raise
-    except OSError as error:
-        raise ValueError(f"{path} is no pack ({error})") from None
-    with file:
-        yield file
-
-
-@lru_cache(4096)
-def _check_pack(path: Path, size: int, changed: int) -> None:
-    """Raise ValueError for a damaged pack; one of that size that ``changed`` then is asked once."""
-    import h5py
-
-    if not is_whole(path):
-        not_stale(path.lstat)  # FileNotFoundError if it went in between
+    stream = open_whole(path, CHECKED)
+    if stream is None:
+        not_stale(path.lstat)  # FileNotFoundError if there is none
         raise DamagedPackError(f"{path} is damaged")
-    with h5py.File(path) as file:
-        check_contents(file, size, deepest=2)
+    with stream:
+        try:
+            file = h5py.File(stream, "r")
+        except OSError as error:
+            raise ValueError(f"{path} is no pack ({error})") from None
+        with file:
+            stamp = FileStamp.of(stream)
+            if stamp not in CHECKED:
+                check_contents(file, stamp.size, deepest=2)
+                CHECKED[stamp] = None
+                if len(CHECKED) > MOST_CHECKED:
+                    del CHECKED[next(iter(CHECKED))]
+            yield file
 
 
 def read_pack(path: Path) -> CellTable:

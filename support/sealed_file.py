@@ -12,8 +12,9 @@ import logging
 import math
 import os
 import stat
+from collections.abc import Container
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, BinaryIO, NamedTuple
 
 from longwave.support.atomic_file import not_stale, write_atomically
 
@@ -96,31 +97,72 @@ def sealed_content(held: bytes) -> bytes | None:
     return content if held[len(content) :] == _seal(hashlib.sha256(content)) else None
 
 
+class FileStamp(NamedTuple):
+    """Identity of an open file and of its content; its user cannot set the time of a change."""
+
+    device: int
+    file: int
+    size: int
+    modified: int
+    changed: int
+
+    @classmethod
+    def of(cls, stream: BinaryIO) -> FileStamp:
+        """Return that of an open file."""
+        told = os.fstat(stream.fileno())
+        return cls(told.st_dev, told.st_ino, told.st_size, told.st_mtime_ns, told.st_ctime_ns)
+
+
 def is_whole(path: Path) -> bool:
     """Whether there is a run's file as it was written; one that is damaged is told, and a link."""
-    try:
-        whole = not_stale(lambda: _is_sealed(path))
-    except FileNotFoundError:
+    stream = open_whole(path)
+    if stream is None:
         return False
+    stream.close()
+    return True
+
+
+def open_whole(path: Path, checked: Container[FileStamp] = ()) -> BinaryIO | None:
+    """Return a file as it was written, open to be read; None for none, and for one that is told.
+
+    Those ``checked`` before are not read again. What is read then is what was checked, whatever
+    has the name meanwhile.
+    """
+
+    def opened() -> BinaryIO | None:
+        stream = open(open_plain(path), "rb")  # noqa: SIM115 - the caller's to close
+        try:
+            if FileStamp.of(stream) in checked or _is_sealed(stream):
+                stream.seek(0)
+                return stream
+        except BaseException:
+            stream.close()
+            raise
+        stream.close()
+        return None
+
+    try:
+        found = not_stale(opened)
+    except FileNotFoundError:
+        return None
     except OSError as error:
         if error.errno not in (errno.ELOOP, errno.EINVAL, errno.EMLINK):
             raise
         LOG.warning("%s is a link, or no file: it counts as missing, and is made anew", path)
-        return False
-    if not whole:
+        return None
+    if found is None:
         LOG.warning("%s is damaged: it counts as missing, and is made anew", path)
-    return whole
+    return found
 
 
-def _is_sealed(path: Path) -> bool:
+def _is_sealed(stream: BinaryIO) -> bool:
     """Whether what stands before the seal of a file is what was sealed."""
     total = hashlib.sha256()
-    with open(open_plain(path), "rb") as stream:
-        left = os.fstat(stream.fileno()).st_size - SEAL_LENGTH
-        while left > 0 and (part := stream.read(min(left, PART))):
-            total.update(part)
-            left -= len(part)
-        return left == 0 and stream.read() == _seal(total)
+    left = os.fstat(stream.fileno()).st_size - SEAL_LENGTH
+    while left > 0 and (part := stream.read(min(left, PART))):
+        total.update(part)
+        left -= len(part)
+    return left == 0 and stream.read() == _seal(total)
 
 
 def _seal(total: Hash) -> bytes:

@@ -143,7 +143,7 @@ def test_a_run_that_was_damaged_since_the_index_is_run_again(tmp_path: Path) -> 
     """As by a disk, which leaves the times of files as they were."""
     fill(tmp_path, WORTH_AN_INDEX)
     pack_index(tmp_path)
-    run_pack._check_pack.cache_clear()
+    run_pack.CHECKED.clear()
     held = pack_index(tmp_path).get(f"{0:040x}")
     assert held is not None
     assert held[1] is not None
