@@ -103,7 +103,7 @@ class Bond:
             if value.has(*SINGULAR) or value.is_real is False:
                 raise ValueError(
                     f"force must be real and smooth about zero stretch, got {shown(self.force)} "
-                    "(put the precompression into x: -(d - x)**Rational(3, 2) with d positive)"
+                    "(put the precompression into x: -A*sqrt(d - x)**3 with d positive)"
                 )
 
     @property

@@ -124,7 +124,9 @@ def _looked_through(stream: BinaryIO, size: int, opened: ExitStack) -> xr.Datase
 
     file = opened.enter_context(h5py.File(stream))
     check_contents(file, size)  # fails cleanly where h5netcdf leaves half an object
-    held = opened.enter_context(h5netcdf.File(file, phony_dims="access"))
+    held = opened.enter_context(
+        h5netcdf.File(file, "r", phony_dims="access", decode_vlen_strings=True)
+    )
     return xr.open_dataset(H5NetCDFStore(held), decode_times=False, mask_and_scale=False)
 
 

@@ -46,6 +46,16 @@ def with_columns(given: Any, folder: Path) -> Any:
         raise ValueError(f"{shown_path(file)}: {getattr(error, 'strerror', error)}") from None
 
 
+def _mark(header: str) -> str:
+    """Return what parts the columns of a table with this first line."""
+    return next((sign for sign in ";\t" if sign in header), ",")
+
+
+def column_names(header: str) -> list[str]:
+    """Return the names of columns in the first line of a table."""
+    return [part.strip().strip('"') for part in header.split(_mark(header))]
+
+
 def table_columns(text: str) -> dict[str, list[float]]:
     r"""The columns by name; ValueError, with the line, for what is no such table.
 
@@ -54,8 +64,7 @@ def table_columns(text: str) -> dict[str, list[float]]:
     """
     lines = text.rstrip().splitlines()
     header = lines[0] if lines else ""
-    mark = next((sign for sign in ";\t" if sign in header), ",")
-    names = [part.strip().strip('"') for part in header.split(mark)]
+    mark, names = _mark(header), column_names(header)
     if len({*names}) < len(names):
         raise ValueError(f"line 1 must name each column once, got {shown(header)} (name it anew)")
     rows = [_numbers(line, mark, names, place) for place, line in enumerate(lines[1:], 2)]

@@ -14,9 +14,10 @@ from rich.table import Table
 
 from longwave.derive.intervals import WIDE, rounded
 from longwave.scenes.fits.force_data import read_force
-from longwave.scenes.fits.force_fit import AS_GOOD, SMOOTH, ForceFit, fit_points
+from longwave.scenes.fits.force_fit import AS_GOOD, ForceFit, fit_points
 from longwave.scenes.fits.force_law import stated_law
-from longwave.scenes.fits.least_squares import LeastSquares
+from longwave.scenes.fits.least_squares import LeastSquares, probability
+from longwave.scenes.fits.residual_tests import EVEN, ODD, SERIAL, SMOOTH
 from longwave.scenes.fits.scene_fit import LAGS, SceneFit, fit_scene
 from longwave.scenes.scene_file import toml_text
 from longwave.support.atomic_file import write_atomically
@@ -29,6 +30,9 @@ from longwave.support.console import (
     table_console,
 )
 from longwave.support.user_files import STANDARD_INPUT, on_one_line
+
+TESTED = {ODD: "the term", EVEN: "the term", SMOOTH: "smooth curves to", SERIAL: "neighbours"}
+"""Words for what residuals are tested against, by the kind of the test."""
 
 MOST_ACROSS = 6
 """Constants of which all correlations are told."""
@@ -89,6 +93,11 @@ def fit_data(found: ForceFit) -> dict[str, Any]:
         "chi_squared": found.chi_squared if found.data.deviation is not None else None,
         "p_value": None if math.isnan(found.p_value) else found.p_value,
         "smooth_p_value": None if math.isnan(found.smooth_p_value) else found.smooth_p_value,
+        "residual_tests": [
+            {"kind": test.kind, "seeks": test.seeks, "p_value": test.p_value}
+            for test in found.tests
+            if not math.isnan(test.p_value)
+        ],
         "aicc": dict(found.evidence),
         "warnings": _warnings(found),
     }
@@ -175,7 +184,8 @@ def fit_scene_and_print(
 
 def _judgement_of_scene(found: SceneFit) -> Iterator[str]:
     yield _size(found, "a reading", found.noise)
-    yield f"residuals against those up to {LAGS} readings later: p = {found.serial_p_value:.2g}"
+    serial = probability(found.serial_p_value)
+    yield f"residuals against those up to {LAGS} readings later: {serial}"
 
 
 def _evidence(found: ForceFit) -> Iterator[str]:
@@ -184,12 +194,19 @@ def _evidence(found: ForceFit) -> Iterator[str]:
         least = min(value for _, value in found.evidence)
         above = ", ".join(f"{names} {value - least:.1f}" for names, value in found.evidence)
         yield f"AICc above the least: {above}; the fewest constants within {AS_GOOD:g} are taken"
+        if found.widening.max() > 1.0:
+            yield "the deviations include those of the other laws, weighted by exp(-AICc/2)"
 
 
 def _judgement(found: ForceFit) -> Iterator[str]:
     yield _size(found, "a point", None if found.has_deviations else float(found.errors[0]))
-    if not math.isnan(found.smooth_p_value):
-        yield f"residuals against smooth curves to degree {SMOOTH}: p = {found.smooth_p_value:.2g}"
+    told = [
+        f"{TESTED[test.kind]} {test.seeks}, {probability(test.p_value)}"
+        for test in found.tests
+        if not math.isnan(test.p_value)
+    ]
+    if told:
+        yield f"residuals against {'; '.join(told)}"
 
 
 def _size(found: LeastSquares, point: str, noise: float | None) -> str:
@@ -197,8 +214,8 @@ def _size(found: LeastSquares, point: str, noise: float | None) -> str:
     degrees = f"{found.degrees} degrees of freedom"
     if noise is not None:
         return f"noise of {point} {noise:.3g}, from the residuals; {degrees}"
-    each = found.chi_squared / found.degrees
-    return f"chi^2 {found.chi_squared:.4g} for {degrees}, {each:.3g} each, p = {found.p_value:.2g}"
+    each, p_value = found.chi_squared / found.degrees, probability(found.p_value)
+    return f"chi^2 {found.chi_squared:.4g} for {degrees}, {each:.3g} each, {p_value}"
 
 
 def _warnings(found: ForceFit | SceneFit) -> list[str]:

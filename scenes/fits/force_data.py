@@ -19,12 +19,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from longwave.scenes.csv_table import number_list, table_columns
+from longwave.scenes.csv_table import column_names, number_list, table_columns
 from longwave.support.user_files import read_text, shown, shown_path
 
 Points = NDArray[np.float64]
 
 COLUMNS = ("stretch", "force", "deviation")
+
+COMMENT, LENGTHS = "#", ("m", "in", "inch")
+"""Start of a comment above a table; ends of the names of units of length."""
 
 LARGEST = 10_000_000
 """Bytes of a file."""
@@ -33,6 +36,10 @@ FEWEST = 4
 """Points; a law has fewer constants, and something must be left to judge it by."""
 
 MOST = 100_000
+
+SMALLEST = 1e-20
+"""Size of the largest stretch and force at the least, and of each deviation: their powers to the
+sixth, and the squares of those, are then doubles."""
 
 TURN = 0.1
 """Share of the range of stretch by which it must go back to have turned: less is noise of it."""
@@ -47,11 +54,15 @@ deviations, and than this share of the range of forces, which the chords between
 
 @dataclass(frozen=True)
 class ForceData:
-    """Points of a force law, by rising stretch; ``deviation`` is None where it is not known."""
+    """Points of a force law, by rising stretch; ``deviation`` is None where it is not known.
+
+    ``rows`` are their places in the order of measurement.
+    """
 
     stretch: Points
     force: Points
     deviation: Points | None
+    rows: NDArray[np.intp]
 
     @classmethod
     def of(
@@ -60,7 +71,8 @@ class ForceData:
         """Points in the order in which they were measured.
 
         Raises ValueError for what is no list of finite numbers, too few points, a point that is
-        there twice, no order, and branches of loading and unloading that lie apart.
+        there twice, sizes near the ends of the range of doubles, no order, and branches of loading
+        and unloading that lie apart.
         """
         given = (stretch, force) if deviation is None else (stretch, force, deviation)
         columns = [number_list(*entry) for entry in zip(COLUMNS, given, strict=False)]
@@ -73,8 +85,21 @@ class ForceData:
         rows = np.column_stack(columns)
         _check_points(rows)
         _check_order(rows)
-        rows = rows[np.argsort(rows[:, 0], kind="stable")]
-        return cls(rows[:, 0], rows[:, 1], rows[:, 2] if deviation is not None else None)
+        order = np.argsort(rows[:, 0], kind="stable")
+        rows = rows[order]
+        return cls(rows[:, 0], rows[:, 1], rows[:, 2] if deviation is not None else None, order)
+
+
+def _check_sizes(name: str, column: Points) -> None:
+    """Refuse columns, and deviations, whose powers and squares leave the range of doubles."""
+    sizes = np.abs(column)
+    largest, least = float(np.max(sizes)), float(np.min(sizes) if name == COLUMNS[2] else 1.0)
+    if not (SMALLEST <= largest <= 1 / SMALLEST and least >= SMALLEST):
+        got = largest if least >= SMALLEST else least
+        raise ValueError(
+            f"{name} must be of a size from {SMALLEST:g} to {1 / SMALLEST:g}, got {got:g} (take "
+            "other units)"
+        )
 
 
 def _check_points(rows: Points) -> None:
@@ -101,6 +126,8 @@ def _check_points(rows: Points) -> None:
             raise ValueError(
                 f"{name} must vary, got {column[0]:g} in all rows (measure at several stretches)"
             )
+    for name, column in zip(COLUMNS, rows.T, strict=False):
+        _check_sizes(name, column)
 
 
 def _check_order(rows: Points) -> None:
@@ -174,16 +201,31 @@ def read_force(path: str | Path, units: str | None = None) -> ForceData:
     length, force = (1.0, 1.0) if units is None else _factors(units)
     text = read_text(path, "force law", LARGEST)
     try:
+        _check_header(text)
         columns = {name.lower(): column for name, column in table_columns(text).items()}
-        if not {*COLUMNS[:2]} <= columns.keys() <= {*COLUMNS}:
-            raise ValueError(
-                "line 1 must name the columns stretch, force and, if it is known, deviation, got "
-                f"{shown(','.join(columns))} (write stretch,force,deviation)"
-            )
         given = (np.array(columns[name]) for name in COLUMNS if name in columns)
         return ForceData.of(*(c * f for c, f in zip(given, (length, force, force), strict=False)))
     except ValueError as error:
         raise ValueError(f"{shown_path(path)}: {error}") from None
+
+
+def _check_header(text: str) -> None:
+    """Refuse other lines in the place of the names of the columns, and say all that must change."""
+    lines = text.rstrip().splitlines() or [""]
+    place = next((p for p, line in enumerate(lines) if not line.startswith(COMMENT)), 0)
+    names = column_names(lines[place])
+    if place == 0 and {*COLUMNS[:2]} <= {name.lower() for name in names} <= {*COLUMNS}:
+        return
+    got = shown(",".join(names)) + (f" in line {place + 1}, below a comment" if place else "")
+    remedies = ["leave out what stands above"] if place else []
+    remedies.append("write stretch,force,deviation")
+    if len(units := re.findall(rf"\(({_UNIT.pattern})\)", lines[place])) > 1:
+        length, force = units[:2] if units[0].endswith(LENGTHS) else units[1::-1]
+        remedies.append(f"state --units {length},{force}")
+    raise ValueError(
+        "line 1 must name the columns stretch, force and, if it is known, deviation, got "
+        f"{got} ({', and '.join(remedies)})"
+    )
 
 
 _UNIT = re.compile(r"[A-Za-z\u00b5\u03bc]{1,30}")

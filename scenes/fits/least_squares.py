@@ -19,6 +19,9 @@ SAME = 1e-8
 """Share of the largest singular value of the scaled Jacobian below which constants are not told
 apart."""
 
+LEAST_P_VALUE = 1e-300
+"""Probability below which doubles tell none."""
+
 SPARE = 3
 """Points more than constants: from 3 degrees of freedom Student's distribution has a variance."""
 
@@ -88,15 +91,15 @@ class LeastSquares:
             return math.nan
         return float(stats.chi2.sf(self.chi_squared, self.degrees))
 
-    def doubts_of_size(self, law: str, points: str) -> list[str]:
+    def doubts_of_size(self, law: str, points: str, level: float = DOUBTFUL) -> list[str]:
         """Reasons, in words, to think that residuals are too large, or too small."""
         found, reduced = [], self.chi_squared / self.degrees
-        if self.p_value < DOUBTFUL:
+        if self.p_value < level:
             found.append(
                 f"{law} misses the {points} by more than their deviations: chi^2 is "
-                f"{reduced:.3g} a degree of freedom, p = {self.p_value:.1g}"
+                f"{reduced:.3g} a degree of freedom, {probability(self.p_value, 1)}"
             )
-        if self.p_value > 1 - DOUBTFUL / 10:
+        if self.p_value > 1 - level / 10:
             found.append(
                 f"the {points} scatter less than their deviations say: chi^2 is {reduced:.2g} a "
                 "degree of freedom"
@@ -111,14 +114,18 @@ def inverse_square(jacobian: Points, names: Sequence[object], told_by: str, reme
     """
     scales = norms(jacobian)
     _, singular, rows = linalg.svd(jacobian / scales, full_matrices=False)
-    if singular[-1] <= SAME * singular[0]:
-        alike = [str(n) for n, part in zip(names, rows[-1], strict=True) if abs(part) > 0.1]
-        raise ValueError(
-            f"constants must be told apart by the {told_by}, got {', '.join(alike)}, other values "
-            f"of which fit as well ({remedy.format(alike[0])})"
-        )
-    inverse = rows.T / singular**2 @ rows / np.outer(scales, scales)
-    return np.asarray((inverse + inverse.T) / 2)
+    alike = [str(n) for n, part in zip(names, rows[-1], strict=True) if abs(part) > 0.1]
+    if singular[-1] > SAME * singular[0]:
+        with np.errstate(all="ignore"):
+            inverse = rows.T / singular**2 @ rows / np.outer(scales, scales)
+        beyond = ~np.isfinite(np.diag(inverse))
+        if not beyond.any():
+            return np.asarray((inverse + inverse.T) / 2)
+        alike = [str(n) for n, lost in zip(names, beyond, strict=True) if lost]
+    raise ValueError(
+        f"constants must be told apart by the {told_by}, got {', '.join(alike)}, other values "
+        f"of which fit as well ({remedy.format(alike[0])})"
+    )
 
 
 def of_residuals(inverse: Points, residuals: Points, least: float) -> tuple[Points, float]:
@@ -127,6 +134,15 @@ def of_residuals(inverse: Points, residuals: Points, least: float) -> tuple[Poin
     degrees = residuals.size - len(inverse)
     noise = max(math.sqrt(float(residuals @ residuals) / degrees), least)
     return inverse * (noise**2 * degrees / (degrees - 2)), noise
+
+
+def probability(p_value: float, digits: int = 2) -> str:
+    """Return a p-value as text, which is never 0.
+
+    >>> probability(0.123), probability(4e-44, 1), probability(0.0)
+    ('p = 0.12', 'p = 4e-44', 'p < 1e-300')
+    """
+    return f"p = {p_value:.{digits}g}" if p_value > LEAST_P_VALUE else f"p < {LEAST_P_VALUE:g}"
 
 
 def norms(columns: Points) -> Points:
