@@ -96,8 +96,11 @@ def _lines(
     given = {} if lattice.definitions else values
     found = envelope(lattice, k=chosen, branch=branch, **given)
     names = [n for n in found.parts if options.orders != str(NLS_ORDER) or n not in NEXT_ORDER]
-    numbers = found.coefficients(chosen, None, **values) if chosen is not None and values else None
-    has_form = numbers and not lattice.has_losses
+    numbers = None
+    if chosen is not None and (values or not lattice.basic_constants):
+        found = found.regular(chosen, None, **values)
+        numbers = found.coefficients(chosen, None, **values)
+    has_form = numbers and numbers.q and not lattice.has_losses
     form = found.normal_form(chosen, None, **values) if has_form else None
     intervals, word = _intervals(lattice, found, values, options) if numbers else ({}, "")
     if options.form == "json":
@@ -141,7 +144,9 @@ def _data(
         "constants": {str(s): text_of(value) for s, value in found.constants.items()},
     }
     if numbers is None:
-        return {**data, **{name: text_of(found.expressions[name]) for name in names}}
+        wave = {"wave": found.frequency_text()} if found.waves > 1 else {}
+        formulas = found.expressions_of(names).items()
+        return {**data, **wave, **{name: text_of(value) for name, value in formulas}}
     values = {
         n: [v.real, v.imag] if isinstance(v, complex) else v
         for n, v in asdict(numbers).items()
@@ -154,7 +159,9 @@ def _data(
 def _latex(found: Envelope, names: list[str], numbers: EnvelopeNumbers | None) -> str:
     rows = [("", found.equation_latex)]
     if numbers is None:
-        values = {name: latex_of(found.expressions[name]) for name in names}
+        values = {name: latex_of(value) for name, value in found.expressions_of(names).items()}
+        if found.waves > 1:
+            rows.append(("", found.frequency_text(latex_of)))
     else:
         rounded = {name: _rounded(value) for name, value in asdict(numbers).items()}
         values = {name: rounded[name] for name in ("omega", *names)}
@@ -174,14 +181,18 @@ def _texts(
     lattice = found.lattice
     yield lattice.title
     yield from (f"  {line}" for line in lattice.equations())
-    yield f"carrier: {lattice.fields[0]} = eps A(X, T) exp(i (k n - omega t)) + c.c. + ..."
+    yield f"carrier: {found.leading_field} = eps A(X, T) exp(i (k n - omega t)) + c.c. + ..."
     yield "  X = eps (n - v t), T = eps^2 t"
     if numbers is None:
         at = "" if chosen is None else f" at k = {text_of(chosen)}"
         yield f"{found.equation}{at}:"
         yield from (f"  {idle}" for idle in found.idle_losses)
+        if found.waves > 1:
+            yield f"  of the wave with {found.frequency_text()}, one of {found.waves}: on which"
+            yield "  branch it is depends on the constants (--branch takes another)"
         yield f"  omega^2 gives {found.carrier.fixed}, which is eliminated"
-        yield from (f"  {name} = {text_of(found.expressions[name])}" for name in names)
+        formulas = found.expressions_of(names).items()
+        yield from (f"  {name} = {text_of(value)}" for name, value in formulas)
         for symbol, value in found.carrier.lattice.definitions:
             yield f"  where {symbol} = {text_of(value.subs(found.constants))}"
         return
@@ -196,6 +207,9 @@ def _texts(
 
     yield from (line(name, values[name]) for name in ("omega", *names))
     kind = "unstable, solitons bright" if numbers.is_focusing else "stable, solitons dark"
+    if not numbers.q:
+        yield "q = 0: waves do not interact at this order, there are no solitons"
+        return
     if form is None:
         if numbers.is_focusing:
             yield f"amplitude law of a bright soliton's crest a: {found.amplitude_law.text()}"
