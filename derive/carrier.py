@@ -151,7 +151,8 @@ class Carrier(Expansion):
         waves = [factor for factor, found in powers if 0 in found and len(found) > 1]
         if not waves:
             raise EnvelopeError(at_rest({1: " at k = 0", -1: " at k = pi"}.get(turn or 0, "")))
-        self.waves = sorted(waves, key=self._first_moved) if len(waves) > 1 else [self.relation]
+        is_stable = len(waves) > 1 and not any(i % 2 for own in waves for i in own.powers_of(w))
+        self.waves = sorted(waves, key=self._first_moved) if is_stable else [self.relation]
         few = self.waves if wave is None else [self.waves[min(wave, len(self.waves) - 1)]]
         self.wave = next((own for own in few if any(map(own.solved_for, among))), few[0])
         solvable = [s for s in among if self.wave.solved_for(s)]

@@ -26,9 +26,8 @@ from longwave.derive.measured import Measured
 from longwave.derive.models.lattices import FPUT_STRAIN, LATTICES
 from longwave.derive.models.mkdv import initial_velocity, initial_velocity_latex
 from longwave.derive.multiscale import FURTHER_ORDERS, ReductionError, reduce
-from longwave.derive.normal_form import NORMAL_EQUATIONS
-from longwave.derive.output.notation import aligned, text_of
-from longwave.derive.output.report import reduction_data
+from longwave.derive.output.notation import aligned, text_of, unused
+from longwave.derive.output.report import head_lines, reduction_data
 from longwave.derive.reduction import Reduction
 from longwave.derive.scaling import Scaling, SlowVariable
 from longwave.derive.symbols import constant_value, eps
@@ -78,6 +77,8 @@ def print_derivation(options: DeriveOptions) -> int:
             lines = list(_reduction_lines(lattice, options))
     except (ValueError, OSError) as error:
         return fail(error)
+    if options.form == "latex":
+        lines = [*(f"% not an energy: {line}" for line in lattice.missing_energies), *lines]
     print("\n".join(lines))
     return int(options.check and any(line.startswith("DIFFERS") for line in lines))
 
@@ -116,11 +117,17 @@ def _reduction_lines(lattice: Lattice, options: DeriveOptions) -> Iterator[str]:
     try:
         reduction, values, refused = _long_wave(lattice, options)
     except ReductionError as error:
+        if lattice.missing_energies:
+            raise ReductionError(
+                f"{error}; not an energy: {lattice.missing_energies[0]} (forces without an energy "
+                "drift or grow: let the action be minus the mirror of the stretch, or run the "
+                "lattice itself)"
+            ) from None
         is_printed = options.form == "text" and not options.check
         is_formula = lattice.dimension == len(lattice.fields) == 1
         if not (is_printed and is_formula and _has_finite_losses(lattice)):
             raise
-        yield from (lattice.title, *(f"  {line}" for line in lattice.equations()))
+        yield from head_lines(lattice)
         yield from _frequency_lines(lattice, S.Zero)
         yield f"no reduced equation: {error}"
         return
@@ -150,7 +157,9 @@ def _reduction_lines(lattice: Lattice, options: DeriveOptions) -> Iterator[str]:
             yield from _linear_lines(reduction)
         yield from _decay_lines(reduction)
         if law := reduction.amplitude_law(**values):
-            yield f"amplitude law of a soliton's crest a: {law.text()}"
+            taken = reduction.lattice.names
+            crest = unused("a", taken)
+            yield f"amplitude law of a soliton's crest {crest}: {law.text_beside(taken)}"
         yield from numbers
         if refused:
             scaling = reduction.scaling
@@ -385,8 +394,7 @@ def _number_lines(
         yield f"  of {name}: {written(name, value)}"
     if reduction.has_normal_form:
         form = reduction.normal_form(**values)
-        yield f"normal form {NORMAL_EQUATIONS[form.equation].text}, {form.map_text}:"
-        yield from (f"  {name} = {written(name, value)}" for name, value in form.values.items())
+        yield from form.lines(reduction.lattice.names, written)
         if form.name not in (form.equation, reduction.pde.kind):
             yield f"  {form.name}"
 

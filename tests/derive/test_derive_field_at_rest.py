@@ -62,9 +62,9 @@ def test_a_carrier_that_leaves_the_first_field_at_rest_is_that_of_the_next(
     assert found["omega"] == pytest.approx(own, rel=1e-14)
     assert found["q"] == pytest.approx(-3 / (4 * own), rel=1e-12)
     assert main([*words, "acoustic"]) == 0
-    assert "carrier: v = eps A(X, T)" in capsys.readouterr().out
+    assert "carrier: v_n = eps A(X, T)" in capsys.readouterr().out
     assert main([*words, "optical"]) == 0
-    assert "carrier: u = eps A(X, T)" in capsys.readouterr().out
+    assert "carrier: u_n = eps A(X, T)" in capsys.readouterr().out
     values: Any = {"m1": 1, "m2": 4, "K2": 1, "K3": 0, "K4": 1}
     fields = carrier_fields(envelope(LATTICES["mass_dimer"], k=pi, **values), **values)
     leading = [[t.value for t in part if (t.power, t.harmonic) == (1, 1)] for part in fields.parts]
@@ -88,9 +88,9 @@ def test_formulas_at_the_zone_boundary_say_of_which_wave_they_are(
     for branch in ("acoustic", "optical"):
         assert main(["mass_dimer", "--envelope", "k=pi", "--branch", branch]) == 0
         said.append(capsys.readouterr().out)
-    assert "carrier: u = " in said[0]
+    assert "carrier: u_n = " in said[0]
     assert "of the wave with omega^2 = 2 K2/m1, one of 2" in said[0]
-    assert "carrier: v = " in said[1]
+    assert "carrier: v_n = " in said[1]
     assert "of the wave with omega^2 = 2 K2/m2, one of 2" in said[1]
 
 
