@@ -16,7 +16,8 @@ from dataclasses import dataclass
 
 from sympy import Expr, Rational, S, Symbol, beta, exp, gammasimp
 
-from longwave.derive.output.notation import Displayed, Printed, unused
+from longwave.derive.output.notation import Displayed, Printed
+from longwave.derive.output.own_names import unused
 
 crest, first_crest, slow_time = (Symbol(name, positive=True) for name in ("a(T)", "a(0)", "T"))
 """Under names that no constant of a lattice can have."""

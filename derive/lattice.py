@@ -20,9 +20,9 @@ from longwave.derive.output.notation import (
     power_of,
     signed_sum,
     text_of,
-    unused,
     weighted_sum,
 )
+from longwave.derive.output.own_names import unused
 from longwave.derive.symbols import (
     check_constants,
     check_names,

@@ -26,7 +26,8 @@ from longwave.derive.algebra.rational_functions import RationalFunction
 from longwave.derive.equations import Condition, EvolutionEquation, OrderEquation
 from longwave.derive.expansion import Expansion, expand
 from longwave.derive.lattice import Lattice
-from longwave.derive.output.notation import Notation, text_of, unused
+from longwave.derive.output.notation import Notation, text_of
+from longwave.derive.output.own_names import unused
 from longwave.derive.reduction import Reduction
 from longwave.derive.scaling import Scaling
 

@@ -16,8 +16,7 @@ from dataclasses import dataclass, fields
 from sympy import Abs, Expr, S, latex, sign, sqrt
 
 from longwave.derive.algebra.exact_numbers import exact
-from longwave.derive.output.notation import marked, unused
-from longwave.derive.symbols import joined_powers
+from longwave.derive.output.own_names import joined_powers, marked, unused
 from longwave.support.known_names import one_of
 from longwave.support.user_files import shown
 

@@ -22,11 +22,11 @@ from longwave.derive.output.notation import (
     latex_of,
     power_of,
     text_of,
-    unused,
 )
+from longwave.derive.output.own_names import joined_powers, unused
 from longwave.derive.output.report import latex_report, reduction_data, text_report
 from longwave.derive.scaling import Scaling
-from longwave.derive.symbols import eps, joined_powers, values_of
+from longwave.derive.symbols import eps, values_of
 
 _POWERS = {"KdV": 1, "mKdV": 2}
 """The power of Y before Y_X, of equations whose solitons have an amplitude law."""

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 
-from sympy import Expr, Pow, Symbol, fraction, powsimp, together
+from sympy import Expr, Pow, Symbol, fraction, together
 
 from longwave.derive.algebra.exact_numbers import Number, exact
 from longwave.support.known_names import did_you_mean
@@ -159,17 +159,6 @@ def check_names(label: str, names: Sequence[str]) -> None:
                 f"{label} must have names other than {', '.join(sorted(RESERVED))}, got {name} "
                 f"({name} is {RESERVED[name]}: write another name, such as {name}1)"
             )
-
-
-def joined_powers(value: Expr) -> Expr:
-    """The expression with powers of one symbol in one, where exponents are symbols.
-
-    >>> d, p = Symbol("d", positive=True), Symbol("p", positive=True)
-    >>> joined_powers(d ** (-1 - p) * d ** (2 + p))
-    d
-    """
-    is_symbolic = any(power.exp.free_symbols for power in value.atoms(Pow))
-    return powsimp(value, combine="exp") if is_symbolic else value
 
 
 def powers_of_eps(value: Expr) -> dict[int, Expr]:

@@ -7,7 +7,7 @@ of a single monomial is written as one, ``K3 (Y^2)_XX`` rather than ``2 K3 Y Y_X
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 from typing import TypeAlias
@@ -179,26 +179,6 @@ class Displayed:
 
     def _repr_latex_(self) -> str:
         return rf"$\displaystyle {self.latex()}$"
-
-
-def unused(name: str, taken: Collection[str]) -> str:
-    """A name of the output, with a tilde where a constant or field of the lattice has it.
-
-    >>> unused("F2", {"K2"}), unused("F2", {"F2"}), latex_of(Symbol(unused("F2", {"F2"})))
-    ('F2', 'F2~', '\\\\tilde{F}_{2}')
-    """
-    return f"{name}~" if name in taken else name
-
-
-def marked(text: str, names: Iterable[str], taken: Collection[str]) -> str:
-    """A text of the output with its ``names`` `unused`.
-
-    >>> marked("Y(X, T) = h U(a X, b T)", "abh", {"a", "K"})
-    'Y(X, T) = h U(a~ X, b T)'
-    """
-    for name in {*names} & {*taken}:
-        text = re.sub(rf"(?<![A-Za-z0-9]){name}(?![A-Za-z0-9~])", f"{name}~", text)
-    return text
 
 
 def signed_sum(signed: Iterable[tuple[bool, str]]) -> str:

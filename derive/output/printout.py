@@ -26,7 +26,8 @@ from longwave.derive.measured import Measured
 from longwave.derive.models.lattices import FPUT_STRAIN, LATTICES
 from longwave.derive.models.mkdv import initial_velocity, initial_velocity_latex
 from longwave.derive.multiscale import FURTHER_ORDERS, ReductionError, reduce
-from longwave.derive.output.notation import aligned, text_of, unused
+from longwave.derive.output.notation import aligned, text_of
+from longwave.derive.output.own_names import unused
 from longwave.derive.output.report import head_lines, reduction_data
 from longwave.derive.reduction import Reduction
 from longwave.derive.scaling import Scaling, SlowVariable

@@ -17,15 +17,8 @@ from longwave.derive.algebra.exact_numbers import Number
 from longwave.derive.algebra.jets import DifferentialPolynomial
 from longwave.derive.algebra.rational_functions import RationalFunction
 from longwave.derive.normal_form import NORMAL_EQUATIONS, NormalForm
-from longwave.derive.output.notation import (
-    Notation,
-    aligned,
-    latex_of,
-    marked,
-    power_of,
-    text_of,
-    unused,
-)
+from longwave.derive.output.notation import Notation, aligned, latex_of, power_of, text_of
+from longwave.derive.output.own_names import marked, unused
 from longwave.derive.symbols import eps
 
 if TYPE_CHECKING:
