@@ -355,6 +355,16 @@ class Lattice(Displayed):
         return bool(self.leading_losses)
 
     @property
+    def has_displacements(self) -> bool:
+        """Whether all actions are minus the mirrors of stretches, as they are of displacements.
+
+        >>> from longwave.derive import LATTICES
+        >>> [LATTICES[name].has_displacements for name in ("klein_gordon", "fput_strain")]
+        [True, False]
+        """
+        return all(_weights(bond.action) == _weights(bond.stretch, -1) for bond in self.bonds)
+
+    @property
     def missing_energies(self) -> tuple[str, ...]:
         """A sentence for each action that is no energy's: the forces give or take energy.
 
@@ -424,6 +434,11 @@ class Lattice(Displayed):
     def is_displacement(self) -> bool:
         """Whether no bond feels one field moved as a whole."""
         return not any(sum(entry.weight for entry in bond.stretch) for bond in self.bonds)
+
+    @property
+    def is_linear(self) -> bool:
+        """Whether all forces are linear in the stretch."""
+        return all(bond.force.diff(x, 2).is_zero for bond in self.bonds)
 
     @property
     def is_polynomial(self) -> bool:

@@ -109,11 +109,11 @@ def lattice_of(document: Mapping[str, Any], name: str = "lattice") -> Lattice:
     fields = _texts(document, "fields")
     positive = _texts(document, "positive", required=False)
     check_names("positive", positive)
-    for name in (*fields, "pi", "I"):
-        if name in positive:
-            kind = "a field" if name in fields else "a number"
+    for word in (*fields, "pi", "I"):
+        if word in positive:
+            kind = "a field" if word in fields else "a number"
             raise ValueError(
-                f"positive must name constants, got {name}, {kind} (write another name)"
+                f"positive must name constants, got {word}, {kind} (write another name)"
             )
     symbols = _Symbols(set(positive))
     masses = [symbols.formula(f"masses[{i}]", m) for i, m in enumerate(_masses(document, fields))]

@@ -22,11 +22,12 @@ from longwave.derive.expected_derivation import CHEAPER_ORDER, reduction_seconds
 from longwave.derive.intervals import Interval, intervals_of_reduction
 from longwave.derive.lattice import Lattice
 from longwave.derive.lattice_file import read_lattice
+from longwave.derive.linear_waves import LinearWaves
 from longwave.derive.measured import Measured
 from longwave.derive.models.lattices import FPUT_STRAIN, LATTICES
 from longwave.derive.models.mkdv import initial_velocity, initial_velocity_latex
 from longwave.derive.multiscale import FURTHER_ORDERS, ReductionError, reduce
-from longwave.derive.output.notation import aligned, text_of
+from longwave.derive.output.notation import aligned, latex_of, text_of
 from longwave.derive.output.own_names import unused
 from longwave.derive.output.report import head_lines, reduction_data
 from longwave.derive.reduction import Reduction
@@ -114,7 +115,38 @@ def _with_losses(lattice: Lattice, texts: Mapping[str, str]) -> Lattice:
 # long waves
 
 
+def _linear_lattice_lines(lattice: Lattice, options: DeriveOptions) -> Iterator[str]:
+    """The waves of a linear chain: branches as formulas, and in numbers where all are given."""
+    waves, given = LinearWaves.of(lattice), given_constants(lattice, options)
+    known = {*map(str, lattice.basic_constants)} == {*given}
+    if unknown := sorted({*given} - {*map(str, lattice.basic_constants)}):
+        waves.table({unknown[0]: given[unknown[0]]})
+    rows = waves.table(given) if known else []
+    if options.form == "json":
+        branches = [text_of(value) for value in waves.branches]
+        data = {"lattice": lattice.name, "equations": list(lattice.equations())}
+        data |= {"relation": waves.relation(), "omega_squared": branches}
+        yield json.dumps({**data, "waves": [[text_of(at), found] for at, found in rows]}, indent=2)
+    elif options.form == "latex":
+        yield aligned([("", line) for line in waves.lines(latex_of)])
+    else:
+        yield from head_lines(lattice)
+        yield "a linear lattice has no reduced equation; its waves exp(i (k n - omega t)):"
+        yield from (f"  {line}" for line in waves.lines())
+        if rows:
+            branches = len(rows[0][1])
+            heads = ["k", *(h for i in range(branches) for h in (f"omega {i}", f"d omega {i}/dk"))]
+            yield "  " + "  ".join(f"{head:>14}" for head in heads)
+        for at, found in rows:
+            cells = [text_of(at), *("meet" if v is None else f"{v:.10g}" for f in found for v in f)]
+            yield "  " + "  ".join(f"{cell:>14}" for cell in cells)
+
+
 def _reduction_lines(lattice: Lattice, options: DeriveOptions) -> Iterator[str]:
+    is_plain = lattice.dimension == 1 and not (lattice.has_losses or options.check)
+    if lattice.is_linear and is_plain:
+        yield from _linear_lattice_lines(lattice, options)
+        return
     try:
         reduction, values, refused = _long_wave(lattice, options)
     except ReductionError as error:

@@ -85,7 +85,7 @@ def test_a_reserved_name_is_told_with_its_meaning() -> None:
     for word, meaning in {"x": "stretch", "u": "a field", "I": "a number"}.items():
         with pytest.raises(ValueError, match=f"got {word}.*{meaning}"):
             lattice_of({**CHAIN, "positive": [word]})
-    with pytest.raises(ValueError, match="fields must have names other than .* got x"):
+    with pytest.raises(ValueError, match=r"fields must have names other than .* got x"):
         lattice_of({"fields": ["x"], "site": [{"field": "x", "force": "x"}]})
 
 

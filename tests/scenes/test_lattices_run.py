@@ -8,6 +8,8 @@ import pytest
 import xarray as xr
 from scipy.integrate import solve_ivp
 
+from longwave.reports.pictures.drawing import field_label
+from longwave.reports.pictures.plotting import plot
 from longwave.scenes import run
 from longwave.scenes.convergence import at_eps, scene_convergence
 from longwave.scenes.lattice_derivation import derivation, lattice_wave, wave_of
@@ -247,6 +249,30 @@ def test_carriers_at_the_ends_of_the_zone_run(changes: dict[str, Any]) -> None:
     given = {"wave": "nls_bright", "parameters": {}, "eps": 0.1, "slow_times": [0, 1]}
     found = run(Scene.of(**(TODA | given | changes)))
     assert float(found.error.max()) < 0.02
+
+
+@pytest.mark.slow
+def test_displacements_are_told_and_drawn_as_such() -> None:
+    """Ties to the site: the fields are compared, 2 eps h high. Strains stay strains.
+
+    Catches: displacements under the name, unit and axis of strains.
+    """
+    tied = {"lattice": "klein_gordon", "constants": {"K2": 1, "g1": 1, "g2": 0, "g3": 1}}
+    given = {"wave": "nls_bright", "parameters": {}, "eps": 0.1, "slow_times": [0, 0.01]}
+    scene = Scene.of(**(TODA | given | tied | {"carrier": "pi/2"}))
+    found, form = run(scene), derivation(scene).normal_form
+    assert form is not None
+    assert float(np.max(np.abs(found.strain))) == pytest.approx(0.2 * float(form.h), rel=1e-3)
+    for name in ("strain", "analytic", "background"):
+        assert found[name].attrs["units"] == "displacement (lattice units)"
+    assert found.strain.attrs["long_name"] == "displacement, on the lattice"
+    strains = run(Scene.of(**(TODA | {"slow_times": [0, 0.01]})))
+    assert strains.strain.attrs["units"] == "strain (lattice units)"
+    assert [field_label(one) for one in (found, found.strain, strains)] == [
+        *("displacement", "displacement", "$y_n$"),
+    ]
+    axes = [ax.get_ylabel() for ax in plot(found, "snapshots").axes]
+    assert axes[0] == "displacement"
 
 
 def test_what_came_before_a_blow_up_is_kept() -> None:
