@@ -10,11 +10,14 @@ NLS equation has the same shape with r = 2.
 
 from __future__ import annotations
 
+import re
+from collections.abc import Collection
 from dataclasses import dataclass
 
 from sympy import Expr, Rational, S, Symbol, beta, exp, gammasimp
 
 from longwave.derive.output.notation import Displayed, Printed
+from longwave.derive.output.own_names import unused
 
 crest, first_crest, slow_time = (Symbol(name, positive=True) for name in ("a(T)", "a(0)", "T"))
 """Under names that no constant of a lattice can have."""
@@ -44,6 +47,11 @@ class AmplitudeLaw(Displayed):
         faded, r = exp(-self.linear * slow_time), self.power
         spread = (1 - faded**r) / self.linear if self.linear else r * slow_time
         return first_crest * faded / (1 + self.further * first_crest**r * spread) ** Rational(1, r)
+
+    def text_beside(self, taken: Collection[str]) -> str:
+        """The text with another name for a(T) where a lattice has a constant a."""
+        name = unused("a", taken)
+        return re.sub(r"\ba(?='?\((T|0)\))", name, self.text())
 
     def written(self, printed: Printed) -> str:
         """``a'(T) = ..., a(T) = ...``."""

@@ -17,6 +17,7 @@ function of A.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 
 from sympy import Expr, Symbol
@@ -28,7 +29,7 @@ from longwave.derive.algebra.rational_functions import (
     RationalFunctions,
     Terms,
 )
-from longwave.derive.algebra.small_matrices import Column, combined, determinant
+from longwave.derive.algebra.small_matrices import Column, combined, determinant, without
 from longwave.derive.expansion import Expansion
 from longwave.derive.lattice import Bond, Cell, Lattice
 from longwave.derive.output.notation import text_of
@@ -49,6 +50,11 @@ LAST = 4
 NLS = 3
 """The power of eps at which G_0 is found."""
 
+MOST_TERMS_A_FIELD = 10
+"""Bound on the terms of the second harmonic's determinant, for each field, where constants are left
+as symbols. Three masses and equal springs have 30 and take 2 s, four masses with a symbol for one
+have 46 and take 14 s, three masses and three springs 72 and were not done after minutes."""
+
 Rows = list[DifferentialPolynomial]
 
 
@@ -65,35 +71,57 @@ def harmonic(monomial: Monomial) -> int:
     return sum(1 - 2 * kind for _, kind in monomial if kind != MEAN)
 
 
+def at_rest(at: str) -> str:
+    """The message for a wave without a frequency, ``at`` a wavenumber."""
+    return (
+        f"k must have a carrier of frequency omega > 0, got omega = 0{at} (waves about k = 0 are "
+        "long waves: leave --envelope out)"
+    )
+
+
+def _with_leading_mass(lattice: Lattice, leader: int) -> tuple[Lattice, tuple[Symbol]]:
+    """The lattice with a symbol for a field's mass, in which any relation is linear; the symbol."""
+    symbol = Symbol(f"mass of {lattice.fields[leader]}", positive=True)
+    masses = [symbol if i == leader else mass for i, mass in enumerate(lattice.masses)]
+    definitions = (*lattice.definitions, (symbol, lattice.masses[leader]))
+    return replace(lattice, masses=tuple(masses), definitions=definitions), (symbol,)
+
+
 class Carrier(Expansion):
     """The expansion about one carrier wave, and the parts of it that are found so far.
 
     ``parts``: for each field the series without the mean.  ``mean``: the mean S, of the field or,
     in a lattice of displacements, of the strain of a cell; ``means`` are its orders.  ``flow``: G
-    of ``A_T = G``.  ``relation``: the dispersion relation, a polynomial in w^2.  ``detuning``: what
-    a constant mean adds to G_0, as a multiple of A.
+    of ``A_T = G``.  ``relation``: the dispersion relation, a polynomial in w^2; ``waves``: its
+    factors, ``wave`` the one that this carrier solves, by its constant ``fixed``.  ``detuning``:
+    what a constant mean adds to G_0, as a multiple of A.
     """
 
     def __init__(
-        self, lattice: Lattice, *, at_pi: bool = False, values: Mapping[Symbol, Expr] | None = None
+        self,
+        lattice: Lattice,
+        *,
+        turn: int | None = None,
+        wave: int = 0,
+        leader: int | None = None,
+        values: Mapping[Symbol, Expr] | None = None,
     ) -> None:
+        """Set out from a wave of the lattice.
+
+        ``turn``: exp(i k) at k = 0 or pi, where it is 1 or -1.  ``wave``: the factor of the
+        dispersion relation, where it has several.  ``leader``: the field whose amplitude is A, the
+        first that moves unless given; its mass is what the dispersion relation is solved for then,
+        as it is where no constant is to be had.
+        """
         lattice = lattice if lattice.is_polynomial else lattice.expanded(LAST)
-        constants = lattice.constants
-        super().__init__(lattice, Scaling(time=2), LAST + 1, RationalFunctions((z, w, *constants)))
-        self.phase_factor = self.field(-1) if at_pi else self.field(z)
-        self.rate = self.field(w)
-        self.values: dict[Symbol, Expr] = {}
-        self.images: dict[Symbol, RationalFunction] = {}
-        self.relation = determinant(self.matrix(1))
-        solvable = [s for s in constants if self.relation.solved_for(s)]
-        if not solvable:
-            raise EnvelopeError(
-                "the dispersion relation must be linear in one of the lattice's constants, got "
-                f"none among {', '.join(map(str, constants))} (write a symbol for a number)"
-            )
-        self.fixed = next((s for s in solvable if self.relation.diff(s).is_number), solvable[0])
+        self._leader, self.turn = leader, turn
+        if leader is not None:
+            self._set_out(*_with_leading_mass(lattice, leader))
+        elif not self._set_out(lattice, lattice.constants, wave):
+            fields = range(len(lattice.fields))
+            any(self._set_out(*_with_leading_mass(lattice, i), wave) for i in fields)
         self.values = {s: value for s, value in (values or {}).items() if s != self.fixed}
-        value = determinant(self.matrix(1)).solved_for(self.fixed)
+        value = self.number(self.wave.as_expr()).solved_for(self.fixed)
         if value is None:
             raise EnvelopeError(f"{self.fixed} must enter the dispersion relation, got it nowhere")
         self.images = {self.fixed: value}
@@ -106,9 +134,44 @@ class Carrier(Expansion):
         for index, share in enumerate(self.carried[0]):
             self._add(index, 1, share * self._letter(A))
 
+    def _set_out(self, lattice: Lattice, among: Sequence[Symbol], wave: int | None = None) -> bool:
+        """Find the dispersion relation, and a constant to solve it for; whether there is one.
+
+        ``wave``: the number of its factor, the first that has such a constant unless given.
+        """
+        turn = self.turn
+        field = RationalFunctions((z, w, *lattice.constants))
+        super().__init__(lattice, Scaling(time=2), LAST + 1, field)
+        self.phase_factor, self.rate = field(z) if turn is None else field(turn), field(w)
+        self.values: dict[Symbol, Expr] = {}
+        self.images: dict[Symbol, RationalFunction] = {}
+        self.linear = self.matrix(1)
+        self.relation = determinant(self.linear)
+        powers = [(factor, factor.powers_of(w)) for factor in self.relation.factors()]
+        waves = [factor for factor, found in powers if 0 in found and len(found) > 1]
+        if not waves:
+            raise EnvelopeError(at_rest({1: " at k = 0", -1: " at k = pi"}.get(turn or 0, "")))
+        is_stable = len(waves) > 1 and not any(i % 2 for own in waves for i in own.powers_of(w))
+        self.waves = sorted(waves, key=self._first_moved) if is_stable else [self.relation]
+        few = self.waves if wave is None else [self.waves[min(wave, len(self.waves) - 1)]]
+        self.wave = next((own for own in few if any(map(own.solved_for, among))), few[0])
+        solvable = [s for s in among if self.wave.solved_for(s)]
+        solvable.sort(key=lambda s: self.relation.solved_for(s) is None)
+        simple = (s for s in solvable if self.wave.diff(s).is_number)
+        self.fixed = next(simple, next(iter(solvable), w))
+        return bool(solvable)
+
+    def _first_moved(self, wave: RationalFunction) -> int:
+        """The first field that a wave moves: the others' determinant does not vanish on it."""
+        fields = range(len(self.linear))
+        others = (determinant(without(self.linear, i, i)) for i in fields)
+        pairs = zip(fields, others, strict=True)
+        return next((i for i, own in pairs if wave not in own.factors()), 0)
+
     def solve(self) -> None:
         """Find all parts up to G_1, with losses up to G_0."""
         self._check_losses()
+        self._check_size()
         for order in (2, NLS) if self.lattice.has_losses else (2, NLS, LAST):
             if order > 2 and not self.is_pinned:
                 self.detuning = self.detuning or self._flow_at(NLS).coefficient(A, MEAN_LETTER)
@@ -117,6 +180,19 @@ class Carrier(Expansion):
             if order < LAST:
                 for j in (0, 2):
                     self._solve_harmonic(order, j)
+
+    def _check_size(self) -> None:
+        """Refuse what would take minutes: the second harmonic's determinant says how much it is."""
+        fields, size = len(self.lattice.fields), (1 / self.second_harmonic).size
+        left = [s for s in self.lattice.constants if s not in {self.fixed, *self.values}]
+        if self.turn is None and left and fields > 2 and size > MOST_TERMS_A_FIELD * fields:
+            unknown = [str(s) for s in self.lattice.constants if s not in self.values]
+            raise EnvelopeError(
+                f"constants of a cell with {fields} fields must be few, got {', '.join(unknown)}: "
+                f"the second harmonic's resonance has {size} terms, and {MOST_TERMS_A_FIELD} for "
+                f"each field are solved in symbols (give numbers, for all masses first, as "
+                f"{unknown[0]}=1)"
+            )
 
     def _check_losses(self) -> None:
         for kind, (loss, power) in self.lattice.leading_losses.items():
@@ -302,8 +378,26 @@ class Carrier(Expansion):
 
     @cached_property
     def carried(self) -> tuple[Column, Column]:
-        """The carrier's null vectors, right and left; 1 is the first entry that is not 0."""
-        return self.null_vectors(1)
+        """The carrier's null vectors, right and left; 1 is the entry of the leading field."""
+        right, left = self.null_vectors(1)
+        if self._leader is None:
+            return right, left
+        leads = right[self._leader], left[self._leader]
+        if not all(leads):
+            raise EnvelopeError(f"{self.lattice.fields[self._leader]} must move, got it at rest")
+        return [value / leads[0] for value in right], [value / leads[1] for value in left]
+
+    @property
+    def leader(self) -> int:
+        """The field whose amplitude is A."""
+        return self.carried[0].index(1)
+
+    @cached_property
+    def singular(self) -> tuple[RationalFunction, RationalFunction]:
+        """One over what vanishes where the leading field rests, or ``fixed`` is not to be had."""
+        others = without(self.linear, self.leader, self.leader)
+        minor = determinant(others) if others else self.field.one
+        return 1 / minor, 1 / self.wave.diff(self.fixed)
 
     @cached_property
     def mean_flow(self) -> EpsSeries:

@@ -6,7 +6,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 from math import nan
@@ -19,10 +19,10 @@ from longwave.derive.algebra.exact_numbers import Number, instance, parse_ration
 from longwave.derive.algebra.formula_expression import exact_value
 from longwave.derive.algebra.rational_functions import RationalFunction
 from longwave.derive.amplitude_law import AmplitudeLaw, amplitude_law
-from longwave.derive.carrier import NLS, Carrier, EnvelopeError, w, z
+from longwave.derive.carrier import NLS, Carrier, EnvelopeError, at_rest, w, z
 from longwave.derive.lattice import Lattice
 from longwave.derive.normal_form import NormalForm, normal_form_of
-from longwave.derive.output.notation import Displayed, idle_loss, latex_of, text_of
+from longwave.derive.output.notation import Displayed, Printed, idle_loss, latex_of, text_of
 from longwave.derive.sines import cosine, frequency, in_sines, omega, sine
 from longwave.derive.symbols import k, values_of
 from longwave.support.user_files import shown
@@ -39,13 +39,15 @@ RESONANT = 1e-40
 ROUNDING = 1e-12
 """An imaginary part so small, beside the whole, is none."""
 
-LARGE_CELL, MOST_SYMBOLS = 4, 3
-"""Fields of a cell from which on symbols are refused, for masses and for more constants than these.
-Four masses in a row took 1.1 s of processor time in numbers and with symbols for the springs'
-K2, K3 and K4; with symbols for three masses it was not done after 20 s."""
+TURNS = {S.Zero: 1, pi: -1}
+"""exp(i k) of the wavenumbers that it is a whole number of."""
 
-FIRST_MASS = Symbol("first mass", positive=True)
-"""Stands for the first mass of a lattice in numbers."""
+MOST_TERMS = 2500
+"""Terms of a coefficient that is written as a formula. One of 1900 took 2 s and has 36 000
+characters; one of 27 000, a dimer's with eight symbols, took minutes."""
+
+MOST_SIMPLIFIED = 1000
+"""Terms of a coefficient in which the sines of a fraction of pi are multiplied out."""
 
 NEXT_ORDER = ("a3", "a1", "a2")
 """Coefficients of the order behind the NLS equation."""
@@ -113,7 +115,7 @@ class Envelope(Displayed):
         found = self.carrier
         A, B, A_X, B_X, A_XX, A_XXX = (0, 0), (0, 1), (1, 0), (1, 1), (2, 0), (3, 0)
         first, second = (found.flow.at(power) for power in (0, 1))
-        squared = found.parts[found.carried[0].index(1)].at(2)
+        squared = found.parts[found.leader].at(2)
         mean = found.means[0] if found.means else squared
         for part, known in (
             (first, {(A,), (A_XX,), (A, A, B)}),
@@ -136,6 +138,26 @@ class Envelope(Displayed):
             "detuning": found.detuning,
             **({"loss": -first.coefficient(A)} if self.lattice.has_losses else {}),
         }
+
+    @property
+    def leading_field(self) -> str:
+        """The field whose amplitude is A."""
+        return self.lattice.fields[self.carrier.leader]
+
+    @property
+    def waves(self) -> int:
+        """The number of factors of the dispersion relation, of which the formulas solve one."""
+        return len(self.carrier.waves)
+
+    def frequency_text(self, printed: Printed = text_of) -> str:
+        """The factor of the dispersion relation that the formulas solve, an equation of omega."""
+        parts = self.carrier.wave.powers_of(w)
+        squared = frequency**2 if omega in self.lattice.constants else omega**2
+        if parts.keys() == {0, 2}:
+            value = (parts[0] / parts[2]).factored().xreplace(self.constants)
+            return f"{printed(squared)} = {printed(value)}"
+        rest = sum((v.as_expr() * (-squared) ** (power // 2) for power, v in parts.items()), S.Zero)
+        return f"{printed(rest.xreplace(self.constants))} = 0"
 
     @property
     def equation(self) -> str:
@@ -161,9 +183,23 @@ class Envelope(Displayed):
     @cached_property
     def expressions(self) -> Mapping[str, Expr]:
         """The coefficients in sin(k/2), cos(k/2), omega and the lattice's constants."""
+        return self.expressions_of(self.parts)
+
+    def expressions_of(self, names: Iterable[str]) -> dict[str, Expr]:
+        """Some of them; EnvelopeError where one has more than `MOST_TERMS`."""
+        sizes = {name: self.parts[name].size for name in names}
+        longest = max(sizes, key=sizes.__getitem__)
+        if sizes[longest] > MOST_TERMS:
+            short = all(sizes[name] <= MOST_TERMS for name in sizes if name not in NEXT_ORDER)
+            unknown = [str(s) for s in self.lattice.constants if s not in self.constants]
+            raise EnvelopeError(
+                f"formulas must have at most {MOST_TERMS} terms, got {sizes[longest]} in "
+                f"{longest} (give numbers for some of {', '.join(unknown)}, as {unknown[0]}=1"
+                f"{', or take --order 3, without the next order' if short else ''})"
+            )
         return {
-            name: self._expression(value) * (-I if name in IMAGINARY else 1)
-            for name, value in self.parts.items()
+            name: self._expression(self.parts[name]) * (-I if name in IMAGINARY else 1)
+            for name in sizes
         }
 
     def _expression(self, element: RationalFunction) -> Expr:
@@ -173,8 +209,9 @@ class Envelope(Displayed):
             actual[frequency] = omega
         real, imaginary = (part.subs(actual) for part in in_sines(element))
         found = real + I * imaginary
-        algebraic = self.wavenumber is not None and (self.wavenumber / pi).is_Rational
-        return simplify(found) if algebraic else found
+        is_exact = self.wavenumber is None or self.wavenumber in TURNS
+        algebraic = not is_exact and (self.wavenumber / pi).is_Rational
+        return simplify(found) if algebraic and element.size <= MOST_SIMPLIFIED else found
 
     def coefficients(
         self, k: Number | None = None, branch: str | int | None = None, **constants: Number
@@ -182,9 +219,9 @@ class Envelope(Displayed):
         """The coefficients at a wavenumber and values of all constants.
 
         Raises EnvelopeError (a ValueError) at a resonance, and ValueError for a wavenumber outside
-        of 0 < k <= pi, constants that are missing or unknown, and an unstable lattice.
+        of 0 <= k <= pi, constants that are missing or unknown, and an unstable lattice.
         """
-        found = self._numbers(k, branch, constants)
+        found = self.regular(k, branch, **constants)._numbers(k, branch, constants)
         numbers = {name: _plain(value) for name, value in found.items()}
         return EnvelopeNumbers(**{**dict.fromkeys(NEXT_ORDER, nan), **numbers})
 
@@ -207,13 +244,14 @@ class Envelope(Displayed):
                 "the wave cannot be scaled away: take the lattice without them)"
             )
         if self.wavenumber is None and k is None and not constants and not self.constants:
-            return _nls_form({name: self.expressions[name] for name in _MAPPED})
-        found = self._numbers(k, branch, constants)
+            return _nls_form(self.expressions_of(_MAPPED))
+        regular = self.regular(k, branch, **constants)
+        found = regular._numbers(k, branch, constants)
         if abs(found["q"]) <= RESONANT:
             return _nls_form({**dict.fromkeys(_MAPPED, S.One), "q": S.Zero})
         if len(self.lattice.fields) == 1:
             chosen = self.wavenumber if k is None else wavenumber(k)
-            return _nls_form(self._exact_numbers(chosen, self._values(constants)))
+            return _nls_form(regular._exact_numbers(chosen, regular._values(constants)))
         texts = {name: mpmath.nstr(found[name].real, DIGITS) for name in _MAPPED}
         return _nls_form({n: parse_rational(n, text) for n, text in texts.items()}, DIGITS)
 
@@ -265,9 +303,35 @@ class Envelope(Displayed):
         with mpmath.workdps(DIGITS + GUARD):
             angle = mpmath.mpf(chosen.evalf(DIGITS + GUARD))
             point = {str(s): mpmath.mpf(v.evalf(DIGITS + GUARD)) for s, v in values.items()}
-            point[str(z)] = mpmath.mpc(-1) if chosen == pi else mpmath.expj(angle)
+            point[str(z)] = mpmath.mpc(TURNS.get(chosen) or mpmath.expj(angle))
             point["k"] = angle
             return {**point, str(w): 1j * _frequency(self.carrier, point, number)}
+
+    def regular(
+        self, k: Number | None = None, branch: str | int | None = None, **constants: Number
+    ) -> Envelope:
+        """The envelope in the amplitude of the first field that moves; arguments as `coefficients`.
+
+        It is this one, unless its first field is at rest at this point, or its formulas are those
+        of another wave or 0/0 there.  Raises EnvelopeError where two branches meet.
+        """
+        point = self.point(k, branch, constants)
+        if self._holds(point):
+            return self
+        chosen = self.wavenumber if k is None else wavenumber(k)
+        values = {s: v for s, v in self._values(constants).items() if v.is_Rational}
+        for leader in range(len(self.lattice.fields)):
+            found = replace(self, carrier=_led(self.lattice, chosen, leader, values))
+            if found._holds(point := found.point(k, branch, constants)):
+                found.carrier.solve()
+                return found
+        raise EnvelopeError(_meeting(f"k = {mpmath.nstr(point['k'], 8)}"))
+
+    def _holds(self, point: Mapping[str, mpmath.mpc]) -> bool:
+        """Whether the formulas are those of the point's wave, and its leading field moves."""
+        with mpmath.workdps(DIGITS + GUARD):
+            is_wave = evaluated(1 / self.carrier.wave, point) is None
+            return is_wave and all(evaluated(s, point) is not None for s in self.carrier.singular)
 
     def _numbers(
         self, k: Number | None, branch: str | int | None, constants: Mapping[str, Number]
@@ -287,13 +351,6 @@ class Envelope(Displayed):
         found: dict[str, mpmath.mpc] = {"omega": point[str(w)].imag}
         for name, element in self.parts.items():
             value = evaluated(element, point)
-            if value is None and name in ("v", "p"):
-                first = self.lattice.fields[0]
-                raise EnvelopeError(
-                    f"k must have a carrier that moves {first}, got "
-                    f"{mpmath.nstr(point['k'], 8)}, where {first} is at rest in this branch or "
-                    f"two branches meet (list the field first that moves, or take another k)"
-                )
             if value is None:
                 raise EnvelopeError(_resonance("the group velocity is the sound speed", point))
             is_none = abs(value) < mpmath.mpf(10) ** -DIGITS * abs(point[str(w)])
@@ -307,7 +364,7 @@ class Envelope(Displayed):
 
     def text(self) -> str:
         """The equation and p and q, in plain text."""
-        p, q = (text_of(self.expressions[name]) for name in ("p", "q"))
+        p, q = map(text_of, self.expressions_of(("p", "q")).values())
         return f"{self.lattice.name}: {self.equation}, p = {p}, q = {q}"
 
     def latex(self) -> str:
@@ -336,7 +393,7 @@ def envelope(
 ) -> Envelope:
     """The envelope equation of a chain's carrier waves.
 
-    ``k`` is the wavenumber in radians a cell, 0 < k <= pi; without it the coefficients are
+    ``k`` is the wavenumber in radians a cell, 0 <= k <= pi; without it the coefficients are
     functions of k.  ``branch`` is "acoustic", "optical" or its number from below.  Constants that
     are given are put in beforehand, which is faster.  Raises EnvelopeError (a ValueError) where
     there is no NLS equation.
@@ -351,26 +408,18 @@ def envelope(
         raise ValueError(f"lattice must have one axis, got {lattice.dimension} (take a chain)")
     chosen = None if k is None else wavenumber(k)
     number = _branch(branch, lattice)
-    slopes = (bond.stiffness(S.Zero) for bond in lattice.bonds)
-    if not any(part.free_symbols for part in (*lattice.masses, *slopes)):
-        # the dispersion relation is solved for a symbol, and is linear in any mass
-        constants = {**constants, str(FIRST_MASS): lattice.masses[0]}
-        lattice = replace(lattice, masses=(FIRST_MASS, *lattice.masses[1:]))
     names = {str(symbol): symbol for symbol in lattice.constants}
     values = values_of(constants, names, lattice.name)
-    unknown = [name for name, symbol in names.items() if symbol not in values]
-    is_large = len(lattice.fields) >= LARGE_CELL and not lattice.definitions
-    in_masses = {str(symbol) for mass in lattice.masses for symbol in mass.free_symbols}
-    is_long = len(unknown) > MOST_SYMBOLS or (len(unknown) > 1 and in_masses & {*unknown})
-    if is_large and is_long and chosen != pi:
-        raise EnvelopeError(
-            f"constants of a cell with {len(lattice.fields)} fields must be given, but for "
-            f"{MOST_SYMBOLS} of its springs, got none for {', '.join(unknown)} (in more symbols it "
-            f"takes more than a minute; give all masses, as {unknown[0]}=1, or take k = pi)"
-        )
-    carrier = Carrier(lattice, at_pi=chosen == pi, values=values)
+    carrier = Carrier(lattice, turn=TURNS.get(chosen), wave=number, values=values)
     carrier.solve()
     return Envelope(lattice, chosen, number, values, carrier)
+
+
+def _led(
+    lattice: Lattice, chosen: Expr | None, leader: int, values: Mapping[Symbol, Expr]
+) -> Carrier:
+    """The carrier of a field's amplitude, not yet solved."""
+    return Carrier(lattice, turn=TURNS.get(chosen), leader=leader, values=values)
 
 
 def modulation_map(
@@ -397,10 +446,10 @@ def modulation_map(
 
 
 def wavenumber(k: Number) -> Expr:
-    """A wavenumber exactly; ValueError unless it is in 0 < k <= pi."""
+    """A wavenumber exactly; ValueError unless it is in 0 <= k <= pi."""
     value = exact_value("k", k)
-    if value.free_symbols or not 0 < value <= pi:
-        raise ValueError(f"k must satisfy 0 < k <= pi, got {shown(k)} (radians a cell)")
+    if value.free_symbols or not 0 <= value <= pi:
+        raise ValueError(f"k must satisfy 0 <= k <= pi, got {shown(k)} (radians a cell)")
     return value
 
 
@@ -431,17 +480,23 @@ def _frequency(carrier: Carrier, at: Mapping[str, mpmath.mpc], number: int) -> m
     try:
         roots = sorted(mpmath.polyroots(polynomial, maxsteps=200, extraprec=200), key=mpmath.re)
     except mpmath.mp.NoConvergence:  # of roots that are the same
-        raise ValueError(
-            f"k must leave the branches apart, got {at_k}, where two have one frequency (take "
-            "another k, or constants that part them)"
-        ) from None
+        raise ValueError(_meeting(at_k)) from None
     found = roots[number]
+    if abs(found) <= RESONANT * abs(roots[-1]):
+        raise EnvelopeError(at_rest(f" at {at_k}"))
     if abs(found.imag) > ROUNDING * abs(found) or found.real <= 0:
         raise ValueError(
             f"constants must give a real frequency, got omega^2 = {mpmath.nstr(found, 8)} at "
             f"{at_k} (the lattice must be stable)"
         )
     return mpmath.sqrt(found.real)
+
+
+def _meeting(at: str) -> str:
+    return (
+        f"k must leave the branches apart, got {at}, where two have one frequency (take another "
+        "k, or constants that part them)"
+    )
 
 
 def _plain(value: mpmath.mpc) -> Any:

@@ -27,6 +27,9 @@ ANY_CARRIER, ITS_CONSTANT = 1.0, 6.0
 """What five constants without a value add, as the phase is a further symbol; a factor for each
 more."""
 
+MOST_IN_SYMBOLS = 5.0
+"""What they add at most: formulas beyond a budget of terms are refused (`carrier_envelope`)."""
+
 A_REACH = 30.0
 """For one field, by how much each further cell that a bond reaches makes that dearer."""
 
@@ -63,7 +66,8 @@ def envelope_seconds(lattice: Lattice, at_pi: bool, given: int = 0) -> float:
     constants, further = max(0, len(lattice.constants) - given), len(lattice.fields) - 2
     if at_pi:
         return CARRIER * A_CONSTANT ** (constants - 5) * A_FIELD**further
-    symbols = ANY_CARRIER * ITS_CONSTANT ** (constants - 5) if constants else 0.0
+    symbols = min(ANY_CARRIER * ITS_CONSTANT ** (constants - 5), MOST_IN_SYMBOLS)
+    symbols = symbols if constants else 0.0
     return IN_NUMBERS * EACH_FIELD**further + symbols * A_FIELD**further
 
 

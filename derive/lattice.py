@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -17,11 +18,14 @@ from longwave.derive.output.notation import (
     bracketed,
     latex_of,
     power_of,
+    signed_sum,
     text_of,
     weighted_sum,
 )
+from longwave.derive.output.own_names import unused
 from longwave.derive.symbols import (
     check_constants,
+    check_names,
     constant_value,
     eps,
     loss_value,
@@ -133,6 +137,29 @@ class Bond:
         return self.force.diff(x).subs(x, stretch)
 
 
+Weights = dict[tuple[int, Cell], int]
+"""Of an action or a stretch: the weight of each field at each offset."""
+
+
+def _weights(entries: Iterable[Stencil], factor: int = 1) -> Weights:
+    """The sum of the weights of each site; a ``factor`` of -1 also takes the mirror's offsets."""
+    found: Weights = {}
+    for entry in entries:
+        site = entry.field, tuple(factor * step for step in entry.shift)
+        found[site] = found.get(site, 0) + factor * entry.weight
+    return {site: weight for site, weight in found.items() if weight}
+
+
+def _products(left: Weights, right: Weights, turn: int = 1) -> Weights:
+    """The product of two weights as polynomials in shifts, of one field each."""
+    found: Weights = {}
+    for (_, first), a in left.items():
+        for (_, second), b in right.items():
+            site = 0, tuple(i + turn * j for i, j in zip(first, second, strict=True))
+            found[site] = found.get(site, 0) + a * b
+    return {site: weight for site, weight in found.items() if weight}
+
+
 def spring(force: Expr, start: tuple[Cell, int], end: tuple[Cell, int]) -> Bond:
     """The bond between two displacements, each given by its cell and its field.
 
@@ -197,6 +224,11 @@ class Lattice(Displayed):
         defined = dict(self.definitions)
         inner = (symbol for value in defined.values() for symbol in value.free_symbols)
         return tuple(sorted({*self.constants, *inner} - {*defined}, key=str))
+
+    @property
+    def names(self) -> set[str]:
+        """The names of fields and constants, which names of an output must not be."""
+        return {*self.fields, *map(str, (*self.constants, *self.basic_constants))}
 
     def with_defined(self, values: Mapping[Symbol, Expr]) -> dict[Symbol, Expr]:
         """The values, with those of the symbols that are defined by other constants."""
@@ -322,6 +354,66 @@ class Lattice(Displayed):
         """Whether there is any loss."""
         return bool(self.leading_losses)
 
+    @property
+    def has_displacements(self) -> bool:
+        """Whether all actions are minus the mirrors of stretches, as they are of displacements.
+
+        >>> from longwave.derive import LATTICES
+        >>> [LATTICES[name].has_displacements for name in ("klein_gordon", "fput_strain")]
+        [True, False]
+        """
+        return all(_weights(bond.action) == _weights(bond.stretch, -1) for bond in self.bonds)
+
+    @property
+    def missing_energies(self) -> tuple[str, ...]:
+        """A sentence for each action that is no energy's: the forces give or take energy.
+
+        An energy ``V(x)`` of a bond acts by minus the mirror of its stretch.  In other variables
+        than displacements, as strains, one positive symmetric stencil may stand before all actions.
+
+        >>> from longwave.derive import LATTICES
+        >>> LATTICES["fput_strain"].missing_energies
+        ()
+        >>> ends = Stencil((0,), 2), Stencil((-1,), -1)
+        >>> bond = Bond((Stencil((1,)), Stencil((0,), -1)), x, ends)
+        >>> Lattice("odd", "odd", ("u",), (S.One,), (bond,)).missing_energies
+        ('F acts on u by 2*F[n] - F[n-1], an energy of its stretch by F[n] - F[n-1]',)
+        """
+        pairs = [(_weights(bond.action), _weights(bond.stretch, -1)) for bond in self.bonds]
+        wrong = [i for i, (action, mirror) in enumerate(pairs) if action != mirror]
+        if not wrong or (len({*self.masses}) == 1 and self._has_metric(pairs)):
+            return ()
+        found = []
+        for i in wrong:
+            name = f"F{i + 1}" if len(pairs) > 1 else "F"
+            for place, label in enumerate(self.fields):
+                acts, wanted = (_sum_of_force(part, place) for part in pairs[i])
+                if acts != wanted:
+                    by_energy = f"an energy of its stretch by {wanted}"
+                    found.append(f"{name} acts on {label} by {acts}, {by_energy}")
+        return tuple(found)
+
+    def _has_metric(self, pairs: Sequence[tuple[Weights, Weights]]) -> bool:
+        """Whether all actions are one positive symmetric stencil of shifts times the mirrors."""
+        rows = [
+            tuple({s: w for s, w in part.items() if s[0] == place} for part in pair)
+            for pair in pairs
+            for place in range(len(self.fields))
+        ]
+        rows = [row for row in rows if any(row)]
+        action, mirror = rows[0]
+        square = _products(action, mirror, -1)  # the stencil times the mirror's square
+        waves = (
+            sum(w * math.cos(k * c[0] + 0.7 * k * c[-1]) for (_, c), w in square.items())
+            for k in (0.3, 1.0, 1.7, 2.4, 3.1)
+        )
+        mirrored = {(0, tuple(-step for step in cell)): w for (_, cell), w in square.items()}
+        return (
+            square == mirrored
+            and all(size > 0 for size in waves)
+            and all(_products(a, mirror) == _products(action, m) for a, m in rows)
+        )
+
     def strained(self, strain: Expr) -> Lattice:
         """The lattice of one field about a uniform strain of its cells, fields counted from there.
 
@@ -344,6 +436,11 @@ class Lattice(Displayed):
         return not any(sum(entry.weight for entry in bond.stretch) for bond in self.bonds)
 
     @property
+    def is_linear(self) -> bool:
+        """Whether all forces are linear in the stretch."""
+        return all(bond.force.diff(x, 2).is_zero for bond in self.bonds)
+
+    @property
     def is_polynomial(self) -> bool:
         """Whether all forces are polynomials in the stretch."""
         return all(bond.is_polynomial for bond in self.bonds)
@@ -351,8 +448,8 @@ class Lattice(Displayed):
     def expanded(self, degree: int) -> Lattice:
         """The lattice with each force as a polynomial of that degree about zero stretch.
 
-        Coefficients that are no rational functions get a symbol, F2 for that of x^2 (F2b for that
-        of the second bond), and their expression is in ``definitions``; equal ones share it.
+        Coefficients that are no rational functions get a symbol, F2 for that of x^2 (with several
+        bonds F2a, F2b), and their expression is in ``definitions``; equal ones share it.
 
         >>> from sympy import Symbol, sin, sqrt
         >>> stiffness = Symbol("g", positive=True)
@@ -362,14 +459,15 @@ class Lattice(Displayed):
         """
         definitions = dict(self.definitions)
         known = {value: symbol for symbol, value in self.definitions}
-        bonds = []
-        for letter, bond in zip("abcdefghijklmnopqrstuvwxyz", self.bonds, strict=False):
+        bonds, names = [], self.names
+        for place, bond in enumerate(self.bonds):
             force: Expr = S.Zero
             for power in () if bond.is_polynomial else range(degree + 1):
                 value = bond.taylor(power)
                 if not _is_rational(value) and value not in known:
-                    name = f"F{power}{'' if letter == 'a' else letter}"
-                    known[value] = Symbol(name, real=True, positive=value.is_positive or None)
+                    name = f"F{power}{_letters(place) if len(self.bonds) > 1 else ''}"
+                    is_positive = value.is_positive or None
+                    known[value] = Symbol(unused(name, names), real=True, positive=is_positive)
                     definitions[known[value]] = value
                 force += known.get(value, value) * x**power
             bonds.append(bond if bond.is_polynomial else replace(bond, force=force))
@@ -419,7 +517,9 @@ class Lattice(Displayed):
                     f"{self.dimension} axes, got field {entry.field} and {len(entry.shift)} axes "
                     "(fields are counted from 0)"
                 )
-        check_constants(self.constants)
+        check_names("fields", fields)
+        check_constants(self.basic_constants, fields)
+        check_constants(self.constants, fields)
 
     def equations(self, printed: Printed = text_of) -> tuple[str, ...]:
         """The equations of motion, then the force of each bond, one a line.
@@ -428,10 +528,12 @@ class Lattice(Displayed):
         >>> LATTICES["fput_strain"].equations()[0]
         "y_n'' = F(y_{n+1}) - 2 F(y_n) + F(y_{n-1})"
         """
-        if printed is text_of:
-            return tuple(_equations(self, printed, ("{}'", "{}''"), "F{}"))
-        dots = (r"\dot{{{}}}", r"\ddot{{{}}}")
-        return tuple(_equations(self, printed, dots, "F_{{{}}}"))
+        is_text = printed is text_of
+        return tuple(
+            _equations(
+                self, printed, ("{}'", "{}''") if is_text else (r"\dot{{{}}}", r"\ddot{{{}}}")
+            )
+        )
 
     def text(self) -> str:
         """The name, and the equations in plain text."""
@@ -440,6 +542,23 @@ class Lattice(Displayed):
     def latex(self) -> str:
         """The equations in LaTeX, without delimiters."""
         return r",\quad ".join(self.equations(latex_of))
+
+
+def _sum_of_force(weights: Weights, field: int) -> str:
+    """An action on a field as lattice files write it."""
+    terms = []
+    for (own, cell), weight in sorted(weights.items(), reverse=True):
+        if own == field:
+            steps = ", ".join(f"{a}{s:+d}" if s else a for a, s in zip("nml", cell, strict=False))
+            size = "" if abs(weight) == 1 else f"{abs(weight)}*"
+            terms.append((weight < 0, f"{size}F[{steps}]"))
+    return signed_sum(terms)
+
+
+def _letters(place: int) -> str:
+    """a, b, ..., z, aa, ab, ... for the places from 0."""
+    rest, letter = divmod(place, 26)
+    return (_letters(rest - 1) if rest else "") + chr(ord("a") + letter)
 
 
 def _is_rational(value: Expr) -> bool:
@@ -480,13 +599,12 @@ def _each(
     return {name: values.get(name, S.Zero) for name in names}
 
 
-def _equations(
-    lattice: Lattice, printed: Printed, dots: tuple[str, str], label: str
-) -> Iterator[str]:
+def _equations(lattice: Lattice, printed: Printed, dots: tuple[str, str]) -> Iterator[str]:
     """Equations of motion and forces, constants as they are ``printed``, rates with ``dots``."""
     rate, acceleration = dots
     many = len(lattice.bonds) > 1
-    labels = [label.format(number) if many else "F" for number, _ in enumerate(lattice.bonds, 1)]
+    names = [f"F{number}" if many else "F" for number, _ in enumerate(lattice.bonds, 1)]
+    labels = [printed(Symbol(unused(name, lattice.names))) for name in names]
     here = _cell((0,) * lattice.dimension)
     for index, name in enumerate(lattice.fields):
         mass = lattice.masses[index]
@@ -507,16 +625,19 @@ def _equations(
             yield f"{force}(x) = {printed(bond.force)}{dashpot}"
             continue
         terms = enumerate(reversed(bond.coefficients()))
-        law = " + ".join(
-            f"{bracketed(value, printed)} {power_of(x, power, printed)}".rstrip()
-            for power, value in terms
-            if value != 0
-        )
-        yield f"{force}(x) = {law}{dashpot}"
+        law = (_law_term(value, power, printed) for power, value in terms if value != 0)
+        yield f"{force}(x) = {signed_sum(law)}{dashpot}"
+
+
+def _law_term(value: Expr, power: int, printed: Printed) -> tuple[bool, str]:
+    """Whether a term of a force is negative, and the term without its sign."""
+    is_negative = bool(value.as_coeff_Mul()[0] < 0)
+    size = -value if is_negative else value
+    return is_negative, _times(size, power_of(x, power, printed), printed).rstrip()
 
 
 def _times(factor: Expr, product: str, printed: Printed) -> str:
-    return product if factor == 1 else f"{bracketed(factor, printed)} {product}"
+    return product if factor == 1 and product else f"{bracketed(factor, printed)} {product}"
 
 
 def _stretch(lattice: Lattice, bond: Bond, at: Stencil) -> str:

@@ -49,7 +49,7 @@ from longwave.derive.algebra.formula_printing import formula_as_text
 from longwave.derive.algebra.formula_text import Vocabulary
 from longwave.derive.lattice import Bond, Cell, Lattice, Stencil, on_site, spring
 from longwave.derive.measured import Measured
-from longwave.derive.symbols import eps, x
+from longwave.derive.symbols import check_names, eps, x
 from longwave.support.known_names import one_of
 from longwave.support.user_files import file_stem, read_toml, shown, shown_path
 
@@ -107,7 +107,15 @@ def lattice_of(document: Mapping[str, Any], name: str = "lattice") -> Lattice:
     """
     _check_keys(document, "")
     fields = _texts(document, "fields")
-    symbols = _Symbols(set(_texts(document, "positive", required=False)))
+    positive = _texts(document, "positive", required=False)
+    check_names("positive", positive)
+    for word in (*fields, "pi", "I"):
+        if word in positive:
+            kind = "a field" if word in fields else "a number"
+            raise ValueError(
+                f"positive must name constants, got {word}, {kind} (write another name)"
+            )
+    symbols = _Symbols(set(positive))
     masses = [symbols.formula(f"masses[{i}]", m) for i, m in enumerate(_masses(document, fields))]
     bonds: list[Bond] = []
     for kind, build in (("spring", _spring), ("site", _site), ("bond", _bond)):
@@ -278,7 +286,9 @@ def _terms(label: str, text: object) -> list[tuple[int, str, Cell]]:
         match = _TERM.match(text, place)
         if match is None or (found and not match[1]):
             raise ValueError(
-                f"{label} must be a sum of sites such as F[n+1] - 2*F[n], got {shown(text)}"
+                f"{label} must be a sum of sites such as F[n+1] - 2*F[n], got "
+                f"{shown(text)} (weights are whole numbers: put a factor into the force, that of "
+                "one end alone into the force of a [[bond]] of its own)"
             )
         sign, weight, name, along, across = match.groups()
         steps = [int((step or "0").replace(" ", "")) for step in (along, across)]

@@ -27,6 +27,7 @@ from longwave.derive.equations import Condition, EvolutionEquation, OrderEquatio
 from longwave.derive.expansion import Expansion, expand
 from longwave.derive.lattice import Lattice
 from longwave.derive.output.notation import Notation, text_of
+from longwave.derive.output.own_names import unused
 from longwave.derive.reduction import Reduction
 from longwave.derive.scaling import Scaling
 
@@ -209,7 +210,8 @@ def reduce(
     flow, across = solver.flow()
     corrections, obstruction = ({}, None) if across else _corrections(solver, flow)
     names = expansion.lattice.fields
-    wave = Notation(chosen.axes, "W" if expansion.is_displacement else "Y")
+    unknown = unused("W", lattice.names) if expansion.is_displacement else "Y"
+    wave = Notation(chosen.axes, unknown)
     return Reduction(
         lattice=expansion.lattice,
         scaling=chosen,

@@ -10,12 +10,13 @@ simplest map is taken: h = 1 for mKdV, a = 1 for KdV, KP and NLS.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 
 from sympy import Abs, Expr, S, latex, sign, sqrt
 
 from longwave.derive.algebra.exact_numbers import exact
+from longwave.derive.output.own_names import joined_powers, marked, unused
 from longwave.support.known_names import one_of
 from longwave.support.user_files import shown
 
@@ -227,6 +228,13 @@ class NormalForm:
         factor = "" if self.h == 1 else "h "
         return f"{unknown}(X, {across[0]}T) = {factor}U({along}{across[1]}, b T)"
 
+    def lines(self, taken: Collection[str], written: Callable[[str, Expr], str]) -> Iterator[str]:
+        """Equation, map and scales in plain text, names apart from those ``taken`` by a lattice."""
+        text = f"{NORMAL_EQUATIONS[self.equation].text}, {self.map_text}:"
+        yield f"normal form {marked(text, ('U', 'drift', *'abehsr'), taken)}"
+        for name, value in self.values.items():
+            yield f"  {unused(name, taken)} = {written(name, value)}"
+
     @property
     def values(self) -> dict[str, Expr]:
         """The scales of the map and the signs of the normal form, by name."""
@@ -294,7 +302,8 @@ def normal_form_of(
     entry = equation_of(terms)
     if entry is None:
         raise ValueError(_refusal(terms, [term for term in coefficients if term not in terms]))
-    scales = {"s": S.One, **entry.scales(*(terms[term] for term in entry.terms))}
+    found = entry.scales(*(terms[term] for term in entry.terms)).items()
+    scales = {"s": S.One, **{name: joined_powers(value) for name, value in found}}
     return NormalForm(c=c, equation=entry.name, drift=drift, digits=digits, **scales)
 
 

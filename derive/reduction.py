@@ -15,7 +15,15 @@ from longwave.derive.amplitude_law import AmplitudeLaw, amplitude_law
 from longwave.derive.equations import Coefficients, Condition, EvolutionEquation, OrderEquation
 from longwave.derive.lattice import Lattice
 from longwave.derive.normal_form import NormalForm, equation_of, normal_form_of
-from longwave.derive.output.notation import Notation, idle_loss, latex_of, power_of, text_of
+from longwave.derive.output.notation import (
+    Notation,
+    Printed,
+    idle_loss,
+    latex_of,
+    power_of,
+    text_of,
+)
+from longwave.derive.output.own_names import joined_powers, unused
 from longwave.derive.output.report import latex_report, reduction_data, text_report
 from longwave.derive.scaling import Scaling
 from longwave.derive.symbols import eps, values_of
@@ -35,7 +43,7 @@ class Reduction:
     vanish identically are absent).  ``sound_polynomial``: P(c), zero at the sound speed.
     ``conditions``: what the constants must satisfy, with the order that asks for it.  ``pde``:
     the reduced equation.  ``remainders``: order -> what an exact solution of ``pde`` leaves in the
-    lattice equation.  ``corrections``: power p -> F_p of ``Y_T = F_0 + sum eps^p F_p``.
+    lattice equation.  ``corrections``: power p -> G_p of ``Y_T = G_0 + sum eps^p G_p``.
     ``obstruction``: the first (power, polynomial) that is no X-derivative, where the one-way
     reduction ends, or None if no such order was reached.  With a transverse term no corrections
     and remainders are sought.  ``slaved``: field -> its share e of the wave and the series that is
@@ -85,7 +93,12 @@ class Reduction:
     @property
     def is_displacement(self) -> bool:
         """Whether the lattice's fields are displacements: the wave is W, and Y = W_X."""
-        return any(equation.notation.unknown == "W" for equation in self.orders.values())
+        return self.wave != "Y"
+
+    @property
+    def wave(self) -> str:
+        """The unknown of the orders: Y, or W of displacements."""
+        return next((equation.notation.unknown for equation in self.orders.values()), "Y")
 
     @property
     def idle_losses(self) -> tuple[str, ...]:
@@ -105,7 +118,8 @@ class Reduction:
         if not self.is_displacement:
             return f"Y: {names[0]} less its mean is {size}Y, at first order"
         strain = power_of(eps, scaling.amplitude + scaling.space[0].exponent, text_of)
-        return f"Y = W_X: {names[0]} is {size}W, the strain of a cell {strain}Y, at first order"
+        moved = f"Y = {self.wave}_X: {names[0]} is {size}{self.wave}"
+        return f"{moved}, the strain of a cell {strain}Y, at first order"
 
     @property
     def sound_condition(self) -> Eq:
@@ -137,11 +151,15 @@ class Reduction:
         flow = sorted(self.pde.flow.terms.items(), key=lambda item: (-len(item[0]), item[0]))
         terms = [*((m, -value) for m, value in flow), *self.pde.transverse.terms.items()]
         found = [
-            (self.notation.monomial(monomial), monomial, value.factored().xreplace(at))
+            (
+                self.notation.monomial(monomial),
+                monomial,
+                joined_powers(value.factored().xreplace(at)),
+            )
             for monomial, value in terms
         ]
         return Coefficients(
-            self.scaling.speed.xreplace(at),
+            joined_powers(self.scaling.speed.xreplace(at)),
             {name: value for name, _, value in found},
             {name: monomial for name, monomial, _ in found},
         )
@@ -262,12 +280,18 @@ class Reduction:
         return latex_report(self, constants)
 
     def latex_correction(self, power: int) -> str:
-        """``F_{power}`` of ``Y_T = F_0 + ...`` in LaTeX; KeyError if it was not reached."""
-        return f"F_{{{power}}} = {self.notation.latex(self.corrections[power])}"
+        """``G_{power}`` of ``Y_T = G_0 + ...`` in LaTeX; KeyError if it was not reached."""
+        return (
+            f"{self.label('G', power, latex_of)} = {self.notation.latex(self.corrections[power])}"
+        )
 
     def latex_remainder(self, order: int) -> str:
         """The remainder of a solution of the reduced equation at ``eps^order``, in LaTeX."""
-        return f"R_{{{order}}} = {self.notation.latex(self.remainders[order])}"
+        return f"{self.label('R', order, latex_of)} = {self.notation.latex(self.remainders[order])}"
+
+    def label(self, letter: str, number: int, printed: Printed = text_of) -> str:
+        """The name of a remainder R5 or correction G2."""
+        return printed(Symbol(unused(f"{letter}{number}", self.lattice.names)))
 
     def json(self, **constants: Number) -> str:
         """The reduction as a JSON document (layout: derive.output.report).

@@ -13,7 +13,7 @@ from sympy import Expr, Integer, Symbol
 
 from longwave.derive.algebra.rational_functions import RationalFunction, RationalFunctions
 
-frequency = Symbol("omega(k)", positive=True)
+frequency = Symbol("omega~", positive=True)
 sine, cosine = Symbol("sin(k/2)", real=True), Symbol("cos(k/2)", real=True)
 """Under names that no constant of a lattice can have."""
 
@@ -30,7 +30,7 @@ def in_sines(element: RationalFunction) -> tuple[Expr, Expr]:
     >>> z, w, K = map(Symbol, "zwK")
     >>> field = RationalFunctions((z, w, K))
     >>> in_sines(field.from_expr(K * (z - 2 + 1 / z) * w))
-    (0, -4*K*omega(k)*sin(k/2)**2)
+    (0, -4*K*omega~*sin(k/2)**2)
     """
     field = RationalFunctions((sine, cosine, frequency, *element.field.symbols[2:]))
     above, below = _Product(field, element, below=False), _Product(field, element, below=True)

@@ -33,7 +33,16 @@ k = Symbol("k", real=True)
 ybar = Symbol("ybar", real=True)
 x = Symbol("x", real=True)
 
-RESERVED = {str(symbol) for symbol in (T, X, eps, k, n, t, x)} | {"Y"}
+RESERVED = {
+    "T": "the slow time",
+    "X": "the slow variable of space",
+    "Y": "the wave",
+    "eps": "the small parameter, longwave.derive.symbols.eps",
+    "k": "the wavenumber",
+    "n": "the number of a cell",
+    "t": "the time",
+    "x": "the stretch of a bond, longwave.derive.symbols.x",
+}
 """Names with a meaning of their own in the reduction."""
 
 
@@ -124,20 +133,31 @@ def values_of(
     return {constants[name]: value(name, number) for name, number in given.items()}
 
 
-def check_constants(constants: Sequence[Symbol]) -> None:
-    """Raise ValueError if a constant has a reserved name or one that another constant has."""
+def check_constants(constants: Sequence[Symbol], fields: Sequence[str] = ()) -> None:
+    """Raise ValueError if a constant has a reserved name, a field's, or another constant's."""
     names = [str(constant) for constant in constants]
     for name in names:
         if name in RESERVED:
+            check_names("constants", [name])
+        if name in fields:
             raise ValueError(
-                f"constants must have names other than {', '.join(sorted(RESERVED))}, got {name} "
-                "(longwave.derive.symbols.x is the stretch, longwave.derive.symbols.eps the small "
-                "parameter)"
+                f"constants must have names other than the fields', got {name} ({name} is a field: "
+                "in the force of a bond or site write x, its stretch)"
             )
         if names.count(name) > 1:
             raise ValueError(
                 f"constants must have different names, got {name} twice (symbols of one name with "
                 "other assumptions are other symbols: take those of longwave.derive.symbols)"
+            )
+
+
+def check_names(label: str, names: Sequence[str]) -> None:
+    """Raise ValueError for a reserved name."""
+    for name in names:
+        if name in RESERVED:
+            raise ValueError(
+                f"{label} must have names other than {', '.join(sorted(RESERVED))}, got {name} "
+                f"({name} is {RESERVED[name]}: write another name, such as {name}1)"
             )
 
 

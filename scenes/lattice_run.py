@@ -205,12 +205,28 @@ def _tell(record: RunRecord, derived: LatticeDerivation, wave: LatticeWave) -> N
         "frame_speed": wave.speed,
         "power": wave.power,
     }
+    is_moved = derived.lattice.has_displacements and not any(" " in q for q in wave.quantities)
     changes = {name: {"long_name": text} for name, text in LONG_NAMES.items()}
     changes |= {name: {"units": error_unit(wave.power)} for name in ("sup_error", *MEASURED)}
     for name in changes.keys() & record.variables.keys():
         dimensions, values, told = record.variables[name]
         record.variables[name] = dimensions, values, told | changes[name]
+    if is_moved:
+        _tell_displacements(record)
 
+
+def _tell_displacements(record: RunRecord) -> None:
+    """Name displacements in units and long names, where the fields themselves are compared."""
+    record.attrs["field_kind"] = DISPLACEMENT
+    for name, (dimensions, values, told) in record.variables.items():
+        words = {
+            key: text.replace("strain", DISPLACEMENT).replace("what is compared", DISPLACEMENT)
+            for key, text in told.items()
+        }
+        record.variables[name] = dimensions, values, words
+
+
+DISPLACEMENT = "displacement"
 
 LONG_NAMES = {
     "strain": "what is compared, on the lattice",

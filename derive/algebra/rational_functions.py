@@ -313,6 +313,11 @@ class RationalFunction:
         return bool(self.numer.leading_coefficient() < 0)
 
     @property
+    def size(self) -> int:
+        """The terms of the numerator and of the factors below the line."""
+        return len(self.numer) + sum(len(factor.polynomial) for factor in self.below)
+
+    @property
     def is_polynomial(self) -> bool:
         """Whether what is below the line is a number or one term."""
         return all(len(factor.polynomial) == 1 for factor in self.below)

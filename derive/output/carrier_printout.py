@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
@@ -23,10 +24,11 @@ from longwave.derive.checks import Check, checks_of_envelope, simple_numbers
 from longwave.derive.expected_derivation import CHEAPER_CARRIER, envelope_seconds
 from longwave.derive.intervals import Interval, Intervals
 from longwave.derive.lattice import Lattice
-from longwave.derive.normal_form import NORMAL_EQUATIONS, NormalForm, normal_form_of
+from longwave.derive.normal_form import NormalForm, normal_form_of
 from longwave.derive.output.notation import aligned, latex_of, text_of
+from longwave.derive.output.own_names import marked, unused
 from longwave.derive.output.printout import DeriveOptions, count, given_constants, varied
-from longwave.derive.output.report import form_data
+from longwave.derive.output.report import form_data, head_lines
 from longwave.derive.symbols import eps
 from longwave.support.command_line import check_and_announce
 from longwave.support.user_files import shown
@@ -96,8 +98,11 @@ def _lines(
     given = {} if lattice.definitions else values
     found = envelope(lattice, k=chosen, branch=branch, **given)
     names = [n for n in found.parts if options.orders != str(NLS_ORDER) or n not in NEXT_ORDER]
-    numbers = found.coefficients(chosen, None, **values) if chosen is not None and values else None
-    has_form = numbers and not lattice.has_losses
+    numbers = None
+    if chosen is not None and (values or not lattice.basic_constants):
+        found = found.regular(chosen, None, **values)
+        numbers = found.coefficients(chosen, None, **values)
+    has_form = numbers and numbers.q and not lattice.has_losses
     form = found.normal_form(chosen, None, **values) if has_form else None
     intervals, word = _intervals(lattice, found, values, options) if numbers else ({}, "")
     if options.form == "json":
@@ -135,13 +140,16 @@ def _data(
     data = {
         "lattice": found.lattice.name,
         "equation": found.equation,
+        "missing_energies": list(found.lattice.missing_energies),
         "k": None if found.wavenumber is None else text_of(found.wavenumber),
         "branch": found.branch,
         "fixed": str(found.carrier.fixed),
         "constants": {str(s): text_of(value) for s, value in found.constants.items()},
     }
     if numbers is None:
-        return {**data, **{name: text_of(found.expressions[name]) for name in names}}
+        wave = {"wave": found.frequency_text()} if found.waves > 1 else {}
+        formulas = found.expressions_of(names).items()
+        return {**data, **wave, **{name: text_of(value) for name, value in formulas}}
     values = {
         n: [v.real, v.imag] if isinstance(v, complex) else v
         for n, v in asdict(numbers).items()
@@ -152,13 +160,20 @@ def _data(
 
 
 def _latex(found: Envelope, names: list[str], numbers: EnvelopeNumbers | None) -> str:
-    rows = [("", found.equation_latex)]
+    taken = found.lattice.names - {*found.lattice.fields}
+    equation = marked(found.equation_latex, ("A", "i", "p", "q"), taken)
+    rows = [("", re.sub(r"(\w)~", r"\\tilde{\1}", equation))]
     if numbers is None:
-        values = {name: latex_of(found.expressions[name]) for name in names}
+        values = {name: latex_of(value) for name, value in found.expressions_of(names).items()}
+        if found.waves > 1:
+            rows.append(("", found.frequency_text(latex_of)))
     else:
         rounded = {name: _rounded(value) for name, value in asdict(numbers).items()}
         values = {name: rounded[name] for name in ("omega", *names)}
-    rows += [("", f"{COEFFICIENT_LATEX[name]} = {value}") for name, value in values.items()]
+    for name, value in values.items():
+        label = COEFFICIENT_LATEX[name]
+        label = rf"\tilde{{{label}}}" if name in taken else label
+        rows.append(("", f"{label} = {value}"))
     return aligned(rows)
 
 
@@ -171,38 +186,48 @@ def _texts(
     intervals: Mapping[str, Interval],
     word: str,
 ) -> Iterator[str]:
-    lattice = found.lattice
-    yield lattice.title
-    yield from (f"  {line}" for line in lattice.equations())
-    yield f"carrier: {lattice.fields[0]} = eps A(X, T) exp(i (k n - omega t)) + c.c. + ..."
-    yield "  X = eps (n - v t), T = eps^2 t"
+    lattice, names_taken = found.lattice, found.lattice.names - {*found.lattice.fields}
+
+    def own(text: str) -> str:
+        return marked(text, ("A", "i", "X", "T", "omega", *found.parts), names_taken)
+
+    yield from head_lines(lattice)
+    yield own(f"carrier: {found.leading_field}_n = eps A(X, T) exp(i (k n - omega t)) + c.c. + ...")
+    yield own("  X = eps (n - v t), T = eps^2 t")
     if numbers is None:
         at = "" if chosen is None else f" at k = {text_of(chosen)}"
-        yield f"{found.equation}{at}:"
+        yield own(f"{found.equation}{at}:")
         yield from (f"  {idle}" for idle in found.idle_losses)
-        yield f"  omega^2 gives {found.carrier.fixed}, which is eliminated"
-        yield from (f"  {name} = {text_of(found.expressions[name])}" for name in names)
+        if found.waves > 1:
+            yield f"  of the wave with {found.frequency_text()}, one of {found.waves}: on which"
+            yield "  branch it is depends on the constants (--branch takes another)"
+        yield f"  {own('omega')}^2 gives {found.carrier.fixed}, which is eliminated"
+        formulas = found.expressions_of(names).items()
+        yield from (f"  {own(name)} = {text_of(value)}" for name, value in formulas)
         for symbol, value in found.carrier.lattice.definitions:
             yield f"  where {symbol} = {text_of(value.subs(found.constants))}"
         return
-    yield f"{found.equation} at k = {chosen}:"
+    yield f"{own(found.equation)} at k = {chosen}:"
     yield from (f"  {idle}" for idle in found.idle_losses)
     if word:
         yield f"  {word}"
     values = asdict(numbers)
 
-    def line(name: str, value: complex) -> str:
-        return f"  {name} = {intervals[name].text() if name in intervals else _rounded(value)}"
+    def written(name: str, value: Any) -> str:
+        return intervals[name].text() if name in intervals else _rounded(value)
 
-    yield from (line(name, values[name]) for name in ("omega", *names))
+    yield from (f"  {own(name)} = {written(name, values[name])}" for name in ("omega", *names))
     kind = "unstable, solitons bright" if numbers.is_focusing else "stable, solitons dark"
+    if not numbers.q:
+        yield "q = 0: waves do not interact at this order, there are no solitons"
+        return
     if form is None:
         if numbers.is_focusing:
-            yield f"amplitude law of a bright soliton's crest a: {found.amplitude_law.text()}"
+            crest, law = unused("a", names_taken), found.amplitude_law.text_beside(names_taken)
+            yield f"amplitude law of a bright soliton's crest {crest}: {law}"
         return
-    yield f"plane waves are {kind}: p q {'>' if numbers.is_focusing else '<'} 0"
-    yield f"normal form {NORMAL_EQUATIONS[form.equation].text}, {form.map_text}:"
-    yield from (line(name, float(value)) for name, value in form.values.items())
+    yield f"plane waves are {kind}: {own('p q')} {'>' if numbers.is_focusing else '<'} 0"
+    yield from form.lines(names_taken, lambda name, value: written(name, float(value)))
 
 
 # the map

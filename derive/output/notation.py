@@ -6,6 +6,7 @@ of a single monomial is written as one, ``K3 (Y^2)_XX`` rather than ``2 K3 Y Y_X
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from itertools import groupby
@@ -37,7 +38,12 @@ class _LatexPrinter(LatexPrinter):
     """Sums in their natural order, symbols under the project's names."""
 
     def _print_Symbol(self, expr: Expr, style: str = "plain") -> str:
-        return LATEX_NAMES.get(str(expr)) or str(super()._print_Symbol(expr, style))
+        name = str(expr)
+        if name.endswith("~"):
+            letter, index = re.fullmatch(r"(.[a-z]*)(.*)~", name).groups()  # type: ignore[union-attr]
+            below = f"_{{{index}}}" if index else ""
+            return rf"\tilde{{{latex_of(Symbol(letter))}}}{below}"
+        return LATEX_NAMES.get(name) or str(super()._print_Symbol(expr, style))
 
     def _print_Add(self, expr: Expr, order: str | None = None) -> str:
         return str(super()._print_Add(expr, order="none"))

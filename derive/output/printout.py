@@ -22,13 +22,14 @@ from longwave.derive.expected_derivation import CHEAPER_ORDER, reduction_seconds
 from longwave.derive.intervals import Interval, intervals_of_reduction
 from longwave.derive.lattice import Lattice
 from longwave.derive.lattice_file import read_lattice
+from longwave.derive.linear_waves import LinearWaves
 from longwave.derive.measured import Measured
 from longwave.derive.models.lattices import FPUT_STRAIN, LATTICES
 from longwave.derive.models.mkdv import initial_velocity, initial_velocity_latex
 from longwave.derive.multiscale import FURTHER_ORDERS, ReductionError, reduce
-from longwave.derive.normal_form import NORMAL_EQUATIONS
-from longwave.derive.output.notation import aligned, text_of
-from longwave.derive.output.report import reduction_data
+from longwave.derive.output.notation import aligned, latex_of, text_of
+from longwave.derive.output.own_names import unused
+from longwave.derive.output.report import head_lines, reduction_data
 from longwave.derive.reduction import Reduction
 from longwave.derive.scaling import Scaling, SlowVariable
 from longwave.derive.symbols import constant_value, eps
@@ -78,6 +79,8 @@ def print_derivation(options: DeriveOptions) -> int:
             lines = list(_reduction_lines(lattice, options))
     except (ValueError, OSError) as error:
         return fail(error)
+    if options.form == "latex":
+        lines = [*(f"% not an energy: {line}" for line in lattice.missing_energies), *lines]
     print("\n".join(lines))
     return int(options.check and any(line.startswith("DIFFERS") for line in lines))
 
@@ -112,15 +115,52 @@ def _with_losses(lattice: Lattice, texts: Mapping[str, str]) -> Lattice:
 # long waves
 
 
+def _linear_lattice_lines(lattice: Lattice, options: DeriveOptions) -> Iterator[str]:
+    """The waves of a linear chain: branches as formulas, and in numbers where all are given."""
+    waves, given = LinearWaves.of(lattice), given_constants(lattice, options)
+    known = {*map(str, lattice.basic_constants)} == {*given}
+    if unknown := sorted({*given} - {*map(str, lattice.basic_constants)}):
+        waves.table({unknown[0]: given[unknown[0]]})
+    rows = waves.table(given) if known else []
+    if options.form == "json":
+        branches = [text_of(value) for value in waves.branches]
+        data = {"lattice": lattice.name, "equations": list(lattice.equations())}
+        data |= {"relation": waves.relation(), "omega_squared": branches}
+        yield json.dumps({**data, "waves": [[text_of(at), found] for at, found in rows]}, indent=2)
+    elif options.form == "latex":
+        yield aligned([("", line) for line in waves.lines(latex_of)])
+    else:
+        yield from head_lines(lattice)
+        yield "a linear lattice has no reduced equation; its waves exp(i (k n - omega t)):"
+        yield from (f"  {line}" for line in waves.lines())
+        if rows:
+            branches = len(rows[0][1])
+            heads = ["k", *(h for i in range(branches) for h in (f"omega {i}", f"d omega {i}/dk"))]
+            yield "  " + "  ".join(f"{head:>14}" for head in heads)
+        for at, found in rows:
+            cells = [text_of(at), *("meet" if v is None else f"{v:.10g}" for f in found for v in f)]
+            yield "  " + "  ".join(f"{cell:>14}" for cell in cells)
+
+
 def _reduction_lines(lattice: Lattice, options: DeriveOptions) -> Iterator[str]:
+    is_plain = lattice.dimension == 1 and not (lattice.has_losses or options.check)
+    if lattice.is_linear and is_plain:
+        yield from _linear_lattice_lines(lattice, options)
+        return
     try:
         reduction, values, refused = _long_wave(lattice, options)
     except ReductionError as error:
+        if lattice.missing_energies:
+            raise ReductionError(
+                f"{error}; not an energy: {lattice.missing_energies[0]} (forces without an energy "
+                "drift or grow: let the action be minus the mirror of the stretch, or run the "
+                "lattice itself)"
+            ) from None
         is_printed = options.form == "text" and not options.check
         is_formula = lattice.dimension == len(lattice.fields) == 1
         if not (is_printed and is_formula and _has_finite_losses(lattice)):
             raise
-        yield from (lattice.title, *(f"  {line}" for line in lattice.equations()))
+        yield from head_lines(lattice)
         yield from _frequency_lines(lattice, S.Zero)
         yield f"no reduced equation: {error}"
         return
@@ -150,7 +190,9 @@ def _reduction_lines(lattice: Lattice, options: DeriveOptions) -> Iterator[str]:
             yield from _linear_lines(reduction)
         yield from _decay_lines(reduction)
         if law := reduction.amplitude_law(**values):
-            yield f"amplitude law of a soliton's crest a: {law.text()}"
+            taken = reduction.lattice.names
+            crest = unused("a", taken)
+            yield f"amplitude law of a soliton's crest {crest}: {law.text_beside(taken)}"
         yield from numbers
         if refused:
             scaling = reduction.scaling
@@ -385,8 +427,7 @@ def _number_lines(
         yield f"  of {name}: {written(name, value)}"
     if reduction.has_normal_form:
         form = reduction.normal_form(**values)
-        yield f"normal form {NORMAL_EQUATIONS[form.equation].text}, {form.map_text}:"
-        yield from (f"  {name} = {written(name, value)}" for name, value in form.values.items())
+        yield from form.lines(reduction.lattice.names, written)
         if form.name not in (form.equation, reduction.pde.kind):
             yield f"  {form.name}"
 

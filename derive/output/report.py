@@ -6,18 +6,23 @@ as numerator and denominator, each a list of [exponents, "p/q"] over the documen
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
+
+from sympy import Symbol
 
 from longwave.derive.algebra.exact_numbers import Number
 from longwave.derive.algebra.jets import DifferentialPolynomial
 from longwave.derive.algebra.rational_functions import RationalFunction
 from longwave.derive.normal_form import NORMAL_EQUATIONS, NormalForm
 from longwave.derive.output.notation import Notation, aligned, latex_of, power_of, text_of
+from longwave.derive.output.own_names import marked, unused
 from longwave.derive.symbols import eps
 
 if TYPE_CHECKING:
+    from longwave.derive.lattice import Lattice
     from longwave.derive.reduction import Reduction
 
 Data = dict[str, Any]
@@ -29,10 +34,8 @@ def text_report(reduction: Reduction) -> str:
 
 
 def _lines(reduction: Reduction) -> Iterator[str]:
-    yield reduction.lattice.title
-    yield from (f"  {line}" for line in reduction.lattice.equations())
-    wave = "W" if reduction.is_displacement else "Y"
-    yield f"ansatz: {reduction.scaling.text(reduction.lattice.fields[0], wave)}"
+    yield from head_lines(reduction.lattice)
+    yield f"ansatz: {reduction.scaling.text(reduction.lattice.fields[0], reduction.wave)}"
     yield from (f"  {line}" for line in _slaved_lines(reduction))
     if reduction.is_displacement:
         yield f"  {reduction.units}"
@@ -54,9 +57,16 @@ def _lines(reduction: Reduction) -> Iterator[str]:
     yield from _beyond(reduction)
 
 
+def head_lines(lattice: Lattice) -> Iterator[str]:
+    """Title, equations of motion, and a word on forces that are no energy's."""
+    yield lattice.title
+    yield from (f"  {line}" for line in lattice.equations())
+    yield from (f"  not an energy: {line}" for line in lattice.missing_energies)
+
+
 def _slaved_lines(reduction: Reduction) -> Iterator[str]:
     """The first slaved term of each field behind the first."""
-    notation = replace(reduction.notation, unknown="W")
+    notation = replace(reduction.notation, unknown=reduction.wave)
     field = reduction.pde.flow.field
     unit = DifferentialPolynomial.monomial(field, ((0,) * len(notation.axes),))
 
@@ -75,10 +85,11 @@ def _beyond(reduction: Reduction) -> Iterator[str]:
     notation = reduction.notation
     for order, part in reduction.remainders.items():
         yield f"left in the lattice equation at eps^{order} by an exact solution of it:"
-        yield f"  R{order} = {notation.text(part)}"
+        yield f"  {reduction.label('R', order)} = {notation.text(part)}"
     for power, part in reduction.corrections.items():
-        yield f"correction of the reduced equation, Y_T = ... + eps^{power} F{power}:"
-        yield f"  F{power} = {notation.text(part)}"
+        name = reduction.label("G", power)
+        yield f"correction of the reduced equation, Y_T = ... + eps^{power} {name}:"
+        yield f"  {name} = {notation.text(part)}"
     if reduction.obstruction:
         power, part = reduction.obstruction
         yield f"no local correction at eps^{power}: this is not an X-derivative:"
@@ -104,8 +115,13 @@ def latex_report(reduction: Reduction, constants: Mapping[str, Number]) -> str:
             rows.append((rf"\text{{of }} {term}:", latex_of(value)))
     if reduction.has_normal_form:
         form = reduction.normal_form(**constants)
-        rows.append((r"\text{normal form}:", NORMAL_EQUATIONS[form.equation].latex))
-        rows += [("", f"{key} = {latex_of(value)}") for key, value in form.values.items()]
+        taken = reduction.lattice.names
+        equation = marked(NORMAL_EQUATIONS[form.equation].latex, "srU", taken)
+        rows.append((r"\text{normal form}:", re.sub(r"(\w)~", r"\\tilde{\1}", equation)))
+        rows += [
+            ("", f"{latex_of(Symbol(unused(key, taken)))} = {latex_of(value)}")
+            for key, value in form.values.items()
+        ]
     return aligned(rows)
 
 
@@ -123,6 +139,7 @@ def reduction_data(reduction: Reduction, constants: Mapping[str, Number] | None 
     return {
         "lattice": reduction.lattice.name,
         "equations": list(reduction.lattice.equations()),
+        "missing_energies": list(reduction.lattice.missing_energies),
         "scaling": _scaling_data(reduction),
         "generators": [str(symbol) for symbol in reduction.pde.flow.field.symbols],
         "orders": {str(o): data(e.polynomial) for o, e in reduction.orders.items()},

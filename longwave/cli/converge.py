@@ -89,7 +89,7 @@ def convergence_figure(study: SceneConvergence) -> ShownFigure:
     ax.loglog(eps, errors, label="lattice against wave", **BEADS | {"zorder": 3.0})
     ax.loglog(eps, own, label="own error of the runs", color=OWN, marker="s", linestyle="--")
     ax.set_xlabel(r"$\epsilon$")
-    ax.set_ylabel("sup error of the strain")
+    ax.set_ylabel("sup error")
     ax.set_xticks(eps, [f"{value:g}" for value in eps], minor=False)
     ax.set_xticks([], minor=True)
     ax.yaxis.set_minor_formatter(NullFormatter())

@@ -112,6 +112,7 @@ class Comparison:
     equation_latex: str
     wave_texts: WaveTexts
     lines: tuple[str, ...]
+    field: str = "strain"
     ended: str = ""
 
     def columns(self, values: Array) -> Array:
@@ -195,6 +196,7 @@ def _compared(scene: Scene, progress: Progress | None, announce: Any) -> Compari
         relative=relative,
         estimate=float(told["error_estimate"]),
         unit=error_unit(told["power"]),
+        field=told.get("field_kind", "strain"),
         equation=derived.text(),
         equation_latex=derived.latex(),
         wave_texts=wave_texts(str(scene.wave), tuple(name for name, _ in scene.parameters)),

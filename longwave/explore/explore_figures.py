@@ -93,7 +93,7 @@ class Profile(Picture):
     def show(self, found: Comparison) -> None:
         """Fit the axes to all times of a comparison."""
         self.reach((float(found.X.min()), float(found.X.max())), extent(found.lattice, found.wave))
-        self.picture.yaxis.axis_label = f"strain, in {unit(found)}"
+        self.picture.yaxis.axis_label = f"{found.field}, in {unit(found)}"
 
     def show_frame(self, found: Comparison, frame: int) -> None:
         """Draw one time."""

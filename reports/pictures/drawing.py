@@ -57,7 +57,7 @@ def snapshot_panels(
             above.set_ylim(*limits)
             above.tick_params(labelbottom=False, labelleft=column == 0)
             below.tick_params(labelleft=column == 0)
-        panels[0, 0].set_ylabel("$y_n$")
+        panels[0, 0].set_ylabel(field_label(row[0]))
         panels[1, 0].set_ylabel("difference")
         free = _without(panels[:, len(row) :]) or free
         for ax in panels[1, : len(row)]:
@@ -251,6 +251,16 @@ LEAST_CELLS = 24
 """Fewest cells of sites that are shown."""
 
 
+def field_label(run: xr.Dataset | xr.DataArray, strain: str = "$y_n$") -> str:
+    """The axis label of what a run or one of its variables holds, ``strain`` unless told.
+
+    >>> field_label(xr.Dataset(attrs={"field_kind": "displacement"}))
+    'displacement'
+    """
+    units = str(run.attrs.get("field_kind") or run.attrs.get("units", ""))
+    return "displacement" if units.startswith("displacement") else strain
+
+
 @part(2.6)
 def space_time_map(figure: FigureBase, strain: xr.DataArray, half_width: int | None = None) -> None:
     """The variable `space_time` of a run; it has a time and, then, the first sites of its cells.
@@ -271,8 +281,9 @@ def space_time_map(figure: FigureBase, strain: xr.DataArray, half_width: int | N
         ax.set_ylim(-shown, shown)
     ax.set_xlabel("$t$")
     ax.set_ylabel(MOVING)
+    label = field_label(strain)
     figure.colorbar(
-        drawn, ax=ax, label="envelope of $y_n$" if strain.attrs.get("carried") else "$y_n$"
+        drawn, ax=ax, label=f"envelope of {label}" if strain.attrs.get("carried") else label
     )
 
 
@@ -351,7 +362,8 @@ def crest_track(figure: FigureBase, run: xr.Dataset) -> None:
         if name == "crest_strain" and "crest_law" in run:
             ax.plot(times, run["crest_law"], label="law", color="black", linestyle="--", lw=0.9)
         ax.set_xlabel("$t$")
-        ax.set_ylabel(label.replace("$y$", "envelope") if run.attrs.get("carried") else label)
+        field = "envelope" if run.attrs.get("carried") else field_label(run, "$y$")
+        ax.set_ylabel(label.replace("$y$", field))
         ax.locator_params(axis="x", nbins=6)
         ax.ticklabel_format(axis="y", scilimits=(-3, 3), useMathText=True)
         ax.legend()
@@ -387,7 +399,8 @@ def spectrum_panels(figure: FigureBase, found: xr.Dataset) -> None:
     The run's own error is a line: amplitudes below it are not trusted, and can still be seen.
     """
     count = found.sizes["time"]
-    grid, free = panel_grid(figure, count, "wavenumber  (1/site)", "amplitude of $y$")
+    amplitude = f"amplitude of {field_label(found, '$y$')}"
+    grid, free = panel_grid(figure, count, "wavenumber  (1/site)", amplitude)
     signs: dict[str, Any] = {}
     for place, ax in enumerate(grid):
         signs |= _draw_spectrum(ax, found.isel(time=place))

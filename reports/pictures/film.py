@@ -16,7 +16,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from longwave.reports.pictures.drawing import spread_limits
+from longwave.reports.pictures.drawing import field_label, spread_limits
 from longwave.reports.pictures.style import ANALYTICAL, LATTICE, WAVE
 from longwave.reports.pictures.style import BEADS as BEAD
 
@@ -144,7 +144,7 @@ class ChainFilm(Film):
         ax.set_xlim(*self._common())
         ax.set_ylim(*spread_limits([self._strain, self._wave]))
         ax.set_xlabel(run.attrs.get("along", "$n - c\\,t$  (sites)"))
-        ax.set_ylabel(run.attrs.get("drawn", "$y_n$"))
+        ax.set_ylabel(run.attrs.get("drawn") or field_label(run))
         if run.attrs["wave"]:
             ax.legend(loc="upper right", handlelength=2.2)
         return [self._body, self._beads, self._line]
@@ -181,7 +181,7 @@ class PlaneFilm(Film):
         self._lines = self._contours(0)
         self._ax.set_xlabel("$n - c\\,t$  (cells)")
         self._ax.set_ylabel("$m$")
-        self.figure.colorbar(self._mesh, ax=self._ax, label="strain")
+        self.figure.colorbar(self._mesh, ax=self._ax, label=field_label(self._run, "strain"))
         return [self._mesh, self._lines]
 
     def _show(self, place: int) -> None:

@@ -12,7 +12,13 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure, FigureBase
 from numpy.typing import NDArray
 
-from longwave.reports.pictures.drawing import STABLE, WAVENUMBER_TICKS, even_places, told_error
+from longwave.reports.pictures.drawing import (
+    STABLE,
+    WAVENUMBER_TICKS,
+    even_places,
+    field_label,
+    told_error,
+)
 from longwave.reports.pictures.style import CURVES, page_width, part
 
 if TYPE_CHECKING:
@@ -44,7 +50,7 @@ def strain_maps(figure: FigureBase, run: xr.Dataset) -> None:
     ends = float(run["strain"].min()), float(run["strain"].max())
     largest = float(abs(apart).max())
     for axes, values, words, colours, (least, most) in (
-        (panels[0], run["strain"], "strain", "viridis", ends),
+        (panels[0], run["strain"], field_label(run, "strain"), "viridis", ends),
         (panels[1], apart, "lattice $-$ theory", "PuOr", (-largest, largest)),
     ):
         for place, ax in zip(places, axes, strict=True):
@@ -86,7 +92,7 @@ def rate_figure(panels: Mapping[float, Mapping[str, Sequence[ConvergencePoint]]]
     for ax in list(grid.flat)[len(panels) :]:
         ax.set_visible(False)
     for ax in grid[:, 0]:
-        ax.set_ylabel("sup error of the strain")
+        ax.set_ylabel("sup error")
     for ax in grid[-1]:
         ax.set_xlabel(r"$\epsilon$")
     return figure

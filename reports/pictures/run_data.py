@@ -266,8 +266,9 @@ def with_looks(data: xr.Dataset, least: int = LEAST_LOOKS) -> xr.Dataset:
     width = max(cell_width((strain.shape[1] - 1) // 2), least_width)
     starts = np.arange(0, strain.shape[1], width)
     space_time = _farthest(strain, background, starts)
+    kind = {key: data.attrs[key] for key in ("field_kind",) if key in data.attrs}
     found: dict[str, Any] = {
-        "space_time": (("look_time", "map_site"), space_time, {"carried": carried})
+        "space_time": (("look_time", "map_site"), space_time, {"carried": carried, **kind})
     }
     for end, values in (("", strain), ("_wave", analytic)):
         place, top = _crests(values, background, sites)

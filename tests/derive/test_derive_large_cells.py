@@ -31,7 +31,7 @@ def test_the_envelope_of_a_hertz_dimer_holds_in_numbers_and_in_symbols() -> None
     squared = wanted.omega**2 / stiffness
     assert abs(3 * squared**2 - 8 * squared + 2 - 2 * 0.5403023058681398) < 1e-14
     assert [str(s) for s, _ in hertz_dimer().expanded(4).definitions] == [
-        f"F{power}" for power in range(5)
+        f"F{power}a" for power in range(5)
     ]
 
 

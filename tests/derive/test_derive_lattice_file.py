@@ -161,7 +161,7 @@ COMMANDS: dict[str, tuple[list[str], str]] = {
     "pinned": (["klein_gordon"], "no scaling fits klein_gordon"),
     "background": (["mass_dimer", "--background", "1/2"], "background must be left out"),
     "carrier": (["fput", "--envelope", "q=1"], "--envelope must be k or k=NUMBER"),
-    "carrier 9": (["fput_strain", "--envelope", "k=9"], "k must satisfy 0 < k <= pi"),
+    "carrier 9": (["fput_strain", "--envelope", "k=9"], "k must satisfy 0 <= k <= pi"),
     "carrier text": (["fput", "--envelope", "k=exit()"], "--envelope: k: expected"),
     "branch": (["fput", "--envelope", "k=1", "--branch", "high"], "branch must be acoustic"),
     "both": (

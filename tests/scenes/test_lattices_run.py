@@ -8,6 +8,8 @@ import pytest
 import xarray as xr
 from scipy.integrate import solve_ivp
 
+from longwave.reports.pictures.drawing import field_label
+from longwave.reports.pictures.plotting import plot
 from longwave.scenes import run
 from longwave.scenes.convergence import at_eps, scene_convergence
 from longwave.scenes.lattice_derivation import derivation, lattice_wave, wave_of
@@ -206,12 +208,12 @@ GRANULAR = {"lattice": "granular", "constants": {"A": 1, "d": "1/100"}, "carrier
         ({"parameters": {"kappa": -1}}, "kappa must satisfy 0 < kappa, got -1"),
         ({"amplitude": 3}, "amplitude and time must balance toda"),
         ({"background": "1/2"}, "background must be 0 on a lattice of displacements"),
-        (DARK | {"carrier": 4}, "k must satisfy 0 < k <= pi, got 4"),
+        (DARK | {"carrier": 4}, "k must satisfy 0 <= k <= pi, got 4"),
         (DARK | {"branch": "optical", "carrier": 1, "parameters": {"c": 1}}, "got c (it takes"),
         (DARK | {"branch": 1}, "branch must be acoustic, optical or a number below 1, got 1"),
         (
-            DARK | {"lattice": "mass_dimer", "constants": DIMER, "carrier": "pi"},
-            "k must have a carrier that moves u",
+            DARK | {"lattice": "mass_dimer", "constants": DIMER | {"m2": 3}, "carrier": "pi"},
+            "k must be no resonance",
         ),
         (DARK | GRANULAR | {"eps": 1.0, "slow_times": [0, 9]}, "beyond what its force is for"),
         (UNSTABLE, "constants must make waves of chain stable"),
@@ -227,6 +229,50 @@ def test_what_cannot_be_run_is_refused_in_one_line(changes: dict[str, Any], mess
         run(scene)
     assert message in str(raised.value)
     assert "\n" not in str(raised.value)
+
+
+KLEIN_GORDON = {"lattice": "klein_gordon", "constants": {"K2": 1, "g1": 1, "g2": 0, "g3": -1}}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "changes",
+    [
+        KLEIN_GORDON | {"carrier": 0},
+        {"lattice": "mass_dimer", "constants": DIMER | {"m2": 4, "K3": 0, "K4": 1}}
+        | {"carrier": "pi"},
+    ],
+    ids=["in step", "first field at rest"],
+)
+def test_carriers_at_the_ends_of_the_zone_run(changes: dict[str, Any]) -> None:
+    """Catches: coefficients of another wave, with which the error is of the wave's own size."""
+    given = {"wave": "nls_bright", "parameters": {}, "eps": 0.1, "slow_times": [0, 1]}
+    found = run(Scene.of(**(TODA | given | changes)))
+    assert float(found.error.max()) < 0.02
+
+
+@pytest.mark.slow
+def test_displacements_are_told_and_drawn_as_such() -> None:
+    """Ties to the site: the fields are compared, 2 eps h high. Strains stay strains.
+
+    Catches: displacements under the name, unit and axis of strains.
+    """
+    tied = {"lattice": "klein_gordon", "constants": {"K2": 1, "g1": 1, "g2": 0, "g3": 1}}
+    given = {"wave": "nls_bright", "parameters": {}, "eps": 0.1, "slow_times": [0, 0.01]}
+    scene = Scene.of(**(TODA | given | tied | {"carrier": "pi/2"}))
+    found, form = run(scene), derivation(scene).normal_form
+    assert form is not None
+    assert float(np.max(np.abs(found.strain))) == pytest.approx(0.2 * float(form.h), rel=1e-3)
+    for name in ("strain", "analytic", "background"):
+        assert found[name].attrs["units"] == "displacement (lattice units)"
+    assert found.strain.attrs["long_name"] == "displacement, on the lattice"
+    strains = run(Scene.of(**(TODA | {"slow_times": [0, 0.01]})))
+    assert strains.strain.attrs["units"] == "strain (lattice units)"
+    assert [field_label(one) for one in (found, found.strain, strains)] == [
+        *("displacement", "displacement", "$y_n$"),
+    ]
+    axes = [ax.get_ylabel() for ax in plot(found, "snapshots").axes]
+    assert axes[0] == "displacement"
 
 
 def test_what_came_before_a_blow_up_is_kept() -> None:

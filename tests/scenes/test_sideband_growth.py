@@ -216,7 +216,7 @@ WRONG: dict[str, tuple[dict[str, Any], str]] = {
             "carrier": "pi",
             "branch": "optical",
         },
-        "k must leave the branches apart, got k = 3.14",
+        "must be one wave of the lattice, got several of the same frequency",
     ),
     "times": ({"slow_times": (0, 1)}, "slow_times must not be given with the wave"),
     "region": ({"compared": 20}, "compared must not be given with the wave"),
@@ -233,12 +233,12 @@ WRONG: dict[str, tuple[dict[str, Any], str]] = {
         {"carrier": 0.05, "parameters": {"amplitude": 1, "kappa": 0.6}},
         "kappa must leave a wave below the carrier",
     ),
-    "zero": ({"carrier": 0}, "k must satisfy 0 < k <= pi"),
+    "zero": ({"carrier": 0}, "omega > 0, got omega = 0 at k = 0"),
     "linear": ({"constants": {"K2": 1, "K3": 0, "K4": 0}}, "constants must leave a nonlinearity"),
     "small": ({"eps": 1e-12}, "eps must leave a perturbation of fewer than"),
     "resonant": (
-        {"lattice": "mass_dimer", "constants": DIMER, "carrier": "pi"},
-        "k must have a carrier that moves u",
+        {"lattice": "mass_dimer", "constants": DIMER | {"m2": 3}, "carrier": "pi"},
+        "k must be no resonance",
     ),
     "compressed": (
         {

@@ -1,0 +1,40 @@
+"""How constants are written: names of an output beside a lattice's own, powers joined."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Iterable
+
+from sympy import Expr, Pow, powsimp
+
+
+def unused(name: str, taken: Collection[str]) -> str:
+    """A name of the output, with a tilde where a constant or field of the lattice has it.
+
+    >>> unused("F2", {"K2"}), unused("F2", {"F2"})
+    ('F2', 'F2~')
+    """
+    return f"{name}~" if name in taken else name
+
+
+def marked(text: str, names: Iterable[str], taken: Collection[str]) -> str:
+    """A text of the output with its ``names`` `unused`.
+
+    >>> marked("Y(X, T) = h U(a X, b T)", "abh", {"a", "K"})
+    'Y(X, T) = h U(a~ X, b T)'
+    """
+    for name in {*names} & {*taken}:
+        text = re.sub(rf"(?<![A-Za-z0-9]){name}(?![A-Za-z0-9~])", f"{name}~", text)
+    return text
+
+
+def joined_powers(value: Expr) -> Expr:
+    """The expression with powers of one symbol in one, where exponents are symbols.
+
+    >>> from sympy import Symbol
+    >>> d, p = Symbol("d", positive=True), Symbol("p", positive=True)
+    >>> joined_powers(d ** (-1 - p) * d ** (2 + p))
+    d
+    """
+    is_symbolic = any(power.exp.free_symbols for power in value.atoms(Pow))
+    return powsimp(value, combine="exp") if is_symbolic else value
