@@ -304,7 +304,8 @@ class CellRingEngine(StepSearch):
             if state.t in moments:
                 if balance is not None:
                     balance.settle()
-                judged.append(self.looked_at(state, balance))
+                with np.errstate(all="ignore"):  # where the step is too long
+                    judged.append(self.looked_at(state, balance))
             progress((state.t - self._stops[0]) / (self._stops[-1] - self._stops[0] or 1.0))
             if state.t < end:
                 loop.offer(remember)
