@@ -29,7 +29,7 @@ from longwave.scenes.ring_cost import USUAL_RUNS, search_cost
 from longwave.scenes.run_record import RunRecord, judged, searched
 from longwave.scenes.scene import Scene
 from longwave.scenes.scene_checks import MOST_STEPS
-from longwave.support.request_limits import check_request
+from longwave.support.request_limits import OverBudgetError, check_request
 
 if TYPE_CHECKING:
     from longwave.lattice.driving import DrivenChain
@@ -201,11 +201,15 @@ def record_scene(
         return record_means(scene, bench, chain, progress, announce)
     announce(cost.seconds)
     engine = BenchEngine(scene, bench, chain)
-    found = searched(engine, scene, progress, announce)
+    try:
+        found = searched(engine, scene, progress, announce)
+    except OverBudgetError as dear:
+        raise ValueError(engine.told_dear(dear.work, scene.tolerance)) from None
     record: RunRecord = found.trial.payload
     if found.trial.values is None:
         raise ValueError(
             f"times must end before {scene.lattice} flies apart, got {scene.end:g} "
-            f"({record.attrs['blow_up'] or 'no step follows it'}; end earlier)"
+            f"({record.attrs['blow_up'] or 'no run comes to the end'}, with steps down to "
+            f"{found.trial.choices.step:.2g}; end earlier)"
         )
     return judged(record, found, scene, begun)
