@@ -249,7 +249,7 @@ class CellRingEngine(StepSearch):
         if not self._admitted > 0.0:
             raise ValueError(
                 "state must leave the slopes of all forces finite, got a stretch of "
-                f"{float(np.max(np.abs(ranges))):g} (take other units)"
+                f"{float(np.max(np.abs(ranges[: len(lattice.bonds)]))):g} (take other units)"
             )
         cells = lattice.cell_count
         self._judged = self._stretches_and_rates(ranges)

@@ -83,6 +83,11 @@ def scene_cost(scene: Scene) -> ExpectedCost:
     duration = float(times[-1] - scene.t0)
     within = chain.driven_within(scene.t0, scene.end)
     steps = max(duration * max(highest / FIRST_STEP, 2.0 / within), float(times.size))
+    if steps > MOST_STEPS and highest / FIRST_STEP > 2.0 / within:
+        raise ValueError(
+            f"times must end within at most {MOST_STEPS:g} steps, got {scene.end:g} (about "
+            f"{steps:.2g}, for the fastest waves have the frequency {highest:.2g}; end earlier)"
+        )
     if steps > MOST_STEPS:
         raise ValueError(
             f"losses and what drives a chain must take at most {MOST_STEPS:g} steps, got about "

@@ -509,3 +509,13 @@ def test_a_piston_goes_further_than_a_grain_is_compressed(tmp_path: Path) -> Non
     assert abs(float(found.displacement[-1, 20]) - 4.2399894328) < found.error_estimate
     assert abs(float(found.energy[-1] - found.work[-1])) < 1e-6
     assert found.steps < 1000
+
+
+def test_the_reason_for_too_many_steps_is_what_asks_for_them() -> None:
+    """Catches: stiff springs that are told as losses or drives."""
+    for tables, reason in (
+        ({"constants": {"K2": 1e30, "K4": 2}}, "for the fastest waves have the frequency 2e\\+15"),
+        ({"losses": {"site": 1e15}}, "losses and what drives a chain must take at most"),
+    ):
+        with pytest.raises(ValueError, match=reason):
+            run(Scene.of(**changed(**tables)))
