@@ -44,6 +44,7 @@ from typing import Any
 import sympy as sp
 
 from longwave.derive.algebra.contact import contact
+from longwave.derive.algebra.exact_numbers import exact
 from longwave.derive.algebra.formula_expression import read_formula
 from longwave.derive.algebra.formula_printing import formula_as_text
 from longwave.derive.algebra.formula_text import Vocabulary
@@ -116,7 +117,7 @@ def lattice_of(document: Mapping[str, Any], name: str = "lattice") -> Lattice:
                 f"positive must name constants, got {word}, {kind} (write another name)"
             )
     symbols = _Symbols(set(positive))
-    masses = [symbols.formula(f"masses[{i}]", m) for i, m in enumerate(_masses(document, fields))]
+    masses = [symbols.mass(f"masses[{i}]", m) for i, m in enumerate(_masses(document, fields))]
     bonds: list[Bond] = []
     for kind, build in (("spring", _spring), ("site", _site), ("bond", _bond)):
         for place, entry in _entries(document, kind):
@@ -216,6 +217,10 @@ class _Symbols:
             return eps
         sign = {"positive" if name in self.positive else "real": True}
         return self.known.setdefault(name, sp.Symbol(name, **sign))
+
+    def mass(self, label: str, given: Any) -> sp.Expr:
+        """A formula, or a number as it is written."""
+        return exact(label, given) if isinstance(given, float) else self.formula(label, given)
 
     def formula(self, label: str, text: Any) -> sp.Expr:
         """A formula in the stretch x and constants."""

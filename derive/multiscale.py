@@ -93,6 +93,13 @@ class _Solver:
             wanted = f"a multiple of {self.notation.monomial((self.second,))} alone"
             raise self._refusal(order, f"{wanted} (try a larger amplitude exponent)")
         polynomial = lowest.coefficient(self.second)
+        if self.frame and not (polynomial.as_expr() / self.frame**2).expand().has(self.frame):
+            found = OrderEquation(order, lowest, self.notation).text()
+            raise ReductionError(
+                f"there is no sound: the linear stiffness at rest is 0 (order eps^{order} reads "
+                f"{found}; press the lattice together, as by d - x for -x, or give springs a "
+                "linear term)"
+            )
         self._eliminate(order, polynomial)
         return polynomial
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
+from functools import cached_property
 from types import MappingProxyType
 from typing import Literal, NamedTuple
 
@@ -18,7 +19,7 @@ from numpy.typing import NDArray
 
 from longwave.lattice.disordered_lattice import DisorderedLattice, Pulse, Variation
 from longwave.lattice.kernels.streams import TERMS
-from longwave.lattice.numeric_lattice import NumericLattice
+from longwave.lattice.numeric_lattice import NumericLattice, Range, value_range
 from longwave.lattice.outer_forces import (
     SiteForce,
     TimeFunction,
@@ -144,6 +145,26 @@ class DrivenChain(DisorderedLattice):
         """1 for each bond in each cell, 0 where it is cut, (bonds, ring)."""
         ones = np.ones(self.deviations.shape[1])
         return np.array([ones if cut is None else ones + cut[1] for cut in self._varied()])
+
+    @cached_property
+    def _cuts(self) -> list[NDArray[np.bool_] | None]:
+        """In which cells each bond is cut, None where in none."""
+        cuts = self.bond_shares == 0.0
+        return [cut if cut.any() else None for cut in cuts]
+
+    def stretches(self, f: Array) -> list[Array]:
+        """The stretch of each bond in each cell; a bond that is cut has none."""
+        found = super().stretches(f)
+        for place, (bond, cut) in enumerate(zip(self.bonds, self._cuts, strict=True)):
+            if cut is not None:
+                found[place] = np.where(cut, bond.offset, found[place])
+        return found
+
+    def stretch_ranges(self, f: Array, ranges: Sequence[Range]) -> list[Range]:
+        """The least and the largest stretch of each bond, wherever it is not cut."""
+        if not any(cut is not None for cut in self._cuts):
+            return super().stretch_ranges(f, ranges)
+        return [value_range(stretch) for stretch in self.stretches(f)]
 
     @property
     def cell_count(self) -> int | None:

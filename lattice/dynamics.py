@@ -129,7 +129,7 @@ class Dynamics:
         """The ranges of one state."""
         with np.errstate(invalid="ignore", over="ignore"):  # after a blow-up
             fields = [value_range(values) for values in state.f]
-            bonds = [bond.stretch_range(state.f, fields) for bond in self.lattice.bonds]
+            bonds = self.lattice.stretch_ranges(state.f, fields)
         return np.array([*bonds, *fields])
 
     def highest_frequency(self, ranges: Array) -> float:

@@ -35,6 +35,7 @@ from longwave.lattice.trial import (
     difference,
     nudged,
     rounding_error,
+    step_between,
 )
 from longwave.support.checkpoint import Memory, begin_loop
 from longwave.support.request_limits import OverBudgetError
@@ -56,6 +57,9 @@ the memory."""
 RUNAWAY, LEAST_RUNAWAY = 4e4, 1e5
 """Steps, in units of the longest one's and at least, that a run takes only where strains run away:
 with an order of 2 a tolerance of 1e-9 takes 3e4 times the longest one's."""
+
+RAN_AWAY = 100.0
+"""Strains run away if those met ask for steps so many times shorter than those at first."""
 
 ORDER_AT_OPENINGS = 2
 """With which errors fall at least where contacts open and close, or where a drive has a corner."""
@@ -172,10 +176,7 @@ def _found(engine: CellRingEngine, tolerance: float, times: Array) -> tuple[Tria
     try:
         found = refine(engine, tolerance)
     except OverBudgetError as dear:
-        raise ValueError(
-            f"times must end before strains run away, got {times[-1]:g} ({dear.work:.1g} steps "
-            "follow them so far; end earlier or take smaller strains)"
-        ) from None
+        raise ValueError(engine.told_dear(dear.work, tolerance)) from None
     return found.trial, found.error
 
 
@@ -198,13 +199,13 @@ def _outcome(
     f, v = (values[:, :, : engine.lattice.cell_count] for values in held)
     if blow_up is not None:
         raise ValueError(
-            f"times must end before the lattice blows up, got {times[-1]:g} ({blow_up}, "
-            "whatever the step; end earlier or take smaller strains)"
+            f"times must end before the lattice blows up, got {times[-1]:g} ({blow_up}, with "
+            f"steps down to {trial.choices.step:.2g}; end earlier or take smaller strains)"
         )
     if trial.values is None and math.isinf(error):
         raise ValueError(
-            f"times must end before strains run away, got {times[-1]:g} (no step follows them; end "
-            "earlier or take smaller strains)"
+            f"times must end before strains run away, got {times[-1]:g} (steps down to "
+            f"{trial.choices.step:.2g} do not follow them; end earlier or take smaller strains)"
         )
     cost = Cost(
         steps,
@@ -244,11 +245,11 @@ class CellRingEngine(StepSearch):
         ranges = self.dynamics.ranges(state)
         self.first_frequency = self.dynamics.highest_frequency(ranges)
         self._duration = float(times[-1] - state.t) or 1.0
-        self._admitted = self._longest_step(ranges)
+        self._admitted = self._admitted_first = self._longest_step(ranges)
         if not self._admitted > 0.0:
             raise ValueError(
                 "state must leave the slopes of all forces finite, got a stretch of "
-                f"{float(np.max(np.abs(ranges))):g} (take other units)"
+                f"{float(np.max(np.abs(ranges[: len(lattice.bonds)]))):g} (take other units)"
             )
         cells = lattice.cell_count
         self._judged = self._stretches_and_rates(ranges)
@@ -304,7 +305,8 @@ class CellRingEngine(StepSearch):
             if state.t in moments:
                 if balance is not None:
                     balance.settle()
-                judged.append(self.looked_at(state, balance))
+                with np.errstate(all="ignore"):  # where the step is too long
+                    judged.append(self.looked_at(state, balance))
             progress((state.t - self._stops[0]) / (self._stops[-1] - self._stops[0] or 1.0))
             if state.t < end:
                 loop.offer(remember)
@@ -343,11 +345,26 @@ class CellRingEngine(StepSearch):
 
     def improved(self, choices: Choices, kind: Kind, excess: float) -> Choices:
         """A step that follows the strains that were met, or by the law of the order."""
-        if math.isinf(excess) and 0.0 < self._admitted < choices.step:
-            step = max(LIMIT_SHARE * self._admitted, LEAST_FACTOR * choices.step)
-            return replace(choices, step=step)
+        step = step_between(self._stops, choices.step)
+        if math.isinf(excess) and 0.0 < self._admitted < self._taken(choices.step):
+            shorter = max(LIMIT_SHARE * self._admitted, LEAST_FACTOR * step)
+            return replace(choices, step=shorter)
         found = super().improved(choices, kind, excess)
-        return replace(found, step=min(found.step, self._most_kept * choices.step))
+        return replace(found, step=min(found.step, self._most_kept * step))
+
+    def told_dear(self, work: float, tolerance: float | None) -> str:
+        """Why runs of so many steps are refused: strains that grew, or the tolerance."""
+        times = self._admitted_first / self._admitted if self._admitted else math.inf
+        if times > RAN_AWAY:
+            return (
+                f"times must end before strains run away, got {self._times[-1]:g} (those met ask "
+                f"for steps {times:.1g} times shorter than at first, {work:.1g} in all; end "
+                "earlier or take smaller strains)"
+            )
+        return (
+            f"tolerance must be one that {self.most_work:.1g} steps reach, got {tolerance:g} (the "
+            f"next runs would take {work:.1g}; raise it or end earlier)"
+        )
 
     def _longest_step(self, ranges: Array) -> float:
         """The longest step that is stable about what was met; 0 if there is no such step.

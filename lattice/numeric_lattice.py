@@ -198,6 +198,10 @@ class NumericLattice:
         """The stretch of each bond in each cell."""
         return [bond.stretched(f) for bond in self.bonds]
 
+    def stretch_ranges(self, f: Array, ranges: Sequence[Range]) -> list[Range]:
+        """The least and the largest stretch of each bond, where these are the fields' ranges."""
+        return [bond.stretch_range(f, ranges) for bond in self.bonds]
+
     def acceleration(self, f: Array) -> Array:
         """f'' of every field and cell, by NumPy: what every kernel must give."""
         return self.pulled([bond.force(bond.stretched(f)) for bond in self.bonds])

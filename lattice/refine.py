@@ -177,13 +177,16 @@ def _refined(search: "_Search", engine: Engine, tolerance: float) -> Refined:
             scouting.stalled == PATIENCE and not _may_widen(engine, choices)
         )
         if stuck and math.isfinite(best):
-            break
+            raise ValueError(_refusal(best, tolerance, search.left(choices, rounding, error)))
         choices = search.improved(choices, trial, error)
-    raise ValueError(
-        f"tolerance must satisfy tolerance >= {1.05 * best:.2g} here, got {tolerance:g} "
-        "(finer steps and wider domains no longer help: rounding or an instability is what is "
-        "left; raise it or shorten the run)"
-    )
+    left = f"after {ATTEMPTS} control runs, each with better choices"
+    raise ValueError(_refusal(best, tolerance, left))
+
+
+def _refusal(best: float, tolerance: float, left: str) -> str:
+    """Why a tolerance is refused; ``left`` is what keeps the error at ``best``, inf if unknown."""
+    least = f"satisfy tolerance >= {1.05 * best:.2g} here" if best < math.inf else "be larger here"
+    return f"tolerance must {least}, got {tolerance:g} ({left}; raise it or shorten the run)"
 
 
 def _may_widen(engine: Engine, choices: Choices) -> bool:
@@ -307,14 +310,31 @@ class _Search:
         self._run({choices: False, nudged: False})
         return SAFETY * difference_around(self._done[choices], self._done[nudged])
 
+    def left(self, choices: Choices, rounding: float, error: float) -> str:
+        """What is left of an error that has ceased to fall, as far as it was measured."""
+        if not self.wary:
+            rounding += DRAWN * self.grown(choices)
+        kinds = {"step": "finer steps", "sampling": "denser points", "domain": "wider domains"}
+        told = f"{' and '.join(kinds[kind] for kind in self.engine.kinds)} no longer help"
+        if rounding > 0.5 * error:
+            return f"{told}: rounding, with what it has grown to, is {rounding:.1g} of it"
+        return f"{told}, and rounding is no more than {rounding:.1g} of it"
+
     def check_rounding(self, choices: Choices) -> None:
-        """Raise ValueError if rounding alone comes to more than the tolerance."""
+        """Raise ValueError if rounding alone comes to more than the tolerance.
+
+        With a shorter step, too: near the longest stable one a scheme may amplify what the lattice
+        does not.
+        """
         grown = self.grown(choices)
+        if self._tolerance < grown < math.inf:
+            grown = min(grown, self.grown(self.engine.control(choices, STEP)))
         if self._tolerance < grown < math.inf:
             raise ValueError(
                 f"tolerance must satisfy tolerance >= {2.5 * grown:.2g} here, got "
                 f"{self._tolerance:g} (neighbouring states of the lattice part so fast that "
-                "rounding comes to that much, whatever the step; raise it or shorten the run)"
+                "rounding comes to that much with this step and a shorter one; raise it or shorten "
+                "the run)"
             )
 
     def pair(self, choices: Choices) -> tuple[Trial, Trial]:

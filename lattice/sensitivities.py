@@ -66,7 +66,8 @@ class VariedChain:
             for force in chain.outer_forces
         ]
         self._kept = chain.bond_shares.ravel()
-        self._stretch = self._matrix([bond.stretch for bond in chain.bonds], fields, 1)
+        stretch = self._matrix([bond.stretch for bond in chain.bonds], fields, 1)
+        self._stretch = sparse.diags((self._kept != 0.0).astype(np.float64)) @ stretch
         action = self._matrix([bond.action for bond in chain.bonds], fields, -1).T
         self._action = sparse.diags(self._inverse) @ action @ sparse.diags(self._kept)
         heavier = [np.divide(one.masses, chain.masses) for one in parameters]

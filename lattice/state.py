@@ -92,8 +92,8 @@ class BlowUp:
             return text
         return (
             f"{text}, {self.from_seam} sites from the ring's seam, where the wave does not close "
-            "(what comes from there may be its cause: take sites with which it closes better, or "
-            "a tolerance in the place of step and domain)"
+            "(what comes from there may be its cause, and not the lattice: end earlier, take sites "
+            "with which it closes better, or a tolerance in the place of step and domain)"
         )
 
 

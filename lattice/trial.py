@@ -188,6 +188,9 @@ does: two runs with longer steps may agree on what neither has seen."""
 LEAST_FACTOR = 0.2
 """Least factor from one step to the next one tried."""
 
+MARGIN = 0.95
+"""What a step is shorter by than its law asks for."""
+
 STEP_RATIO = 0.7
 """Step of a control run of a `StepSearch`, in units of the one before it."""
 
@@ -198,7 +201,7 @@ def lawful_step(step: float, order: int, excess: float) -> float:
     >>> round(lawful_step(1.0, 6, 64.0), 3)
     0.475
     """
-    return step * max(LEAST_FACTOR, 0.95 * excess ** (-1.0 / order))
+    return step * max(LEAST_FACTOR, MARGIN * excess ** (-1.0 / order))
 
 
 def mean_step(stops: Array, step: float, order: int) -> float:
@@ -228,11 +231,18 @@ def step_between(stops: Array, step: float) -> float:
 
 def shorter_step(stops: Array, step: float, order: int, ratio: float) -> float:
     """A step whose error falls as that of ``ratio`` times the step, whatever the stops."""
-    wanted = ratio * mean_step(stops, step, order)
-    found = ratio * step
-    while mean_step(stops, found, order) > wanted:
-        found *= 0.97
-    return found
+    return step_taken(stops, ratio * step, order, ratio * mean_step(stops, step, order))
+
+
+def step_taken(stops: Array, step: float, order: int, most: float) -> float:
+    """The step, or a shorter one whose error is at most that of steps ``most``, whatever the stops.
+
+    >>> round(step_taken(np.array([0.0, 1.0]), 0.9, 6, 0.4), 2)
+    0.48
+    """
+    while mean_step(stops, step, order) > most:
+        step *= 0.97
+    return step
 
 
 class StepSearch:
@@ -272,9 +282,11 @@ class StepSearch:
         return replace(choices, step=step)
 
     def improved(self, choices: Choices, kind: Kind, excess: float) -> Choices:
-        """By the law of the order."""
-        step = step_between(self._stops, choices.step)
-        return replace(choices, step=lawful_step(step, self.order, excess))
+        """By the law of the order, of the step that is taken where stops shorten it."""
+        step, order = step_between(self._stops, choices.step), self.order
+        wanted = max(LEAST_FACTOR / MARGIN, excess ** (-1.0 / order)) * self.taken(choices)
+        found = lawful_step(step, order, excess)
+        return replace(choices, step=step_taken(self._stops, found, order, wanted))
 
     def taken(self, choices: Choices) -> float:
         """The mean of the steps between the stops."""

@@ -43,6 +43,19 @@ of 0.95 held in 92 to 94 of 100 for such energies, these in 93 to 97."""
 LONGEST_STEP = 0.5
 """In units of the inverse highest frequency, and of the inverse rate at which velocities shrink."""
 
+MOST_TURNED = 2.0
+"""A step that is so many times longer than one about what runs have met is shortened."""
+
+HOT = 4.0
+"""The energy of a bond, in units of the temperature, up to which the first step follows it."""
+
+MEETINGS = 8
+"""Steps between two looks at what a run meets: each takes a third of a step's time on 8 cells."""
+
+CURE, MOST_CURED = 0.25, 4
+"""Factor on the step after a run that broke down, and how often in turn it is taken before the
+chain is said to fly apart."""
+
 CERTAIN = 3.0
 """Standard errors beyond which a difference is not by chance."""
 
@@ -50,8 +63,16 @@ SPARE = 1.1
 """Runs beyond those that the spread of the first asks for."""
 
 
+class BrokenRunError(ArithmeticError):
+    """A run whose fields are no numbers at the time ``t``."""
+
+    def __init__(self, t: float) -> None:
+        super().__init__(t)
+        self.t = t
+
+
 class Bath:
-    """Runs of a chain in its bath."""
+    """Runs of a chain in its bath, whose step follows what they meet."""
 
     def __init__(self, scene: Scene, bench: Bench, chain: DrivenChain) -> None:
         assert bench.noise is not None
@@ -62,10 +83,66 @@ class Bath:
         self.rates = losses[:, np.newaxis] / self.masses
         highest = max(self.engine.first_frequency, float(self.rates.max()))
         self.step = min(LONGEST_STEP / highest, self.engine.first().step)
-        self.steps = 0
+        self.steps = self.cured = 0
+        self.ranges = self._warm_ranges()
+        warm = LONGEST_STEP / self.engine.dynamics.highest_frequency(self.ranges)
+        self.step = warm if self.step > MOST_TURNED * warm else self.step
+
+    def _warm_ranges(self) -> Array:
+        """The ranges at the start, widened to where bonds store as much as a bath gives them."""
+        found = self.engine.dynamics.ranges(self.engine.state)
+        sizes = np.geomspace(1e-12, 1e12, 481)
+        for row, bond in zip(found, self.engine.chain.bonds, strict=False):
+            for end, sign in enumerate((-1.0, 1.0)):
+                with np.errstate(all="ignore"):
+                    stored = bond.force.potential(sign * sizes)
+                few = (stored >= 0.0) & (stored < HOT * self.noise.temperature)
+                whole = int(np.argmin(few)) if not few.all() else 0
+                if whole and stored[whole] >= 0.0:
+                    row[end] += sign * sizes[whole - 1]
+        return found
+
+    def followed_pair(self, number: int) -> tuple[Array, Array] | None:
+        """That `pair`; None if the step had to be shortened, with which all runs begin anew."""
+        try:
+            made, broken = self.pair(number), None
+        except BrokenRunError as error:
+            made, broken = None, error
+        return None if self.has_shortened_step(broken) else made
+
+    def has_shortened_step(self, broken: BrokenRunError | None) -> bool:
+        """Shorten the step where runs broke down, or met faster waves than it can follow.
+
+        Raises ValueError where shorter and shorter steps did not help.
+        """
+        longest = LONGEST_STEP / self.engine.dynamics.highest_frequency(self.ranges)
+        if broken is None and self.step <= MOST_TURNED * longest:
+            return False
+        if broken is not None or longest < CURE * self.step:
+            self.cured += 1
+        if self.cured > MOST_CURED:
+            t = self.engine.times[-1] if broken is None else broken.t
+            raise ValueError(
+                f"times must end before the chain flies apart, got {t:g} (as with longer steps, "
+                f"with those of {self.step:.2g}; end earlier, or a lower temperature)"
+            )
+        self.step *= CURE if broken is not None else max(CURE, longest / self.step)
+        self.ranges = self._warm_ranges()
+        return True
+
+    def _meet(self, f: Array, v: Array, t: float) -> None:
+        """Note the strains of a state."""
+        met = self.engine.dynamics.ranges(State(t, f, v))
+        if not np.isfinite(met).all():
+            raise BrokenRunError(t)
+        self.ranges[:, 0] = np.minimum(self.ranges[:, 0], met[:, 0])
+        self.ranges[:, 1] = np.maximum(self.ranges[:, 1], met[:, 1])
 
     def pair(self, number: int) -> tuple[Array, Array]:
-        """What is watched at all times, (times, values), in that run's coarse and fine version."""
+        """What is watched at all times, (times, values), in that run's coarse and fine version.
+
+        Raises BrokenRunError where fields are no numbers.
+        """
         random = np.random.default_rng([self.noise.seed, number])
         start, engine = self.engine.state, self.engine
         coarse, fine = ((start.f.copy(), start.v.copy()) for _ in range(2))
@@ -80,9 +157,12 @@ class Bath:
                 kicks = size * random.standard_normal((4, *size.shape))
                 self._advance(coarse, kept, kicks, ((0, 1), (2, 3)), t + place * h, h)
                 self._advance(fine, kept, kicks, ((0,), (1, 2), (3,)), t + place * h, 0.5 * h)
+                if place % MEETINGS == MEETINGS - 1:
+                    self._meet(*coarse, t + (place + 1) * h)
             self.steps += count
             t = end
-            read.append(tuple(self._read(*ring, t) for ring in (coarse, fine)))  # type: ignore[arg-type]
+            self._meet(*fine, t)
+            read.append(tuple(self.engine.looked_at(State(t, *ring)) for ring in (coarse, fine)))  # type: ignore[arg-type]
         return tuple(np.array(values) for values in zip(*read, strict=True))  # type: ignore[return-value]
 
     def _advance(
@@ -102,14 +182,6 @@ class Bath:
                 self.engine.dynamics.advance(self.engine.scheme, f, v, h, 1, begin)
             for quarter in quarters:
                 v[:, : self.cells] = kept * v[:, : self.cells] + kicks[quarter]
-
-    def _read(self, f: Array, v: Array, t: float) -> Array:
-        if not np.isfinite(f).all():
-            raise ValueError(
-                f"times must end before the chain flies apart, got {t:g} (end earlier, or a lower "
-                "temperature)"
-            )
-        return self.engine.looked_at(State(t, f, v))
 
 
 class Means:
@@ -174,7 +246,11 @@ def record_means(
     while True:
         while means.runs < wanted:
             last = perf_counter()
-            means.add(*bath.pair(means.runs))
+            made = bath.followed_pair(means.runs)
+            if made is None:
+                means, wanted = Means(), FIRST_RUNS
+                continue
+            means.add(*made)
             progress(means.runs / wanted)
             kept = {"step": bath.step, "steps": bath.steps, "wanted": wanted, "means": vars(means)}
             loop.offer(kept.copy)

@@ -29,7 +29,7 @@ from longwave.scenes.ring_cost import USUAL_RUNS, search_cost
 from longwave.scenes.run_record import RunRecord, judged, searched
 from longwave.scenes.scene import Scene
 from longwave.scenes.scene_checks import MOST_STEPS
-from longwave.support.request_limits import check_request
+from longwave.support.request_limits import OverBudgetError, check_request
 
 if TYPE_CHECKING:
     from longwave.lattice.driving import DrivenChain
@@ -83,6 +83,11 @@ def scene_cost(scene: Scene) -> ExpectedCost:
     duration = float(times[-1] - scene.t0)
     within = chain.driven_within(scene.t0, scene.end)
     steps = max(duration * max(highest / FIRST_STEP, 2.0 / within), float(times.size))
+    if steps > MOST_STEPS and highest / FIRST_STEP > 2.0 / within:
+        raise ValueError(
+            f"times must end within at most {MOST_STEPS:g} steps, got {scene.end:g} (about "
+            f"{steps:.2g}, for the fastest waves have the frequency {highest:.2g}; end earlier)"
+        )
     if steps > MOST_STEPS:
         raise ValueError(
             f"losses and what drives a chain must take at most {MOST_STEPS:g} steps, got about "
@@ -201,11 +206,15 @@ def record_scene(
         return record_means(scene, bench, chain, progress, announce)
     announce(cost.seconds)
     engine = BenchEngine(scene, bench, chain)
-    found = searched(engine, scene, progress, announce)
+    try:
+        found = searched(engine, scene, progress, announce)
+    except OverBudgetError as dear:
+        raise ValueError(engine.told_dear(dear.work, scene.tolerance)) from None
     record: RunRecord = found.trial.payload
     if found.trial.values is None:
         raise ValueError(
             f"times must end before {scene.lattice} flies apart, got {scene.end:g} "
-            f"({record.attrs['blow_up'] or 'no step follows it'}; end earlier)"
+            f"({record.attrs['blow_up'] or 'no run comes to the end'}, with steps down to "
+            f"{found.trial.choices.step:.2g}; end earlier)"
         )
     return judged(record, found, scene, begun)

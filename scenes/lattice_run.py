@@ -252,8 +252,9 @@ def _to_tolerance(
     record: RunRecord | None = found.trial.payload
     if record is None or (math.isinf(found.error) and not record.attrs["blow_up"]):
         raise ValueError(
-            f"times must end before {scene.lattice} blows up, got {engine.times[-1]:g} (no step "
-            "follows it; end earlier or take a smaller eps)"
+            f"times must end before {scene.lattice} blows up, got {engine.times[-1]:g} (steps "
+            f"down to {found.trial.choices.step:.2g} do not follow it; end earlier or take a "
+            "smaller eps)"
         )
     judged(record, found, scene, begun)
     if isinstance(engine, SiteRingEngine):

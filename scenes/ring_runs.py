@@ -174,6 +174,12 @@ def _cost(
     return cells, replace(found, steps=steps)
 
 
+FITTING = 64
+"""Cells by which a ring is made wider at most for a carrier to close on it."""
+
+CLOSED, BESIDE = 1e-6, 4
+"""Share of itself by which a carrier may miss itself at a seam, in so many cells beside it."""
+
 ALIKE = 1e-3
 """By what share data may be larger or steeper elsewhere than on a part that stands for all."""
 
@@ -231,6 +237,7 @@ class WaveRings:
         self.room = wave.seam_room(self.times[0])
         self._spread = wave.lattice.spread_within(self.times[-1] - self.times[0])
         self._turn = wave.frequency or lattice.highest_frequency(rest)
+        self._fitting: dict[int, int] = {}
         self.sizes = self._sizes(near)
 
     def _check_cost(self, fastest: float, signals: Sequence[float]) -> None:
@@ -242,7 +249,51 @@ class WaveRings:
         )
 
     def ends(self, wider: int = 0) -> list[Ends]:
-        """The ends, along each axis, of a ring by so many cells wider than it must be."""
+        """The ends, along each axis, of a ring by so many cells wider than it must be.
+
+        By a few more where a carrier that does not end closes on that ring as it does not on less.
+        """
+        if self._fills_line and wider not in self._fitting:
+            gaps = self.gaps([self.plain_ends(wider + more)[0] for more in range(FITTING)])
+            closed = np.flatnonzero(gaps <= CLOSED)
+            self._fitting[wider] = int(closed[0] if closed.size else np.argmin(gaps))
+        return self.plain_ends(wider + self._fitting.get(wider, 0))
+
+    @property
+    def _fills_line(self) -> bool:
+        """Whether the wave is a carrier that does not end, so that a chain's ring has a seam."""
+        filled = math.isinf(max(map(abs, self.wave.support(self.times[0]))))
+        return bool(filled and self.wave.frequency and self.wave.lattice.dimension == 1)
+
+    def gaps(self, rings: Sequence[Ends]) -> Array:
+        """By how much a carrier misses itself at the seam of each ring, in units of itself."""
+        beside = np.arange(-BESIDE, BESIDE + 1)
+        sides = []
+        for firsts in (
+            np.array([low for low, _ in rings]),
+            np.array([high + 1 for _, high in rings]),
+        ):
+            cells = np.arange(firsts.min() - BESIDE, firsts.max() + BESIDE + 1)
+            f, v = self.wave.state(cells.astype(np.float64), self.times[0])
+            places = firsts[:, np.newaxis] + beside - cells[0]
+            sides.append(np.concatenate([np.diff(f[:, places]), v[:, places] / self._turn], axis=2))
+        size = max(float(np.max(np.abs(sides[0]))), 1e-300)
+        return np.asarray(np.abs(sides[0] - sides[1]).max(axis=(0, 2)) / size)
+
+    def located(self, found: BlowUp, ends: Sequence[Ends]) -> BlowUp:
+        """A blow-up, with its distance from a seam at which the wave does not close.
+
+        None is told where no signal from there can have come in time.
+        """
+        if not self._fills_line or self.gaps(ends)[0] <= CLOSED:
+            return found
+        [(low, high)] = ends
+        distance = min(found.site - low, high - found.site)
+        reach = 2 * self.room + _signal(self.signals[0], found.t - self.times[0])
+        return replace(found, from_seam=distance) if distance <= reach else found
+
+    def plain_ends(self, wider: int) -> list[Ends]:
+        """The same ends, whether or not a carrier closes there."""
         more = 2 * (self.room + self._spread) + wider
         return self.compared.ring(self.times, self.signals, more)
 
@@ -312,13 +363,13 @@ class RingCells:
         self.scene, self.rings, self._nudged = scene, rings, nudged
         self.scale, self.reach = rings.wave.scale, rings.compared.reach
         if ends is None:
-            least, sites = sites_of(rings.ends()), scene.discretisation.sites
+            least, sites = sites_of(rings.plain_ends(0)), scene.discretisation.sites
             if sites < least:
                 raise ValueError(
                     f"sites must satisfy sites >= {least} on this ring, got {sites} (else signals "
                     "from the seam reach the compared sites; widen it or end earlier)"
                 )
-            ends = rings.ends(sites - least)
+            ends = rings.plain_ends(sites - least)
         self.ends = ends
 
     @property
@@ -337,13 +388,13 @@ class RingCells:
         stated = self.scene.discretisation
         limit = check_step(stated.step, stated.table, self.rings.fastest)
         if restart is not None:
-            self.ends = _ends_of(restart, self.rings.ends())
+            self.ends = _ends_of(restart, self.rings.plain_ends(0))
         ring = self.ring
         state = State(ring.t, ring.f, ring.v)
         if restart is not None:
             shape = state.f.shape
             state = State(restart.t, restart.f.reshape(shape), restart.v.reshape(shape))
-        domain = CellDomain(state, self.ends)
+        domain = CellDomain(state, self.ends, self.rings)
         return ring_stepper(ring.lattice, domain, stated.table, stated.step), limit
 
     def view(self, state: State) -> CellView:
@@ -376,11 +427,13 @@ class CellDomain(StillRing):
     """A ring of cells with these ends."""
 
     ends: Sequence[Ends]
+    rings: WaveRings
 
     def locate(self, found: BlowUp, state: State) -> BlowUp:
         """``found``, with the cell in the place of where it is stored."""
         columns = state.f[0].size // state.f.shape[1]
-        return replace(found, site=self.ends[0][0] + found.site // columns)
+        site = self.ends[0][0] + found.site // columns
+        return self.rings.located(replace(found, site=site), self.ends)
 
 
 def ring_stepper(

@@ -6,7 +6,11 @@ equations of each cell with its walls; an estimate is honest where it is no less
 second time for its energy, the work done on it and its heat: against SciPy's, and against each
 other, for what is gained must be what was done less what was lost.
 
-    python -m searches.driven_chains [--count 2000] [--seed 0]
+With ``--pushed`` walls are pushed further than a bond is long, or pulled, against power laws and
+laws with poles; bonds may be cut at an end or as a defect. Each is run to two tolerances, and a
+refusal is told where the reference runs.
+
+    python -m searches.driven_chains [--count 2000] [--seed 0] [--pushed]
 """
 
 from __future__ import annotations
@@ -15,7 +19,7 @@ import argparse
 import math
 import sys
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, TypeVar
 
@@ -24,6 +28,7 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from longwave.derive import LATTICES
+from longwave.derive.lattice_file import lattice_of
 from longwave.lattice import (
     DrivenChain,
     SiteForce,
@@ -45,6 +50,9 @@ T = TypeVar("T")
 CHAINS = ("beta_fput", "alpha_fput", "toda", "klein_gordon", "mass_dimer", "granular")
 FINER = 1e-8
 """Absolute tolerance of the reference, in units of the one that is asked for."""
+
+LEAST = 1e-15
+"""The same at least, in units of the case's size: a digit beyond doubles is none."""
 
 LONGEST_STEP, SHORT_STEP = 0.1, 0.003
 """Of the reference, which must not step over what is short; where contacts open, as its own
@@ -124,6 +132,67 @@ def drawn(seed: int) -> DrivenCase:
     return DrivenCase(name, made, ends, state, float(end), float(tolerance), size, masses, springs)
 
 
+PUSHED: dict[str, tuple[str, ...]] = {
+    "power law": ("-(1 - x)**1.4",),
+    "steep power law": ("-(1 - x)**3.5",),
+    "contacts": ("-contact(1 - x)**(7/5)",),
+    "Lennard-Jones": ("2*((1/(1 + x))**7 - (1/(1 + x))**13)",),
+    "Toda": ("exp(x) - 1",),
+    "pulled Toda": ("1 - exp(-x)",),
+    "quartic": ("x + 2*x**3",),
+    "tied": ("x + x**3", "x + 0.7*x**3"),
+    "next nearest": ("-(1 - x)**1.4", "-0.3*(2 - x)**1.4"),
+}
+"""Forces between neighbours, and those to a site's place or between neighbours but one."""
+
+
+def pushed(seed: int) -> DrivenCase:
+    """A case in which a wall goes further than a bond is long."""
+    random = np.random.default_rng(seed)
+    name = str(random.choice(list(PUSHED)))
+    near, *others = PUSHED[name]
+    tables: dict[str, Any] = {"fields": ["u"]}
+    tables["spring"] = [{"between": ["u[n]", "u[n+1]"], "force": near}]
+    for force in others:
+        if name == "tied":
+            tables["site"] = [{"field": "u", "force": force}]
+        else:
+            tables["spring"].append({"between": ["u[n]", "u[n+2]"], "force": force})
+    lattice = numeric_lattice(lattice_of(tables, name), {})
+    longest = 8.0 if name == "contacts" else 40.0  # of which the reference takes short steps
+    cells, end = int(random.choice([12, 33, 64])), float(random.uniform(5.0, longest))
+    speed = float(random.uniform(1.0, 0.35 * cells)) / end
+    speed = min(speed, 0.5) * float(random.choice([-1.0, 1.0, 1.0, 1.0]))
+
+    def moved(velocity: float) -> Any:
+        texts = (f"{velocity}", f"{velocity}*tanh(t)", f"{2 * velocity}*sin(t)**2")
+        return Integral.of(time_function("drive", str(random.choice(texts))), 0.0, end)
+
+    kinds: list[Callable[[], tuple[Any, Any]]] = [
+        lambda: (moved(speed), "fixed"),
+        lambda: ("fixed", moved(-speed)),
+        lambda: (moved(speed), moved(-0.7 * speed)),
+        lambda: (moved(speed), "free"),
+        lambda: ("free", moved(-speed)),
+    ]
+    ends = kinds[random.integers(len(kinds))]()
+    springs = {}
+    if random.random() < 0.3:
+        springs[int(random.integers(1, cells - 2))] = [0.0] * len(lattice.bonds)
+    made = driven_chain(
+        lattice,
+        cells,
+        left=ends[0],
+        right=ends[1],
+        losses=_rates(random, 1),
+        dashpots=_rates(random, len(lattice.bonds)),
+        spring_factors=springs,
+    )
+    state = State(0.0, *np.zeros((2, 1, cells)))
+    tolerance = 10.0 ** random.uniform(-9.0, -3.0)
+    return DrivenCase(name, made, ends, state, end, tolerance, 1.0, {}, springs)
+
+
 def _factors(
     random: np.random.Generator, numbers: Sequence[int], count: int
 ) -> dict[int, list[float]]:
@@ -170,15 +239,16 @@ def exact_state(case: DrivenCase) -> Array:
 
 
 def exact_end(case: DrivenCase) -> tuple[Array, Array]:
-    """The same, and work and heat since the start."""
+    """The same, and work and heat since the start; nan where SciPy gives up."""
     within = case.chain.driven_within(0.0, case.end)
     opens = any(bond.force.opening is not None for bond in case.chain.bonds)
     longest = min(SHORT_STEP if opens else LONGEST_STEP, within / 4.0)
     begin = np.concatenate([case.state.f.ravel(), case.state.v.ravel(), [0.0, 0.0]])
-    words = {"rtol": 1e-13, "atol": FINER * case.tolerance, "max_step": longest}
+    finest = max(FINER * case.tolerance, LEAST * case.size)
+    words = {"rtol": 1e-13, "atol": finest, "max_step": longest}
     with np.errstate(invalid="ignore"):  # where nothing moves its estimate is 0 / 0
         found = solve_ivp(_slopes(case), (0.0, case.end), begin, method="DOP853", **words)
-    end = np.asarray(found.y[:, -1])
+    end = np.asarray(found.y[:, -1]) if found.success else np.full_like(begin, math.nan)
     return end[:-2].reshape(2, *case.state.f.shape), end[-2:]
 
 
@@ -233,6 +303,7 @@ def _slopes(case: DrivenCase) -> Callable[[float, Array], Array]:
             with np.errstate(all="ignore"):
                 force = bond.force(bond.stretched(x))
             stretching = bond.stretched(rate) - bond.offset
+            cut = cut | (factor == 0.0)
             force = factor * np.where(cut, 0.0, force + dashpot * stretching)
             work += float(np.sum((force * (bond.stretched(walls) - bond.offset))[own]))
             heat += float(np.sum((factor * np.where(cut, 0.0, dashpot * stretching**2))[own]))
@@ -332,12 +403,66 @@ def balance_share(case: DrivenCase, exact: tuple[Array, Array]) -> float:
     return balance_error(case, found, exact) / found.error
 
 
+@dataclass(frozen=True)
+class Pushed:
+    """A case in words, the true errors in units of their estimates, and how it was refused."""
+
+    text: str
+    shares: tuple[float, ...]
+    refusals: tuple[str, ...]
+
+
+def attacked_by_pushing(seed: int) -> Pushed | None:
+    """The case of that seed at two tolerances, and its energies; None where SciPy gives up."""
+    case = pushed(seed)
+    ends = ", ".join("moved" if callable(end) else str(end) for end in case.ends)
+    cut = ", a bond cut" if case.spring_factors else ""
+    text = f"{case.name}, {case.state.f.size} cells, ends {ends}{cut}, until {case.end:.3g}"
+    finer = replace(case, tolerance=0.03 * case.tolerance)
+    shares, refusals = [], []
+    with np.errstate(all="ignore"):
+        exact = exact_end(finer)
+        if not all(np.isfinite(part).all() for part in exact):
+            return None
+        for one, share in ((case, run_share), (finer, run_share), (case, balance_share)):
+            try:
+                shares.append(share(one, exact))
+            except ValueError as refusal:
+                refusals.append(f"to {one.tolerance:.2g}: {refusal}")
+    return Pushed(text, tuple(shares), tuple(refusals))
+
+
+def push(first: int, count: int) -> int:
+    """Attack so many chains by pushing their walls; print what is wrong, and the worst."""
+    worst, run, refused = 0.0, 0, 0
+    for seed in range(first, first + count):
+        found = attacked_by_pushing(seed)
+        if found is None:
+            continue
+        run += 1
+        refused += bool(found.refusals)
+        largest = float(np.fmax.reduce(found.shares, initial=0.0))
+        worst = max(worst, largest)
+        if largest > NEAR:
+            print(f"seed {seed}: {largest:.2f} of the estimate; {found.text}", flush=True)
+        for refusal in found.refusals:
+            print(f"seed {seed}: refused {refusal}; {found.text}", flush=True)
+    print(
+        f"{count} chains, of which {run} run by SciPy, {refused} refused, largest error "
+        f"{worst:.3f} of its estimate"
+    )
+    return int(worst > 1.0)
+
+
 def main() -> int:
     """Run so many cases; print those that come near their estimate, and the worst."""
     words = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     words.add_argument("--count", type=int, default=2000)
     words.add_argument("--seed", type=int, default=0)
+    words.add_argument("--pushed", action="store_true", help="push walls beyond a bond's length")
     asked = words.parse_args()
+    if asked.pushed:
+        return push(asked.seed, asked.count)
     worst, refused = np.zeros(2), 0
     for seed in range(asked.seed, asked.seed + asked.count):
         *found, text = attacked(seed)

@@ -134,6 +134,11 @@ class LaneCode:
         none = self.constant(0.0)
         return self.builder.select(self.builder.fcmp_ordered(">", value, none), value, none)
 
+    def where_kept(self, share: Any, value: Any) -> Any:
+        """The value, whatever it is, but 0 where the share of it is -1."""
+        is_kept = self.builder.fcmp_unordered("!=", share, self.constant(-1.0))
+        return self.builder.select(is_kept, value, self.constant(0.0))
+
     def _vector_function(self, word: str, *values: Any) -> Any:
         """A function that LLVM knows, of all lanes."""
         suffix = "f64" if self.lanes == 1 else f"v{self.lanes}f64"
@@ -296,8 +301,9 @@ class _Stage:
             values = [self.value(tap, stream.lag) for tap in stream.taps]
             if stream.kind == "force":
                 made = lane_force(code, values[0], stream.law, self._numbers)
-            elif stream.kind == "varied":
+            elif stream.kind in ("varied", "kept"):
                 made = code.fma(values[1], values[2], values[0])
+                made = code.where_kept(values[1], made) if stream.kind == "kept" else made
             elif stream.kind == "kicked":
                 made = code.fma(self._kicks[stream.field], values[1], values[0])
             elif stream.kind == "spread":

@@ -28,7 +28,9 @@ if TYPE_CHECKING:
     from longwave.lattice.force_program import ForceProgram
     from longwave.lattice.numeric_lattice import Entry, NumericLattice
 
-Kind = Literal["position", "velocity", "sum", "force", "varied", "kicked", "pulsed", "spread"]
+Kind = Literal[
+    "position", "velocity", "sum", "force", "varied", "kept", "kicked", "pulsed", "spread"
+]
 Polynomial = Mapping[int, float]
 """A stencil: weights by shift."""
 
@@ -94,6 +96,7 @@ class StreamRead(NamedTuple):
 class Stream(NamedTuple):
     """One value a cell: what it is made of, and how far it stays behind the front.
 
+    What is ``kept`` is a varied force, and nothing where its share is -1: the bond is cut.
     ``number`` is the place of a sum's offset, of the factor with which a sum kicks ``field``, of
     the pulse that does so from outside, or of the weight with which a series takes a term.
     ``lowest`` is the furthest cell below its own of which it feels a position.
@@ -177,7 +180,7 @@ class StagePlan(NamedTuple):
                 total += max(len(stream.taps) - 1, 0) + scaled + (stream.number is not None)
             elif stream.kind == "force":
                 total += _operations(stream.law)
-            elif stream.kind in ("varied", "kicked", "pulsed", "spread"):
+            elif stream.kind in ("varied", "kept", "kicked", "pulsed", "spread"):
                 total += 1
         return total
 
@@ -337,9 +340,8 @@ def varied_stage_plan(lattice: NumericLattice, variation: Variation | None) -> V
             share, own = force_formula(part, builder.number)
             assert share is not None
             weight, units = StreamRead(fields + len(units)), [*units, own / unit]
-            force = builder.varied(
-                StreamRead(force), weight, StreamRead(builder.force(stretch, share))
-            )
+            taps = [StreamRead(force), weight, StreamRead(builder.force(stretch, share))]
+            force = builder.add("kept" if part == bond.force else "varied", taps)
         for of, parts in enumerate(acting):
             stencil = _merged(entry for entry in bond.action if entry.field == of)
             if stencil:

@@ -199,7 +199,8 @@ def run_stencil(scene: Scene, progress: Progress, announce: Announce) -> tuple[R
     if math.isinf(found.error) and not run.attrs["blow_up"]:
         raise ValueError(
             f"snapshots must end before strains run away, got {scene.end:g} (they grew beyond "
-            f"{run.attrs['most_strain']:.3g} whatever the step; end earlier or take a smaller eps)"
+            f"{run.attrs['most_strain']:.3g} with steps down to {found.trial.choices.step:.2g}; "
+            "end earlier or take a smaller eps)"
         )
     return run, found
 

@@ -8,6 +8,7 @@ from sympy import simplify
 
 from longwave.derive import LATTICES, Scaling, envelope, lattice_of, read_lattice, reduce
 from longwave.derive.__main__ import main
+from longwave.derive.balances import find_scaling
 
 DIMER = """
 name = "two_masses"
@@ -59,6 +60,23 @@ def test_a_file_is_the_lattice_of_the_catalogue(text: str, name: str, tmp_path: 
     assert (found.fields, found.masses, found.bonds) == (known.fields, known.masses, known.bonds)
 
 
+def test_masses_are_numbers_as_they_are_written(tmp_path: Path) -> None:
+    of_numbers, of_text = (
+        read_lattice(written(tmp_path, DIMER.replace('["m1", "m2"]', masses)))
+        for masses in ("[0.02, 1e-3]", '["1/50", "1/1000"]')
+    )
+    assert of_numbers.masses == of_text.masses
+
+
+@pytest.mark.parametrize("force", ["-A*contact(-x)**(3/2)", "A*x**3"])
+def test_what_has_no_sound_is_told_so(force: str, tmp_path: Path) -> None:
+    """Catches: grains without compression, of which the conditions of the expansion were told."""
+    spring = f'[[spring]]\nbetween = ["u[n]", "u[n+1]"]\nforce = "{force}"\n'
+    found = read_lattice(written(tmp_path, f'fields = ["u"]\npositive = ["A"]\n{spring}'))
+    with pytest.raises(ValueError, match="there is no sound: the linear stiffness at rest is 0"):
+        find_scaling(found)
+
+
 def test_any_smooth_force_is_read_and_reduced(tmp_path: Path) -> None:
     text = 'fields = ["u"]\npositive = ["a"]\n[[spring]]\nbetween = ["u[n]", "u[n+1]"]\n'
     lattice = read_lattice(written(tmp_path, text + 'force = "sinh(a*x) + tanh(x)**2"\n'))
@@ -98,7 +116,8 @@ HOSTILE: dict[str, tuple[str, str]] = {
     "field name": ('fields = ["u_1"]\n' + SPRING, "must be among u_1, got 'u'"),
     "masses": (HEAD + "masses = [1, 2]\n" + SPRING, "masses must be a list of 1"),
     "mass 0": (HEAD + "masses = [0]\n" + SPRING, "mass must satisfy mass > 0"),
-    "mass float": (HEAD + "masses = [1.5]\n" + SPRING, "must be text, got 1.5"),
+    "mass inf": (HEAD + "masses = [inf]\n" + SPRING, "must be a finite real number"),
+    "mass float": (HEAD + "masses = [-1.5]\n" + SPRING, "mass must satisfy mass > 0"),
     "one site": (HEAD + SPRING.replace(', "u[n+1]"', ""), "between must be two sites"),
     "three": (HEAD + SPRING.replace('"u[n]",', '"u[n] + u[n-1]",'), "between must be two sites"),
     "site": (HEAD + SPRING.replace("u[n]", "u[k]"), "must be a sum of sites"),

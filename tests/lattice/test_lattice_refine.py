@@ -1,15 +1,20 @@
 """The judge of a run's error, by an engine whose errors and blow-ups are known.
 
-Catches: a lattice said to blow up by itself where shorter steps cure it.
+Catches: a lattice said to blow up by itself where shorter steps cure it, a refusal that says what
+was not seen.
 """
 
 import math
 from collections.abc import Collection
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pytest
 
+from longwave.derive import LATTICES
+from longwave.lattice import State, driven_chain, integrate
+from longwave.lattice.numeric_lattice import numeric_lattice
 from longwave.lattice.refine import refine
 from longwave.lattice.trial import (
     STEP_RATIO,
@@ -17,6 +22,7 @@ from longwave.lattice.trial import (
     Engine,
     Kind,
     Progress,
+    StepSearch,
     Trial,
     lawful_step,
 )
@@ -74,3 +80,47 @@ def test_blow_ups_with_a_run_between_them_are_not_the_lattice_s_own() -> None:
     """Its steps are 1, 0.2, 0.04, about 0.01, of which the third alone comes to an end."""
     found = refine(Breaking(0.05, among=(0.003, 0.025)), 1e-4)
     assert found.error <= 1e-4
+
+
+def test_a_step_that_stops_shorten_is_shortened_as_it_is_taken() -> None:
+    """Catches: a shorter step with which the same steps are taken, so that the same run is made."""
+    for gaps in ([1.0], [1.0] * 5, [0.3, 1.0, 0.7], [2.0, 0.01]):
+        stops = np.concatenate([[0.0], np.cumsum(gaps)])
+        for order, step, excess in product((2, 6, 8), (0.2, 0.53, 0.9, 1.5, 4.0), (1.01, 1.4, 9)):
+            engine = StepSearch(order, step, stops)
+            choices = engine.first()
+            shorter = engine.improved(choices, "step", excess)
+            share = (engine.taken(shorter) / engine.taken(choices)) ** order
+            assert share <= max(1.0 / excess, 0.22**order) * (1.0 + 1e-9)
+
+
+def test_a_mild_chain_runs_at_every_tolerance() -> None:
+    """Catches: three equal runs between two stops, taken for errors that no step lowers."""
+    lattice = numeric_lattice(LATTICES["alpha_fput"], {"K2": 0.5, "K3": 0.5})
+    f, v = 0.1 * np.random.default_rng(31).standard_normal((2, 1, 12))
+    chain = driven_chain(lattice, 12, left="fixed", right="fixed")
+    for tolerance in np.geomspace(1e-7, 1e-3, 25):
+        times = 3.1138 * np.arange(1.0, 6.0)
+        assert integrate(chain, State(0.0, f, v), times, tolerance).error_estimate <= tolerance
+
+
+class Blunt(StepSearch):
+    """An error that no step lowers, and one that falls, but never far enough."""
+
+    def __init__(self, slowly: bool) -> None:
+        super().__init__(2, 1.0, np.array([0.0, 100.0]))
+        self.slowly, self.steps = slowly, list[float]()
+
+    def run(self, choices: Choices, shown: bool, progress: Progress) -> Trial:
+        if choices.step not in self.steps:
+            self.steps.append(choices.step)
+        count = self.steps.index(choices.step)
+        value = (-1.0) ** count * (0.6**count if self.slowly else 1.0)
+        return Trial(choices, np.array([value]), 1.0, 0.0, 0.0, None, shown)
+
+
+def test_a_refusal_says_what_was_measured() -> None:
+    with pytest.raises(ValueError, match="no longer help, and rounding is no more than"):
+        refine(Blunt(slowly=False), 1e-9)
+    with pytest.raises(ValueError, match=r"got 1e-90 \(after 12 control runs"):
+        refine(Blunt(slowly=True), 1e-90)

@@ -484,3 +484,38 @@ def test_a_bench_is_run_from_its_start_and_with_a_chain() -> None:
     with pytest.raises(ValueError, match="run must carry its states"):
         resume(found)
     assert Bench.of_tables({"chain": {"sites": 3}, "start": {"rest": True}}).state
+
+
+def test_a_piston_goes_further_than_a_grain_is_compressed(tmp_path: Path) -> None:
+    """Right values by SciPy's DOP853 at 1e-12."""
+    (tmp_path / "c.toml").write_text(
+        'fields = ["u"]\npositive = ["A", "d", "p"]\n[[spring]]\n'
+        'between = ["u[n]", "u[n+1]"]\nforce = "-A*(d - x)**p"\n',
+        encoding="utf-8",
+    )
+    tables = {
+        "lattice": "c.toml",
+        "times": [0, 30, 60],
+        "tolerance": 1e-6,
+        "constants": {"A": 1, "d": 1, "p": 1.4},
+        "chain": {"sites": 120, "left": {"velocity": "0.1"}, "right": "fixed"},
+        "start": {"rest": True},
+        "observables": {"energy": True, "state": True},
+    }
+    path = tmp_path / "piston.toml"
+    path.write_text(toml_text(tables), encoding="utf-8")
+    found = run(load_scene(path))
+    assert abs(float(found.displacement[-1, 0]) - 5.9161930295) < found.error_estimate <= 1e-6
+    assert abs(float(found.displacement[-1, 20]) - 4.2399894328) < found.error_estimate
+    assert abs(float(found.energy[-1] - found.work[-1])) < 1e-6
+    assert found.steps < 1000
+
+
+def test_the_reason_for_too_many_steps_is_what_asks_for_them() -> None:
+    """Catches: stiff springs that are told as losses or drives."""
+    for tables, reason in (
+        ({"constants": {"K2": 1e30, "K4": 2}}, "for the fastest waves have the frequency 2e\\+15"),
+        ({"losses": {"site": 1e15}}, "losses and what drives a chain must take at most"),
+    ):
+        with pytest.raises(ValueError, match=reason):
+            run(Scene.of(**changed(**tables)))

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from scipy.linalg import expm, solve_continuous_lyapunov
 
-from longwave.scenes.bench_bath import Bath, Means
+from longwave.scenes import bench_bath
+from longwave.scenes.bench_bath import Bath, BrokenRunError, Means
 from longwave.scenes.bench_run import chain_of
 from longwave.scenes.named_scenes import load_scene
 from longwave.scenes.scene_run import run
@@ -90,3 +91,55 @@ def test_the_seed_gives_the_same_bits() -> None:
 def test_wrong_baths_are_refused(changed: dict[str, Any], message: str) -> None:
     with pytest.raises(ValueError, match="^" + re.escape(message) + ".*$"):
         run(WARM.changed(**changed))
+
+
+@pytest.mark.parametrize("temperature", [1e4, pytest.param(1e8, marks=pytest.mark.slow)])
+def test_a_hot_chain_that_is_bound_does_not_fly_apart(temperature: float) -> None:
+    """Catches: a step that does not follow the temperature; means are those of equipartition."""
+    hot = WARM.changed(
+        lattice="beta_fput",
+        constants={"K2": 1, "K4": 1},
+        chain={"sites": 2, "left": "fixed", "right": "fixed"},
+        noise={"temperature": temperature, "seed": 1},
+        observables={"energy": True},
+        losses={"site": 2},
+        times=[0, 2],
+        tolerance=0.4 * temperature,
+    )
+    found = run(hot)
+    energy, error = float(found.energy[-1]), float(found.energy_error[-1])
+    assert error <= 0.4 * temperature
+    assert abs(energy - 2 * (0.5 + 0.25) * temperature) < error
+
+
+def test_a_run_that_breaks_down_is_made_again_with_a_shorter_step(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of a bath that does not see how hot it is."""
+    monkeypatch.setattr(bench_bath, "HOT", 0.0)
+    hot = WARM.changed(
+        lattice="beta_fput",
+        constants={"K2": 1, "K4": 1},
+        chain={"sites": 2, "left": "fixed", "right": "fixed"},
+        noise={"temperature": 1e6, "seed": 1},
+        observables={"energy": True},
+        times=[0, 3],
+        tolerance=3e6,
+    )
+    bath = Bath(hot, *chain_of(hot))
+    first = bath.step
+    with pytest.raises(BrokenRunError):
+        bath.pair(0)
+    assert bath.has_shortened_step(BrokenRunError(1.0))
+    assert bath.step < 0.3 * first
+    while bath.has_shortened_step(None):
+        bath.pair(0)
+    assert np.isfinite(bath.pair(0)).all()
+
+
+def test_a_chain_that_flies_apart_is_told_with_the_steps_that_were_tried() -> None:
+    soft = WARM.changed(
+        constants={"K2": 1, "K3": 1}, noise={"temperature": 1.0, "seed": 1}, tolerance=0.1
+    )
+    with pytest.raises(ValueError, match=r"must end before the chain flies apart, .* those of 0\."):
+        run(soft)
