@@ -128,7 +128,8 @@ def _halved(exact: Integral, panels: Array, allowed: float, scheme: DriftKick | 
                 found = exact.slope(np.add.outer(low, 0.0 * nodes) + np.outer(high - low, nodes))
             found = (high - low) * (found @ scheme.kicks)
         apart = np.abs(found - exact(high) + exact(low))
-        rough = ~(apart <= exact.rounding(low) + exact.rounding(high) + rounding + allowed)
+        rough = ~(apart <= exact.rounding(low, high) + rounding + allowed)
+        rough |= exact.hides(low, high, allowed)
         rough &= high - low > 2.0 * LEAST_PANEL * np.maximum(np.abs(low), np.abs(high))
         done.append(panels[:, ~rough])
         low, high = panels[:, rough]

@@ -23,6 +23,9 @@ ROUNDING = 2.0**-50
 LEAST_PANEL = 2.0**-48
 """Length of the shortest panel, in units of the largest number in it."""
 
+MANY = 8
+"""Short panels of an integral beyond which a longer one hides what is on them."""
+
 _POINTS, _WEIGHTS = legendre.leggauss(NODES)
 
 
@@ -106,16 +109,36 @@ class Integral:
 
     @cached_property
     def _rounding(self) -> Array:
-        """What rounding of numbers and of values does to the integral on each panel."""
-        low, high = self.edges[:-1], self.edges[1:]
+        """What rounding does to the integral on each panel."""
+        return self._rounded(self.edges[:-1], self.edges[1:])
+
+    def _rounded(self, low: Array, high: Array) -> Array:
+        """What rounding of numbers and of values does to integrals from ``low`` to ``high``."""
         points, size = np.array([low, (low + high) / 2.0, high]), float(np.abs(self.edges).max())
         with np.errstate(all="ignore"):
             values, slopes = np.abs(self.slope(points)), np.abs(self.slope.slope(points))
         return np.asarray(2.0**-52 * (high - low) * (values + size * slopes).max(axis=0))
 
-    def rounding(self, times: Array) -> Array:
-        """What rounding does to the integral on the panels in which these times lie."""
-        return np.asarray(self._rounding[self._places(times)])
+    def rounding(self, low: Array, high: Array) -> Array:
+        """The same, of an integral by Gauss's rule beside one of `Integral`."""
+        own = self._rounding[self._places(np.array([low, high]))].sum(axis=0)
+        return np.asarray(own + self._rounded(low, high))
+
+    @cached_property
+    def _short(self) -> Array:
+        """Running count and size of the integrals, without signs, of panels that were halved."""
+        lengths = np.diff(self.edges)
+        with np.errstate(all="ignore"):
+            ends = np.abs(self.slope(np.add.outer(self.edges[:-1], np.zeros(3)) + np.outer(lengths, [0, 0.5, 1])))
+        halved = lengths < 0.6 * np.median(lengths)
+        parts = np.array([halved, halved * lengths * ends.max(axis=1)])
+        return np.concatenate([np.zeros((2, 1)), np.cumsum(parts, axis=1)], axis=1)
+
+    def hides(self, low: Array, high: Array, allowed: float) -> NDArray[np.bool_]:
+        """Whether so much of the function lies on short panels, many from ``low`` to ``high``."""
+        places = self._places(np.array([low, high]))
+        count, size = self._short[:, places[1] + 1] - self._short[:, places[0]]
+        return np.asarray((count > MANY) & (size > allowed))
 
     def _places(self, times: Array) -> NDArray[np.intp]:
         return np.clip(np.searchsorted(self.edges, times, "right"), 1, self.edges.size - 1) - 1
