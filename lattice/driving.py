@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from types import MappingProxyType
 from typing import Literal, NamedTuple
@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from longwave.lattice.disordered_lattice import DisorderedLattice, Pulse, Variation
+from longwave.lattice.drive_steps import DriveSteps, drive_steps
 from longwave.lattice.kernels.streams import TERMS
 from longwave.lattice.numeric_lattice import NumericLattice, Range, value_range
 from longwave.lattice.outer_forces import (
@@ -27,8 +28,9 @@ from longwave.lattice.outer_forces import (
     slope_of,
     values_at,
 )
-from longwave.lattice.schemes import DriftKick
+from longwave.lattice.schemes import DriftKick, Scheme
 from longwave.lattice.state import State
+from longwave.lattice.trial import DRIVEN_SHARE
 
 Array = NDArray[np.float64]
 Factors = Mapping[int, float | Sequence[float]]
@@ -200,9 +202,21 @@ class DrivenChain(DisorderedLattice):
         turns at corners: its slope jumps between times looked at.
         """
         found, turns = looked_at(self._drives, begin, end)
-        if any(self.losses):
-            found = min(found, LOSS_TIME / max(self.losses))
-        return min(found, SPREAD_TIME / self._spreading) if self._spreading else found, turns
+        return min(found, self._loss_time), turns
+
+    @property
+    def _loss_time(self) -> float:
+        """The time in which losses change velocities as much as a drift takes."""
+        found = LOSS_TIME / max(self.losses) if any(self.losses) else math.inf
+        return min(found, SPREAD_TIME / self._spreading) if self._spreading else found
+
+    def drive_steps(
+        self, begin: float, end: float, step: float, scheme: Scheme, tolerance: float
+    ) -> DriveSteps:
+        """Steps, none longer than ``step``, that follow what drives the chain and what it loses."""
+        found, within = drive_steps(self._drives, begin, end, step, scheme, tolerance)
+        longest = DRIVEN_SHARE * min(within, self._loss_time)
+        return replace(found, step=min(found.step, longest))
 
     @property
     def _drives(self) -> tuple[TimeFunction, ...]:

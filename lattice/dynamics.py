@@ -139,11 +139,15 @@ class Dynamics:
         """
         found = []
         for place, bond in enumerate(self.lattice.bonds):
-            least, most = ranges[place]
-            if not math.isfinite(float(most) - float(least)):
+            least, most = map(float, ranges[place])
+            if not math.isfinite(most - least):
                 return math.inf
             stretches = np.append(np.linspace(least, most, SLOPES), bond.offset)
-            found.append(self.lattice.largest_slope(place, stretches))
+            seen = self.lattice.largest_slope(place, stretches)
+            with np.errstate(all="ignore"):
+                bare = float(np.max(np.abs(bond.force.slope(stretches))))
+            hidden = bond.force.steepest_between(least, most, bare)
+            found.append(seen if hidden == bare else seen / bare * hidden)
         if not all(slope < LARGEST_SLOPE for slope in found):
             return math.inf
         return self.lattice.highest_frequency(found)

@@ -33,6 +33,14 @@ UNARY: dict[str, Callable[[Array], Array]] = {
 QUADRATURE = 24
 """Points of the rule that integrates a force to its potential."""
 
+FEW_TURNS = 8
+"""Degree up to which a polynomial's slopes at 65 places are short of the largest by a few percent
+(by Markov's inequality)."""
+
+PLACES, MOST_PLACES, DEEPEST, UNSEEN = 65, 2**12, 9, 0.1
+"""Of ranges on which slopes are enclosed: their ends at first, and the most that are divided in 16,
+at most so often; the part by which a slope must exceed what was met to count."""
+
 
 @dataclass(frozen=True)
 class ForceProgram:
@@ -90,21 +98,58 @@ class ForceProgram:
         >>> low.round(2).tolist(), high.round(2).tolist()
         ([0.37], [1.0])
         """
-        stack: list[tuple[Array, Array]] = []
-        for word, number in self.instructions:
-            if word in ("x", "number"):
-                stack.append((low, high) if word == "x" else (np.full_like(low, number),) * 2)
-                continue
-            a, b = stack.pop()
-            if word == "add":
-                c, d = stack.pop()
-                stack.append((a + c, b + d))
-            elif word == "multiply":
-                c, d = stack.pop()
-                stack.append(_hull(a * c, a * d, b * c, b * d))
+        return _enclosed(self.instructions, low, high)
+
+    def slope_enclosed(self, low: Array, high: Array) -> tuple[Array, Array]:
+        """Bounds of the slope between ``low`` and ``high``; without a bound they are infinite.
+
+        >>> low, high = ForceProgram((1.0, 0.0, 1.0)).slope_enclosed(np.zeros(1), np.ones(1))
+        >>> low.tolist(), high.tolist()
+        ([1.0], [4.0])
+        """
+        with np.errstate(all="ignore"):
+            if self.instructions:
+                least, most = _enclosed(self.slope_instructions, low, high)
             else:
-                stack.append(_power(a, b, number) if word == "power" else _unary(word, a, b))
-        return stack.pop()
+                least = most = np.zeros_like(low)
+                for factor in self._slope.coef[::-1]:
+                    least, most = _hull(least * low, least * high, most * low, most * high)
+                    least, most = least + factor, most + factor
+        return np.nan_to_num(least, nan=-np.inf, neginf=-np.inf, posinf=np.inf), np.nan_to_num(
+            most, nan=np.inf, neginf=-np.inf, posinf=np.inf
+        )
+
+    @property
+    def is_smooth(self) -> bool:
+        """Whether its slopes at a few places show all: a polynomial turns no more often."""
+        return not self.instructions and len(self.coefficients) <= FEW_TURNS
+
+    def steepest_between(self, low: float, high: float, seen: float) -> float:
+        """The largest size of the slope on a range on which ``seen`` is the largest that was met.
+
+        That itself unless it is exceeded by more than its part `UNSEEN`. Infinite where there is
+        no bound.
+        """
+        if self.is_smooth or not low < high:
+            return seen
+        edges, largest = np.linspace(low, high, PLACES), seen
+        lows, highs = edges[:-1], edges[1:]
+        for _ in range(DEEPEST):
+            bounds = np.maximum(*map(np.abs, self.slope_enclosed(lows, highs)))
+            [places] = np.nonzero(~(bounds <= (1.0 + UNSEEN) * largest))
+            if places.size == 0 or places.size > MOST_PLACES:
+                break
+            parts = np.linspace(lows[places], highs[places], 17)
+            lows, highs = parts[:-1].ravel(), parts[1:].ravel()
+            with np.errstate(all="ignore"):
+                largest = np.fmax(largest, np.nanmax(np.abs(self.slope(parts)), initial=0.0))
+        else:
+            apart = self.opening is None or not np.all(
+                (lows[:, None] <= self.opening) & (self.opening <= highs[:, None])
+            )
+            bounds = np.maximum(*map(np.abs, self.slope_enclosed(lows, highs)))
+            largest = float(bounds.max()) if apart else largest
+        return float(largest) if largest > (1.0 + UNSEEN) * seen else seen
 
     def largest_summand(self, stretch: Array) -> float:
         """The largest number that is added on the way: the force holds its roundings.
@@ -136,6 +181,27 @@ class ForceProgram:
         apart, roots = stretch - self.opening, (1 + nodes) / 2
         forces = self(self.opening + np.multiply.outer(roots**2, apart))
         return np.asarray(apart * np.tensordot(weights * roots, forces, 1))
+
+
+def _enclosed(
+    instructions: tuple[Instruction, ...], low: Array, high: Array
+) -> tuple[Array, Array]:
+    """Bounds of the value of a program."""
+    stack: list[tuple[Array, Array]] = []
+    for word, number in instructions:
+        if word in ("x", "number"):
+            stack.append((low, high) if word == "x" else (np.full_like(low, number),) * 2)
+            continue
+        a, b = stack.pop()
+        if word == "add":
+            c, d = stack.pop()
+            stack.append((a + c, b + d))
+        elif word == "multiply":
+            c, d = stack.pop()
+            stack.append(_hull(a * c, a * d, b * c, b * d))
+        else:
+            stack.append(_power(a, b, number) if word == "power" else _unary(word, a, b))
+    return stack.pop()
 
 
 def _hull(*values: Array) -> tuple[Array, Array]:

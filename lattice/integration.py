@@ -15,17 +15,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from longwave.lattice.driving import DrivenChain
-from longwave.lattice.dynamics import Dynamics
+from longwave.lattice.dynamics import WIDER, Dynamics
 from longwave.lattice.energy_balance import EnergyBalance
+from longwave.lattice.force_features import TRAVEL, find_feature, finite_range
 from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.lattice.refine import refine
 from longwave.lattice.run_times import check_positive, checked_times
 from longwave.lattice.scheme_order import check_order
 from longwave.lattice.schemes import REDUCED_PHASE_6, SCHEMES, Scheme, check_step, stability_limit
 from longwave.lattice.state import State
-from longwave.lattice.stepper import Stepper, StillRing
+from longwave.lattice.stepper import CHUNK, Stepper, StillRing
 from longwave.lattice.trial import (
-    DRIVEN_SHARE,
     LEAST_FACTOR,
     Choices,
     Kind,
@@ -67,6 +67,22 @@ ORDER_AT_OPENINGS = 2
 KEPT_AT_OPENINGS = 0.5
 """The most of a step that is kept where it was too long and contacts open: what a step changes
 falls by jumps there, and from little shorter ones it was taken not to fall."""
+
+FINE = 1e-9
+"""Tolerance for which features of drives and forces are followed where none is given."""
+
+NEAR = 2.0
+"""Room beside the stretches that were met, in units of their range, that is searched for features."""
+
+STILL = 0.1
+"""Time between stops, in units of the inverse highest frequency at rest, that shows all that
+stretches pass."""
+
+PATIENT, MOST_FOLLOWED = 12, 2e6
+"""Steps tried until one follows the features of forces, and the most that one run may take."""
+
+NUDGED = 4
+"""Times, with the start, at which a run's last digits are changed."""
 
 RING_SAFETY = 6.0
 """Factor on the difference of two runs. With 2, one estimate in 2000 was too small, by 1.6, and
@@ -147,7 +163,9 @@ def integrate(
             "(a tolerance finds the step)"
         )
     begun = perf_counter()
-    search = CellRingEngine(lattice, held, moments, scheme, judged)
+    search = CellRingEngine(
+        lattice, held, moments, scheme, judged, tolerance=tolerance or FINE
+    )
     if tolerance is not None:
         trial, error = _found(search, tolerance, moments)
     else:
@@ -235,6 +253,7 @@ class CellRingEngine(StepSearch):
         judged: Judged | None = None,
         kept: Array | None = None,
         cuts: Sequence[int] | None = None,
+        tolerance: float = FINE,
     ) -> None:
         self.lattice, self.scheme, self.state = lattice, scheme, state
         self._cuts = cuts
@@ -242,6 +261,8 @@ class CellRingEngine(StepSearch):
         self.amplifies_rounding = not lattice.is_linear
         self.threads = self.dynamics.threads(scheme) if state.size < LARGE else 1
         self._times, self._kept = times, times if kept is None else kept
+        self._curious = [at for at, one in enumerate(lattice.bonds) if not one.force.is_smooth]
+        self._has_features = False
         ranges = self.dynamics.ranges(state)
         self.first_frequency = self.dynamics.highest_frequency(ranges)
         self._duration = float(times[-1] - state.t) or 1.0
@@ -252,52 +273,63 @@ class CellRingEngine(StepSearch):
                 f"{float(np.max(np.abs(ranges[: len(lattice.bonds)]))):g} (take other units)"
             )
         cells = lattice.cell_count
-        self._judged = self._stretches_and_rates(ranges)
+        self._highest_at_rest = self._frequency_at_rest(ranges)
+        self._largest = self._sizes(ranges)
+        self._judged = self._stretches_and_rates
         if judged is not None:
             self._judged = lambda f, v, t: judged(f[:, :cells], v[:, :cells], t)
         stops = np.concatenate([[state.t], times])
         begin, end = float(stops[0]), float(stops[-1])
         opens = any(bond.force.opening is not None for bond in lattice.bonds)
-        within, turns = lattice.drive_within(begin, end)
-        opens = opens or turns
+        admitted = LIMIT_SHARE * self._admitted
+        self._push = tolerance / max(1.0, self._highest_at_rest) / max(1.0, self._duration)
+        driven = lattice.drive_steps(begin, end, admitted, scheme, self._push)
+        opens = opens or driven.turns
         order = min(scheme.order, ORDER_AT_OPENINGS) if opens else scheme.order
         self._most_kept = KEPT_AT_OPENINGS if opens else 1.0
-        driven = DRIVEN_SHARE * within
-        first = min(LIMIT_SHARE * self._admitted, driven)
-        super().__init__(order, first, stops, state.size)
+        if driven.stops.size:
+            stops = np.append(stops[0], np.union1d(stops[1:], driven.stops))
+        super().__init__(order, driven.step, stops, state.size)
         self.most_work = max(RUNAWAY * self.work(self.first()), LEAST_RUNAWAY)
 
-    def _stretches_and_rates(self, ranges: Array) -> Judged:
-        """Both in the unit of stretches: rates in units of the highest frequency at rest."""
+    def _frequency_at_rest(self, ranges: Array) -> float:
+        """The highest frequency at rest, that of the start if there is none."""
         frequency = self.dynamics.highest_frequency(0.0 * ranges)
-        unit = frequency if 0.0 < frequency < math.inf else self.first_frequency or 1.0
+        return frequency if 0.0 < frequency < math.inf else self.first_frequency or 1.0
+
+    def _stretches_and_rates(self, f: Array, v: Array, _: float) -> Array:
+        """Both in the unit of stretches: rates in units of the highest frequency at rest."""
         stretches = self.dynamics.stretches
-        return lambda f, v, _: np.array([stretches(f), stretches(v) / unit])
+        return np.array([stretches(f), stretches(v) / self._highest_at_rest])
 
     def run(self, choices: Choices, shown: bool, progress: Progress = lambda _: None) -> Trial:
         """A run; its payload is what stopped it, its steps, positions and velocities."""
         start = self._start(choices.nudged)
         balance = self._balance(start)
-        ring, chunk = StillRing(start), None if balance is None else 1
+        ring, chunk = StillRing(start), self._chunk(choices)
         stepper = Stepper(start, self.scheme, self.lattice, ring, choices.step, None, chunk)
         shape = (self._kept.size, *self.state.arrays[0].shape)
         f, v = np.empty(shape), np.empty(shape)
         rows = {t: row for row, t in enumerate(self._kept.tolist())}
-        times, judged = self._times.tolist(), []
-        moments, end = set(times), times[-1]
-        loop = begin_loop(f"{self.scheme.name}, step {choices.step!r}, {choices.nudged}")
+        met = self._rates(stepper.state)
+        times, judged = self._stops[1:].tolist(), []
+        moments, end = set(self._times.tolist()), times[-1]
+        kind = f"{choices.nudged}{', features' if self._has_features else ''}"
+        loop = begin_loop(f"{self.scheme.name}, step {choices.step!r}, {kind}")
         if loop.memory is not None:
             stepper.recall(loop.memory)
-            f, v, judged = (loop.memory[name] for name in ("f", "v", "judged"))
+            f, v, judged, met = (loop.memory[name] for name in ("f", "v", "judged", "met"))
             if balance is not None:
                 balance.recall(loop.memory["balance"])
             times = [t for t in times if t > stepper.state.t]
 
         def remember(arrays: bool = True) -> Memory:
             told = {} if balance is None else {"balance": balance.memory()}
-            return stepper.memory(arrays) | {"f": f, "v": v, "judged": judged} | told
+            return stepper.memory(arrays) | {"f": f, "v": v, "judged": judged, "met": met} | told
 
+        before = stepper.state.t
         for state in stepper.stops(times) if times else ():
+            met = np.fmax(met, self._rates(state))
             if balance is not None:
                 balance.follow(state)
             if state.t in rows:
@@ -307,12 +339,19 @@ class CellRingEngine(StepSearch):
                     balance.settle()
                 with np.errstate(all="ignore"):  # where the step is too long
                     judged.append(self.looked_at(state, balance))
+            if choices.nudged:
+                self._nudge_again(state, before)
+            before = state.t
             progress((state.t - self._stops[0]) / (self._stops[-1] - self._stops[0] or 1.0))
             if state.t < end:
                 loop.offer(remember)
         if times and stepper.blow_up is None:
             loop.end(lambda: remember(arrays=False))
-        values, longest = None, self._longest_step(stepper.ranges)
+        self._largest = np.fmax(self._largest, self._sizes(stepper.ranges))
+        if self._finds_features(stepper.ranges, met):
+            return self.run(choices, shown, progress)
+        longest = self._followed_step(stepper.ranges, met, choices)
+        values, longest = None, min(longest, self._longest_step(stepper.ranges))
         self._admitted = min(self._admitted, longest)
         if stepper.blow_up is None and self._taken(choices.step) <= longest:
             values = np.array(judged) if len(judged) > 1 else judged[0][np.newaxis]
@@ -327,6 +366,64 @@ class CellRingEngine(StepSearch):
             (stepper.blow_up, stepper.steps, f, v),
             shown=False,
         )
+
+    def _chunk(self, choices: Choices) -> int | None:
+        """Most steps between two stops: few enough for nudges between them."""
+        if self._cuts is not None:
+            return 1
+        steps = self.work(choices) / (2 * NUDGED) if choices.nudged else math.inf
+        if self._has_features:
+            steps = min(steps, self._still(choices) / choices.step)
+        return max(1, math.ceil(steps)) if steps < CHUNK else None
+
+    def _still(self, choices: Choices) -> float:
+        """The time between two stops in which stretches and their rates change little."""
+        return max(choices.step, STILL / self._highest_at_rest)
+
+    def _rates(self, state: State) -> Array:
+        """The largest rate of each stretch whose force may have features."""
+        if not self._curious:
+            return np.zeros(0)
+        bonds = [self.lattice.bonds[place] for place in self._curious]
+        rates = [bond.stretched(state.v) - bond.offset for bond in bonds]
+        return np.array([float(np.max(np.abs(rate))) for rate in rates])
+
+    def _finds_features(self, ranges: Array, rates: Array) -> bool:
+        """Whether forces have features near what was met, of which nothing was known before."""
+        if self._has_features or not self._curious or not np.isfinite(ranges).all():
+            return False
+        for place, rate in zip(self._curious, rates.tolist(), strict=True):
+            force, (least, most) = self.lattice.bonds[place].force, ranges[place].tolist()
+            room = NEAR * (most - least + rate / self._highest_at_rest)
+            ends = finite_range(force, least, most, room)
+            feature = find_feature(force, *ends, self._push * max(rate, room))
+            if feature.width < math.inf or feature.turns:
+                self._has_features, self.unstable = True, PATIENT
+                self.most_work = max(self.most_work, 4.0 * MOST_FOLLOWED)
+        return self._has_features
+
+    def _followed_step(self, ranges: Array, rates: Array, choices: Choices) -> float:
+        """The longest step that sees all features of forces; ValueError if it is far too short."""
+        longest = math.inf
+        if not self._has_features or not np.isfinite(ranges).all():
+            return longest
+        for place, rate in zip(self._curious, rates.tolist(), strict=True):
+            force, (least, most) = self.lattice.bonds[place].force, ranges[place].tolist()
+            room = WIDER * (most - least) + rate * self._still(choices)
+            ends = finite_range(force, least, most, room)
+            feature = find_feature(force, *ends, self._push * rate)
+            if feature.turns:
+                self.order, self._most_kept = ORDER_AT_OPENINGS, KEPT_AT_OPENINGS
+            if rate > 0.0:
+                longest = min(longest, TRAVEL * feature.width / rate)
+            if self._duration > MOST_FOLLOWED * longest:
+                raise ValueError(
+                    f"force of bond {place + 1} of {self.lattice.name} must change slowly enough "
+                    f"to be followed, got one that changes within {feature.width:.2g} where "
+                    f"stretches move at {rate:.2g} (that takes {self._duration / longest:.1g} "
+                    "steps; widen it or end earlier)"
+                )
+        return longest
 
     def _balance(self, start: State) -> EnergyBalance | None:
         if self._cuts is None:
@@ -347,8 +444,8 @@ class CellRingEngine(StepSearch):
         """A step that follows the strains that were met, or by the law of the order."""
         step = step_between(self._stops, choices.step)
         if math.isinf(excess) and 0.0 < self._admitted < self._taken(choices.step):
-            shorter = max(LIMIT_SHARE * self._admitted, LEAST_FACTOR * step)
-            return replace(choices, step=shorter)
+            least = LEAST_FACTOR**3 if self._has_features else LEAST_FACTOR
+            return replace(choices, step=max(LIMIT_SHARE * self._admitted, least * step))
         found = super().improved(choices, kind, excess)
         return replace(found, step=min(found.step, self._most_kept * step))
 
@@ -376,9 +473,33 @@ class CellRingEngine(StepSearch):
         return limit / highest if limit < SLOW * highest * self._duration else self._duration
 
     def _start(self, changed: bool) -> State:
-        """A copy of the state; ``changed`` with the last digits of both its arrays changed."""
+        """A copy of the state; ``changed`` with the last digits of both its arrays changed.
+
+        Cells at rest have none: they are moved by as much of what fields become in the run.
+        """
         start = self.state.copy()
         if changed:
+            resting = (start.f == 0.0) & (start.v == 0.0)
             for values, others in zip(start.arrays, nudged(*start.arrays), strict=True):
                 values[:] = others
+            start.f += np.where(resting, self._nudges(start.f), 0.0)
         return start
+
+    def _nudge_again(self, state: State, before: float) -> None:
+        """Change last digits of what fields become, where the run has passed a mark."""
+        begin, end = float(self._stops[0]), float(self._stops[-1])
+        marks = begin + np.arange(1, NUDGED) * (end - begin) / NUDGED
+        if state.t < end and np.any((before < marks) & (marks <= state.t)):
+            state.f += self._nudges(state.f)
+
+    def _nudges(self, f: Array) -> Array:
+        """Such changes, of cells that move."""
+        ones = np.zeros_like(f)
+        ones[:, : self.lattice.cell_count] = 1.0
+        [signs] = nudged(ones)
+        return (signs - ones) * self._largest.reshape(-1, *(1,) * (f.ndim - 1))
+
+    def _sizes(self, ranges: Array) -> Array:
+        """The largest size of each field."""
+        found = np.abs(ranges[len(self.lattice.bonds) :]).max(axis=1)
+        return np.where(np.isfinite(found), found, 0.0)

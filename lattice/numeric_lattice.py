@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from longwave.lattice.drive_steps import DriveSteps
 from longwave.lattice.force_program import ForceProgram, force_program
 from longwave.support.known_names import one_of
 
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from longwave.derive.algebra.exact_numbers import Number
     from longwave.derive.lattice import Bond, Lattice, Stencil
     from longwave.lattice.disordered_lattice import Variation
+    from longwave.lattice.schemes import Scheme
     from longwave.lattice.state import State
 
 Array = NDArray[np.float64]
@@ -152,6 +154,12 @@ class NumericLattice:
     def driven_within(self, begin: float, end: float) -> float:
         """The least time of `drive_within`."""
         return self.drive_within(begin, end)[0]
+
+    def drive_steps(
+        self, begin: float, end: float, step: float, scheme: Scheme, tolerance: float
+    ) -> DriveSteps:
+        """Steps, none longer than ``step``, that follow what drives it: nothing does."""
+        return DriveSteps(step, np.zeros(0), False)
 
     def spread_within(self, duration: float) -> int:
         """Cells by which signals run ahead of their speed for losses: 0 without any."""

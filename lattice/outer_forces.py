@@ -27,6 +27,9 @@ JUMP, MOST_CORNERS = 0.25, 100
 """Share of the range of slopes by which one jumps at a corner, and corners beyond which it is taken
 for a drive that is fast."""
 
+TAIL = 1e-6
+"""Share of the range of all slopes below which what is left beside followed spans has no corner."""
+
 CLOSER, MOST_HIDDEN, HIDDEN = 6, 2**12, 0.1
 """Times that a formula is looked at 64 times closer, in at most so many gaps in which it may change
 by that share of all its change: a push may lie in a gap. It went unseen with a width of 1e-4 in a
@@ -88,19 +91,36 @@ def values_at(value: TimeFunction, times: Array) -> Array:
     return found
 
 
-def looked_at(drives: Sequence[TimeFunction], begin: float, end: float) -> tuple[float, bool]:
-    """The least time in which a drive changes by all that it does, and whether one has a corner."""
+def looked_at(
+    drives: Sequence[TimeFunction], begin: float, end: float, followed: Array | None = None
+) -> tuple[float, bool]:
+    """The least time in which a drive changes by all that it does, and whether one has a corner.
+
+    Apart from times that are ``followed`` with steps of their own, (begin and end, spans).
+    """
     times = np.linspace(begin, end, LOOKED_AT)
     least, turns = math.inf, False
     for value in drives:
         seen = _looked_closer(value, times)
         values = values_at(value, seen)
         slopes = np.diff(values) / (np.diff(seen) if end > begin else 1.0)
-        steepest, spread = float(np.abs(slopes).max()), float(np.ptp(slopes))
+        is_open = _is_apart(seen, followed)
+        steepest = float(np.abs(slopes).max(where=is_open, initial=0.0))
+        spread = float(np.ptp(slopes[is_open])) if is_open.any() else 0.0
         least = min(least, float(np.ptp(values)) / steepest if steepest else math.inf)
-        jumps = np.count_nonzero(np.abs(np.diff(slopes)) > JUMP * spread)
-        turns = turns or bool(spread > 0.0 and 0 < jumps <= MOST_CORNERS)
+        bends = np.abs(np.diff(slopes))[is_open[:-1] & is_open[1:]]
+        jumps = np.count_nonzero(bends > JUMP * spread)
+        spreads = spread > (0.0 if is_open.all() else TAIL * float(np.ptp(slopes)))
+        turns = turns or bool(spreads and 0 < jumps <= MOST_CORNERS)
     return least, turns
+
+
+def _is_apart(times: Array, spans: Array | None) -> NDArray[np.bool_]:
+    """Whether what lies between two times meets none of the spans."""
+    if spans is None or not spans.size:
+        return np.ones(times.size - 1, dtype=np.bool_)
+    begun = np.searchsorted(spans[0], times[1:], "left")
+    return np.asarray(begun == np.searchsorted(spans[1], times[:-1], "right"))
 
 
 def _looked_closer(value: TimeFunction, times: Array) -> Array:

@@ -14,9 +14,10 @@ from longwave.lattice.driving import DrivenChain, End, driven_chain
 from longwave.lattice.energy_balance import Flow
 from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.lattice.state import State
+from longwave.lattice.time_integral import Integral
 from longwave.scenes.bench import ACTING, Bench, Cells, Drive, Impact
 from longwave.scenes.losses import LossRates
-from longwave.scenes.time_functions import Integral, time_function
+from longwave.scenes.time_functions import time_function
 from longwave.support.known_names import one_of
 from longwave.support.user_files import shown
 

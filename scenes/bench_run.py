@@ -15,6 +15,7 @@ from longwave.derive.symbols import number_value
 from longwave.lattice.dynamics import Dynamics
 from longwave.lattice.integration import CellRingEngine
 from longwave.lattice.schemes import REDUCED_PHASE_6, scheme_named
+from longwave.lattice.trial import DRIVEN_SHARE
 from longwave.scenes.bench import MOST_READINGS, Bench
 from longwave.scenes.bench_chain import (
     Moment,
@@ -81,9 +82,12 @@ def scene_cost(scene: Scene) -> ExpectedCost:
     times = reading_times(scene, bench)
     highest = Dynamics(chain).highest_frequency(np.zeros((len(chain.bonds) + len(chain.fields), 2)))
     duration = float(times[-1] - scene.t0)
-    within = chain.driven_within(scene.t0, scene.end)
-    steps = max(duration * max(highest / FIRST_STEP, 2.0 / within), float(times.size))
-    if steps > MOST_STEPS and highest / FIRST_STEP > 2.0 / within:
+    longest = FIRST_STEP / highest if highest > 0.0 else duration
+    driven = chain.drive_steps(
+        scene.t0, scene.end, longest, REDUCED_PHASE_6, scene.target.tolerance
+    )
+    steps = max(duration / driven.step, float(times.size)) + driven.stops.size
+    if steps > MOST_STEPS and driven.step >= longest:
         raise ValueError(
             f"times must end within at most {MOST_STEPS:g} steps, got {scene.end:g} (about "
             f"{steps:.2g}, for the fastest waves have the frequency {highest:.2g}; end earlier)"
@@ -91,7 +95,8 @@ def scene_cost(scene: Scene) -> ExpectedCost:
     if steps > MOST_STEPS:
         raise ValueError(
             f"losses and what drives a chain must take at most {MOST_STEPS:g} steps, got about "
-            f"{steps:.2g} (they change within {within:.2g}; slow them down or end earlier)"
+            f"{steps:.2g} (they change within {driven.step / DRIVEN_SHARE:.2g}; slow them down or "
+            "end earlier)"
         )
     kept = times.size * max(1, len(bench.sensed)) * max(1, len(bench.sensors))
     found = search_cost(chain, bench.sites, steps, REDUCED_PHASE_6.stages, float(kept))
@@ -116,7 +121,15 @@ class BenchEngine(CellRingEngine):
         scheme = scheme_named(scene.target.scheme) if scene.target.scheme else REDUCED_PHASE_6
         start = chain.held(start_on_bench(bench, chain, scene.t0))
         cuts = watched_cuts(bench, chain)
-        super().__init__(chain, start, self.times, scheme, kept=self.times[:0], cuts=cuts)
+        super().__init__(
+            chain,
+            start,
+            self.times,
+            scheme,
+            kept=self.times[:0],
+            cuts=cuts,
+            tolerance=scene.target.tolerance,
+        )
         self.sizes = [part.shape for part in self._read(start, self._balance(start))]
 
     def _read(self, state: State, balance: EnergyBalance | None) -> list[Array]:

@@ -1,4 +1,4 @@
-"""Functions of time that drive a chain: formulas, measured values, and their integrals."""
+"""Functions of time that drive a chain: formulas and measured values."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
-from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
+from longwave.lattice.time_integral import ROUNDING
 from longwave.scenes.csv_table import number_list
 from longwave.support.user_files import shown
 
@@ -30,13 +30,6 @@ order 6 keeps its order (of order 4 with a cubic spline, of order 3 with one tha
 OUTSIDE = 0.5
 """Share of the range of measured values by which a spline may leave it: between values that follow
 what they are measured of it does by a few hundredths."""
-
-PANELS, MOST_PANELS, NODES = 2**13, 2**18, 12
-"""Of an integral: at first, at most, and the points of Gauss's rule on each."""
-
-ROUNDING = 2.0**-50
-"""Share of the size of a panel's integral that is taken for rounding."""
-
 
 @dataclass(frozen=True)
 class Samples:
@@ -102,64 +95,6 @@ class Samples:
     def slope(self, times: Array, /) -> Array:
         """Their derivatives in time."""
         return np.asarray(self._spline(times, 1))
-
-
-@dataclass(frozen=True, eq=False)
-class Integral:
-    """The integral of a function from the start on, to rounding: the function is its slope.
-
-    By Gauss's rule, on panels that are halved until their halves give the same.
-
-    >>> from longwave.derive.lattice_file import time_formula
-    >>> from longwave.lattice.force_program import program_of
-    >>> moved = Integral.of(program_of(time_formula("velocity", "cos(t)")), 1.0, 9.0)
-    >>> bool(abs(moved(np.array(7.0)) - np.sin(7.0) + np.sin(1.0)) < 1e-15)
-    True
-    """
-
-    slope: Smooth
-    edges: Array
-    sums: Array
-
-    @classmethod
-    def of(cls, slope: Smooth, begin: float, end: float) -> Integral:
-        """From the first of two times on, to the second; ValueError for what is too fast."""
-        knots = np.array(slope.times if isinstance(slope, Samples) else ())
-        within = knots[(begin < knots) & (knots < end)]
-        edges = np.union1d(np.linspace(begin, end, PANELS + 1), within)
-        while True:
-            low, high = edges[:-1], edges[1:]
-            middle, size = (low + high) / 2.0, max(abs(begin), abs(end))
-            halves = _integrated(slope, low, middle) + _integrated(slope, middle, high)
-            with np.errstate(all="ignore"):
-                values, slopes = np.abs(slope(middle)).max(), np.abs(slope.slope(middle))
-                rounding = ROUNDING * (high - low) * (values + size * slopes)
-                rough = np.abs(halves - _integrated(slope, low, high)) > rounding
-            finer = np.union1d(edges, middle[rough])
-            if finer.size == edges.size:
-                return cls(slope, edges, np.append(0.0, np.cumsum(halves)))
-            if finer.size > MOST_PANELS:
-                raise ValueError(
-                    f"velocity of a wall must change slowly enough to be integrated, got one that "
-                    f"{PANELS} panels from {begin:g} to {end:g} do not resolve (end earlier)"
-                )
-            edges = finer
-
-    def __call__(self, times: Array, /) -> Array:
-        """The integrals from the start to these times."""
-        place = np.clip(np.searchsorted(self.edges, times, "right"), 1, self.edges.size - 1) - 1
-        return np.asarray(self.sums[place] + _integrated(self.slope, self.edges[place], times))
-
-
-_POINTS, _WEIGHTS = legendre.leggauss(NODES)
-
-
-def _integrated(value: Smooth, low: Array, high: Array) -> Array:
-    """The integrals between times, by Gauss's rule."""
-    half = (high - low) / 2.0
-    with np.errstate(all="ignore"):
-        found = value(low[..., np.newaxis] + half[..., np.newaxis] * (1.0 + _POINTS))
-    return np.asarray(half * (found @ _WEIGHTS))
 
 
 def time_function(label: str, given: object) -> Smooth:

@@ -24,7 +24,8 @@ from longwave.scenes.named_scenes import load_scene, scene_of_toml, shipped_scen
 from longwave.scenes.scene import Scene
 from longwave.scenes.scene_file import toml_text
 from longwave.scenes.scene_run import resume, run
-from longwave.scenes.time_functions import Integral, Samples, time_function
+from longwave.lattice.time_integral import Integral
+from longwave.scenes.time_functions import Samples, time_function
 from tests.lattice.test_lattice_driving import modal_chain
 
 DRIVEN: dict[str, Any] = {
