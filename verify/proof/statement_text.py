@@ -36,6 +36,7 @@ from .mistyped_statements import Parts, corrected_error
 from .samples import sample
 from .text_names import FUNCTIONS, MISREAD, PARTS, SITE
 from .text_parts import (
+    RESERVED,
     WORDS,
     TextPart,
     VariableNames,
@@ -185,7 +186,7 @@ class _Reading:
             raise entry.error(
                 f"expected a parameter, got the independent variable {name} ({remedy})"
             )
-        if name in FUNCTIONS or name in CONSTANTS or name == "diff":
+        if name in FUNCTIONS or name in CONSTANTS or name in ("diff", *RESERVED):
             raise entry.error(f"expected a name of its own, got {word} (rename the parameter)")
         if "_" in name:
             raise entry.error(f"expected a name without _, got {word} (write k1 for k_1)")
@@ -298,7 +299,8 @@ class _Reading:
             raise part.error("expected a lattice field such as u[n], got n without one")
 
     def _check_unknown(self, part: TextPart, name: str) -> None:
-        if name in self.known.reserved or name in CONSTANTS or name in FUNCTIONS or "_" in name:
+        taken = (*self.known.reserved, *CONSTANTS, *FUNCTIONS, *RESERVED)
+        if name in taken or "_" in name:
             raise part.error(f"expected an unknown such as u, got {part.words[0]}")
         if name in self.names or name in self.functions:
             raise part.error(f"expected an unknown, got the parameter {name}")
@@ -352,6 +354,8 @@ class _Reading:
         similar = [k for k in (*self.fields, *self.names) if k.lower() == name.lower()]
         if similar:
             raise ValueError(f"expected a declared name, got '{name}' (did you mean {similar[0]}?)")
+        if name in RESERVED:
+            raise ValueError(f"expected a name of its own, got '{name}' (rename the parameter)")
         if name in FUNCTIONS:
             raise ValueError(f"expected '(' behind the function {name}")
         if meant := self._misread(name):

@@ -32,6 +32,9 @@ WORDS = {
 }
 """Domains in a word; `complex` is none, and stands alone."""
 
+RESERVED = (*WORDS, "complex", "function")
+"""Words for domains and kinds, which are no names."""
+
 MOST_VARIABLES = 8
 """Variables that a certificate may have."""
 

@@ -53,6 +53,40 @@ def test_no_white_space_hides_a_part_of_what_is_printed(white: str) -> None:
     assert "equation: u - x\n" in printed
 
 
+@pytest.mark.parametrize(
+    "domain",
+    [
+        "k: k != integer",
+        "k: integer > k",
+        "k: k>0, k < 2*integer",
+        "k: 0 < integer < k",
+        "k: k + abs(integer) != 0",
+    ],
+)
+def test_a_kind_within_an_inequality_is_none(domain: str) -> None:
+    """``k: k != integer`` made k an integer, with "integer" a parameter beside it."""
+    data = certificate(
+        "u - 1", "u = exp(2*I*pi*k) + 0*x", ["x", "I", "pi", "k"], {"x": "1", "k": "2"},
+        {"parameters": [domain]},
+    )  # fmt: skip
+    refused(data, "has no meaning at this place|expected ,")
+
+
+@pytest.mark.parametrize("word", ["real", "integer", "complex", "function", "nonzero", "positive"])
+def test_a_word_for_a_domain_is_no_name(word: str) -> None:
+    """A condition on a name ``integer`` reads as a word for a domain."""
+    for statement in (
+        {"parameters": [f"{word} = 2"]},
+        {"parameters": [f"{word}: {word} > 0"]},
+        {"variables": ["x", word]},
+        {"domain": [f"x < {word}"]},
+        {"equations": [f"u - x + {word} - {word}"]},
+        {"equations": [f"{word} - x"], "solutions": [f"{word} = x"]},
+    ):
+        data = certificate("u - x", "u = x", ["x"], {"x": "1"}, statement)
+        refused(data, "has no meaning at this place|means two things")
+
+
 def logarithm(formula: str) -> str:
     """A formula's square, positive wherever it is defined: nowhere where the formula is 0."""
     return f"1/4*exp(log((2*{formula})**2))"

@@ -7,7 +7,7 @@ from longwave.derive.algebra.formula_printing import formula_as_text
 from longwave.derive.algebra.formula_text import FormulaError
 from longwave.verify.proof.statement_text import read_statement
 from longwave.verify.proof.text_names import FUNCTIONS
-from longwave.verify.proof.text_parts import WORDS
+from longwave.verify.proof.text_parts import RESERVED
 from longwave.verify.proof.typed_statement import Statement
 
 LINEAR, WAVE = "u_t + c*u_x", "u = sin(x - c*t)"
@@ -105,6 +105,9 @@ def test_every_function_of_the_grammar_is_read() -> None:
 @pytest.mark.parametrize(
     ("texts", "column", "words"),
     [
+        (("u_x - integer", "u = integer*x"), 5, "expected a name of its own, got 'integer' (rename"),
+        (("u_x - 1", "u = x", "real: real>0"), 1, "expected a name of its own, got 'real' (rename"),
+        (("complex_x - 1", "complex = x"), 1, "expected an unknown such as u, got 'complex'"),
         (("u_t + ", WAVE), 7, "equation: expected a number, a name or '(', got the end"),
         (("", WAVE), 1, "equation: expected a formula, got the end"),
         (("u_t ;; ", WAVE), 8, "equation: expected a formula, got the end"),
@@ -174,13 +177,11 @@ def test_a_name_that_is_declared_may_look_like_a_product() -> None:
         read_statement("u_t", "u = ax*x")
 
 
-def test_words_for_domains_are_no_parameters_by_accident() -> None:
-    statement = read_statement("u_x - positive", "u = positive*x")
-    assert "positive" in WORDS
-    assert {str(s) for f in statement.solutions.values() for s in f.free_symbols} == {
-        "positive",
-        "x",
-    }
+@pytest.mark.parametrize("word", RESERVED)
+def test_words_for_domains_are_no_parameters(word: str) -> None:
+    """A line "for all real positive, x" reads otherwise than it is meant."""
+    with pytest.raises(FormulaError, match="expected a name of its own"):
+        read_statement(f"u_x - {word}", f"u = {word}*x")
 
 
 def test_decimals_are_exact() -> None:
