@@ -402,7 +402,8 @@ def _lines(decision: Decision) -> list[str]:
     elif verdict.outcome is Outcome.PROVED:
         first = verdict.assumptions[0]
     expected = "" if decision.is_met else problem.expect
-    lines = [f"{verdict.name}: {first}", *more]
+    front = f"{verdict.restriction}: " if verdict.restriction else ""
+    lines = [f"{front}{verdict.name}: {first}", *more]
     if verdict.witness:
         lines.append(f"at {verdict.point}")
     lines += [f"possibly not smooth: {line}" for line in verdict.singularities]

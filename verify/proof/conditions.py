@@ -63,6 +63,7 @@ class ConditionalVerdict(StatementVerdict):
     def json(self) -> dict[str, Any]:
         """The record as plain data."""
         return super().json() | {
+            "reason": self.words() if self.is_solved else self.detail,
             "solved": list(self.solved),
             "cases": [case.json() for case in self.cases],
             "complete": self.complete,
@@ -73,7 +74,7 @@ class ConditionalVerdict(StatementVerdict):
     def lines(self) -> list[str]:
         """The answer in words, several cases on lines of their own."""
         if len(self.cases) < 2:
-            return [self.detail]
+            return [self.words() if self.is_solved else self.detail]
         texts = [case.text for case in self.cases]
         return [line for line in (self._heading, *texts, self._ending) if line]
 
@@ -309,4 +310,5 @@ def _verdict(
         unknown=tuple(search.unknown),
         is_solved=not reason,
     )
-    return found if reason else replace(found, detail=found.words())
+    front = f"{found.restriction}: " if found.restriction else ""
+    return found if reason else replace(found, detail=front + found.words())

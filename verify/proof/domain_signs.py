@@ -328,6 +328,27 @@ def singularities(expressions: Iterable[sp.Expr], domains: Domains) -> tuple[str
     return tuple(dict.fromkeys(found))
 
 
+def corners(
+    expressions: Iterable[sp.Expr], domains: Domains, variables: Sequence[sp.Symbol]
+) -> tuple[str, ...]:
+    """Return where arguments of abs, sign and roots that contain a variable may be 0.
+
+    >>> x, c = sp.symbols("x c", real=True)
+    >>> corners([sp.sign(x - 1) * sp.Abs(c)], {}, [x])
+    ('x - 1 = 0',)
+    """
+    signs = DomainSigns(domains)
+    nodes = (node for expression in expressions for node in distinct_nodes(expression))
+    inner = (
+        node.args[0]
+        for node in nodes
+        if isinstance(node, sp.Abs | sp.sign)
+        or (node.is_Pow and node.base is not sp.E and not node.exp.is_Integer)
+    )
+    may_be_zero = (f for f in inner if f.has(*variables) and not signs.is_nonzero(f))
+    return tuple(dict.fromkeys(f"{_short(f)} = 0" for f in may_be_zero))
+
+
 def _lines(node: sp.Expr, signs: DomainSigns) -> list[str]:
     plain = node.exp.is_Integer and node.exp.is_positive if node.is_Pow else not node.is_Function
     if plain or not node.free_symbols:
@@ -339,7 +360,7 @@ def _lines(node: sp.Expr, signs: DomainSigns) -> list[str]:
     if (is_root or isinstance(node, sp.log)) and not signs.is_positive(node.args[0]):
         lines.append(f"branch point where {_short(node.args[0])} is not positive")
     if isinstance(node, sp.Abs | sp.sign) and not signs.is_nonzero(node.args[0]):
-        lines.append(f"jump or corner where {_short(node.args[0])} = 0")
+        lines.append(corner_line(node.args[0]))
     if node.func in POLES:
         lines.append(f"pole where {_short(POLES[node.func](node.args[0]))} = 0")
     if isinstance(node, HYPERBOLIC_POLES) and not signs.is_nonzero(node.args[0]):
@@ -357,6 +378,11 @@ def _lines(node: sp.Expr, signs: DomainSigns) -> list[str]:
     if isinstance(node, sp.atan | sp.asinh) and not signs.is_real(node.args[0]):
         lines.append(f"branch point of {_short(node)}")
     return lines
+
+
+def corner_line(argument: sp.Expr) -> str:
+    """Return the line on abs or sign of what may be 0."""
+    return f"jump or corner where {_short(argument)} = 0"
 
 
 def _is_off_cuts(node: sp.Expr, signs: DomainSigns) -> bool:

@@ -150,7 +150,8 @@ def test_a_witness_is_a_whole_point_of_the_domain_at_which_the_residual_is_not_0
 
 def test_poles_jumps_and_branch_points_are_named_whichever_way_it_is_proved() -> None:
     as_it_is = prove("u_x - sign(x)", "u = abs(x)")
-    assert as_it_is.singularities == ("jump or corner where x = 0",)
+    assert as_it_is.sides == "on each side of x = 0, nothing said across it"
+    assert as_it_is.singularities == ()
     by_residual = prove("u_t + u*u_x + v_x", "u = x/t ;; v = log(t)")
     assert by_residual.outcome == "PROVED"
     assert "pole where t = 0" in by_residual.singularities
