@@ -65,7 +65,7 @@ def quotient(below: str, atoms: list[str], point: str, domain: str = "") -> Data
         ("exp(x) - 1", ["exp(x)"], "0", "", "other than 0 at the point"),
         ("exp(x) - 1", ["exp(x)"], "1/3", "", ""),
         ("log(x)", ["log(x)"], "-1", "", ""),
-        ("log(x) + abs(x)", ["log(x)", "abs(x)"], "1/2", "", "both a root and a logarithm"),
+        ("log(x) + abs(x)", ["log(x)", "abs(x)"], "1/2", "", "both a root and a function"),
         ("log(x) + abs(x)", ["log(x)", "abs(x)"], "1/2", "x > 0", ""),
         ("log(x + 1) + abs(x)", ["log(x + 1)", "abs(x)"], "1/2", "", "both a root"),
         ("log(1 + x**2) + abs(x)", ["log(1 + x**2)", "abs(x)"], "1/2", "", ""),

@@ -104,6 +104,68 @@ FALSE_ROOTS = [
 ]
 
 
+ONE = f"{JUMP}/{JUMP}"
+"""1, where it is defined: for x < 0."""
+
+JUMPING = ["x", "pi", "atan(x)", "atan(1/x)"]
+
+
+@pytest.mark.parametrize(
+    ("one", "atoms", "message"),
+    [
+        (ONE, JUMPING, "a denominator that may jump is none of the statement's"),
+        (f"exp(0*{ONE})", JUMPING, "a denominator that may jump is none of the statement's"),
+        (f"jacobi_cn(0*{ONE}, 1/2)", JUMPING, "a denominator that may jump is none of the"),
+        (f"{HALF_LINE}/{HALF_LINE}", ["x", "abs(x)"], "not shown to be other than 0"),
+        ("(1 + atan(x)**2)/(1 + atan(x)**2)", ["x", "atan(x)"], ""),
+        ("(3 + atan(1/x))/(3 + atan(1/x))", ["x", "atan(1/x)"], "a denominator that may jump"),
+        ("log(1 + x**2)/log(1 + x**2)", ["x", "log(1 + x**2)"], ""),
+        ("log(x)/log(x)", ["x", "log(x)"], "a denominator that may jump"),
+        ("lambert_w(x)/lambert_w(x)", ["x", "lambert_w(x)"], ""),
+        ("bessel_y(1, x)/bessel_y(1, x)", ["x", "bessel_y(1, x)", "bessel_y(2, x)"], "a denominator that may jump"),
+    ],
+)
+def test_a_hint_is_undefined_on_no_part_of_a_domain(
+    one: str, atoms: list[str], message: str
+) -> None:
+    """A hint that divides by what is 0 for x > 0 shows nothing there."""
+    point = "-2" if JUMP in one else "2"
+    data = certificate("u_x - u", "u = exp(x)", [*atoms, f"exp(x*{one})"], {"x": point})
+    if message:
+        refused(data, message)
+    else:
+        assert "u = exp(x)" in check_certificate(data)
+
+
+def test_a_generator_is_undefined_on_no_part_of_a_domain() -> None:
+    """log(x + abs(x)) is not defined for x < 0, and nothing divides by it."""
+    atoms = ["x", "abs(x)", f"log({HALF_LINE})"]
+    data = certificate("u_x - 1", "u = x", atoms, {"x": "2"})
+    refused(data, "a denominator is not shown to be other than 0")
+
+
+def test_a_statement_may_divide_by_what_jumps() -> None:
+    """It is not smooth where that is 0."""
+    u = f"u = 1/{JUMP}"
+    assert u in check_certificate(certificate(u.replace("=", "-"), u, JUMPING, {"x": "-2"}))
+    u = f"u = x/{JUMP}"
+    data = certificate(f"u_x*{JUMP} - 1", u, JUMPING, {"x": "-2"})
+    assert u in check_certificate(data)
+
+
+def test_an_equal_part_may_not_divide_by_what_jumps() -> None:
+    """Its sides are hints of the proof that rests on it."""
+    proof = Proof()
+    left, right = f"x*{ONE}", f"x*({JUMP} + 1 - 1)/{JUMP}"
+    same = proof.data(JUMPING, {"x": "-2"})
+    data = proof.data(
+        ["x"], {"x": "-2"}, parts=[[proof.place(left), proof.place(right), same]],
+        more=[["part", 0]],
+    )  # fmt: skip
+    statement = {"equations": ["u - x"], "solutions": ["u = x"]}
+    refused(signed(statement, proof, data), "a denominator that may jump is none")
+
+
 @pytest.mark.parametrize("by_hint", [True, False])
 @pytest.mark.parametrize(("zero", "real", "witness", "point"), FALSE_ROOTS)
 def test_a_real_part_is_not_positive_where_its_witness_is_undefined(

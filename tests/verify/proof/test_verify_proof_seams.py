@@ -57,7 +57,7 @@ def places(
     ],
 )
 def test_a_place_where_a_formula_is_not_smooth_is_found(solution: str, expected: list[str]) -> None:
-    parameters = "w = 2*c" if "w*t" in solution else ""
+    parameters = "c: real; w = 2*c" if "w*t" in solution else ""
     assert places(solution, parameters=parameters) == expected
 
 
