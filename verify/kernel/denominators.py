@@ -17,7 +17,7 @@ from flint import acb, ctx, fmpq, fmpq_mpoly
 from .axioms import FUNCTIONS
 from .field import Field
 from .limits import BRANCHES, CertificateError, within
-from .node_balls import BITS, Balls, value_at
+from .node_balls import BITS, Balls, constant, value_at
 from .nodes import Nodes, children
 from .statement import Statement
 from .substitution import Substitution
@@ -152,13 +152,19 @@ def is_continuous_end(field: Field, node: int) -> bool:
 def is_linear(nodes: Nodes, node: int) -> bool:
     """Whether a node is evidently of degree 1 or less in real symbols."""
     match nodes.all[node]:
-        case ("number" | "pi", *_):
+        case ("number", _):
             return True
         case ("symbol", _, kind):
             return bool(kind != "complex")
         case ("Add", *terms):
             return all(is_linear(nodes, term) for term in terms)
         case ("Mul", *factors):
-            moving = [f for f in factors if nodes.all[f][0] not in ("number", "pi")]
-            return len(moving) <= 1 and all(is_linear(nodes, f) for f in moving)
-    return False
+            moving = [f for f in factors if not nodes.is_constant(f)]
+            return len(moving) <= 1 and all(is_linear(nodes, f) for f in factors)
+    return is_real_constant(nodes, node)
+
+
+def is_real_constant(nodes: Nodes, node: int) -> bool:
+    """Whether a node has no symbols and a value that is evidently real, such as log(2)."""
+    value = constant(nodes, node)
+    return value is not None and bool(value.imag == 0)

@@ -154,7 +154,8 @@ BOUNDED = {
     "jacobi_sn(a, 1/2)": True, "jacobi_sn(a, b)": True, "jacobi_sn(z, 1/2)": False,
     "jacobi_zeta(a, 1/2)": True, "jacobi_zeta(a, b)": False, "jacobi_theta(a, 1/2)": True,
     "f(a)": True, "f(z)": False, "jacobi_theta_3(a, 1/2)": True, "a**0": False, "x**0": True,
-    "elliptic_k(1/2)": False, "x**a": False,
+    "elliptic_k(1/2)": True, "elliptic_k(1)": False, "elliptic_k(b)": False, "log(2)": True,
+    "log(0)": False, "diff(2, x)": False, "x**a": False,
 }  # fmt: skip
 
 
