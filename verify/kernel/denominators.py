@@ -7,18 +7,19 @@ product over all their branches is analytic, and every branch must differ from 0
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 from itertools import chain, product
 from math import prod
 
 from flint import acb, ctx, fmpq, fmpq_mpoly
 
-from .axioms import FUNCTIONS
+from .axioms import FUNCTIONS, Function
 from .field import Field
 from .limits import BRANCHES, CertificateError, within
 from .node_balls import BITS, Balls, constant, value_at
 from .nodes import Nodes, children
+from .reading import axiom
 from .statement import Statement
 from .substitution import Substitution
 
@@ -56,26 +57,21 @@ class Denominators:
     def _own(self) -> list[fmpq_mpoly]:
         """What may jump and vanishes where the statement is not smooth, or almost nowhere.
 
-        That is what the statement divides by or has in a logarithm (a part, which has no unknowns,
-        is no statement); and W(f), which is 0 where f is, and 1 + W(f), which is 0 at W's branch
-        point, if f does not jump.
+        That is what the statement divides by or has in a logarithm, also within definitions of its
+        functions (a part, which has no unknowns, is no statement); exponentials, which are nowhere
+        0; and W(f), which is 0 where f is, and 1 + W(f), which is 0 at W's branch point, if f does
+        not jump.
         """
-        nodes, found, own = self._field.nodes, list[int](), self._statement
+        field, nodes, own = self._field, self._field.nodes, self._statement
         put = Substitution(nodes, own.variables, own.formulas)
         stated = [*own.formulas, *map(put, own.equations)] if own.unknowns else []
-        for node in nodes.below(stated):
-            match nodes.all[node]:
-                case ("Pow", base, exponent) if exponent < 0:
-                    found.append(base)
-                case ("log", inner):
-                    found.append(inner)
-        for node in self._field.primitives("lambert_w"):
+        found = [*_divisors(nodes, stated), *field.primitives("exp")]
+        for node in field.primitives("lambert_w"):
             if not any(map(self._jumps, nodes.below(nodes.all[node][1:]))):
                 found += [node, nodes.made("Add", node, nodes.rational(1))]
-        images = [self._field.image(node) for node in found]
-        split = self._field.ring.split
-        powers = [split(image.numerator)[1] for image in images if not image.is_zero]
-        return [self._field.ring.factors[place] for place in chain.from_iterable(powers)]
+        images = (field.image(node) for node in found)
+        powers = [field.ring.split(i.numerator)[1] for i in images if not i.is_zero]
+        return [field.ring.factors[place] for place in chain.from_iterable(powers)]
 
     def _formulas(self, polynomial: fmpq_mpoly) -> set[int]:
         """What the generators stand for that occur, also in the scales of others."""
@@ -116,6 +112,22 @@ class Denominators:
     def _degree(self, node: int) -> int:
         name, *_, last = self._field.nodes.all[node]
         return int(last.q) if name == "Pow" else 2
+
+
+def _divisors(nodes: Nodes, stated: Sequence[int]) -> Iterator[int]:
+    """What formulas divide by or take the logarithm of, with the definitions of their functions."""
+    waiting, seen = list(stated), set[int]()
+    while waiting:
+        new = set(nodes.below(waiting)) - seen
+        seen, waiting = seen | new, []
+        for node in new:
+            name, *inner = nodes.all[node]
+            if name == "log" or (name == "Pow" and inner[1] < 0):
+                yield inner[0]
+            own = FUNCTIONS.get(name, Function("jump"))
+            text = own.slope if name == "atan" else own.definition
+            if text:
+                waiting.append(axiom(nodes, text, **own.arguments(*inner)))
 
 
 def is_connected(field: Field, statement: Statement) -> bool:

@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import reduce
 from itertools import product
-from operator import add, mul
+from operator import add, and_, mul
 
 import sympy as sp
 from flint import fmpq
@@ -154,10 +154,24 @@ class DomainSigns:
     def _sum(self, node: sp.Expr, total: Interval) -> Interval:
         if node in self._gaps and not total.is_not_zero:
             return self._gaps[node]
+        if not total.is_not_zero:
+            total = reduce(and_, self._beside_ends(node), total)
         small = len(node.free_symbols) <= FACTORABLE_SYMBOLS and is_small_polynomial(node)
         if total.is_not_zero or not small:
             return total
         return self._factored(node) or total
+
+    def _beside_ends(self, node: sp.Expr) -> Iterator[Interval]:
+        """Yield ranges of a sum that is a multiple of a symbol less its end, plus a number."""
+        for gap, found in self._gaps.items():
+            symbol = next(iter(gap.free_symbols), None)
+            slope = gap.coeff(symbol, 1) if gap.free_symbols <= node.free_symbols else 0
+            ratio = node.coeff(symbol, 1) / slope if slope else sp.S.Zero
+            if ratio.is_Rational and ratio > 0:
+                rest = sp.expand(node - ratio * gap)
+                if rest.is_Rational:
+                    number = Interval(exact(rest), exact(rest))
+                    yield found * Interval(exact(ratio), exact(ratio)) + number
 
     def _factored(self, node: sp.Expr) -> Interval | None:
         """The range of a polynomial's factors; that of a sum without real root in the domain."""

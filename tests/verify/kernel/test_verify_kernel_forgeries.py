@@ -144,10 +144,20 @@ def test_a_generator_is_undefined_on_no_part_of_a_domain() -> None:
     refused(data, "a denominator is not shown to be other than 0")
 
 
+def test_an_exponential_is_nowhere_0() -> None:
+    atoms = ["x", "log(x)", "exp(exp(2*log(x)))", "exp(1)"]
+    data = certificate("u_x + 2*x*u", "u = exp(1 - exp(2*log(x)))", atoms, {"x": "2"})
+    assert "exp(2*log(x))" in check_certificate(data)
+
+
 def test_a_statement_may_divide_by_what_jumps() -> None:
     """It is not smooth where that is 0."""
     u = f"u = 1/{JUMP}"
     assert u in check_certificate(certificate(u.replace("=", "-"), u, JUMPING, {"x": "-2"}))
+    for function in ("tanh(log(x))", "coth(log(x))", "tan(log(x))", "1/log(x)"):
+        u = f"u = {function}"
+        atoms = ["x", "I", "log(x)", "exp(log(x)*I)"]
+        assert u in check_certificate(certificate(u.replace("=", "-"), u, atoms, {"x": "2"}))
     u = f"u = x/{JUMP}"
     data = certificate(f"u_x*{JUMP} - 1", u, JUMPING, {"x": "-2"})
     assert u in check_certificate(data)

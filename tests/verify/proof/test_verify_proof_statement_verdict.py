@@ -148,6 +148,23 @@ def test_a_witness_is_a_whole_point_of_the_domain_at_which_the_residual_is_not_0
     assert 0 < 3 * point["t"] < point["x"]
 
 
+@pytest.mark.parametrize(
+    ("equation", "solution", "domain", "outcome"),
+    [
+        ("u_x - sign(x + c)", "u = abs(x + c)", "x + c > 0", "PROVED"),
+        ("u_x - 1", "u = abs(x + c)", "x > 1 - c", "PROVED"),
+        ("u_x - 1", "u = abs(x + c)", "x > -1 - c", "REFUTED"),
+        ("u_x - 1", "u = abs(x)", "x > log(2)", "PROVED"),
+        ("u_x - 1", "u = abs(x)", "x > -log(2)", "REFUTED"),
+        ("u_x + 1", "u = abs(x - c*t)", "c*t - x > 0", "PROVED"),
+    ],
+)
+def test_a_domain_is_that_of_its_text(
+    equation: str, solution: str, domain: str, outcome: str
+) -> None:
+    assert prove(equation, solution, domain=domain).outcome == outcome
+
+
 def test_poles_jumps_and_branch_points_are_named_whichever_way_it_is_proved() -> None:
     as_it_is = prove("u_x - sign(x)", "u = abs(x)")
     assert as_it_is.sides == "on each side of x = 0, nothing said across it"
