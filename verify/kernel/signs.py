@@ -132,8 +132,8 @@ class Signs:
                 return Interval(fmpq(0), None, self.positive(base))
             case ("Abs", inner):
                 return self.interval(inner).absolute()
-            case ("exp", z) if self.interval(z).is_below:
-                return Interval(fmpq(0), fmpq(1), True, (-self.interval(z)).is_positive)
+            case ("exp", z):
+                return self.interval(z).exponential()
             case ("cos", z) if self.is_between(z, -HALF_PI, HALF_PI):
                 return POSITIVE & UNIT
             case ("sin", z) if self.is_between(z, fmpq(0), 2 * HALF_PI):

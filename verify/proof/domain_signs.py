@@ -163,6 +163,9 @@ class DomainSigns:
 
     def _beside_ends(self, node: sp.Expr) -> Iterator[Interval]:
         """Yield ranges of a sum that is a multiple of a symbol less its end, plus a number."""
+        excess = excess_of_exponential(node)
+        if excess is not None and self.is_positive(excess[1].args[0]):
+            yield POSITIVE
         for gap, found in self._gaps.items():
             symbol = next(iter(gap.free_symbols), None)
             slope = gap.coeff(symbol, 1) if gap.free_symbols <= node.free_symbols else 0
@@ -198,6 +201,20 @@ class DomainSigns:
         return POSITIVE if polynomial(_between(low, high)) > 0 else -POSITIVE
 
 
+def excess_of_exponential(node: sp.Expr) -> tuple[sp.Rational, sp.exp] | None:
+    """Return r and exp(z) of a sum that is r*(exp(z) - 1), r > 0; None for any other.
+
+    >>> excess_of_exponential(sp.exp(sp.Symbol("x")) - 2)
+    (2, exp(x - log(2)))
+    """
+    number, rest = node.as_coeff_Add(rational=True)
+    times, power = rest.as_coeff_Mul(rational=True)
+    if not (isinstance(power, sp.exp) and number < 0 < times):
+        return None
+    z = sp.expand(power.args[0] - sp.log(-number / times, evaluate=False))
+    return -number, sp.exp(z, evaluate=False)
+
+
 def is_entire(node: sp.Expr) -> bool:
     """Whether a Bessel function is J or I of an integer order."""
     return isinstance(node, sp.besselj | sp.besseli) and bool(node.order.is_Integer)
@@ -210,7 +227,7 @@ def _gaps(domains: Domains) -> Iterator[tuple[sp.Expr, Interval]]:
             (domain.lower, domain.lower_open, 1),
             (domain.upper, domain.upper_open, -1),
         ):
-            if end.free_symbols:
+            if end.is_finite and not end.is_Rational:
                 found = POSITIVE if is_open else NONNEGATIVE
                 yield side * (symbol - end), found
                 yield side * (end - symbol), -found
@@ -292,7 +309,7 @@ def _sign(z: Interval) -> Interval:
 CONSTANTS = {sp.pi: Interval(fmpq(3), fmpq(4)), sp.E: Interval(fmpq(2), fmpq(3))}
 
 SHARPER: dict[type, Callable[[Interval], Interval]] = {
-    sp.exp: lambda z: z.side() + ONE,
+    sp.exp: Interval.exponential,
     sp.log: lambda z: (z + -ONE).side(),
     sp.sign: _sign,
     sp.sin: lambda z: z.side() if lies_between(z, fmpq(0), BELOW_PI) else UNIT,

@@ -37,6 +37,7 @@ from longwave.verify.verdict import on_each_side
 
 from .domain_signs import DEPTH, DomainSigns, corner_line
 from .domains import REAL
+from .simplification import Rewriting
 from .statement_problem import all_domains
 from .typed_hints import put_in, vocabulary
 from .typed_statement import Statement
@@ -213,7 +214,7 @@ class _Finder:
             return all(map(self._is_nonzero, value.args))
         if value.is_Pow and self._signs.is_positive(value.base):
             return self._signs.is_real(value.exp)
-        return self._signs.is_nonzero(value)
+        return self._signs.is_nonzero(value) or Rewriting(self._signs).is_nonzero(value)
 
     def _moves(self, argument: FormulaTree) -> bool:
         return any(isinstance(n, Name) and n.name in self._variables for n in argument.nodes())

@@ -30,6 +30,7 @@ from .balls import ball_value
 from .certificate_writer import Certificate, as_data
 from .domain_signs import singularities
 from .domains import REAL, Domains
+from .problem import NO_POLYNOMIAL
 from .samples import sample
 from .seams import seams, sides
 from .statement_latex import equations_latex, formulas_latex, scope_latex, statement_latex
@@ -258,6 +259,8 @@ def _decide_equation(statement: Statement, equation: sp.Expr) -> ProofVerdict:
         if verdict.outcome is not Outcome.UNDECIDED:
             return verdict
         reasons.append(" ".join(verdict.detail.split()))
+    if len(reasons) > 1 and reasons[0].startswith(NO_POLYNOMIAL):
+        del reasons[0]  # the other ways take any equation
     reason = "; then: ".join(dict.fromkeys(reasons[:2]))
     return ProofVerdict(
         statement.name, equation_text(equation), prover.METHOD, Outcome.UNDECIDED, reason
