@@ -102,6 +102,7 @@ def prove_and_print(
     domain: str | None,
     variables: str | None,
     solve: str | None,
+    weak: bool,
     **options: Any,
 ) -> int:
     """Decide a statement in texts, or those of problem files; as `decide_and_print`."""
@@ -111,7 +112,7 @@ def prove_and_print(
             return read_problems([text for path in files for text in problem_texts(Path(path))])
         texts = parameters or "", domain or ""
         names = {"solve": solve or "", "variables": variables or ""}
-        return [StatedProblem(read_statement(equations, solutions, *texts, **names))]
+        return [StatedProblem(read_statement(equations, solutions, *texts, weak=weak, **names))]
 
     return decide_and_print(read, program, files=files, **options)
 
@@ -352,7 +353,7 @@ def _decide(
         words = f"{type(error).__name__}: {' '.join(str(error).split())}"
         verdict = undecided(statement, f"the prover failed ({words[:200]})")
     left = min(limit - (time.monotonic() - begun), hinting)
-    if verdict.outcome is not Outcome.REFUTED or left <= 0:
+    if verdict.outcome is not Outcome.REFUTED or left <= 0 or statement.weak:
         return verdict
     send(verdict)
     with suppress(OutOfTime, Exception), time_limit(left, passing=True):  # the verdict stays

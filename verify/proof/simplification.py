@@ -222,7 +222,7 @@ class Rewriting:
 
 
 def _in_one_exponential(total: sp.Expr) -> tuple[sp.Expr, dict[sp.Basic, sp.Expr]]:
-    """Return a sum with powers of a symbol for exp(z) and exp(-z), and what the symbol stands for."""
+    """Return a sum with powers of a symbol for exp(z) and exp(-z), and the symbol's meaning."""
     found = sorted(total.atoms(sp.exp), key=lambda node: (node.count_ops(), str(node)))
     for base in found:
         ratios = [sp.cancel(node.args[0] / base.args[0]) for node in found]

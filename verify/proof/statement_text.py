@@ -60,10 +60,12 @@ def read_statement(
     name: str = "statement",
     solve: str = "",
     variables: str = "",
+    weak: bool = False,
 ) -> Statement:
     """The statement that the texts make; ``solve`` names parameters, as in ``c, b``.
 
     ``variables`` names the independent ones in the place of x, y, z and t, as in ``r, t``.
+    ``weak`` asks for a weak solution.
 
     Raises FormulaError, which says where, for a text that is not of the grammar, a name that is
     declared twice, misread or not used, an unknown without a solution, a solution with an unknown
@@ -84,7 +86,7 @@ def read_statement(
     }
     read = partial(_read, name=name, variables=variable_names(variables))
     try:
-        return read(given)
+        return replace(read(given), weak=weak)
     except FormulaError as error:
         raise corrected_error(error, given, FUNCTIONS, read) from None
 
