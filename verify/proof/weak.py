@@ -43,7 +43,8 @@ from longwave.verify.verdict import Outcome, ProofVerdict
 from . import prover
 from .conditions import ConditionalVerdict, solve_statement
 from .constant_cases import ConstantCase
-from .domain_signs import singularities
+from .domain_signs import DomainSigns, singularities
+from .domains import Domains
 from .seams import SAFE, seams
 from .statement_problem import all_domains
 from .statement_text import read_statement
@@ -212,7 +213,7 @@ def travelling_plane(statement: Statement) -> Plane:
         if isinstance(node, Call) and node.name in ("abs", "sign")
     ]
     domains = all_domains(statement, *statement.equations)
-    signs = prover.DomainSigns(domains)
+    signs = DomainSigns(domains)
     variable = by_name[name]
     ends, slopes = set[sp.Expr](), dict[FormulaTree, int]()
     for kink in kinks:
@@ -234,9 +235,10 @@ def travelling_plane(statement: Statement) -> Plane:
                 return None
             if node.name not in ("abs", "sign"):
                 return None
-            turn = Number(rational(MINUS_ONE)) if above * slopes[node.parts[0]] < 0 else None
-            inner = node.parts[0] if node.name == "abs" else Product((MINUS_ONE, MINUS_ONE))
-            return Product((turn, inner)) if turn else inner
+            turned = above * slopes[node.parts[0]] < 0
+            if node.name == "sign":
+                return MINUS_ONE if turned else Product((MINUS_ONE, MINUS_ONE))
+            return Product((MINUS_ONE, node.parts[0])) if turned else node.parts[0]
 
         return mapped(tree, image)
 
@@ -246,7 +248,7 @@ def travelling_plane(statement: Statement) -> Plane:
     return Plane(variable, end, places[0].place, (both[0], both[1]))
 
 
-def _check_smooth(tree: FormulaTree, value: sp.Expr, domains: prover.Domains) -> None:
+def _check_smooth(tree: FormulaTree, value: sp.Expr, domains: Domains) -> None:
     """Raise ValueError unless SymPy reads a formula as it stands, and it is smooth everywhere."""
     for node in tree.nodes():
         power = rational(node.parts[1]) if isinstance(node, Power) else None
