@@ -8,6 +8,7 @@ parameters = "k: k>0"
 domain = "t > 0"
 solve = "k"                                 # parameters whose values are asked for
 variables = "x, t"                          # where they are others than x, y, z, t and n
+weak = true                                 # as a weak solution, across its jump or corner
 source = "free text"
 expect = "PROVED"
 
@@ -41,7 +42,7 @@ FORMULAS = ("equation", "solution")
 """The keys of a problem with one text or a list."""
 
 TAKEN = (
-    *("equation", "solution", "parameters", "domain", "variables"),
+    *("equation", "solution", "parameters", "domain", "variables", "weak"),
     *("source", "equation_name", "looked_up"),
 )
 """What a variant takes from its original."""
@@ -93,13 +94,18 @@ class ProblemText:
     variant_of: str = ""
     misprint_in: str = ""
     note: str = ""
+    weak: bool = False
 
     def problem(self) -> StatedProblem:
         """Read the formulas; raises FormulaError with the problem's place and name."""
         texts = self.equation, self.solution, self.parameters, self.domain
         try:
             statement = read_statement(
-                *texts, name=self.name, solve=self.solve, variables=self.variables
+                *texts,
+                name=self.name,
+                solve=self.solve,
+                variables=self.variables,
+                weak=self.weak,
             )
             return StatedProblem(statement, self.expect, self.source)
         except FormulaError as error:
@@ -157,6 +163,10 @@ def _problem(
     for key in known:
         if key in FORMULAS:
             texts[key] = _formula_texts(where, key, texts.get(key))
+        elif key == "weak":
+            if not isinstance(texts.setdefault(key, False), bool):
+                got = shown(texts[key])
+                raise ValueError(f"{where}: weak must be true or false, got {got} (without quotes)")
         elif not isinstance(text := texts.setdefault(key, ""), str):
             raise ValueError(f"{where}: {key} must be text, got {shown(text)} (put it in quotes)")
     texts["name"] = name = texts["name"] or unnamed

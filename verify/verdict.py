@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import enum
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -77,6 +77,11 @@ class Verdict:
         return self.outcome.passed
 
     @property
+    def heading(self) -> str:
+        """The outcome as it stands in front of everything else."""
+        return str(self.outcome)
+
+    @property
     def point(self) -> str:
         """The witness in words."""
         return ", ".join(f"{name} = {value}" for name, value in (self.witness or {}).items())
@@ -95,7 +100,7 @@ class Verdict:
     def __repr__(self) -> str:
         found = f"{self.detail} at {self.point}" if self.witness else self.detail
         kind = type(self).__name__
-        return f"<{kind} {self.outcome}: {self.name}, {self.equation}: {found}>"
+        return f"<{kind} {self.heading}: {self.name}, {self.equation}: {found}>"
 
     @property
     def told(self) -> dict[str, str]:
@@ -105,12 +110,39 @@ class Verdict:
 
     def _repr_html_(self) -> str:
         rows = [(words, text) for words, text in self.told.items() if text]
-        return html_table(f"{self.outcome}: {self.name}", rows)
+        return html_table(f"{self.heading}: {self.name}", rows)
+
+
+SHOWN_PLACES = 4
+"""Most places that `on_each_side` lists."""
+
+
+def on_each_side(places: Sequence[str], sites: Sequence[str] = ()) -> str:
+    """Return what a proof says and leaves open at places where formulas are not smooth.
+
+    >>> on_each_side(["x = c*t"])
+    'on each side of x = c*t, nothing said across it'
+    >>> on_each_side([], ["n = 3"])
+    'apart from n = 3, nothing said of it'
+    """
+    parts = []
+    for before, listed, after in (
+        ("on each side of", places, "across"),
+        ("apart from", sites, "of"),
+    ):
+        more = len(listed) - SHOWN_PLACES
+        shown = [*listed[:SHOWN_PLACES], *([f"{more} more"] if more > 0 else [])]
+        them = "it" if len(listed) == 1 else "them"
+        parts += [f"{before} {', '.join(shown)}, nothing said {after} {them}"] if listed else []
+    return " and ".join(parts)
 
 
 @dataclass(frozen=True, repr=False)
 class ProofVerdict(Verdict):
     """``assumptions`` and ``singularities`` in words; a proof's ``certificate``, accepted.
+
+    ``sides`` says at which places that run through the domain a formula may jump or have a corner:
+    a proof is one on each side of them.
 
     ``singularities`` names the poles, jumps and branch points that the formula may have inside
     its domains; the verdict holds at the points at which it is smooth.
@@ -121,6 +153,7 @@ class ProofVerdict(Verdict):
     assumptions: tuple[str, ...] = ()
     singularities: tuple[str, ...] = ()
     certificate: Mapping[str, Any] | None = field(default=None, compare=False)
+    sides: str = ""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -128,6 +161,16 @@ class ProofVerdict(Verdict):
             raise ValueError(
                 "certificate must be given with a proof, got none (prove only what is checked)"
             )
+
+    @property
+    def restriction(self) -> str:
+        """What stands behind the word PROVED: ``sides`` of a proof, else nothing."""
+        return self.sides if self.outcome is Outcome.PROVED else ""
+
+    @property
+    def heading(self) -> str:
+        """The outcome, with its restriction."""
+        return f"{self.outcome} {self.restriction}".strip()
 
     @property
     def told(self) -> dict[str, str]:

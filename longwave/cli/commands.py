@@ -98,6 +98,7 @@ WRITES = {"--certificate": CHECKS}
 @click.option("--domain", metavar="TEXT", help="Of the variables, as t > 0.")
 @click.option("--variables", metavar="NAMES", help="As r,t (default x, y, z, t and n).")
 @click.option("--solve", metavar="NAMES", help="For which values of c, b does it hold?")
+@click.option("--weak", is_flag=True, help="As a weak solution, across its jump or corner?")
 @_deciding
 def prove(files: tuple[str, ...], **options: Any) -> int:
     """Prove formulas of your own.
@@ -119,7 +120,7 @@ def prove(files: tuple[str, ...], **options: Any) -> int:
         missing = "no --solution" if stated[0] else "no --equation"
         got = f"{files[0]} as well" if files else missing
         raise click.UsageError(f"--equation must be given with --solution alone, got {got}")
-    typed = ("parameters", "domain", "variables", "solve")
+    typed = ("parameters", "domain", "variables", "solve", "weak")
     _refuse_both(
         *((options[name], f"--{name}", files, "a FILE.toml") for name in typed),
         (options["solve"], "--solve", options["system"], "--export"),

@@ -102,6 +102,7 @@ def prove_and_print(
     domain: str | None,
     variables: str | None,
     solve: str | None,
+    weak: bool,
     **options: Any,
 ) -> int:
     """Decide a statement in texts, or those of problem files; as `decide_and_print`."""
@@ -111,7 +112,7 @@ def prove_and_print(
             return read_problems([text for path in files for text in problem_texts(Path(path))])
         texts = parameters or "", domain or ""
         names = {"solve": solve or "", "variables": variables or ""}
-        return [StatedProblem(read_statement(equations, solutions, *texts, **names))]
+        return [StatedProblem(read_statement(equations, solutions, *texts, weak=weak, **names))]
 
     return decide_and_print(read, program, files=files, **options)
 
@@ -352,7 +353,7 @@ def _decide(
         words = f"{type(error).__name__}: {' '.join(str(error).split())}"
         verdict = undecided(statement, f"the prover failed ({words[:200]})")
     left = min(limit - (time.monotonic() - begun), hinting)
-    if verdict.outcome is not Outcome.REFUTED or left <= 0:
+    if verdict.outcome is not Outcome.REFUTED or left <= 0 or statement.weak:
         return verdict
     send(verdict)
     with suppress(OutOfTime, Exception), time_limit(left, passing=True):  # the verdict stays
@@ -402,7 +403,8 @@ def _lines(decision: Decision) -> list[str]:
     elif verdict.outcome is Outcome.PROVED:
         first = verdict.assumptions[0]
     expected = "" if decision.is_met else problem.expect
-    lines = [f"{verdict.name}: {first}", *more]
+    front = f"{verdict.restriction}: " if verdict.restriction else ""
+    lines = [f"{front}{verdict.name}: {first}", *more]
     if verdict.witness:
         lines.append(f"at {verdict.point}")
     lines += [f"possibly not smooth: {line}" for line in verdict.singularities]

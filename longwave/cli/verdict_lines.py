@@ -58,7 +58,7 @@ class VerdictLines:
     def _key(self, statement: Statement) -> str:
         texts = asdict(statement.texts) if statement.texts is not None else {}
         wanted = list(map(str, statement.wanted))
-        parts = [texts, wanted, self._limit, self._sources]
+        parts = [texts, wanted, statement.weak, self._limit, self._sources]
         return sha256(json.dumps(parts).encode()).hexdigest()
 
     @cached_property

@@ -14,6 +14,9 @@ MICRO = 10**6
 LARGEST = 20
 """The highest power whose bounds are taken."""
 
+_FAR = fmpq(20)
+"""The farthest end of which an exponential is taken; it is below 2**53/MICRO."""
+
 End = tuple[fmpq | None, bool]
 """An end, None if there is none, and whether it is open."""
 
@@ -127,6 +130,14 @@ class Interval:
         if self.is_below:
             return -(-self).side()
         return Interval(fmpq(0), None, self.is_positive) if self.is_not_negative else Interval()
+
+    def exponential(self) -> Interval:
+        """exp, which increases: between rational bounds of its values at the ends."""
+        least = None if self.low is None else of_constant(arb(min(self.low, _FAR)).exp()).low
+        most = None
+        if self.high is not None and self.high <= _FAR:
+            most = of_constant(arb(self.high).exp()).high
+        return POSITIVE & Interval(least, most, self.low_open, self.high_open)
 
     def root(self) -> Interval:
         """A real root: on the same side of 1."""

@@ -7,18 +7,21 @@ product over all their branches is analytic, and every branch must differ from 0
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from itertools import product
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cached_property
+from itertools import chain, product
 from math import prod
 
 from flint import acb, ctx, fmpq, fmpq_mpoly
 
-from .axioms import FUNCTIONS
+from .axioms import FUNCTIONS, Function
 from .field import Field
 from .limits import BRANCHES, CertificateError, within
-from .node_balls import BITS, Balls, value_at
-from .nodes import Nodes
+from .node_balls import BITS, Balls, constant, value_at
+from .nodes import Nodes, children
+from .reading import axiom
 from .statement import Statement
+from .substitution import Substitution
 
 Point = Mapping[int, fmpq]
 
@@ -27,7 +30,7 @@ class Denominators:
     """The check of the factors of a field's ring at a point of a statement's domain."""
 
     def __init__(self, field: Field, statement: Statement, point: Point) -> None:
-        self._field, self._point = field, point
+        self._field, self._statement, self._point = field, statement, point
         self._connected = is_connected(field, statement)
         self._values: dict[tuple[tuple[int, fmpq], ...], list[acb]] = {}
 
@@ -36,8 +39,11 @@ class Denominators:
         within_it = self._field.nodes.below(list(self._formulas(factor)))
         nodes = [node for node in within_it if not self._field.nodes.is_constant(node)]
         turning = [node for node in nodes if self._turns(node)]
-        if turning and any(self._jumps(node) for node in nodes):
-            raise CertificateError("a denominator has both a root and a logarithm that may jump")
+        if any(self._jumps(node) for node in nodes):
+            if turning:
+                raise CertificateError("a denominator has both a root and a function that may jump")
+            if factor not in self._own:
+                raise CertificateError("a denominator that may jump is none of the statement's")
         degrees = [self._degree(node) for node in turning]
         within("the branches of a denominator", prod(degrees), BRANCHES)
         for shares in product(*([fmpq(k, n) for k in range(n)] for n in degrees)):
@@ -46,6 +52,26 @@ class Denominators:
                 ball = value_at(factor, values)
             if not ball.is_finite() or ball.contains(0):
                 raise CertificateError("a denominator is not shown to be other than 0 at the point")
+
+    @cached_property
+    def _own(self) -> list[fmpq_mpoly]:
+        """What may jump and vanishes where the statement is not smooth, or almost nowhere.
+
+        That is what the statement divides by or has in a logarithm, also within definitions of its
+        functions (a part, which has no unknowns, is no statement); exponentials, which are nowhere
+        0; and W(f), which is 0 where f is, and 1 + W(f), which is 0 at W's branch point, if f does
+        not jump.
+        """
+        field, nodes, own = self._field, self._field.nodes, self._statement
+        put = Substitution(nodes, own.variables, own.formulas)
+        stated = [*own.formulas, *map(put, own.equations)] if own.unknowns else []
+        found = [*_divisors(nodes, stated), *field.primitives("exp")]
+        for node in field.primitives("lambert_w"):
+            if not any(map(self._jumps, nodes.below(nodes.all[node][1:]))):
+                found += [node, nodes.made("Add", node, nodes.rational(1))]
+        images = (field.image(node) for node in found)
+        powers = [field.ring.split(i.numerator)[1] for i in images if not i.is_zero]
+        return [field.ring.factors[place] for place in chain.from_iterable(powers)]
 
     def _formulas(self, polynomial: fmpq_mpoly) -> set[int]:
         """What the generators stand for that occur, also in the scales of others."""
@@ -71,17 +97,37 @@ class Denominators:
         return False
 
     def _jumps(self, node: int) -> bool:
-        match self._field.nodes.all[node]:
-            case ("log", inner):
-                root = self._field.nodes.made("Pow", inner, fmpq(1, 2))
-                return not self._field.signs.is_analytic(root)
-            case (str(name), *_) if name in FUNCTIONS and FUNCTIONS[name].kind in ("arc", "cut"):
-                return not self._field.signs.is_real(node)
-        return False
+        """Whether a function may differ, on a part of the domain, from its continuation."""
+        nodes, signs = self._field.nodes, self._field.signs
+        name, inner = nodes.all[node][0], children(nodes.all[node])
+        own = FUNCTIONS.get(name)
+        if own is None or not (own.below_one or own.kind in ("arc", "cut")):
+            return False
+        if own.below_one:
+            return not (self._connected and all(map(signs.is_bounded, own.parameters(*inner))))
+        z = inner[own.letters.index("z")]
+        off_cut = signs.is_real(node) if own.kind == "arc" else own.free and signs.positive(z)
+        return not (self._connected and off_cut and signs.is_bounded(z))
 
     def _degree(self, node: int) -> int:
         name, *_, last = self._field.nodes.all[node]
         return int(last.q) if name == "Pow" else 2
+
+
+def _divisors(nodes: Nodes, stated: Sequence[int]) -> Iterator[int]:
+    """What formulas divide by or take the logarithm of, with the definitions of their functions."""
+    waiting, seen = list(stated), set[int]()
+    while waiting:
+        new = set(nodes.below(waiting)) - seen
+        seen, waiting = seen | new, []
+        for node in new:
+            name, *inner = nodes.all[node]
+            if name == "log" or (name == "Pow" and inner[1] < 0):
+                yield inner[0]
+            own = FUNCTIONS.get(name, Function("jump"))
+            text = own.slope if name == "atan" else own.definition
+            if text:
+                waiting.append(axiom(nodes, text, **own.arguments(*inner)))
 
 
 def is_connected(field: Field, statement: Statement) -> bool:
@@ -118,13 +164,19 @@ def is_continuous_end(field: Field, node: int) -> bool:
 def is_linear(nodes: Nodes, node: int) -> bool:
     """Whether a node is evidently of degree 1 or less in real symbols."""
     match nodes.all[node]:
-        case ("number" | "pi", *_):
+        case ("number", _):
             return True
         case ("symbol", _, kind):
             return bool(kind != "complex")
         case ("Add", *terms):
             return all(is_linear(nodes, term) for term in terms)
         case ("Mul", *factors):
-            moving = [f for f in factors if nodes.all[f][0] not in ("number", "pi")]
-            return len(moving) <= 1 and all(is_linear(nodes, f) for f in moving)
-    return False
+            moving = [f for f in factors if not nodes.is_constant(f)]
+            return len(moving) <= 1 and all(is_linear(nodes, f) for f in factors)
+    return is_real_constant(nodes, node)
+
+
+def is_real_constant(nodes: Nodes, node: int) -> bool:
+    """Whether a node has no symbols and a value that is evidently real, such as log(2)."""
+    value = constant(nodes, node)
+    return value is not None and bool(value.imag == 0)

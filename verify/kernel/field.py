@@ -310,6 +310,8 @@ class Field:
         Of an algebraic function it is a multiple, times what makes its power a polynomial.
         """
         relations = [self._relation(node) for node in nodes]
+        for node in nodes:
+            self._divide_by_argument(node)
         places = range(len(self.generators), len(self.generators) + len(rows))
         table = []
         for place, (factors, shift) in zip(places, rows, strict=True):
@@ -400,6 +402,12 @@ class Field:
         needed = self.signs.needed(name, *arguments)
         if needed:
             raise CertificateError(f"{name} needs {needed}, which is not shown on the domain")
+
+    def _divide_by_argument(self, node: int) -> None:
+        """Enter the argument of a function that is singular at 0 among the denominators."""
+        match self.nodes.all[node]:
+            case ("log", z) | (("bessel_y" | "bessel_k"), _, z):
+                self.image(z).inverse()
 
     def balls(self, balls: Balls) -> list[acb]:
         """The values of the generators at a point."""

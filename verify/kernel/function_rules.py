@@ -99,6 +99,7 @@ def exponential(field: Field, node: int) -> Element:
         f = field.nodes.all[u][1]
         return field.image(f) if times == 1 else field.made("Pow", f, times)
     if times == 0:
+        field.image(u)  # a divisor in it counts, though it is multiplied by 0
         return field.one
     if u == z:
         raise CertificateError("there is no generator for a function of a sum")
@@ -118,6 +119,7 @@ def elliptic(field: Field, node: int) -> Element | None:
         rest = terms[1] if len(terms) == 2 else nodes.made("Add", *terms[1:])
         return field.read(SUMS[name], u=terms[0], v=rest, m=m, z=z)
     if times == 0 or (times == 1 and u == nodes.made("elliptic_k", m)):
+        field.image(u)  # a divisor in it counts, though it is multiplied by 0
         return field.read(SPECIAL_VALUES[name][int(times.p)], m=m)
     if times == 1:
         raise CertificateError("there is no generator for a function of a sum")

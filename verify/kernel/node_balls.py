@@ -119,6 +119,17 @@ class Balls:
         return self._elliptic[m]
 
 
+def constant(nodes: Nodes, node: int) -> acb | None:
+    """The value of a formula without symbols, if it is finite."""
+    if not nodes.is_constant(node):
+        return None
+    try:
+        value = Balls(nodes, {}).ball(node)
+    except CertificateError:
+        return None
+    return value if value.is_finite() else None
+
+
 def _turn(share: fmpq) -> acb:
     """exp(2 i pi share)."""
     return (acb(0, 2) * acb.pi() * acb(arb(share))).exp()

@@ -21,6 +21,9 @@ from .limits import DEPTH, DIGITS, NODES, CertificateError, within
 NUMBER = re.compile(r"(-?[0-9]+)(?:/([0-9]+))?")
 KINDS = ("real", "integer", "complex", "function")
 
+DOMAIN_WORDS = (*KINDS, "nonzero", "positive", "negative")
+"""Words for the domain of a name; none of them is a name itself."""
+
 Node = tuple[Any, ...]
 
 

@@ -18,7 +18,7 @@ from flint import fmpq
 
 from .axioms import FUNCTIONS
 from .limits import DIGITS, EXPONENT, NAME, NESTING, NODES, ORDER, SHIFT, CertificateError, within
-from .nodes import Nodes
+from .nodes import DOMAIN_WORDS, Nodes
 
 TOKEN = re.compile(
     r"\s+|(?P<number>(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?)"
@@ -42,7 +42,7 @@ def arity(name: str) -> int:
 
 def is_reserved(name: str) -> bool:
     """Whether a name means something everywhere."""
-    return name in ("I", "pi", "diff", "sqrt", *THETA) or arity(name) > 0
+    return name in ("I", "pi", "diff", "sqrt", *THETA, *DOMAIN_WORDS) or arity(name) > 0
 
 
 @dataclass

@@ -16,7 +16,7 @@ from flint import fmpq
 from .axioms import FUNCTIONS, HALF_PI, Function
 from .bounds import POSITIVE, UNIT, Interval, of_constant
 from .limits import CertificateError
-from .node_balls import Balls
+from .node_balls import Balls, constant
 from .nodes import Nodes, children
 from .ring import Element
 
@@ -132,8 +132,8 @@ class Signs:
                 return Interval(fmpq(0), None, self.positive(base))
             case ("Abs", inner):
                 return self.interval(inner).absolute()
-            case ("exp", z) if self.interval(z).is_below:
-                return Interval(fmpq(0), fmpq(1), True, (-self.interval(z)).is_positive)
+            case ("exp", z):
+                return self.interval(z).exponential()
             case ("cos", z) if self.is_between(z, -HALF_PI, HALF_PI):
                 return POSITIVE & UNIT
             case ("sin", z) if self.is_between(z, fmpq(0), 2 * HALF_PI):
@@ -153,6 +153,7 @@ class Signs:
             found = Interval(fmpq(0), None, not self._positive[node])
         linear = self._nodes.all[node][0] in ("Add", "Mul", "symbol")
         for bound, weak in self._positive.items() if linear else ():
+            found = found & self._beside_constant(node, bound, weak)
             try:
                 multiple = _multiple(self._image(node), self._image(bound))
             except CertificateError:  # what the proof has no generator for
@@ -162,6 +163,19 @@ class Signs:
                 up, down = Interval(gap, None, not weak), -Interval(-gap, None, not weak)
                 found = found & (up if ratio > 0 else down)
         return found
+
+    def _beside_constant(self, node: int, bound: int, weak: bool) -> Interval:
+        """What ``node + c > 0`` and ``c - node > 0`` say of a node, c without symbols."""
+        terms = self._nodes.terms(bound)
+        rest = [term for term in terms if self._nodes.is_constant(term)]
+        moving = [term for term in terms if term not in rest]
+        if rest and moving in ([node], [self._nodes.negative(node)]):
+            gap = self.interval(rest[0] if len(rest) == 1 else self._nodes.made("Add", *rest))
+            if gap.high is not None:
+                above = Interval(-gap.high, None, not weak)
+                below = Interval(None, gap.high, False, not weak)
+                return above if moving == [node] else below
+        return Interval()
 
     def _witness(self, node: int) -> int:
         """The formula with the same image that a hint names, checked."""
@@ -225,6 +239,8 @@ class Signs:
         name, *arguments = self._nodes.all[node]
         if name in ANALYTIC:
             return name != "Pow" or arguments[1] > 0 or self.interval(arguments[0]).is_not_zero
+        if constant(self._nodes, node) is not None:
+            return True
         own = FUNCTIONS.get(name, Function("jump"))
         parameters = own.parameters(*children(self._nodes.all[node])) if own.below_one else []
         tame = own.kind in ("regular", "arc") and self.is_real(node)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from .limits import CertificateError
-from .nodes import KINDS, Nodes, listed
+from .nodes import DOMAIN_WORDS, KINDS, Nodes, listed
 from .reading import Scope, TextReader, is_reserved, tokens
 
 PARTS = ("variables", "equations", "solutions", "parameters", "domain")
@@ -96,7 +96,10 @@ def _declared(nodes: Nodes, texts: Mapping[str, list[Any]]) -> Scope:
 
 
 def _kind(words: Sequence[str]) -> str:
-    named = [word for word in words if word in KINDS]
+    """Return the kind that stands between two commas by itself; a condition has none."""
+    befores, afters = (",", *words), (*words[1:], ",")
+    alone = zip(befores, words, afters, strict=False)
+    named = [word for before, word, after in alone if word in KINDS and before == after == ","]
     if len(named) > 1:
         raise CertificateError("a parameter must be of one kind")
     return named[0] if named else "real"
@@ -119,7 +122,7 @@ def _conditions(scope: Scope, parser: TextReader, name: str) -> list[tuple[bool,
     """The inequalities between the commas: a chain, or a word for a domain of ``name``."""
     found = []
     while True:
-        if name and parser.next in (*KINDS, "nonzero", *SIGNED):
+        if name and parser.next in DOMAIN_WORDS:
             word = parser.name()
             if word in SIGNED:
                 ends = [scope.nodes.rational(0), scope.node(name)]

@@ -63,6 +63,7 @@ class ConditionalVerdict(StatementVerdict):
     def json(self) -> dict[str, Any]:
         """The record as plain data."""
         return super().json() | {
+            "reason": self._answer,
             "solved": list(self.solved),
             "cases": [case.json() for case in self.cases],
             "complete": self.complete,
@@ -73,7 +74,7 @@ class ConditionalVerdict(StatementVerdict):
     def lines(self) -> list[str]:
         """The answer in words, several cases on lines of their own."""
         if len(self.cases) < 2:
-            return [self.detail]
+            return [self._answer]
         texts = [case.text for case in self.cases]
         return [line for line in (self._heading, *texts, self._ending) if line]
 
@@ -88,6 +89,11 @@ class ConditionalVerdict(StatementVerdict):
         if any(case.proved and case.text == ALL for case in self.cases):
             return f"holds for all values of {names}"
         return f"{self._heading} {'; or '.join(case.text for case in self.cases)}{ending}"
+
+    @property
+    def _answer(self) -> str:
+        """The detail without its front, which stands elsewhere."""
+        return self.detail.removeprefix(f"{self.restriction}: ")
 
     @property
     def _heading(self) -> str:
@@ -309,4 +315,5 @@ def _verdict(
         unknown=tuple(search.unknown),
         is_solved=not reason,
     )
-    return found if reason else replace(found, detail=found.words())
+    front = f"{found.restriction}: " if found.restriction else ""
+    return found if reason else replace(found, detail=front + found.words())

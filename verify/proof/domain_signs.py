@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import reduce
 from itertools import product
-from operator import add, mul
+from operator import add, and_, mul
 
 import sympy as sp
 from flint import fmpq
@@ -154,10 +154,27 @@ class DomainSigns:
     def _sum(self, node: sp.Expr, total: Interval) -> Interval:
         if node in self._gaps and not total.is_not_zero:
             return self._gaps[node]
+        if not total.is_not_zero:
+            total = reduce(and_, self._beside_ends(node), total)
         small = len(node.free_symbols) <= FACTORABLE_SYMBOLS and is_small_polynomial(node)
         if total.is_not_zero or not small:
             return total
         return self._factored(node) or total
+
+    def _beside_ends(self, node: sp.Expr) -> Iterator[Interval]:
+        """Yield ranges of a sum that is a multiple of a symbol less its end, plus a number."""
+        excess = excess_of_exponential(node)
+        if excess is not None and self.is_positive(excess[1].args[0]):
+            yield POSITIVE
+        for gap, found in self._gaps.items():
+            symbol = next(iter(gap.free_symbols), None)
+            slope = gap.coeff(symbol, 1) if gap.free_symbols <= node.free_symbols else 0
+            ratio = node.coeff(symbol, 1) / slope if slope else sp.S.Zero
+            if ratio.is_Rational and ratio > 0:
+                rest = sp.expand(node - ratio * gap)
+                if rest.is_Rational:
+                    number = Interval(exact(rest), exact(rest))
+                    yield found * Interval(exact(ratio), exact(ratio)) + number
 
     def _factored(self, node: sp.Expr) -> Interval | None:
         """The range of a polynomial's factors; that of a sum without real root in the domain."""
@@ -184,6 +201,20 @@ class DomainSigns:
         return POSITIVE if polynomial(_between(low, high)) > 0 else -POSITIVE
 
 
+def excess_of_exponential(node: sp.Expr) -> tuple[sp.Rational, sp.exp] | None:
+    """Return r and exp(z) of a sum that is r*(exp(z) - 1), r > 0; None for any other.
+
+    >>> excess_of_exponential(sp.exp(sp.Symbol("x")) - 2)
+    (2, exp(x - log(2)))
+    """
+    number, rest = node.as_coeff_Add(rational=True)
+    times, power = rest.as_coeff_Mul(rational=True)
+    if not (isinstance(power, sp.exp) and number < 0 < times):
+        return None
+    z = sp.expand(power.args[0] - sp.log(-number / times, evaluate=False))
+    return -number, sp.exp(z, evaluate=False)
+
+
 def is_entire(node: sp.Expr) -> bool:
     """Whether a Bessel function is J or I of an integer order."""
     return isinstance(node, sp.besselj | sp.besseli) and bool(node.order.is_Integer)
@@ -196,7 +227,7 @@ def _gaps(domains: Domains) -> Iterator[tuple[sp.Expr, Interval]]:
             (domain.lower, domain.lower_open, 1),
             (domain.upper, domain.upper_open, -1),
         ):
-            if end.free_symbols:
+            if end.is_finite and not end.is_Rational:
                 found = POSITIVE if is_open else NONNEGATIVE
                 yield side * (symbol - end), found
                 yield side * (end - symbol), -found
@@ -278,7 +309,7 @@ def _sign(z: Interval) -> Interval:
 CONSTANTS = {sp.pi: Interval(fmpq(3), fmpq(4)), sp.E: Interval(fmpq(2), fmpq(3))}
 
 SHARPER: dict[type, Callable[[Interval], Interval]] = {
-    sp.exp: lambda z: z.side() + ONE,
+    sp.exp: Interval.exponential,
     sp.log: lambda z: (z + -ONE).side(),
     sp.sign: _sign,
     sp.sin: lambda z: z.side() if lies_between(z, fmpq(0), BELOW_PI) else UNIT,
@@ -328,6 +359,27 @@ def singularities(expressions: Iterable[sp.Expr], domains: Domains) -> tuple[str
     return tuple(dict.fromkeys(found))
 
 
+def corners(
+    expressions: Iterable[sp.Expr], domains: Domains, variables: Sequence[sp.Symbol]
+) -> tuple[str, ...]:
+    """Return where arguments of abs, sign and roots that contain a variable may be 0.
+
+    >>> x, c = sp.symbols("x c", real=True)
+    >>> corners([sp.sign(x - 1) * sp.Abs(c)], {}, [x])
+    ('x - 1 = 0',)
+    """
+    signs = DomainSigns(domains)
+    nodes = (node for expression in expressions for node in distinct_nodes(expression))
+    inner = (
+        node.args[0]
+        for node in nodes
+        if isinstance(node, sp.Abs | sp.sign)
+        or (node.is_Pow and node.base is not sp.E and not node.exp.is_Integer)
+    )
+    may_be_zero = (f for f in inner if f.has(*variables) and not signs.is_nonzero(f))
+    return tuple(dict.fromkeys(f"{_short(f)} = 0" for f in may_be_zero))
+
+
 def _lines(node: sp.Expr, signs: DomainSigns) -> list[str]:
     plain = node.exp.is_Integer and node.exp.is_positive if node.is_Pow else not node.is_Function
     if plain or not node.free_symbols:
@@ -339,7 +391,7 @@ def _lines(node: sp.Expr, signs: DomainSigns) -> list[str]:
     if (is_root or isinstance(node, sp.log)) and not signs.is_positive(node.args[0]):
         lines.append(f"branch point where {_short(node.args[0])} is not positive")
     if isinstance(node, sp.Abs | sp.sign) and not signs.is_nonzero(node.args[0]):
-        lines.append(f"jump or corner where {_short(node.args[0])} = 0")
+        lines.append(corner_line(node.args[0]))
     if node.func in POLES:
         lines.append(f"pole where {_short(POLES[node.func](node.args[0]))} = 0")
     if isinstance(node, HYPERBOLIC_POLES) and not signs.is_nonzero(node.args[0]):
@@ -357,6 +409,11 @@ def _lines(node: sp.Expr, signs: DomainSigns) -> list[str]:
     if isinstance(node, sp.atan | sp.asinh) and not signs.is_real(node.args[0]):
         lines.append(f"branch point of {_short(node)}")
     return lines
+
+
+def corner_line(argument: sp.Expr) -> str:
+    """Return the line on abs or sign of what may be 0."""
+    return f"jump or corner where {_short(argument)} = 0"
 
 
 def _is_off_cuts(node: sp.Expr, signs: DomainSigns) -> bool:

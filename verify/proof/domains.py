@@ -243,9 +243,9 @@ def _inner(
 
 def _check_inner_point(symbol: sp.Symbol, domain: Domain) -> None:
     for end in (domain.lower, domain.upper):
-        if not (end.is_Rational or end in (sp.oo, -sp.oo) or end.free_symbols):
+        if not (end.is_extended_real or end.free_symbols):
             raise ValueError(
-                f"ends of domains must be rational or infinite, got {end} for {symbol} "
+                f"ends of domains must be real or infinite, got {end} for {symbol} "
                 "(take a rational number inside)"
             )
     if domain.symbols:

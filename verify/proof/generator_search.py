@@ -30,7 +30,7 @@ from .arguments import (
     definition,
 )
 from .certificate_writer import NAMES, Data, NodeTable, ProofWriter
-from .domain_signs import is_small_polynomial
+from .domain_signs import excess_of_exponential, is_small_polynomial
 from .domains import Point
 from .elliptic_search import EllipticSearch
 from .linear_forms import independent_forms, with_dummies
@@ -126,6 +126,7 @@ class GeneratorSearch:
         if node.is_Add or node.is_Mul:
             for part in node.args:
                 self.need(part)
+            self._show_excess(node)
         elif node.is_Pow:
             self._power(node)
         elif node.is_Symbol or node in (sp.I, sp.pi):
@@ -233,6 +234,15 @@ class GeneratorSearch:
         other = sp.factor(node)
         if other != node:
             self._writer.signs[self._place(node)] = self._place(other)
+
+    def _show_excess(self, node: sp.Expr) -> None:
+        """Offer r*(exp(x - log(r)) - 1) as witness of the sign of exp(x) - r."""
+        found = excess_of_exponential(node) if node.is_Add else None
+        if found is not None:
+            one = sp.Add(found[1], sp.S.NegativeOne, evaluate=False)
+            self._writer.signs[self._place(node)] = self._place(
+                sp.Mul(found[0], one, evaluate=False)
+            )
 
     def _function(self, node: sp.Expr) -> None:
         if isinstance(node, JacobiFunction):

@@ -32,8 +32,11 @@ def kept_record(verdict: StatementVerdict) -> dict[str, Any]:
 def taken_again(statement: Statement, record: Mapping[str, Any]) -> StatementVerdict | None:
     """The verdict in a record of `kept_record`; None where it cannot be checked again.
 
-    That is so for values that are solved for, for complex ones, and for arbitrary functions.
+    That is so for weak solutions, for values that are solved for, for complex ones, and for
+    arbitrary functions.
     """
+    if statement.weak:
+        return None
     try:
         verdict = _of_record(statement, record)
         holds = {

@@ -32,6 +32,9 @@ JETS = 64
 LARGEST_POWER = 13
 """Of a sum with the unknown; from this on it is not multiplied out."""
 
+NO_POLYNOMIAL = "equations must be polynomials"
+"""How the reason begins that an equation is none; others ways may take it."""
+
 Stated = Mapping[sp.Symbol, Domain | sp.Interval]
 
 Term = tuple[sp.Rational, list[sp.Expr], list[list[int]]]
@@ -112,7 +115,7 @@ class Problem:
         whole = power.is_Integer and 0 < power <= JETS
         if inner != self.unknown or not whole or counts.keys() - set(self.variables):
             raise ValueError(
-                f"equations must be polynomials in {self.unknown} and its derivatives in its own "
+                f"{NO_POLYNOMIAL} in {self.unknown} and its derivatives in its own "
                 f"variables, got {factor} (multiply it out)"
             )
         return [[counts.get(variable, 0) for variable in self.variables]] * int(power)

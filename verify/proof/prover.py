@@ -14,11 +14,11 @@ import sympy as sp
 
 from longwave.solutions.equation import Equation
 from longwave.verify.kernel import check_certificate
-from longwave.verify.verdict import Outcome, ProofVerdict
+from longwave.verify.verdict import Outcome, ProofVerdict, on_each_side
 
 from .certificate import equal_parts, make_certificate
 from .certificate_writer import Certificate
-from .domain_signs import DomainSigns, singularities
+from .domain_signs import DomainSigns, corners, singularities
 from .domains import Point
 from .problem import Problem, Stated, equality_problem, solution_problem
 
@@ -155,6 +155,7 @@ def accepted(problem: Problem, certificate: Certificate) -> ProofVerdict:
         ),
         singularities=found,
         certificate=certificate,
+        sides=on_each_side(corners(problem.expressions, problem.domains, problem.variables)),
     )
 
 

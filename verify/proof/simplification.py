@@ -85,6 +85,13 @@ class Rewriting:
             return None
         return None if value == node else value
 
+    def is_nonzero(self, total: sp.Expr) -> bool:
+        """Return whether a formula, or each factor that it is found to have, is nowhere 0."""
+        factors = self._factors(_squared_function(total) or total, 1)
+        return all(
+            self.signs.is_nonzero(factor.base if factor.is_Pow else factor) for factor in factors
+        )
+
     def _power(self, base: sp.Expr, exponent: sp.Rational) -> sp.Expr | None:
         if not base.free_symbols and exponent == sp.S.Half and base.is_real:
             denested = sp.sqrtdenest(sp.sqrt(base))
@@ -172,10 +179,12 @@ class Rewriting:
             return tuple(product.args)
         if not product.is_Add:
             return (product,)
+        plain, written = _in_one_exponential(product)
         try:
-            unit, powers = factored(product)
+            unit, powers = factored(plain)
         except TooLong:
             return (product,)
+        powers = [(base.xreplace(written), power) for base, power in powers]
         if not any(abs(power) >= degree or not base.is_Add for base, power in powers):
             return (product,)
         found = [sp.Pow(_evidently_signed(base), power) for base, power in powers]
@@ -210,6 +219,18 @@ class Rewriting:
         if isinstance(node, sp.conjugate):
             return other
         return (inner + other) / 2 if isinstance(node, sp.re) else (inner - other) / (2 * sp.I)
+
+
+def _in_one_exponential(total: sp.Expr) -> tuple[sp.Expr, dict[sp.Basic, sp.Expr]]:
+    """Return a sum with powers of a symbol for exp(z) and exp(-z), and the symbol's meaning."""
+    found = sorted(total.atoms(sp.exp), key=lambda node: (node.count_ops(), str(node)))
+    for base in found:
+        ratios = [sp.cancel(node.args[0] / base.args[0]) for node in found]
+        if all(ratio.is_Integer for ratio in ratios) and min(ratios) < 0:
+            letter = sp.Dummy("E", positive=True)
+            powers = {node: letter**n for node, n in zip(found, ratios, strict=True)}
+            return total.xreplace(powers), {letter: base}
+    return total, {}
 
 
 SQUARES: Mapping[Any, Callable[..., dict[sp.Expr, sp.Expr]]] = {

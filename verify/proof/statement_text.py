@@ -36,6 +36,7 @@ from .mistyped_statements import Parts, corrected_error
 from .samples import sample
 from .text_names import FUNCTIONS, MISREAD, PARTS, SITE
 from .text_parts import (
+    RESERVED,
     WORDS,
     TextPart,
     VariableNames,
@@ -59,10 +60,12 @@ def read_statement(
     name: str = "statement",
     solve: str = "",
     variables: str = "",
+    weak: bool = False,
 ) -> Statement:
     """The statement that the texts make; ``solve`` names parameters, as in ``c, b``.
 
     ``variables`` names the independent ones in the place of x, y, z and t, as in ``r, t``.
+    ``weak`` asks for a weak solution.
 
     Raises FormulaError, which says where, for a text that is not of the grammar, a name that is
     declared twice, misread or not used, an unknown without a solution, a solution with an unknown
@@ -83,7 +86,7 @@ def read_statement(
     }
     read = partial(_read, name=name, variables=variable_names(variables))
     try:
-        return read(given)
+        return replace(read(given), weak=weak)
     except FormulaError as error:
         raise corrected_error(error, given, FUNCTIONS, read) from None
 
@@ -185,7 +188,7 @@ class _Reading:
             raise entry.error(
                 f"expected a parameter, got the independent variable {name} ({remedy})"
             )
-        if name in FUNCTIONS or name in CONSTANTS or name == "diff":
+        if name in FUNCTIONS or name in CONSTANTS or name in ("diff", *RESERVED):
             raise entry.error(f"expected a name of its own, got {word} (rename the parameter)")
         if "_" in name:
             raise entry.error(f"expected a name without _, got {word} (write k1 for k_1)")
@@ -219,9 +222,9 @@ class _Reading:
         self, part: TextPart, skipped: int, name: str, variables: Mapping[str, sp.Symbol]
     ) -> Domain:
         """The domain of ``name`` that a part states behind its first words."""
-        vocabulary = Vocabulary(
-            FUNCTIONS, variables, names={**self.names, name: sp.Dummy(name, real=True)}
-        )
+        names = {**self.names, name: sp.Dummy(name, real=True)}
+        undeclared = self._real_parameter if part.label == "domain" else None
+        vocabulary = Vocabulary(FUNCTIONS, variables, names=names, unknown_name=undeclared)
         parser = part.parser(vocabulary, skipped)
         found = REAL
         while True:
@@ -243,9 +246,11 @@ class _Reading:
         found: dict[str, Domain] = {}
         plain = {letter: symbol_of(letter, _whole(letter)) for letter in letters}
         for part in self.limits:
-            name = self._subject(part, letters)
-            others = {k: v for k, v in plain.items() if k != name}
-            both = found.get(name, REAL) & self._domain(part, 0, name, others)
+            name, domain = self._limited(part, plain)
+            try:
+                both = found.get(name, REAL) & domain
+            except ValueError as error:
+                raise part.error(str(error)) from None
             found[name] = inhabited(part, both, name)
         for letter in letters:
             self.variables[letter] = symbol_of(letter, found.get(letter, REAL) & _whole(letter))
@@ -255,8 +260,22 @@ class _Reading:
             lower, upper = domain.lower.xreplace(real), domain.upper.xreplace(real)
             self._keep(self.variables[letter], replace(domain, lower=lower, upper=upper))
 
-    def _subject(self, part: TextPart, letters: Sequence[str]) -> str:
-        """The variable that an inequality is of: the first that is one side of its own."""
+    def _limited(self, part: TextPart, plain: Mapping[str, sp.Symbol]) -> tuple[str, Domain]:
+        """Return the variable that an inequality is of, and its domain.
+
+        It is the first that is one side of its own, else the first that can be made one.
+        """
+        first: FormulaError | None = None
+        for name in self._subjects(part, [*plain]):
+            try:
+                return name, self._domain(part, 0, name, {k: plain[k] for k in plain if k != name})
+            except FormulaError as error:
+                first = first or error
+        assert first is not None
+        raise first
+
+    def _subjects(self, part: TextPart, letters: Sequence[str]) -> list[str]:
+        """Return the variables that an inequality may be of."""
         sides: list[list[Token]] = [[]]
         for word in part.words[:-1]:
             if word.kind == "sign" and word.text in ("<", "<=", ">", ">=", "!="):
@@ -265,7 +284,10 @@ class _Reading:
                 sides[-1].append(word)
         for side in sides:
             if len(side) == 1 and side[0].text in letters:
-                return side[0].text
+                return [side[0].text]
+        occurring = [word.text for word in part.words[:-1] if word.text in letters]
+        if occurring and len(sides) > 1:
+            return [*dict.fromkeys(occurring)]
         known = ", ".join(letters) or "none here"
         words = f"expected an inequality of a variable of the equation ({known}), as in t > 0"
         if any(len(side) == 1 and side[0].text in self.names for side in sides):
@@ -298,7 +320,8 @@ class _Reading:
             raise part.error("expected a lattice field such as u[n], got n without one")
 
     def _check_unknown(self, part: TextPart, name: str) -> None:
-        if name in self.known.reserved or name in CONSTANTS or name in FUNCTIONS or "_" in name:
+        taken = (*self.known.reserved, *CONSTANTS, *FUNCTIONS, *RESERVED)
+        if name in taken or "_" in name:
             raise part.error(f"expected an unknown such as u, got {part.words[0]}")
         if name in self.names or name in self.functions:
             raise part.error(f"expected an unknown, got the parameter {name}")
@@ -347,11 +370,18 @@ class _Reading:
 
     def _real_parameter(self, name: str) -> sp.Symbol:
         """A name that is not declared: real; raises ValueError for one that may mean another."""
+        known = self.names.get(name)  # an inequality is read with a copy of the names
+        if isinstance(known, sp.Symbol):
+            return known
         if name in MISREAD:
             raise ValueError(f"expected a declared name, got '{name}' ({MISREAD[name]})")
         similar = [k for k in (*self.fields, *self.names) if k.lower() == name.lower()]
         if similar:
             raise ValueError(f"expected a declared name, got '{name}' (did you mean {similar[0]}?)")
+        if any(name == part.words[0].text for part in self.solutions):
+            raise ValueError(f"expected a variable or parameter, got the unknown {name}")
+        if name in RESERVED:
+            raise ValueError(f"expected a name of its own, got '{name}' (rename the parameter)")
         if name in FUNCTIONS:
             raise ValueError(f"expected '(' behind the function {name}")
         if meant := self._misread(name):

@@ -30,7 +30,9 @@ from .balls import ball_value
 from .certificate_writer import Certificate, as_data
 from .domain_signs import singularities
 from .domains import REAL, Domains
+from .problem import NO_POLYNOMIAL
 from .samples import sample
+from .seams import seams, sides
 from .statement_latex import equations_latex, formulas_latex, scope_latex, statement_latex
 from .statement_problem import (
     all_domains,
@@ -87,6 +89,7 @@ class StatementVerdict(ProofVerdict):
         return {
             "name": self.name,
             "verdict": self.outcome.value,
+            "sides": self.restriction,
             "reason": self.detail,
             "witness": None if self.witness is None else dict(self.witness),
             "hint": self.hint,
@@ -201,13 +204,17 @@ def _together(statement: Statement, found: Sequence[ProofVerdict]) -> StatementV
             unproved, outcome=chosen.outcome, residual=chosen.residual, witness=chosen.witness
         )
     certificates = tuple(v.certificate for v in found if v.certificate)
+    said = tuple(chain.from_iterable(seam.lines for seam in seams(statement)))
+    assumptions = united(v.assumptions for v in found)
     return StatementVerdict(
         **said_of(statement),
         outcome=chosen.outcome,
         detail=detail,
         residual=chosen.residual,
-        assumptions=united(v.assumptions for v in found),
-        singularities=united(v.singularities for v in found),
+        assumptions=tuple(line for line in assumptions if not line.endswith(said)),
+        singularities=tuple(
+            line for line in united(v.singularities for v in found) if line not in said
+        ),
         certificate=certificates[0],
         certificates=certificates,
     )
@@ -225,6 +232,7 @@ def said_of(statement: Statement) -> dict[str, Any]:
         "equation": "; ".join(map(equation_text, statement.equations)),
         "method": prover.METHOD,
         "statement": statement_latex(statement),
+        "sides": sides(seams(statement)),
     }
 
 
@@ -251,6 +259,8 @@ def _decide_equation(statement: Statement, equation: sp.Expr) -> ProofVerdict:
         if verdict.outcome is not Outcome.UNDECIDED:
             return verdict
         reasons.append(" ".join(verdict.detail.split()))
+    if len(reasons) > 1 and reasons[0].startswith(NO_POLYNOMIAL):
+        del reasons[0]  # the other ways take any equation
     reason = "; then: ".join(dict.fromkeys(reasons[:2]))
     return ProofVerdict(
         statement.name, equation_text(equation), prover.METHOD, Outcome.UNDECIDED, reason
@@ -384,6 +394,8 @@ def verified_sentence(statement: Statement, verdict: StatementVerdict) -> str:
         verb = "does not satisfy"
     else:
         digests = ", ".join(rf"\texttt{{{c['digest'][:16]}}}" for c in verdict.certificates)
-        heading = f"We verified (certificate {digests}) that"
+        restriction = verdict.restriction.replace("_", r"\_").replace("nothing", "with nothing")
+        only = f", {restriction}," if restriction else ""
+        heading = f"We verified (certificate {digests}) that{only}"
         verb, last = "satisfies", f"{scope_latex(statement)} at which it is smooth."
     return f"{heading}\n\\[ {formulas} \\]\n{verb}\n\\[ {equations} \\]\n{last}"

@@ -7,6 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import reduce
+from operator import and_
 
 import sympy as sp
 
@@ -31,6 +33,9 @@ WORDS = {
     "nonzero": Domain(nonzero=True),
 }
 """Domains in a word; `complex` is none, and stands alone."""
+
+RESERVED = (*WORDS, "complex", "function")
+"""Words for domains and kinds, which are no names."""
 
 MOST_VARIABLES = 8
 """Variables that a certificate may have."""
@@ -105,7 +110,12 @@ def condition(part: TextPart, parser: Parser, name: str) -> Domain:
         raise part.error(f"{words} {part.words[start]}", start)
     wanted = f"expected inequalities of {name}, as in 0<{name}<1"
     if sides.count(own) != 1 or any(s != own and s.has(own) for s in sides):
-        raise part.error(wanted, start)
+        pairs = zip(sides, signs, sides[1:], strict=False)
+        found = [_linear(left - right, sign, own) for left, sign, right in pairs]
+        if None in found:
+            remedy = f"or sums with a multiple of {name} by a number, as in {name} + c > 0"
+            raise part.error(f"{wanted}, {remedy}", start)
+        return reduce(and_, (domain for domain in found if domain))
     if "!=" in signs:
         if signs != ["!="] or sp.S.Zero not in sides:
             raise part.error(f"expected {name}!=0 alone", start)
@@ -140,6 +150,17 @@ def symbol_of(name: str, domain: Domain) -> sp.Symbol:
     if domain.nonzero:
         known["nonzero"] = True
     return sp.Symbol(name, **known)
+
+
+def _linear(gap: sp.Expr, sign: str, own: sp.Symbol) -> Domain | None:
+    """Return the domain of ``own`` where ``gap`` has a sign; None if it has no rational slope."""
+    slope = sp.expand(gap).coeff(own, 1)
+    end = sp.expand(gap) - slope * own
+    if not slope.is_Rational or slope == 0 or end.has(own) or sign == "!=":
+        return None
+    above, is_open = (sign[0] == ">") == (slope > 0), "=" not in sign
+    end = sp.expand(-end / slope)
+    return Domain(lower=end, lower_open=is_open) if above else Domain(upper=end, upper_open=is_open)
 
 
 def _between(sides: Sequence[sp.Expr], signs: Sequence[str], place: int) -> Domain:

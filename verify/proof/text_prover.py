@@ -11,6 +11,7 @@ from .conditions import solve_statement
 from .statement_text import read_statement
 from .statement_verdict import Progress, StatementVerdict, decide_statement
 from .typed_statement import Statement
+from .weak import decide_weak
 
 
 def prove(
@@ -21,6 +22,7 @@ def prove(
     domain: str = "",
     solve: str = "",
     variables: str = "",
+    weak: bool = False,
     **options: Any,
 ) -> ProofVerdict:
     """Decide whether a formula solves an equation, both in text or both as SymPy objects.
@@ -28,6 +30,7 @@ def prove(
     Texts are those of `verify.proof.statement_text`, with ``parameters``, ``domain`` and ``name``;
     with ``solve``, names of parameters as in ``c, b``, the answer says for which values of these;
     ``variables`` names the independent ones in the place of x, y, z and t, as in ``r, t``.
+    With ``weak`` the equation is in conservation form, and conditions at a jump are decided too.
     SymPy objects and their options are those of `verify.proof.prover.prove`.
 
     Raises FormulaError for a text that cannot be read, and as `verify.proof.prover.prove` does.
@@ -41,10 +44,11 @@ def prove(
     """
     textual = [_is_text(equation), _is_text(solution)]
     if not any(textual):
-        if parameters or domain or solve or variables:
+        given = parameters or domain or solve or variables or weak
+        if given:
             raise ValueError(
-                "parameters, domain, solve and variables must be left out with SymPy objects, got "
-                f"{parameters or domain or solve or variables!r} (state the equation in text)"
+                "parameters, domain, solve, variables and weak must be left out with SymPy "
+                f"objects, got {given!r} (state the equation in text)"
             )
         return prover.prove(equation, solution, **options)
     if not all(textual):
@@ -55,15 +59,18 @@ def prove(
     wrong = sorted(options.keys() - {"name"})
     if wrong:
         raise TypeError(
-            "options beside texts must be parameters, domain, solve, variables and name, "
+            "options beside texts must be parameters, domain, solve, variables, weak and name, "
             f"got {wrong[0]} (say it in parameters)"
         )
     texts = equation, solution, parameters, domain
-    return answer(read_statement(*texts, solve=solve, variables=variables, **options))
+    statement = read_statement(*texts, solve=solve, variables=variables, weak=weak, **options)
+    return answer(statement)
 
 
 def answer(statement: Statement, progress: Progress = lambda _: None) -> StatementVerdict:
     """The verdict on a statement, or for which values of what is wanted it holds."""
+    if statement.weak:
+        return decide_weak(statement, progress)
     decide = solve_statement if statement.wanted else decide_statement
     return decide(statement, progress)
 

@@ -84,7 +84,7 @@ def _proof(statement: Statement, number: int, kept: tuple[type, ...] = ()) -> Pr
     if kept or not left.atoms(AppliedUndef):
         left = next(iter(statement.solutions))  # the certificate states what was typed anyway
         also = tuple(dict.fromkeys(part.plain for part in parts))
-    domains = all_domains(statement, left, *also, *_vocabulary(statement).names.values())
+    domains = all_domains(statement, left, *also, *vocabulary(statement).names.values())
     texts = replace(statement.texts, equations=statement.texts.equations[number - 1 : number])
     problem = statement_problem(statement, left)
     problem = replace(problem, domains=domains, also=also, texts=texts)
@@ -109,7 +109,7 @@ def typed_parts(
     What stands in a formula is named before what is made of it.
     """
     assert statement.trees is not None
-    words = _vocabulary(statement, kept)
+    words = vocabulary(statement, kept)
     builder = ExpressionBuilder(words)
 
     def expression(formula: FormulaTree) -> sp.Expr:
@@ -144,7 +144,7 @@ def put_in(trees: StatementTrees, formula: FormulaTree) -> FormulaTree:
     return mapped(formula, image)
 
 
-def _vocabulary(statement: Statement, kept: tuple[type, ...] = ()) -> Vocabulary:
+def vocabulary(statement: Statement, kept: tuple[type, ...] = ()) -> Vocabulary:
     """The symbols of a statement by their names; those of which nothing is known are real.
 
     Functions of the types ``kept`` are not evaluated.

@@ -152,7 +152,7 @@ class Statement:
     typed.
     ``complexes`` are parameters that may have complex values; the symbols of all are real, and a
     proof is one for complex values only if the checker accepts it for them.  ``functions`` are the
-    names of arbitrary functions.
+    names of arbitrary functions.  ``weak`` asks for weak solutions (`verify.proof.weak`).
     """
 
     name: str
@@ -165,6 +165,7 @@ class Statement:
     trees: StatementTrees | None = field(default=None, compare=False)
     complexes: tuple[str, ...] = ()
     functions: tuple[str, ...] = ()
+    weak: bool = False
 
     @property
     def variables(self) -> tuple[sp.Symbol, ...]:

@@ -148,6 +148,26 @@ def test_a_high_power_has_a_side_alone() -> None:
     assert Interval(fmpq(-2), fmpq(1)).power(21) == WHOLE
 
 
+@pytest.mark.parametrize("far", [fmpq(2), fmpq(19), fmpq(20), fmpq(21), fmpq(10**6), fmpq(10**30)])
+def test_exponentials_are_those_of_numbers(far: fmpq) -> None:
+    for low, high in ((None, far), (far, None), (-far, far), (None, -far), (-far, None)):
+        for opens in product((False, True), repeat=2):
+            inner = Interval(low, high, opens[0] and low is not None, opens[1] and high is not None)
+            found = inner.exponential()
+            assert found.is_positive
+            for end, bound, sign in ((low, found.low, 1), (high, found.high, -1)):
+                if end is None or (end > 20 and sign == -1):
+                    assert bound is None or bound == 0
+                    continue
+                value = arb(min(end, fmpq(20))).exp()
+                assert bound is not None
+                assert not sign * (value - arb(bound)) < 0
+                assert abs(value - arb(bound)) < arb(2) / MICRO
+    assert Interval(fmpq(0), fmpq(0)).exponential() == Interval(fmpq(1), fmpq(1))
+    assert Interval(fmpq(0), None, True).exponential() == Interval(fmpq(1), None, True)
+    assert WHOLE.exponential() == Interval(fmpq(0), None, True)
+
+
 def test_a_root_is_on_the_side_of_1() -> None:
     for interval in GRID:
         if not interval.is_not_negative:

@@ -65,7 +65,7 @@ def quotient(below: str, atoms: list[str], point: str, domain: str = "") -> Data
         ("exp(x) - 1", ["exp(x)"], "0", "", "other than 0 at the point"),
         ("exp(x) - 1", ["exp(x)"], "1/3", "", ""),
         ("log(x)", ["log(x)"], "-1", "", ""),
-        ("log(x) + abs(x)", ["log(x)", "abs(x)"], "1/2", "", "both a root and a logarithm"),
+        ("log(x) + abs(x)", ["log(x)", "abs(x)"], "1/2", "", "both a root and a function"),
         ("log(x) + abs(x)", ["log(x)", "abs(x)"], "1/2", "x > 0", ""),
         ("log(x + 1) + abs(x)", ["log(x + 1)", "abs(x)"], "1/2", "", "both a root"),
         ("log(1 + x**2) + abs(x)", ["log(1 + x**2)", "abs(x)"], "1/2", "", ""),
@@ -125,6 +125,18 @@ DOMAINS = [
     ("0 < 1/x", "1", "a domain's ends must be shown to be real and without jumps"),
     ("x + 1 > I", "1", "the point is not in the domain"),
     ("2*pi*x >= x - 1", "1", ""),
+    ("x > log(2)", "1", ""),
+    ("x >= log(2)", "1", ""),
+    ("x > log(2)", "2/3", "the point is not in the domain"),
+    ("log(2) < x < sqrt(2)", "1", ""),
+    ("x + log(2) > 0", "1", ""),
+    ("log(3)*x > log(2)", "1", ""),
+    ("x > jacobi_sn(1, 1/2)", "1", ""),
+    ("x > log(x)", "1", "a domain's ends must be shown to be real and without jumps"),
+    ("x > log(2)*log(x)", "1", "a domain's ends must be shown to be real and without jumps"),
+    ("x > log(-2)", "1", "the point is not in the domain"),
+    ("x > 1/0", "1", "the point is not in the domain"),
+    ("x > I*x*(-I)", "1", "the point is not in the domain"),
 ]
 
 
@@ -155,3 +167,55 @@ def test_a_function_is_finite_at_the_point() -> None:
             assert "u = log(x)" in check_certificate(data)
         else:
             refused(data, "a function is not shown to be finite at the point")
+
+
+@pytest.mark.parametrize(
+    ("domain", "point", "shown"),
+    [
+        ("x > log(2)", "1", "x"),
+        ("x > log(1/2)", "1", ""),
+        ("x - log(2) >= 0", "1", "x"),
+        ("x + log(2) > 0", "1", ""),
+        ("-log(2) > x", "-1", "-x"),
+        ("x < log(1/2)", "-1", "-x"),
+        ("x < log(2)", "-1", ""),
+        ("0 < x + log(1/3) + log(2)", "1", "x"),
+        ("0 < x + log(1/3) + log(4)", "1", ""),
+        ("0 < 2*x + log(1/2)", "1", ""),
+        ("x > log(t)", "1", ""),
+    ],
+)
+def test_a_sign_follows_from_an_end_that_is_a_constant(
+    domain: str, point: str, shown: str
+) -> None:
+    for value in ("x", "-x"):
+        stated = {"variables": ["x", "t"], "domain": [domain]}
+        data = certificate(
+            f"u - ({value})", "u = abs(x)", ["x", "t"], {"x": point, "t": "1"}, stated,
+            values={"abs(x)": value},
+        )  # fmt: skip
+        if value == shown:
+            assert domain in check_certificate(data)
+        else:
+            refused(data, "not shown to be >= 0|real and without jumps")
+
+
+@pytest.mark.parametrize(
+    ("domain", "connected"),
+    [
+        ("x > log(2)", True),
+        ("log(2)*x < pi*exp(1)", True),
+        ("x > I", False),
+        ("I*x > 0", False),
+        ("x > log(-1)", False),
+        ("x > log(x)", False),
+        ("x*t > 1", False),
+        ("x > weierstrass_p(1, 2, 3)", False),
+        ("x > diff(2, x)", False),
+    ],
+)
+def test_constants_that_are_real_leave_an_inequality_linear(domain: str, connected: bool) -> None:
+    stated = {"variables": ["x", "t"], "domain": [domain]}
+    data = certificate("u - x", "u = x", ["x", "t"], {"x": "1", "t": "1"}, stated)
+    statement = opened(data)
+    assert is_connected(registered(statement, data["proof"]), statement) is connected

@@ -53,6 +53,40 @@ def test_no_white_space_hides_a_part_of_what_is_printed(white: str) -> None:
     assert "equation: u - x\n" in printed
 
 
+@pytest.mark.parametrize(
+    "domain",
+    [
+        "k: k != integer",
+        "k: integer > k",
+        "k: k>0, k < 2*integer",
+        "k: 0 < integer < k",
+        "k: k + abs(integer) != 0",
+    ],
+)
+def test_a_kind_within_an_inequality_is_none(domain: str) -> None:
+    """``k: k != integer`` made k an integer, with "integer" a parameter beside it."""
+    data = certificate(
+        "u - 1", "u = exp(2*I*pi*k) + 0*x", ["x", "I", "pi", "k"], {"x": "1", "k": "2"},
+        {"parameters": [domain]},
+    )  # fmt: skip
+    refused(data, "has no meaning at this place|expected ,")
+
+
+@pytest.mark.parametrize("word", ["real", "integer", "complex", "function", "nonzero", "positive"])
+def test_a_word_for_a_domain_is_no_name(word: str) -> None:
+    """A condition on a name ``integer`` reads as a word for a domain."""
+    for statement in (
+        {"parameters": [f"{word} = 2"]},
+        {"parameters": [f"{word}: {word} > 0"]},
+        {"variables": ["x", word]},
+        {"domain": [f"x < {word}"]},
+        {"equations": [f"u - x + {word} - {word}"]},
+        {"equations": [f"{word} - x"], "solutions": [f"{word} = x"]},
+    ):
+        data = certificate("u - x", "u = x", ["x"], {"x": "1"}, statement)
+        refused(data, "has no meaning at this place|means two things")
+
+
 def logarithm(formula: str) -> str:
     """A formula's square, positive wherever it is defined: nowhere where the formula is 0."""
     return f"1/4*exp(log((2*{formula})**2))"
@@ -68,6 +102,78 @@ FALSE_ROOTS = [
     (HALF_LINE, f"{HALF_LINE}**2", logarithm(HALF_LINE), "1"),
     (JUMP, f"{JUMP}**2/(1 + {JUMP}**2)", f"1/(1 + 1/{JUMP}**2)", "-1"),
 ]
+
+
+ONE = f"{JUMP}/{JUMP}"
+"""1, where it is defined: for x < 0."""
+
+JUMPING = ["x", "pi", "atan(x)", "atan(1/x)"]
+
+
+@pytest.mark.parametrize(
+    ("one", "atoms", "message"),
+    [
+        (ONE, JUMPING, "a denominator that may jump is none of the statement's"),
+        (f"exp(0*{ONE})", JUMPING, "a denominator that may jump is none of the statement's"),
+        (f"jacobi_cn(0*{ONE}, 1/2)", JUMPING, "a denominator that may jump is none of the"),
+        (f"{HALF_LINE}/{HALF_LINE}", ["x", "abs(x)"], "not shown to be other than 0"),
+        ("(1 + atan(x)**2)/(1 + atan(x)**2)", ["x", "atan(x)"], ""),
+        ("(3 + atan(1/x))/(3 + atan(1/x))", ["x", "atan(1/x)"], "a denominator that may jump"),
+        ("log(1 + x**2)/log(1 + x**2)", ["x", "log(1 + x**2)"], ""),
+        ("log(x)/log(x)", ["x", "log(x)"], "a denominator that may jump"),
+        ("lambert_w(x)/lambert_w(x)", ["x", "lambert_w(x)"], ""),
+        ("bessel_y(1, x)/bessel_y(1, x)", ["x", "bessel_y(1, x)", "bessel_y(2, x)"], "may jump"),
+    ],
+)
+def test_a_hint_is_undefined_on_no_part_of_a_domain(
+    one: str, atoms: list[str], message: str
+) -> None:
+    """A hint that divides by what is 0 for x > 0 shows nothing there."""
+    point = "-2" if JUMP in one else "2"
+    data = certificate("u_x - u", "u = exp(x)", [*atoms, f"exp(x*{one})"], {"x": point})
+    if message:
+        refused(data, message)
+    else:
+        assert "u = exp(x)" in check_certificate(data)
+
+
+def test_a_generator_is_undefined_on_no_part_of_a_domain() -> None:
+    """log(x + abs(x)) is not defined for x < 0, and nothing divides by it."""
+    atoms = ["x", "abs(x)", f"log({HALF_LINE})"]
+    data = certificate("u_x - 1", "u = x", atoms, {"x": "2"})
+    refused(data, "a denominator is not shown to be other than 0")
+
+
+def test_an_exponential_is_nowhere_0() -> None:
+    atoms = ["x", "log(x)", "exp(exp(2*log(x)))", "exp(1)"]
+    data = certificate("u_x + 2*x*u", "u = exp(1 - exp(2*log(x)))", atoms, {"x": "2"})
+    assert "exp(2*log(x))" in check_certificate(data)
+
+
+def test_a_statement_may_divide_by_what_jumps() -> None:
+    """It is not smooth where that is 0."""
+    u = f"u = 1/{JUMP}"
+    assert u in check_certificate(certificate(u.replace("=", "-"), u, JUMPING, {"x": "-2"}))
+    for function in ("tanh(log(x))", "coth(log(x))", "tan(log(x))", "1/log(x)"):
+        u = f"u = {function}"
+        atoms = ["x", "I", "log(x)", "exp(log(x)*I)"]
+        assert u in check_certificate(certificate(u.replace("=", "-"), u, atoms, {"x": "2"}))
+    u = f"u = x/{JUMP}"
+    data = certificate(f"u_x*{JUMP} - 1", u, JUMPING, {"x": "-2"})
+    assert u in check_certificate(data)
+
+
+def test_an_equal_part_may_not_divide_by_what_jumps() -> None:
+    """Its sides are hints of the proof that rests on it."""
+    proof = Proof()
+    left, right = f"x*{ONE}", f"x*({JUMP} + 1 - 1)/{JUMP}"
+    same = proof.data(JUMPING, {"x": "-2"})
+    data = proof.data(
+        ["x"], {"x": "-2"}, parts=[[proof.place(left), proof.place(right), same]],
+        more=[["part", 0]],
+    )  # fmt: skip
+    statement = {"equations": ["u - x"], "solutions": ["u = x"]}
+    refused(signed(statement, proof, data), "a denominator that may jump is none")
 
 
 @pytest.mark.parametrize("by_hint", [True, False])
@@ -175,3 +281,21 @@ def test_the_relation_of_a_multiple_holds_at_a_point(
         moduli = [value_at(modulus, values) for *_, modulus in field.ring.relations]
     assert len(moduli) > 0
     assert all(modulus.contains(0) for modulus in moduli)
+
+
+def test_theta_of_a_difference_is_that_of_the_product_theorem() -> None:
+    theta, sine = "jacobi_theta({}, 1/2)", "jacobi_sn({}, 1/2)"
+    left = f"u*{theta.format('x + d')}*{theta.format('0*x')}**2"
+    even = f"(1 - 1/2*{sine.format('x')}**2*{sine.format('d')}**2)"
+    right = f"({theta.format('d')}*{theta.format('x')})**2*{even}"
+    forms = [theta.format(z) for z in ("x", "d", "x + d", "0*x")]
+    atoms = ["x", "d", *(sine.format(z) for z in "xd"), *forms]
+    for factor, message in (("1", ""), ("2", "the numerator of the residual is not 0")):
+        data = certificate(
+            f"{left} - {factor}*{right}", f"u = {theta.format('x - d')}", atoms,
+            {"x": "1/3", "d": "1/5"},
+        )  # fmt: skip
+        if message:
+            refused(data, message)
+        else:
+            assert "x - d" in check_certificate(data)

@@ -193,7 +193,7 @@ def test_a_denominator_with_a_modulus_has_no_function_that_may_jump(
     if shown:
         assert u in check_certificate(data)
     else:
-        refused(data, "both a root and a logarithm that may jump")
+        refused(data, "both a root and a function that may jump")
 
 
 @pytest.mark.parametrize("domain", ["x < 1", "-1 < x", "y > 0"])

@@ -80,8 +80,10 @@ BOUNDS = {
     "1/x": inside(1, None, True), "x**3": inside(0, 1, True, True), "sqrt(x)": inside(0, 1, True),
     "x**(-1/2)": inside(1, None), "x**y": POSITIVE, "2**a": POSITIVE,
     "abs(y)": inside(0, 1),
-    "abs(a)": Interval(fmpq(0)), "abs(z)": Interval(fmpq(0)), "exp(-x)": inside(0, 1, True, True),
-    "exp(x)": POSITIVE, "exp(y - 1)": inside(0, 1, True, False), "exp(a)": POSITIVE,
+    "abs(a)": Interval(fmpq(0)), "abs(z)": Interval(fmpq(0)), 
+    "exp(-x)": Interval(fmpq(367879, 10**6), fmpq(1), True, True),
+    "exp(x)": Interval(fmpq(1), fmpq(2718282, 10**6), True, True),
+    "exp(y - 1)": Interval(fmpq(27067, 200000), fmpq(1), True), "exp(a)": POSITIVE,
     "cos(y)": inside(0, 1, True), "cos(2*y)": UNIT, "sin(x)": inside(0, 1, True), "sin(y)": UNIT,
     "sin(y + 1)": inside(0, 1, True), "sin(1 - y)": inside(0, 1), "sin(4*x)": UNIT,
     "jacobi_dn(a, x)": inside(0, 1, True), "jacobi_dn(a, y - 1)": POSITIVE,
@@ -154,7 +156,8 @@ BOUNDED = {
     "jacobi_sn(a, 1/2)": True, "jacobi_sn(a, b)": True, "jacobi_sn(z, 1/2)": False,
     "jacobi_zeta(a, 1/2)": True, "jacobi_zeta(a, b)": False, "jacobi_theta(a, 1/2)": True,
     "f(a)": True, "f(z)": False, "jacobi_theta_3(a, 1/2)": True, "a**0": False, "x**0": True,
-    "elliptic_k(1/2)": False, "x**a": False,
+    "elliptic_k(1/2)": True, "elliptic_k(1)": False, "elliptic_k(b)": False, "log(2)": True,
+    "log(0)": False, "diff(2, x)": False, "x**a": False,
 }  # fmt: skip
 
 

@@ -121,13 +121,20 @@ def test_bare_symbols_are_real_and_one_name_is_one_symbol() -> None:
 def test_domains_that_are_none_are_refused() -> None:
     for domain, words in (
         (Domain(sp.S.One, sp.S.One), "more than one point"),
-        (sp.Interval(0, sp.sqrt(2)), "rational or infinite"),
+        (Domain(sp.I, sp.S.One), "real or infinite"),
         (sp.FiniteSet(1, 2), "must be intervals"),
     ):
         with pytest.raises(ValueError, match=words):
             prove_equal(a, a, [x], domains={a: domain})
     with pytest.raises(ValueError, match="more than one point"):
         prove_equal(q, q, [x], domains={q: POSITIVE})
+
+
+def test_an_end_may_be_a_real_constant() -> None:
+    found = prove_equal(sp.Abs(a), a, [x], domains={a: sp.Interval.open(sp.log(2), sp.sqrt(2))})
+    assert found.outcome == "PROVED"
+    found = prove_equal(sp.Abs(a), a, [x], domains={a: sp.Interval.open(sp.log(sp.S.Half), 1)})
+    assert found.outcome == "REFUTED"
 
 
 def test_samples_have_both_signs_all_sizes_and_stay_inside() -> None:

@@ -7,7 +7,7 @@ from longwave.derive.algebra.formula_printing import formula_as_text
 from longwave.derive.algebra.formula_text import FormulaError
 from longwave.verify.proof.statement_text import read_statement
 from longwave.verify.proof.text_names import FUNCTIONS
-from longwave.verify.proof.text_parts import WORDS
+from longwave.verify.proof.text_parts import RESERVED
 from longwave.verify.proof.typed_statement import Statement
 
 LINEAR, WAVE = "u_t + c*u_x", "u = sin(x - c*t)"
@@ -31,6 +31,9 @@ def domains(statement: Statement) -> dict[str, str]:
         ("c: c!=0", {"c": "c real, c != 0"}),
         ("c: integer, c>0", {"c": "0 < c, integer"}),
         ("c: positive", {"c": "0 < c"}),
+        ("c: pi < c < 4", {"c": "pi < c < 4"}),
+        ("c: c + 1 > 0", {"c": "-1 < c"}),
+        ("c: c + 1 > 2*c - 4", {"c": "c < 5"}),
         ("a: 0<a<1; c: a<c<2*a", {"a": "0 < a < 1", "c": "a < c < 2*a"}),
         ("a: a>0; b = a**2; c: c>b", {"a": "0 < a", "c": "a**2 < c"}),
     ],
@@ -55,6 +58,31 @@ def test_parameters_have_the_domains_that_are_stated(
 def test_variables_have_the_domains_that_are_stated(domain: str, expected: dict[str, str]) -> None:
     found = domains(read_statement(LINEAR, WAVE, "c: c>0", domain))
     assert found == expected | {"c": "0 < c"}
+
+
+@pytest.mark.parametrize(
+    ("domain", "expected"),
+    [
+        ("x + k > 0", {"x": "-k < x"}),
+        ("0 >= x - k", {"x": "x <= k"}),
+        ("x > 1 - k", {"x": "1 - k < x"}),
+        ("k < -2*x", {"x": "x < -k/2"}),
+        ("0 < x + k < 1", {"x": "-k < x < 1 - k"}),
+        ("x + t > 0, t < 0", {"x": "-t < x", "t": "t < 0"}),
+        ("k*x + t > 0", {"t": "-k*x < t"}),
+        ("x > log(2)", {"x": "log(2) < x"}),
+        ("x + log(2) > 0", {"x": "-log(2) < x"}),
+        ("x > exp(k)", {"x": "exp(k) < x"}),
+    ],
+)
+def test_inequalities_of_degree_1_are_solved_for_a_variable(
+    domain: str, expected: dict[str, str]
+) -> None:
+    """A parameter in them need not be declared."""
+    statement = read_statement(LINEAR, WAVE, "", domain)
+    assert domains(statement) == expected
+    assert statement.texts is not None
+    assert list(statement.texts.domain) == [part.strip() for part in domain.split(",")]
 
 
 def test_symbols_know_the_sign_that_their_domain_gives_them() -> None:
@@ -105,6 +133,9 @@ def test_every_function_of_the_grammar_is_read() -> None:
 @pytest.mark.parametrize(
     ("texts", "column", "words"),
     [
+        (("u_x - integer", "u = integer*x"), 5, "expected a name of its own, got 'integer' (rename"),
+        (("u_x - 1", "u = x", "real: real>0"), 1, "expected a name of its own, got 'real' (rename"),
+        (("complex_x - 1", "complex = x"), 1, "expected an unknown such as u, got 'complex'"),
         (("u_t + ", WAVE), 7, "equation: expected a number, a name or '(', got the end"),
         (("", WAVE), 1, "equation: expected a formula, got the end"),
         (("u_t ;; ", WAVE), 8, "equation: expected a formula, got the end"),
@@ -140,7 +171,11 @@ def test_every_function_of_the_grammar_is_read() -> None:
         (("u_t", "u = x", "x: x>0"), 1, "got the independent variable x"),
         (("u_t", "u = sin(x)", "sin: real"), 1, "expected a name of its own, got 'sin'"),
         (("u_t", "u = k1*x", "k_1: real"), 1, "(write k1 for k_1)"),
-        (("u_t", "u = k*x", "k: pi<k<4"), 1, "ends of domains must be rational"),
+        (("u_t", "u = x", "", "x**2 > 1"), 1, "or sums with a multiple of x by a number, as in"),
+        (("u_t", "u = x*c", "", "c*x > 1"), 1, "or sums with a multiple of x by a number, as in"),
+        (("u_t", "u = x", "", "x + t != 0"), 1, "expected inequalities of x, as in 0<x<1"),
+        (("u_t", "u = x", "", "x > u"), 5, "expected a variable or parameter, got the unknown u"),
+        (("u_t", "u = x", "", "x + I > 0"), 1, "expected real bounds"),
         (("u_t", "u = x", "", "y > 0"), 1, "expected an inequality of a variable"),
         (("u_t", "u = k*x", "", "k > 0"), 1, "expected an inequality of a variable"),
         (("u_t", "u = x", "", "t > 0; t < 0"), 8, "expected a domain with inner points"),
@@ -174,13 +209,11 @@ def test_a_name_that_is_declared_may_look_like_a_product() -> None:
         read_statement("u_t", "u = ax*x")
 
 
-def test_words_for_domains_are_no_parameters_by_accident() -> None:
-    statement = read_statement("u_x - positive", "u = positive*x")
-    assert "positive" in WORDS
-    assert {str(s) for f in statement.solutions.values() for s in f.free_symbols} == {
-        "positive",
-        "x",
-    }
+@pytest.mark.parametrize("word", RESERVED)
+def test_words_for_domains_are_no_parameters(word: str) -> None:
+    """A line "for all real positive, x" reads otherwise than it is meant."""
+    with pytest.raises(FormulaError, match="expected a name of its own"):
+        read_statement(f"u_x - {word}", f"u = {word}*x")
 
 
 def test_decimals_are_exact() -> None:

@@ -148,9 +148,27 @@ def test_a_witness_is_a_whole_point_of_the_domain_at_which_the_residual_is_not_0
     assert 0 < 3 * point["t"] < point["x"]
 
 
+@pytest.mark.parametrize(
+    ("equation", "solution", "domain", "outcome"),
+    [
+        ("u_x - sign(x + c)", "u = abs(x + c)", "x + c > 0", "PROVED"),
+        ("u_x - 1", "u = abs(x + c)", "x > 1 - c", "PROVED"),
+        ("u_x - 1", "u = abs(x + c)", "x > -1 - c", "REFUTED"),
+        ("u_x - 1", "u = abs(x)", "x > log(2)", "PROVED"),
+        ("u_x - 1", "u = abs(x)", "x > -log(2)", "REFUTED"),
+        ("u_x + 1", "u = abs(x - c*t)", "c*t - x > 0", "PROVED"),
+    ],
+)
+def test_a_domain_is_that_of_its_text(
+    equation: str, solution: str, domain: str, outcome: str
+) -> None:
+    assert prove(equation, solution, domain=domain).outcome == outcome
+
+
 def test_poles_jumps_and_branch_points_are_named_whichever_way_it_is_proved() -> None:
     as_it_is = prove("u_x - sign(x)", "u = abs(x)")
-    assert as_it_is.singularities == ("jump or corner where x = 0",)
+    assert as_it_is.sides == "on each side of x = 0, nothing said across it"
+    assert as_it_is.singularities == ()
     by_residual = prove("u_t + u*u_x + v_x", "u = x/t ;; v = log(t)")
     assert by_residual.outcome == "PROVED"
     assert "pole where t = 0" in by_residual.singularities
@@ -266,11 +284,11 @@ def test_the_face_takes_texts_and_sympy_objects() -> None:
     direct = prove_expression(equation, formula)
     assert longwave.prove(equation, formula).certificate == direct.certificate
     assert longwave.prove(["u_x - 1"], ["u = x"]).outcome == "PROVED"
-    with pytest.raises(ValueError, match="domain, solve and variables must be left out"):
+    with pytest.raises(ValueError, match="domain, solve, variables and weak must be left out"):
         longwave.prove(equation, formula, domain="x > 0")
     with pytest.raises(TypeError, match="equation and solution must be of one kind"):
         longwave.prove("u_x - 1", formula)
-    with pytest.raises(TypeError, match="solve, variables and name, got points"):
+    with pytest.raises(TypeError, match="solve, variables, weak and name, got points"):
         longwave.prove("u_x - 1", "u = x", points=[])
 
 

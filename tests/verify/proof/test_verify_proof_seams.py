@@ -1,0 +1,156 @@
+"""Places at which typed formulas may jump or have corners, and what verdicts say of them."""
+
+import json
+
+import pytest
+import sympy as sp
+
+from longwave.__main__ import main
+from longwave.verify.proof.conditions import conditional_sentence, solve_statement
+from longwave.verify.proof.kept_verdict import kept_record, taken_again
+from longwave.verify.proof.seams import seams, sides
+from longwave.verify.proof.statement_text import read_statement
+from longwave.verify.proof.statement_verdict import decide_statement, verified_sentence
+from longwave.verify.proof.text_prover import prove
+from longwave.verify.published import chosen
+
+CAMASSA_HOLM = "u_t - u_txx + 3*u*u_x - 2*u_x*u_xx - u*u_xxx"
+PEAKON = "u = a*exp(-abs(x - s*t))"
+ACROSS = ", nothing said across it"
+PEAKONS = {
+    "camassa_holm_peakon": "x = c*t",
+    "degasperis_procesi_peakon": "x = c*t",
+    "degasperis_procesi_shock_peakon": "x = 0",
+    "fornberg_whitham_peakon": "x = 4*t/3",
+    "novikov_peakon": "x = c*t",
+}
+
+
+def places(
+    solution: str, equation: str = "u_x", parameters: str = "", domain: str = ""
+) -> list[str]:
+    found = seams(read_statement(equation, solution, parameters, domain))
+    return [seam.place for seam in found]
+
+
+@pytest.mark.parametrize(
+    ("solution", "expected"),
+    [
+        (PEAKON, ["x = s*t"]),
+        ("u = (1 - sign(x - 3*t))/2", ["x = 3*t"]),
+        ("u = sign(2*x - 1)", ["x = 1/2"]),
+        ("u = abs(x**2 - 1)", ["x**2 - 1 = 0"]),
+        ("u = sqrt((x - t)**2)", ["x = t"]),
+        ("u = ((x - t)**4)**(1/4)", ["x = t"]),
+        ("u = ((x - t)**2)**c", ["x = t"]),
+        ("u = exp(log(x**2)/2)", ["x = 0"]),
+        ("u = atan(1/x)", ["x = 0"]),
+        ("u = atan(tan(x))", ["cos(x) = 0"]),
+        ("u = 1/(1 + exp(1/(x - 2)))", ["x = 2"]),
+        ("u = acos(cos(x))", ["cos(x) - 1 = 0", "cos(x) + 1 = 0"]),
+        ("u = acosh(cosh(x))", ["cosh(x) - 1 = 0"]),
+        ("u = lambert_w(x*exp(x))", ["x*exp(x) + exp(-1) = 0"]),
+        ("u = log(1 - 2*exp(I*x))", ["im(1 - 2*exp(I*x)) = 0"]),
+        ("u = abs(x) + sign(x)", ["x = 0"]),
+        ("u = bessel_k(1/3, x)", ["x = 0"]),
+        ("u = abs(x - w*t)", ["x = 2*c*t"]),
+    ],
+)
+def test_a_place_where_a_formula_is_not_smooth_is_found(solution: str, expected: list[str]) -> None:
+    parameters = "c: real; w = 2*c" if "w*t" in solution else ""
+    assert places(solution, parameters=parameters) == expected
+
+
+@pytest.mark.parametrize(
+    ("solution", "parameters", "domain"),
+    [
+        ("u = abs(x)", "", "x > 0"),
+        ("u = abs(m)*x", "", ""),
+        ("u = sqrt(1 + x**2)", "", ""),
+        ("u = sign(exp(I*x))**2", "", ""),
+        ("u = abs(tanh(x))**2", "", ""),
+        ("u = 1/x + tan(x) + log(x**2)", "", ""),
+        ("u = atan(exp(x))", "", ""),
+        ("u = abs(k*cosh(x))", "k: k!=0", ""),
+        ("u = (1 + exp(x))**(-2/q)", "", ""),
+        ("u = bessel_j(1, x)", "", ""),
+        ("u = lambert_w(exp(x))", "", ""),
+    ],
+)
+def test_smooth_formulas_and_poles_have_none(solution: str, parameters: str, domain: str) -> None:
+    assert places(solution, "u_x", parameters, domain) == []
+
+
+def test_functions_of_an_unknown_are_looked_at() -> None:
+    assert places("u = tanh(x)", "u_t - diff(abs(u)*u, x)") == ["tanh(x) = 0"]
+    assert places("u = tanh(x)", "u_t - abs(u)**2*u") == []
+    assert places("u = log(x**2)", "u_t - exp(u)") == []
+
+
+def test_sites_are_left_out_one_by_one() -> None:
+    found = seams(read_statement("u[n+1] - u[n]", "u[n] = sign(n - 3)**2"))
+    assert sides(found) == "apart from n = 3, n = 2, nothing said of them"
+    assert places("u[n] = abs(n - 1/2)", "u[n+1] - u[n]") == []
+
+
+def test_a_travelling_corner_is_proved_on_its_sides_alone(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """Every speed s is one pointwise, and none but a is that of a peakon."""
+    statement = read_statement(CAMASSA_HOLM, PEAKON)
+    verdict = decide_statement(statement)
+    front = f"on each side of x = s*t{ACROSS}"
+    assert verdict.outcome == "PROVED"
+    assert repr(verdict).startswith(f"<StatementVerdict PROVED {front}: ")
+    assert verdict._repr_html_().count("on each side of x = s*t") == 1
+    assert verdict.singularities == ()
+    assert not any("jump or corner" in line for line in verdict.assumptions)
+    sentence = verified_sentence(statement, verdict)
+    assert sentence.index("on each side of x = s*t, with nothing said") < sentence.index(r"\[")
+    assert verdict.json()["sides"] == front
+    assert main(["prove", "--equation", CAMASSA_HOLM, "--solution", PEAKON]) == 0
+    printed = " ".join(capsys.readouterr().out.split())
+    assert printed.startswith(f"PROVED {front}: ")
+    assert printed.count("x = s*t") == 1
+    assert main(["prove", "--json", "--equation", CAMASSA_HOLM, "--solution", PEAKON]) == 0
+    assert json.loads(capsys.readouterr().out)[0]["sides"] == front
+
+
+def test_the_words_stand_before_an_answer_of_constants() -> None:
+    statement = read_statement("u_t + 2*u_x", "u = exp(-abs(x - s*t))", solve="s")
+    verdict = solve_statement(statement)
+    assert verdict.detail == f"on each side of x = s*t{ACROSS}: holds if and only if s = 2"
+    assert verdict.lines() == ["holds if and only if s = 2"]
+    assert verdict.json()["reason"] == verdict.words()
+    assert "on each side of x = 2*t" in conditional_sentence(verdict)
+
+
+def test_they_are_found_again_on_resumption() -> None:
+    statement = read_statement(CAMASSA_HOLM, PEAKON)
+    record = kept_record(decide_statement(statement)) | {"sides": "everywhere"}
+    verdict = taken_again(statement, record)
+    assert verdict is not None
+    assert verdict.restriction == f"on each side of x = s*t{ACROSS}"
+
+
+def test_what_is_refuted_has_no_sides() -> None:
+    verdict = prove("u_x - 1", "u = abs(x)")
+    assert verdict.outcome == "REFUTED"
+    assert repr(verdict).startswith("<StatementVerdict REFUTED: ")
+    assert verdict.json()["sides"] == ""
+
+
+def test_formulas_of_sympy_have_them_too() -> None:
+    x, t = sp.symbols("x t")
+    u = sp.Function("u")(x, t)
+    verdict = prove(u.diff(t) + u.diff(x), sp.Abs(x - t))
+    assert repr(verdict).startswith("<ProofVerdict PROVED on each side of ")
+    assert prove(u.diff(t) + u.diff(x), sp.tanh(x - t)).sides == ""
+
+
+@pytest.mark.parametrize("name", PEAKONS)
+def test_the_peakons_of_the_library_carry_them(name: str) -> None:
+    (text,) = chosen([name])
+    verdict = decide_statement(text.problem().statement)
+    assert verdict.outcome == "PROVED"
+    assert verdict.restriction == f"on each side of {PEAKONS[name]}{ACROSS}"

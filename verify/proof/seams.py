@@ -1,0 +1,240 @@
+"""Places at which the formulas of a statement, as they were typed, may jump or have corners.
+
+A proof holds at points at which the formulas are smooth: on each side of such a place, and it says
+nothing across it.  A travelling corner is no solution because both of its sides are.
+
+Seams are where the argument of abs or sign, a radicand, or the argument of a logarithm is 0 or may
+cross a cut, where an inverse function is at an end of its cuts, and where a function has a pole in its
+argument, as atan(1/x) has.  A pole outside of all functions is none: nobody takes it for a part of
+the solution.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import chain
+
+import sympy as sp
+
+from longwave.derive.algebra.formula_expression import ExpressionBuilder
+from longwave.derive.algebra.formula_printing import formula_as_text
+from longwave.derive.algebra.formula_tree import (
+    Call,
+    FormulaTree,
+    Name,
+    Number,
+    Power,
+    Product,
+    Sum,
+    formula_text,
+    rational,
+)
+from longwave.verify.subexpressions import abbreviated
+from longwave.verify.verdict import on_each_side
+
+from .domain_signs import DEPTH, DomainSigns, corner_line
+from .domains import REAL
+from .simplification import Rewriting
+from .statement_problem import all_domains
+from .typed_hints import put_in, vocabulary
+from .typed_statement import Statement
+
+ENDS = {"asin": (1, -1), "acos": (1, -1), "atanh": (1, -1), "acosh": (1, -1)}
+"""Values of the argument at which inverse functions have branch points."""
+
+POLES = {"tan": "cos", "sec": "cos", "cot": "sin", "csc": "sin", "coth": "sinh", "csch": "sinh"}
+"""Functions with poles on the real axis, by the function that is 0 there."""
+
+SAFE = ("exp", "sin", "cos", "sinh", "cosh", "tanh", "sech", "erf")
+"""Functions of which SymPy changes the words alone."""
+
+LONGEST = 60
+"""Characters of a place beyond which it is abbreviated."""
+
+ONE = Fraction(1)
+
+
+@dataclass(frozen=True)
+class Seam:
+    """A place as an equation in text; ``lines`` are what `domain_signs` may say of it."""
+
+    place: str
+    at_sites: bool
+    lines: tuple[str, ...] = ()
+
+
+def seams(statement: Statement) -> tuple[Seam, ...]:
+    """Return the places where the typed formulas may not be smooth, each once.
+
+    >>> from longwave.verify.proof.statement_text import read_statement
+    >>> [seam.place for seam in seams(read_statement("u_x", "u = sign(x - c*t)"))]
+    ['x = c*t']
+    """
+    if statement.trees is None:
+        return ()
+    finder, trees = _Finder(statement), statement.trees
+    own = (finder.seams(put_in(trees, tree)) for tree in trees.solutions.values())
+    of_equations = (finder.seams(put_in(trees, tree), None) for tree in trees.equations)
+    found = chain.from_iterable((*own, *of_equations))
+    return tuple({seam.place: seam for seam in found}.values())
+
+
+def sides(found: Sequence[Seam]) -> str:
+    """Return what a proof says and leaves open at seams."""
+    return on_each_side(
+        [seam.place for seam in found if not seam.at_sites],
+        [seam.place for seam in found if seam.at_sites],
+    )
+
+
+class _Finder:
+    """Seams of the formulas of one statement, without unknowns and defined names."""
+
+    def __init__(self, statement: Statement) -> None:
+        assert statement.trees is not None
+        self._build = ExpressionBuilder(vocabulary(statement)).expression
+        self._domains = all_domains(statement, *statement.equations)
+        self._signs = DomainSigns(self._domains)
+        self._variables = {str(v): v for v in statement.variables}
+
+    def seams(self, formula: FormulaTree, inside: bool | None = False) -> Iterator[Seam]:
+        """Yield the seams of a formula.
+
+        A pole or the logarithm of 0 is one ``inside`` the argument of a function alone, and none
+        where that is None.
+        """
+        match formula:
+            case Power(parts=(Call(name="abs", parts=parts), exponent)) if _is_even(exponent):
+                pass  # f times its conjugate
+            case Call(name="abs" | "sign", parts=(argument,) as parts):
+                yield from self._zero(argument)
+            case Call(name="sqrt", parts=(argument,) as parts):
+                yield from self._branch(argument)
+            case Call(name="log", parts=(argument,) as parts):
+                yield from self._branch(argument, bool(inside))
+            case Call(name="lambert_w", parts=(argument,) as parts):
+                yield from self._zero(Sum((argument, Call((Number(-ONE),), "exp"))))
+            case Call(name="bessel_j" | "bessel_y" | "bessel_i" | "bessel_k", parts=parts):
+                order = rational(parts[0])
+                whole = order is not None and order.denominator == 1
+                if not (whole and formula.name in ("bessel_j", "bessel_i")):
+                    yield from self._branch(parts[1])
+            case Call(name=name, parts=parts) if name in ENDS:
+                for end in ENDS[name]:
+                    yield from self._zero(Sum((parts[0], Number(-end * ONE))))
+            case Call(name="atan" | "asinh", parts=(argument,) as parts):
+                yield from () if self._is_real(argument) else self._cut("re", argument)
+            case Call(name=name, parts=parts) if inside and name in POLES:
+                yield from self._zero(Call(parts, POLES[name]))
+            case Power(parts=(base, exponent) as parts):
+                power = rational(exponent)
+                if power is None or power.denominator != 1:
+                    yield from self._branch(base, bool(inside) or power is None or power > 0)
+                elif inside and power < 0:
+                    yield from self._zero(base)
+            case _:
+                parts = formula.inner()
+        if inside is not None and isinstance(formula, Call) and formula.name != "log":
+            inside = True
+        for part in parts:
+            yield from self.seams(part, inside)
+
+    def _branch(self, argument: FormulaTree, finite: bool = True) -> Iterator[Seam]:
+        """Yield where a root or logarithm has its cut, or its branch point if that is finite."""
+        if not self._is_real(argument):
+            yield from self._cut("im", argument)
+        elif finite:
+            yield from self._zero(argument)
+
+    def _cut(self, part: str, argument: FormulaTree) -> Iterator[Seam]:
+        value = self._value(argument)
+        right = value is not None and self._signs.is_positive(sp.re(value))
+        if self._moves(argument) and not right:
+            yield Seam(f"{part}({self._text(argument)}) = 0", False)
+
+    def _zero(self, argument: FormulaTree) -> Iterator[Seam]:
+        """Yield where a formula is 0, if it contains a variable and may be 0."""
+        value = self._value(argument)
+        if not self._moves(argument) or (value is not None and self._is_nonzero(value)):
+            return
+        moving = {n.name for n in argument.nodes() if isinstance(n, Name)} & {*self._variables}
+        at_sites = all(self._is_site(name) for name in moving)
+        place = self._solved(argument)
+        if place is None:
+            place = f"{self._text(argument)} = 0"
+        if value is not None and len(place) > LONGEST:
+            place = f"{abbreviated(value, DEPTH)} = 0"
+        if place:
+            lines = () if value is None else (corner_line(value), corner_line(-value))
+            yield Seam(place, at_sites, lines)
+
+    def _solved(self, argument: FormulaTree) -> str | None:
+        """Return ``x = ...`` for a polynomial of degree 1 in x; "" where that is no site."""
+        match argument:
+            case Power(parts=(base, Number(value=power))) if power.denominator == 1 and power > 0:
+                return self._solved(base) or f"{self._text(base)} = 0"
+        value = self._value(argument)
+        if value is None or not all(map(_is_polynomial, argument.nodes())):
+            return None
+        value = sp.expand(value)
+        for name, variable in self._variables.items():
+            slope = value.coeff(variable, 1)
+            rest = value - slope * variable
+            if rest.has(variable) or slope.has(*self._variables.values()):
+                continue
+            if self._signs.is_nonzero(slope):
+                end = sp.expand(-rest / slope)
+                if self._is_site(name) and end.is_Rational and not end.is_Integer:
+                    return ""
+                return f"{name} = {formula_as_text(end)}"
+        return None
+
+    def _text(self, argument: FormulaTree) -> str:
+        """Return a formula in text, in SymPy's words where they mean the same everywhere."""
+        value = self._value(argument)
+        safe = (isinstance(n, Call) and n.name in SAFE for n in argument.nodes())
+        plain = map(_is_polynomial, argument.nodes())
+        if value is not None and all(a or b for a, b in zip(safe, plain, strict=True)):
+            return formula_as_text(value)
+        return formula_text(argument)
+
+    def _is_site(self, name: str) -> bool:
+        return self._domains.get(self._variables[name], REAL).integer
+
+    def _is_real(self, argument: FormulaTree) -> bool:
+        value = self._value(argument)
+        return value is not None and (bool(value.is_real) or self._signs.is_real(value))
+
+    def _is_nonzero(self, value: sp.Expr) -> bool:
+        """Return whether a value is shown to be nowhere 0; a power of what is positive is."""
+        if value.is_Mul or isinstance(value, sp.Abs):
+            return all(map(self._is_nonzero, value.args))
+        if value.is_Pow and self._signs.is_positive(value.base):
+            return self._signs.is_real(value.exp)
+        return self._signs.is_nonzero(value) or Rewriting(self._signs).is_nonzero(value)
+
+    def _moves(self, argument: FormulaTree) -> bool:
+        return any(isinstance(n, Name) and n.name in self._variables for n in argument.nodes())
+
+    def _value(self, argument: FormulaTree) -> sp.Expr | None:
+        with suppress(ValueError, TypeError, NotImplementedError, RecursionError):
+            return self._build(argument)
+        return None
+
+
+def _is_even(exponent: FormulaTree) -> bool:
+    power = rational(exponent)
+    return power is not None and power.denominator == 1 and power % 2 == 0 and power > 0
+
+
+def _is_polynomial(node: FormulaTree) -> bool:
+    if rational(node) is not None:
+        return True
+    match node:
+        case Power(parts=(_, exponent)):
+            power = rational(exponent)
+            return power is not None and power.denominator == 1 and power > 0
+    return isinstance(node, Name | Number | Sum | Product)
