@@ -229,7 +229,8 @@ class Arguments:
 
     ``exponents`` combines what stands in exponentials; for an elliptic parameter m, ``moving(m)``
     and ``fixed(m)`` the variable and the constant parts of the arguments.  ``count`` says how often
-    each function occurs; ``circles`` are the symbols s for which sqrt(1 - s**2) occurs and no other
+    each function occurs; ``degrees`` has of each radicand the degree of the one root that makes all
+    of its roots; ``circles`` are the symbols s for which sqrt(1 - s**2) occurs and no other
     root of a sum with s, as its relation with that one would be lost.  ``logarithms`` are sums for
     logarithms of products, which exponents are written with.
     """
@@ -245,7 +246,7 @@ class Arguments:
         self.count: Counter[tuple[type, sp.Expr]] = Counter()
         self._exponents: dict[sp.Expr, None] = {}
         self._parts: defaultdict[tuple[bool, sp.Expr], dict[sp.Expr, None]] = defaultdict(dict)
-        self._radicands: dict[sp.Expr, None] = {}
+        self.degrees: dict[sp.Expr, int] = {}
         self._shifts: defaultdict[sp.Expr, dict[sp.Expr, None]] = defaultdict(dict)
         seen: set[sp.Basic] = set()
         for expression in expressions:
@@ -253,7 +254,7 @@ class Arguments:
         self.exponents = IntegerCombinations(self._exponents)
         self._combined = {key: IntegerCombinations(parts) for key, parts in self._parts.items()}
         self._steps = {m: IntegerCombinations(shifts) for m, shifts in self._shifts.items()}
-        self.circles = {base.free_symbols.pop() for base in self._radicands if self._closes(base)}
+        self.circles = {base.free_symbols.pop() for base in self.degrees if self._closes(base)}
 
     def moving(self, m: sp.Expr) -> IntegerCombinations:
         """The combinations of the variable parts of the elliptic arguments with parameter ``m``."""
@@ -304,7 +305,8 @@ class Arguments:
                     if not moves and part.has(quarter := sp.elliptic_k(m)):
                         self._parts[moves, m][quarter] = None
         elif isinstance(node, sp.Pow) and node.exp.is_Rational and not node.exp.is_Integer:
-            self._radicands[node.base] = None
+            degree = int(node.exp.q)
+            self.degrees[node.base] = lcm(self.degrees.get(node.base, 1), degree)
         elif node is sp.E:
             self._exponents[sp.S.One] = None
 
@@ -313,9 +315,7 @@ class Arguments:
         square = 1 - base
         if not (square.is_Pow and square.exp == 2 and square.base.is_Symbol):
             return False
-        sums = [
-            other for other in self._radicands if not other.is_Symbol and other.has(square.base)
-        ]
+        sums = [other for other in self.degrees if not other.is_Symbol and other.has(square.base)]
         return sums == [base] and square.base not in self.dependence.variables
 
 

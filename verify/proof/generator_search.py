@@ -195,7 +195,15 @@ class GeneratorSearch:
         if not root.is_Pow or root.base != base:
             self._writer.name(place=place, value=self._place(root))
         elif root not in self._values:
-            self._writer.atom(place)
+            self._root(place, base, int(exponent.q))
+
+    def _root(self, place: int, base: sp.Expr, degree: int) -> None:
+        """A root, a power of the one root that makes all roots of its radicand."""
+        whole = self._arguments.degrees.get(base, degree)
+        finest = self._made("Pow", self._place(base), f"1/{whole}")
+        self._writer.atom(finest)
+        if whole != degree:
+            self._writer.name(place=place, value=self._made("Pow", finest, f"{whole // degree}"))
 
     def _angle(self, node: sp.Expr, value: sp.Expr) -> None:
         """Provide for the tangent or sine of the value of an inverse function, and its bounds."""

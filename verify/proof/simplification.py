@@ -170,7 +170,8 @@ class Rewriting:
         """The factors of a product, or of a sum that has one to at least ``degree``."""
         if product.is_Mul:
             return tuple(product.args)
-        if not product.is_Add:
+        below = product.is_Pow and product.exp == -1
+        if not (product.is_Add or (below and product.base.is_Add)):
             return (product,)
         try:
             unit, powers = factored(product)

@@ -167,20 +167,18 @@ def _as_typed(
             return replace(verdict, detail=EXCLUDED, witness=failing)
         verdict = replace(verdict, outcome=Outcome.UNDECIDED, detail=UNSEEN, witness=None)
     assert statement.texts is not None
-    certificate, reason = verdict.certificate, ""
+    certificate = verdict.certificate
     if isinstance(certificate, Certificate):
         one = replace(statement.texts, equations=statement.texts.equations[number - 1 : number])
         restated = certificate.changed(statement=as_data(one))
-        try:
+        with suppress(*NO_VERDICT):
             check_certificate(restated)
-        except NO_VERDICT as error:
-            reason = str(error)
-        else:
             return replace(verdict, certificate=restated)
     try:
         proof = typed_proof(statement, number)
     except NO_VERDICT as error:
-        words = " ".join((reason or verdict.detail or str(error)).split())
+        proved = verdict.outcome is Outcome.PROVED  # by SymPy's reading alone
+        words = " ".join((str(error) if proved else verdict.detail or str(error)).split())
         return replace(verdict, outcome=Outcome.UNDECIDED, detail=words, **NO_PROOF)
     if verdict.outcome is Outcome.PROVED:
         places = united([verdict.singularities, proof.singularities])
