@@ -92,8 +92,11 @@ def absolute_value(field: Field, node: int) -> Element:
 
 @rule("conjugate")
 def conjugate(field: Field, node: int) -> Element:
-    """The conjugate, by its formula."""
-    return field.image(field.signs.conjugate(field.nodes.all[node][1]))
+    """The conjugate, by its formula; that of a complex parameter must be a generator."""
+    formula = field.signs.conjugate(field.nodes.all[node][1])
+    if formula == node:
+        raise CertificateError("there is no generator for the conjugate of a parameter")
+    return field.image(formula)
 
 
 @rule("diff")

@@ -12,6 +12,7 @@ from math import lcm
 
 import sympy as sp
 from flint import fmpz_mat
+from sympy.functions.special.bessel import BesselBase
 
 from longwave.solutions.functions import jacobi_eta, jacobi_theta
 from longwave.solutions.functions.jacobi import JacobiFunction
@@ -99,9 +100,14 @@ def cancelled(expression: sp.Expr) -> sp.Expr:
 def definition(node: sp.Expr) -> sp.Expr:
     """An inverse function, other than atan, by logarithms; all values are principal ones.
 
+    Of a Bessel function of half an odd order, what it is made of.
+
     >>> definition(sp.asinh(sp.Symbol("x")))
     log(x + sqrt(x**2 + 1))
     """
+    if isinstance(node, BesselBase):
+        z, turn = node.args[1], sp.I if isinstance(node, sp.besselj | sp.bessely) else sp.S.One
+        return sp.sqrt(2) / (sp.sqrt(sp.pi) * sp.sqrt(z)) * sp.exp(turn * z)
     (f,) = node.args
     if isinstance(node, sp.asinh):
         return sp.log(f + sp.sqrt(1 + f**2))
@@ -113,12 +119,19 @@ def definition(node: sp.Expr) -> sp.Expr:
     return arc if isinstance(node, sp.asin) else sp.pi / 2 - arc
 
 
+def has_half_order(node: sp.Expr) -> bool:
+    """Whether the order of a Bessel function is half an odd number."""
+    return bool(node.args[0].is_Rational and node.args[0].q == 2)
+
+
 def with_definitions(expressions: Iterable[sp.Expr]) -> list[sp.Expr]:
-    """The expressions, and the definitions of the inverse functions in them."""
+    """The expressions, and the definitions of the inverse and Bessel functions in them."""
     found = dict.fromkeys(expressions)
     waiting = list(found)
     while waiting:
-        for node in waiting.pop().atoms(*INVERSE):
+        expression = waiting.pop()
+        halves = filter(has_half_order, expression.atoms(BesselBase))
+        for node in (*expression.atoms(*INVERSE), *halves):
             defined = definition(node)
             if defined not in found:
                 found[defined] = None

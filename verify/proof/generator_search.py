@@ -28,6 +28,7 @@ from .arguments import (
     Arguments,
     cancelled,
     definition,
+    has_half_order,
 )
 from .certificate_writer import NAMES, Data, NodeTable, ProofWriter
 from .domain_signs import is_small_polynomial
@@ -42,6 +43,10 @@ AIRY = {
     for function in pair
 }
 """Each Airy function with those that make its derivatives."""
+
+
+ELLIPTIC = (JacobiFunction, sp.elliptic_k, sp.elliptic_e)
+"""Functions that are elementary at the ends 0 and 1 of their parameter."""
 
 
 class GeneratorSearch:
@@ -243,6 +248,9 @@ class GeneratorSearch:
             self._writer.signs[self._place(node)] = self._place(other)
 
     def _function(self, node: sp.Expr) -> None:
+        if isinstance(node, ELLIPTIC) and node.args[-1] in (0, 1):
+            self.need(node.func(*node.args))
+            return
         if isinstance(node, JacobiFunction):
             self._elliptic.provide(node)
             return
@@ -302,10 +310,17 @@ class GeneratorSearch:
             found = [function(*node.args) for function in (weierstrass_p, weierstrass_p_prime)]
         else:
             v, z = node.args
+            if has_half_order(node):
+                for part in (definition(node), sp.sqrt(2), sp.sqrt(z)):
+                    self.need(part)
+                root = self._made("Pow", self._place(z), "1/2")
+                self._writer.name(place=root, value=self._place(sp.sqrt(z)))
+                return
             plain = sp.expand(cancelled(v))
-            key = (node.func, plain - sp.floor(plain.as_coeff_Add(rational=True)[0]), z)
-            if key not in self._orders:  # all other orders follow from two
-                self._orders.add(key)
+            sides = (plain, -plain) if isinstance(node, sp.besselk) else (plain,)
+            keys = [(node.func, v - sp.floor(v.as_coeff_Add(rational=True)[0]), z) for v in sides]
+            if self._orders.isdisjoint(keys):  # all other orders follow from two
+                self._orders.add(keys[0])
                 name, argument = NAMES[node.func], self._place(z)
                 for order in (v, v + 1):
                     self._writer.atom(self._made(name, self._place(order), argument))

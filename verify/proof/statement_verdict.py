@@ -40,7 +40,7 @@ from .statement_problem import (
     with_exponentials,
 )
 from .typed_balls import TextPoint
-from .typed_hints import typed_proof
+from .typed_hints import typed_proof, with_conjugates
 from .typed_statement import Statement
 from .typed_values import TypedValues, failing_values
 
@@ -170,20 +170,23 @@ def _as_typed(
     certificate = verdict.certificate
     if isinstance(certificate, Certificate):
         one = replace(statement.texts, equations=statement.texts.equations[number - 1 : number])
-        restated = certificate.changed(statement=as_data(one))
+        proof = with_conjugates(certificate["proof"], statement.complexes)
+        restated = certificate.changed(statement=as_data(one), proof=proof)
         with suppress(*NO_VERDICT):
             check_certificate(restated)
             return replace(verdict, certificate=restated)
     try:
-        proof = typed_proof(statement, number)
+        found = typed_proof(statement, number)
     except NO_VERDICT as error:
         proved = verdict.outcome is Outcome.PROVED  # by SymPy's reading alone
         words = " ".join((str(error) if proved else verdict.detail or str(error)).split())
         return replace(verdict, outcome=Outcome.UNDECIDED, detail=words, **NO_PROOF)
     if verdict.outcome is Outcome.PROVED:
-        places = united([verdict.singularities, proof.singularities])
-        return replace(verdict, certificate=proof.certificate, singularities=places)
-    return _completed(statement, statement.equations[number - 1], proof)
+        places = united([verdict.singularities, found.singularities])
+        return replace(
+            verdict, detail=found.detail, certificate=found.certificate, singularities=places
+        )
+    return _completed(statement, statement.equations[number - 1], found)
 
 
 def _together(statement: Statement, found: Sequence[ProofVerdict]) -> StatementVerdict:
