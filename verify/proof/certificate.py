@@ -80,9 +80,9 @@ def make_certificate(
 
     whole = search(expressions, moving=problem.right is None)
     for pair in parts:
-        proof = search(with_definitions(pair), moving=False).proof(point)
+        proof = search(with_definitions(pair), moving=False).proof(point, problem.domains)
         whole.equal_part(*pair, with_square_roots(table, statement, proof))
-    proof = with_square_roots(table, statement, whole.proof(point))
+    proof = with_square_roots(table, statement, whole.proof(point, problem.domains))
     return Certificate.signed(problem.name[:NAME], table, statement, proof)
 
 

@@ -32,7 +32,7 @@ from .arguments import (
 )
 from .certificate_writer import NAMES, Data, NodeTable, ProofWriter
 from .domain_signs import is_small_polynomial
-from .domains import Point
+from .domains import Domains, Point
 from .elliptic_search import EllipticSearch
 from .linear_forms import independent_forms, with_dummies
 from .simplification import needs_integers
@@ -82,7 +82,7 @@ class GeneratorSearch:
         self._writer.generators.append(["part", place])
         self._done |= {left, right}
 
-    def proof(self, point: Point) -> Data:
+    def proof(self, point: Point, domains: Domains | None = None) -> Data:
         """The proof's part of a certificate; ``point`` is where no denominator vanishes."""
         shown = with_dummies(self._expressions, self._done)
         values = [self._factors_in(node, value) for node, value in self._values.items()]
@@ -100,6 +100,7 @@ class GeneratorSearch:
         self._pivots, self._others, self._rows = found
         for expression in self._expressions:
             self.need(expression)
+        self._show_ends(domains or {})
         return self._writer.data(point)
 
     @staticmethod
@@ -246,6 +247,18 @@ class GeneratorSearch:
         other = sp.factor(node)
         if other != node:
             self._writer.signs[self._place(node)] = self._place(other)
+
+    def _show_ends(self, domains: Domains) -> None:
+        """Offer k = (k - l) + l for the sign of a symbol k > l: that of l may show it."""
+        shown = self._writer.registered
+        for symbol, domain in domains.items():
+            for end, side in ((domain.lower, 1), (domain.upper, -1)):
+                names = [self._place(s) for s in (symbol, *end.free_symbols)]
+                if end.free_symbols and shown.issuperset(names):
+                    gap = sp.Add(side * symbol, -side * end, evaluate=False)
+                    part = gap if side == 1 else sp.Mul(-1, gap, evaluate=False)
+                    whole = sp.Add(part, end, evaluate=False)
+                    self._writer.signs.setdefault(names[0], self._place(whole))
 
     def _function(self, node: sp.Expr) -> None:
         if isinstance(node, ELLIPTIC) and node.args[-1] in (0, 1):

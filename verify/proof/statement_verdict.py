@@ -30,6 +30,7 @@ from .balls import ball_value
 from .certificate_writer import Certificate, as_data
 from .domain_signs import singularities
 from .domains import REAL, Domains
+from .problem import solution_problem
 from .samples import sample
 from .statement_latex import equations_latex, formulas_latex, scope_latex, statement_latex
 from .statement_problem import (
@@ -241,18 +242,21 @@ def equation_text(equation: sp.Expr) -> str:
 
 
 def _decide_equation(statement: Statement, equation: sp.Expr) -> ProofVerdict:
-    """The verdict on one equation, in the first way that decides."""
-    reasons: list[str] = []
+    """The verdict on one equation, in the first way that decides.
+
+    Why a way cannot take the equation is a reason only where no way can.
+    """
+    reasons, unfit = list[str](), list[str]()
     for way in (_as_it_is, _by_substitution, _by_residual):
         try:
             verdict = way(statement, equation)
         except NO_VERDICT as error:
-            reasons.append(" ".join(str(error).split()) or type(error).__name__)
+            unfit.append(" ".join(str(error).split()) or type(error).__name__)
             continue
         if verdict.outcome is not Outcome.UNDECIDED:
             return verdict
         reasons.append(" ".join(verdict.detail.split()))
-    reason = "; then: ".join(dict.fromkeys(reasons[:2]))
+    reason = "; then: ".join(dict.fromkeys(reasons[:2] or unfit[-1:]))
     return ProofVerdict(
         statement.name, equation_text(equation), prover.METHOD, Outcome.UNDECIDED, reason
     )
@@ -303,6 +307,8 @@ def _as_it_is(statement: Statement, equation: sp.Expr) -> ProofVerdict:
     (unknown,) = unknowns
     formula = statement.solutions[unknown]
     verdict = prover.prove(equation, formula, name=statement.name, domains=statement.domains)
+    if verdict.outcome is Outcome.UNDECIDED:  # raises where it is no polynomial: no reason
+        solution_problem(equation, formula, stated=statement.domains).terms()
     return _completed(statement, equation, verdict)
 
 

@@ -10,7 +10,23 @@ from longwave.verify.verdict import Outcome
 
 SN = "u_xx + (1+m)*u - 2*m*u**3"
 
+STEWARTSON = (
+    "I*u_t + u_xx - u_yy + abs(u)**2*u + u*v ;; v_xx + v_yy - diff(abs(u)**2, x, x)",
+    "u = A*sech(k*x+l*y-2*(k*p-l*q)*t)*exp(I*(p*x+q*y+w*t)) ;;"
+    " v = A**2*k**2/(k**2+l**2)*sech(k*x+l*y-2*(k*p-l*q)*t)**2",
+)
+PARAMETERS = (
+    "k: k>l; l: l>0; p: real; q: real; "
+    "A = sqrt(2*(k**2-l**2)/(1+k**2/(k**2+l**2))); w = k**2-l**2-p**2+q**2"
+)
+WAVE = "u = sqrt(k**2-l**2)*sech(k*x+l*y)*exp(I*(k**2-l**2)*t)"
+NLS = "I*u_t + u_xx - u_yy + 2*abs(u)**2*u"
+
 TRUE = [
+    (NLS, WAVE, "l: l>0; k: k>l", ""),
+    (NLS, WAVE, "k: k>l; l: l>0", ""),
+    (NLS, WAVE, "l: l>0; k: k<-l", ""),
+    (NLS, WAVE, "l: l<0; k: k>-l", ""),
     ("u - sqrt(1-x**2)", "u = sqrt(1+x)*sqrt(1-x)", "", ""),
     ("u - sqrt(1+x)*sqrt(1-x)", "u = sqrt(1-x**2)", "", ""),
     ("u_x + x/sqrt(1-x**2)", "u = sqrt(1+x)*sqrt(1-x)", "", ""),
@@ -56,6 +72,8 @@ TRUE = [
 ]
 
 FALSE = [
+    (NLS.replace("+ 2", "- 2"), WAVE, "l: l>0; k: k>l", ""),
+    (*STEWARTSON, PARAMETERS.replace("w = k", "w = 1+k"), ""),
     ("u - sqrt(x**2-1)", "u = sqrt(x+1)*sqrt(x-1)", "", ""),
     ("u - sqrt(1+x)*sqrt(1-x)", "u = -sqrt(1-x**2)", "", ""),
     ("u_x - x/sqrt(1-x**2)", "u = sqrt(1+x)*sqrt(1-x)", "", ""),
@@ -101,6 +119,23 @@ def test_a_wrong_value_is_refuted(
 ) -> None:
     found = decided(equation, solution, parameters, domain)
     assert found.outcome is Outcome.REFUTED, found.detail
+
+
+@pytest.mark.slow
+def test_the_soliton_of_davey_and_stewartson_is_proved() -> None:
+    """Catches: the sign of k from k > l and l > 0."""
+    assert decided(*STEWARTSON, PARAMETERS, "").outcome is Outcome.PROVED
+
+
+def test_a_reason_is_not_that_another_way_was_taken() -> None:
+    """Catches: "multiply it out" where the equation was taken as it stands."""
+    found = decided(NLS, WAVE, "l: l>0; k: k>0", "")
+    assert found.outcome is not Outcome.PROVED
+    found = decided("I*u_t + u_xx + 2*abs(u)**2*u", "u = abs(x*a)*exp(I*t)*0", "a: complex", "")
+    assert "multiply it out" not in found.detail
+    found = decided("sqrt(u_x**2) - u_x", "u = x**3 + x*sin(abs(sin(x)))/10", "", "")
+    assert found.outcome is not Outcome.PROVED
+    assert "multiply it out" not in found.detail
 
 
 def test_a_value_on_another_branch_is_not_proved() -> None:
