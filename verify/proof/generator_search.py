@@ -252,9 +252,11 @@ class GeneratorSearch:
         """Offer k = (k - l) + l for the sign of a symbol k > l: that of l may show it."""
         shown = self._writer.registered
         for symbol, domain in domains.items():
-            for end, side in ((domain.lower, 1), (domain.upper, -1)):
+            ends = (domain.lower, 1), (domain.upper, -1)
+            known = any(end.is_Rational and end * side >= 0 for end, side in ends)
+            for end, side in ends:
                 names = [self._place(s) for s in (symbol, *end.free_symbols)]
-                if end.free_symbols and shown.issuperset(names):
+                if not known and is_small_polynomial(end) and shown.issuperset(names):
                     gap = sp.Add(side * symbol, -side * end, evaluate=False)
                     part = gap if side == 1 else sp.Mul(-1, gap, evaluate=False)
                     whole = sp.Add(part, end, evaluate=False)
