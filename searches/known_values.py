@@ -5,7 +5,9 @@ the rules that hold on some branches only, Bessel functions of half an order and
 functions at the ends of their parameter and beyond 1, conjugates and moduli; some with one sign
 wrong.  A formula is drawn as a text together with a function of mpmath, so that the judge shares
 nothing with the prover: a statement is false if its sides differ at a drawn point of the domain,
-and taken for true if they agree at all of them.
+and taken for true if they agree at all of them.  As the prover refutes most false statements before
+it tries a proof, the checker is also asked alone: with the proof that is sought for any statement,
+and with certificates that are forged, in which one side is said to be the value of the other.
 
     python -m searches.known_values [--count 1000] [--seed 0] [--undecided]
 """
@@ -19,13 +21,19 @@ from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from fractions import Fraction
+from math import lcm
 from random import Random
 from typing import Any
 
 import mpmath
 
+from longwave.verify.kernel import check_certificate
+from longwave.verify.kernel.limits import FORMAT, digest
 from longwave.verify.proof.statement_text import read_statement
 from longwave.verify.proof.statement_verdict import decide_statement
+from longwave.verify.proof.typed_hints import typed_proof
+from longwave.verify.proof.typed_statement import Statement
 from longwave.verify.verdict import Outcome
 
 CONTEXT = mpmath.MPContext()
@@ -61,20 +69,25 @@ class Drawn:
 
     text: str
     value: Callable[[Point], Any]
+    roots: tuple[tuple[str, int], ...] = ()
+    """Radicands and degrees of the roots in it, inner ones first."""
 
     def power(self, p: int, q: int) -> Drawn:
         """The principal power to p/q."""
         share = CONTEXT.mpf(p) / q
-        return Drawn(f"({self.text})**({p}/{q})", lambda z: _power(self.value(z), share))
+        roots = (*self.roots, (self.text, q)) if q > 1 else self.roots
+        return Drawn(f"({self.text})**({p}/{q})", lambda z: _power(self.value(z), share), roots)
 
     def __mul__(self, other: Drawn) -> Drawn:
-        return Drawn(f"({self.text})*({other.text})", lambda z: self.value(z) * other.value(z))
+        text, roots = f"({self.text})*({other.text})", self.roots + other.roots
+        return Drawn(text, lambda z: self.value(z) * other.value(z), roots)
 
     def __truediv__(self, other: Drawn) -> Drawn:
-        return Drawn(f"({self.text})/({other.text})", lambda z: self.value(z) / other.value(z))
+        text, roots = f"({self.text})/({other.text})", self.roots + other.roots
+        return Drawn(text, lambda z: self.value(z) / other.value(z), roots)
 
     def __neg__(self) -> Drawn:
-        return Drawn(f"-({self.text})", lambda z: -self.value(z))
+        return Drawn(f"-({self.text})", lambda z: -self.value(z), self.roots)
 
 
 def _power(value: Any, share: Any) -> Any:
@@ -252,17 +265,64 @@ class KnownValue:
                     return False
         return True
 
-    def verdict(self) -> tuple[Outcome, str]:
-        """What the prover says."""
+    def statement(self) -> Statement:
+        """It in text."""
         texts = self.left.text + self.right.text
-        statement = read_statement(
+        return read_statement(
             f"u - ({self.right.text})",
             f"u = {self.left.text} + 0*x",
             self.parameter if re.search(r"\ba\b", texts) else "",
             self.domain,
         )
-        found = decide_statement(statement)
-        return found.outcome, found.detail
+
+    def is_accepted(self, statement: Statement) -> bool:
+        """Whether the checker accepts it in one of the ways in which nobody looked for a point."""
+        with suppress(ValueError):
+            typed_proof(statement, 1)
+            return True
+        for data in (self.forged(self.left, self.right), self.forged(self.right, self.left)):
+            with suppress(ValueError):
+                check_certificate(data)
+                return True
+        return False
+
+    def forged(self, root: Drawn, value: Drawn) -> dict[str, Any]:
+        """A certificate that says that ``root``, which is no generator, is ``value``."""
+        generators, values = ["x", "a", "I", "exp(x)"], [(root.text, value.text)]
+        if self.parameter.endswith("complex"):
+            generators.insert(2, "conjugate(a)")
+        roots = dict.fromkeys((*value.roots, *root.roots[:-1]))
+        for base in dict.fromkeys(base for base, _ in roots):
+            degrees = [degree for other, degree in roots if other == base]
+            finest = f"({base})**(1/{lcm(*degrees)})"
+            generators.append(finest)
+            values += [
+                (f"({base})**(1/{n})", f"({finest})**{lcm(*degrees) // n}")
+                for n in degrees
+                if n != lcm(*degrees)
+            ]
+        formulas = [*generators, *(text for pair in values for text in pair)]
+        first = len(generators)
+        low, high = DOMAINS[self.domain]
+        point = [[0, str(Fraction(low + high) / 2 + Fraction(1, 7))]]
+        point += [[1, str(Fraction(sum(PARAMETERS[self.parameter])) / 2 + Fraction(1, 9))]]
+        body: dict[str, Any] = {"format": FORMAT, "name": "forged"}
+        body["statement"] = {
+            "variables": ["x"],
+            "equations": [f"u - ({value.text})"],
+            "solutions": [f"u = {root.text} + 0*x"],
+            "parameters": [self.parameter],
+            "domain": [self.domain] if self.domain else [],
+        }
+        body["proof"] = {
+            "formulas": formulas,
+            "generators": [["atom", place] for place in range(first)],
+            "values": [[first + 2 * n, first + 2 * n + 1] for n in range(len(values))],
+            "signs": [],
+            "parts": [],
+            "point": point,
+        }
+        return {**body, "digest": digest(body)}
 
 
 def statement_of(draw: Random) -> KnownValue:
@@ -283,10 +343,12 @@ def search(count: int, seed: int) -> tuple[Counter[tuple[str, str, str]], list[s
         drawn = statement_of(draw)
         true = drawn.is_true(draw)
         try:
-            outcome, detail = drawn.verdict()
+            statement = drawn.statement()
+            verdict = decide_statement(statement)
         except ValueError as error:
             counts[drawn.kind, "refused", str(error)[:40]] += 1
             continue
+        outcome, detail = verdict.outcome, verdict.detail
         counts[drawn.kind, "true" if true else "false", outcome.value] += 1
         text = f"u = {drawn.left.text}, u - ({drawn.right.text}), {drawn.parameter}"
         line = f"{seed} {number}: {outcome.value} {text}, {drawn.domain}: {detail}"
@@ -294,6 +356,10 @@ def search(count: int, seed: int) -> tuple[Counter[tuple[str, str, str]], list[s
             wrong.append(line)
         if true and outcome is Outcome.UNDECIDED:
             left_open.append(line)
+        accepted = drawn.is_accepted(statement)
+        counts[drawn.kind, "true" if true else "false", f"checker {accepted}"] += 1
+        if accepted and not true:
+            wrong.append(f"ACCEPTED {line}")
     return counts, wrong, left_open
 
 

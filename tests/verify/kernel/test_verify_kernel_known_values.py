@@ -130,3 +130,36 @@ def test_an_end_of_the_parameter_is_known_by_its_image(
 def test_k_of_one_has_no_value() -> None:
     with pytest.raises(CertificateError, match="there is no generator"):
         check_certificate(certificate("elliptic_k(1)", "1", ["x", "b"], [], []))
+
+
+def test_w_without_a_value_is_refused() -> None:
+    formula, generators = W
+    with pytest.raises(CertificateError, match="no generator for a lambert_w"):
+        check_certificate(certificate(formula, "x", generators, ["x > 0"], []))
+
+
+ROOT = "sqrt(2)/(sqrt(pi)*sqrt(x))"
+TURN, REAL = ["I", "exp(I*x)"], ["exp(x)"]
+
+
+@pytest.mark.parametrize(
+    ("formula", "value", "more"),
+    [
+        ("bessel_j(1/2, x)", "sin(x)", TURN),
+        ("bessel_j(-1/2, x)", "cos(x)", TURN),
+        ("bessel_y(1/2, x)", "-cos(x)", TURN),
+        ("bessel_y(-1/2, x)", "sin(x)", TURN),
+        ("bessel_i(1/2, x)", "sinh(x)", REAL),
+        ("bessel_i(-1/2, x)", "cosh(x)", REAL),
+        ("bessel_k(1/2, x)", "pi/2*exp(-x)", REAL),
+        ("bessel_j(5/2, x)", "(3/x**2 - 1)*sin(x) - 3*cos(x)/x", TURN),
+        ("bessel_i(-3/2, x)", "sinh(x) - cosh(x)/x", REAL),
+    ],
+)
+def test_half_orders_are_elementary(formula: str, value: str, more: list[str]) -> None:
+    """Catches: a sign, or the two orders in one another's places."""
+    generators = ["x", "pi", "sqrt(2)", "sqrt(pi)", "sqrt(x)", *more]
+    right = f"({value})*{ROOT}"
+    assert formula in check_certificate(certificate(formula, right, generators, [], []))
+    with pytest.raises(CertificateError, match="is not 0"):
+        check_certificate(certificate(formula, f"-{right}", generators, [], []))
