@@ -46,6 +46,9 @@ NAME_LENGTH = 40
 SHIFT = 1000
 """Largest shift of a lattice site."""
 
+ROWS = " (one site is read; write a row of a second one m as an unknown: v[n] for u[n,m+1])"
+"""Remedy for an index of two sites."""
+
 WINDOW = 60
 """Characters of a text that are shown beside an error."""
 
@@ -339,6 +342,8 @@ class Parser:
         """The integer in an index such as ``n+1``, behind its bracket."""
         start = self.next
         index = self.formula()
+        if self.next.text == ",":
+            raise self.error(f"expected ']' after the site, got ','{ROWS}")
         self.expect("]", " after the site")
         terms = index.inner() if isinstance(index, Sum) else (index,)
         rest = [rational(term) for term in terms if term != Name(site)]

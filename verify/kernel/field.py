@@ -381,6 +381,8 @@ class Field:
                 return int(exponent.q), self.image(base)
             case ("Abs", inner):
                 return 2, self.squared(inner)
+            case ("conjugate", inner) if self.nodes.all[inner][::2] == ("symbol", "complex"):
+                return None
             case (str(name), *arguments) if name in {own for own, _ in SQUARES}:
                 for (own, other), text in SQUARES.items():
                     if own == name and self.nodes.made(other, *arguments) in self._images:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import reduce
+from itertools import combinations
 from operator import mul
 
 from flint import fmpq
@@ -38,12 +39,36 @@ def is_not_negative(field: Field, node: int, _exponent: fmpq) -> bool:
 
 
 def is_multiple(field: Field, node: int, exponent: fmpq) -> bool:
-    """Whether a value is r f**(1/q) with r >= 0, the root of r**q f whatever f is."""
+    """Whether a value is r f**s with r >= 0 and 0 < s <= 1/q, within half a turn over q of 0.
+
+    So is r f**s g**t if f and g are real, and f + g > 0: one of the two is positive.
+    """
+    nodes = field.nodes
+    factors = nodes.all[node][1:] if nodes.all[node][0] == "Mul" else (node,)
+    powers = [_power(field, f) for f in factors if not field.signs.not_negative(f)]
+    if not powers or not all(0 < share <= exponent for _, share in powers):
+        return False
+    bases = [base for base, _ in powers]
+    if len(bases) > 1 and not all(map(field.signs.is_real, bases)):
+        return False
+    return all(_is_sum_positive(field, f, g) for f, g in combinations(bases, 2))
+
+
+def _power(field: Field, node: int) -> tuple[int, fmpq]:
+    """f and s of a node f**s, or (f**t)**n with an integer n and s = t n."""
     match field.nodes.all[node]:
-        case ("Mul", *factors):
-            rest = [f for f in factors if not field.signs.not_negative(f)]
-            return len(rest) == 1 and field.nodes.all[rest[0]][::2] == ("Pow", exponent)
-    return False
+        case ("Pow", base, exponent):
+            inner, share = _power(field, base) if exponent.q == 1 else (base, fmpq(1))
+            return inner, share * exponent
+    return node, fmpq(1)
+
+
+def _is_sum_positive(field: Field, left: int, right: int) -> bool:
+    """Whether the sum of two nodes is a positive number, or shown to be positive."""
+    total = field.image(left) + field.image(right)
+    if total.numerator.is_constant() and not total.powers:
+        return bool(not total.is_zero and total.numerator.leading_coefficient() > 0)
+    return field.signs.positive(field.nodes.made("Add", left, right))
 
 
 BRANCHES: list[Callable[[Field, int, fmpq], bool]] = [is_not_negative, is_multiple]
@@ -67,8 +92,11 @@ def absolute_value(field: Field, node: int) -> Element:
 
 @rule("conjugate")
 def conjugate(field: Field, node: int) -> Element:
-    """The conjugate, by its formula."""
-    return field.image(field.signs.conjugate(field.nodes.all[node][1]))
+    """The conjugate, by its formula; that of a complex parameter must be a generator."""
+    formula = field.signs.conjugate(field.nodes.all[node][1])
+    if formula == node:
+        raise CertificateError("there is no generator for the conjugate of a parameter")
+    return field.image(formula)
 
 
 @rule("diff")

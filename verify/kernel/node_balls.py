@@ -106,7 +106,7 @@ class Balls:
         return (value + other) / 2 if name == "re" else (value - other) / acb(0, 2)
 
     def _conjugate(self, inner: int) -> acb:
-        if self._formula is not None:
+        if self._formula is not None and self._nodes.all[inner][0] != "symbol":
             return self.ball(self._formula(inner))
         return acb(self._found[inner].real, -self._found[inner].imag)
 

@@ -192,6 +192,8 @@ class Signs:
         match self._nodes.all[node]:
             case ("I",):
                 return self._nodes.negative(node)
+            case ("symbol", _, "complex"):
+                return made("conjugate", node)
             case (("Add" | "Mul") as name, *parts):
                 return made(name, *map(inside, parts))
             case ("Pow", base, exponent) if exponent.q == 1:

@@ -12,6 +12,7 @@ from math import lcm
 
 import sympy as sp
 from flint import fmpz_mat
+from sympy.functions.special.bessel import BesselBase
 
 from longwave.solutions.functions import jacobi_eta, jacobi_theta
 from longwave.solutions.functions.jacobi import JacobiFunction
@@ -99,9 +100,14 @@ def cancelled(expression: sp.Expr) -> sp.Expr:
 def definition(node: sp.Expr) -> sp.Expr:
     """An inverse function, other than atan, by logarithms; all values are principal ones.
 
+    Of a Bessel function of half an odd order, what it is made of.
+
     >>> definition(sp.asinh(sp.Symbol("x")))
     log(x + sqrt(x**2 + 1))
     """
+    if isinstance(node, BesselBase):
+        z, turn = node.args[1], sp.I if isinstance(node, sp.besselj | sp.bessely) else sp.S.One
+        return sp.sqrt(2) / (sp.sqrt(sp.pi) * sp.sqrt(z)) * sp.exp(turn * z)
     (f,) = node.args
     if isinstance(node, sp.asinh):
         return sp.log(f + sp.sqrt(1 + f**2))
@@ -113,12 +119,19 @@ def definition(node: sp.Expr) -> sp.Expr:
     return arc if isinstance(node, sp.asin) else sp.pi / 2 - arc
 
 
+def has_half_order(node: sp.Expr) -> bool:
+    """Whether the order of a Bessel function is half an odd number."""
+    return bool(node.args[0].is_Rational and node.args[0].q == 2)
+
+
 def with_definitions(expressions: Iterable[sp.Expr]) -> list[sp.Expr]:
-    """The expressions, and the definitions of the inverse functions in them."""
+    """The expressions, and the definitions of the inverse and Bessel functions in them."""
     found = dict.fromkeys(expressions)
     waiting = list(found)
     while waiting:
-        for node in waiting.pop().atoms(*INVERSE):
+        expression = waiting.pop()
+        halves = filter(has_half_order, expression.atoms(BesselBase))
+        for node in (*expression.atoms(*INVERSE), *halves):
             defined = definition(node)
             if defined not in found:
                 found[defined] = None
@@ -229,7 +242,8 @@ class Arguments:
 
     ``exponents`` combines what stands in exponentials; for an elliptic parameter m, ``moving(m)``
     and ``fixed(m)`` the variable and the constant parts of the arguments.  ``count`` says how often
-    each function occurs; ``circles`` are the symbols s for which sqrt(1 - s**2) occurs and no other
+    each function occurs; ``degrees`` has of each radicand the degree of the one root that makes all
+    of its roots; ``circles`` are the symbols s for which sqrt(1 - s**2) occurs and no other
     root of a sum with s, as its relation with that one would be lost.  ``logarithms`` are sums for
     logarithms of products, which exponents are written with.
     """
@@ -245,7 +259,7 @@ class Arguments:
         self.count: Counter[tuple[type, sp.Expr]] = Counter()
         self._exponents: dict[sp.Expr, None] = {}
         self._parts: defaultdict[tuple[bool, sp.Expr], dict[sp.Expr, None]] = defaultdict(dict)
-        self._radicands: dict[sp.Expr, None] = {}
+        self.degrees: dict[sp.Expr, int] = {}
         self._shifts: defaultdict[sp.Expr, dict[sp.Expr, None]] = defaultdict(dict)
         seen: set[sp.Basic] = set()
         for expression in expressions:
@@ -253,7 +267,7 @@ class Arguments:
         self.exponents = IntegerCombinations(self._exponents)
         self._combined = {key: IntegerCombinations(parts) for key, parts in self._parts.items()}
         self._steps = {m: IntegerCombinations(shifts) for m, shifts in self._shifts.items()}
-        self.circles = {base.free_symbols.pop() for base in self._radicands if self._closes(base)}
+        self.circles = {base.free_symbols.pop() for base in self.degrees if self._closes(base)}
 
     def moving(self, m: sp.Expr) -> IntegerCombinations:
         """The combinations of the variable parts of the elliptic arguments with parameter ``m``."""
@@ -304,7 +318,8 @@ class Arguments:
                     if not moves and part.has(quarter := sp.elliptic_k(m)):
                         self._parts[moves, m][quarter] = None
         elif isinstance(node, sp.Pow) and node.exp.is_Rational and not node.exp.is_Integer:
-            self._radicands[node.base] = None
+            degree = int(node.exp.q)
+            self.degrees[node.base] = lcm(self.degrees.get(node.base, 1), degree)
         elif node is sp.E:
             self._exponents[sp.S.One] = None
 
@@ -313,9 +328,7 @@ class Arguments:
         square = 1 - base
         if not (square.is_Pow and square.exp == 2 and square.base.is_Symbol):
             return False
-        sums = [
-            other for other in self._radicands if not other.is_Symbol and other.has(square.base)
-        ]
+        sums = [other for other in self.degrees if not other.is_Symbol and other.has(square.base)]
         return sums == [base] and square.base not in self.dependence.variables
 
 

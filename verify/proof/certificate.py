@@ -15,6 +15,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import product
+from typing import Any
 
 import sympy as sp
 from flint import acb, ctx, fmpq_mpoly
@@ -22,6 +23,7 @@ from flint import acb, ctx, fmpq_mpoly
 from longwave.solutions.functions.jet_functions import THETA, JetFunction
 from longwave.verify.kernel.check import opened, registered
 from longwave.verify.kernel.field import Field
+from longwave.verify.kernel.function_rules import BRANCHES
 from longwave.verify.kernel.limits import NAME
 from longwave.verify.kernel.ring import Element
 from longwave.verify.subexpressions import distinct_nodes, replaced
@@ -78,9 +80,9 @@ def make_certificate(
 
     whole = search(expressions, moving=problem.right is None)
     for pair in parts:
-        proof = search(with_definitions(pair), moving=False).proof(point)
+        proof = search(with_definitions(pair), moving=False).proof(point, problem.domains)
         whole.equal_part(*pair, with_square_roots(table, statement, proof))
-    proof = with_square_roots(table, statement, whole.proof(point))
+    proof = with_square_roots(table, statement, whole.proof(point, problem.domains))
     return Certificate.signed(problem.name[:NAME], table, statement, proof)
 
 
@@ -226,12 +228,15 @@ class SquareRoots:
         self._rows: list[tuple[frozenset[Key], frozenset[int]]] = []
         self._images: dict[int, Element] = {}
 
-    def value(self, root: int) -> int | None:
-        """The place of what ``root``, a node of the field, is; None if it is independent."""
-        base = self._field.nodes.all[root][1]
-        image = self._field.image(base)
-        odd = frozenset(key for key, power in self._exponents(image).items() if power % 2)
-        members = frozenset[int]()
+    def odd_factors(self, root: int) -> frozenset[Key]:
+        """The factors of a root's radicand that are no squares in it."""
+        image = self._field.image(self._field.nodes.all[root][1])
+        return frozenset(key for key, power in self._exponents(image).items() if power % 2)
+
+    def value(self, root: int) -> tuple[int, list[int]] | None:
+        """The place of what ``root`` is, and the roots in it; None if it is independent."""
+        image = self._field.image(self._field.nodes.all[root][1])
+        odd, members = self.odd_factors(root), frozenset[int]()
         for row, row_members in self._rows:
             if max(row) in odd:
                 odd, members = odd ^ row, members ^ row_members
@@ -249,7 +254,8 @@ class SquareRoots:
             else:
                 base = self._table.place(sp.Integer(value))
             parts.append(self._table.made("Pow", base, str(power // 2)))
-        return self._table.made("Mul", *(parts or [self._table.place(sp.S.One)]))
+        roots = [self._places[member] for member in members]
+        return self._table.made("Mul", *(parts or [self._table.place(sp.S.One)])), roots
 
     def _exponents(self, element: Element) -> Counter[Key]:
         ring = element.ring
@@ -298,23 +304,29 @@ def with_square_roots(table: NodeTable, statement: StatementTexts, proof: Data) 
     if not roots:
         return proof
     field = _field(table, statement, proof)
-    square_roots, dependent = SquareRoots(field, table), dict[int, int]()
-    for root in roots:
+    square_roots, members = SquareRoots(field, table), dict[int, list[int]]()
+    values = [*proof["values"]]
+    for root in sorted(roots, key=lambda r: len(square_roots.odd_factors(field.nodes.places[r]))):
         if field.nodes.places[root] in field.circles.values():
             continue
-        value = square_roots.value(field.nodes.places[root])
-        if value is not None and _is_root(_field(table, statement, proof), root, value):
-            dependent[root] = value
-    kept = [e for e in proof["generators"] if e[0] != "atom" or e[1] not in dependent]
-    values = [*proof["values"], *([root, value] for root, value in dependent.items())]
+        found = square_roots.value(field.nodes.places[root])
+        if found is not None and _is_root(_field(table, statement, proof), root, found[0]):
+            values.append([root, found[0]])
+            members[root] = found[1]
+    kept: list[list[Any]] = []
+    for entry in proof["generators"]:  # what a root is made of comes in its place
+        own = members.get(entry[1]) if entry[0] == "atom" else None
+        made = [entry] if own is None else [["atom", root] for root in own]
+        kept += [new for new in made if new not in kept]
     return {**proof, "generators": kept, "values": values}
 
 
 def _is_root(field: Field, root: int, value: int) -> bool:
     """Whether a value is seen to be the root: factors may get lost in the ring."""
-    base, node = field.nodes.all[field.nodes.places[root]][1], field.nodes.places[value]
+    _, base, exponent = field.nodes.all[field.nodes.places[root]]
+    node = field.nodes.places[value]
     same = (field.image(node) ** 2 - field.image(base)).is_zero
-    return bool(same and field.signs.not_negative(node))
+    return bool(same and any(shown(field, node, exponent) for shown in BRANCHES))
 
 
 def _field(table: NodeTable, statement: StatementTexts, proof: Data) -> Field:

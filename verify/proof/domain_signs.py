@@ -387,7 +387,8 @@ def _lines(node: sp.Expr, signs: DomainSigns) -> list[str]:
     lines = []
     if node.is_Pow and node.exp.could_extract_minus_sign() and not signs.is_nonzero(node.base):
         lines.append(f"pole where {_short(node.base)} = 0")
-    is_root = node.is_Pow and not node.exp.is_Integer
+    whole = node.is_Pow and node.exp.is_integer  # (-1)**n at integers
+    is_root = node.is_Pow and not (node.exp.is_Integer or (whole and signs.is_nonzero(node.base)))
     if (is_root or isinstance(node, sp.log)) and not signs.is_positive(node.args[0]):
         lines.append(f"branch point where {_short(node.args[0])} is not positive")
     if isinstance(node, sp.Abs | sp.sign) and not signs.is_nonzero(node.args[0]):

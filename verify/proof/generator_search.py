@@ -28,10 +28,11 @@ from .arguments import (
     Arguments,
     cancelled,
     definition,
+    has_half_order,
 )
 from .certificate_writer import NAMES, Data, NodeTable, ProofWriter
 from .domain_signs import excess_of_exponential, is_small_polynomial
-from .domains import Point
+from .domains import Domains, Point
 from .elliptic_search import EllipticSearch
 from .linear_forms import independent_forms, with_dummies
 from .simplification import needs_integers
@@ -42,6 +43,10 @@ AIRY = {
     for function in pair
 }
 """Each Airy function with those that make its derivatives."""
+
+
+ELLIPTIC = (JacobiFunction, sp.elliptic_k, sp.elliptic_e)
+"""Functions that are elementary at the ends 0 and 1 of their parameter."""
 
 
 class GeneratorSearch:
@@ -77,7 +82,7 @@ class GeneratorSearch:
         self._writer.generators.append(["part", place])
         self._done |= {left, right}
 
-    def proof(self, point: Point) -> Data:
+    def proof(self, point: Point, domains: Domains | None = None) -> Data:
         """The proof's part of a certificate; ``point`` is where no denominator vanishes."""
         shown = with_dummies(self._expressions, self._done)
         values = [self._factors_in(node, value) for node, value in self._values.items()]
@@ -95,6 +100,7 @@ class GeneratorSearch:
         self._pivots, self._others, self._rows = found
         for expression in self._expressions:
             self.need(expression)
+        self._show_ends(domains or {})
         return self._writer.data(point)
 
     @staticmethod
@@ -196,7 +202,15 @@ class GeneratorSearch:
         if not root.is_Pow or root.base != base:
             self._writer.name(place=place, value=self._place(root))
         elif root not in self._values:
-            self._writer.atom(place)
+            self._root(place, base, int(exponent.q))
+
+    def _root(self, place: int, base: sp.Expr, degree: int) -> None:
+        """A root, a power of the one root that makes all roots of its radicand."""
+        whole = self._arguments.degrees.get(base, degree)
+        finest = self._made("Pow", self._place(base), f"1/{whole}")
+        self._writer.atom(finest)
+        if whole != degree:
+            self._writer.name(place=place, value=self._made("Pow", finest, f"{whole // degree}"))
 
     def _angle(self, node: sp.Expr, value: sp.Expr) -> None:
         """Provide for the tangent or sine of the value of an inverse function, and its bounds."""
@@ -244,7 +258,24 @@ class GeneratorSearch:
                 sp.Mul(found[0], one, evaluate=False)
             )
 
+    def _show_ends(self, domains: Domains) -> None:
+        """Offer k = (k - l) + l for the sign of a symbol k > l: that of l may show it."""
+        shown = self._writer.registered
+        for symbol, domain in domains.items():
+            ends = (domain.lower, 1), (domain.upper, -1)
+            known = any(end.is_Rational and end * side >= 0 for end, side in ends)
+            for end, side in ends:
+                names = [self._place(s) for s in (symbol, *end.free_symbols)]
+                if not known and is_small_polynomial(end) and shown.issuperset(names):
+                    gap = sp.Add(side * symbol, -side * end, evaluate=False)
+                    part = gap if side == 1 else sp.Mul(-1, gap, evaluate=False)
+                    whole = sp.Add(part, end, evaluate=False)
+                    self._writer.signs.setdefault(names[0], self._place(whole))
+
     def _function(self, node: sp.Expr) -> None:
+        if isinstance(node, ELLIPTIC) and node.args[-1] in (0, 1):
+            self.need(node.func(*node.args))
+            return
         if isinstance(node, JacobiFunction):
             self._elliptic.provide(node)
             return
@@ -304,10 +335,17 @@ class GeneratorSearch:
             found = [function(*node.args) for function in (weierstrass_p, weierstrass_p_prime)]
         else:
             v, z = node.args
+            if has_half_order(node):
+                for part in (definition(node), sp.sqrt(2), sp.sqrt(z)):
+                    self.need(part)
+                root = self._made("Pow", self._place(z), "1/2")
+                self._writer.name(place=root, value=self._place(sp.sqrt(z)))
+                return
             plain = sp.expand(cancelled(v))
-            key = (node.func, plain - sp.floor(plain.as_coeff_Add(rational=True)[0]), z)
-            if key not in self._orders:  # all other orders follow from two
-                self._orders.add(key)
+            sides = (plain, -plain) if isinstance(node, sp.besselk) else (plain,)
+            keys = [(node.func, v - sp.floor(v.as_coeff_Add(rational=True)[0]), z) for v in sides]
+            if self._orders.isdisjoint(keys):  # all other orders follow from two
+                self._orders.add(keys[0])
                 name, argument = NAMES[node.func], self._place(z)
                 for order in (v, v + 1):
                     self._writer.atom(self._made(name, self._place(order), argument))

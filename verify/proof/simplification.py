@@ -5,7 +5,8 @@ Each rule holds at every point of the domains where both sides are defined:
     (a b)**q = a**q b**q  and  log(a b) = log a + log b     for a >= 0 and any b,
     (a**n)**q = a**(n q)  and  log(a**q) = q log a          for a >= 0,
     (a**n)**q = |a|**(n q)                                  for real a and even n,
-    |a| = a, sign a = 1 for a > 0;  |a| = -a, sign a = -1 for a < 0;  log(exp z) = z for real z.
+    |a| = a, sign a = 1 for a > 0;  |a| = -a, sign a = -1 for a < 0;  log(exp z) = z for real z,
+    W(z exp z) = z for z >= -1.
 
 The conjugate goes through sums, products, integer powers and functions that are real on the real
 line; it stops at a root or logarithm of what may be negative.
@@ -17,6 +18,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 import sympy as sp
+from flint import fmpq
 
 from longwave.solutions.functions import jacobi_cn, jacobi_dn, jacobi_sn
 from longwave.verify.kernel.further.inverse import PRINCIPAL
@@ -76,6 +78,8 @@ class Rewriting:
             value = None if needs_integers(node) else self._signed(node)
         elif isinstance(node, sp.conjugate | sp.re | sp.im):
             value = self._real_part(node)
+        elif isinstance(node, sp.LambertW) and len(node.args) == 1:
+            value = self._product_logarithm(node.args[0])
         elif (name := node.func.__name__) in PRINCIPAL and isinstance(
             node.args[0], getattr(sp, name.removeprefix("a"))
         ):
@@ -173,11 +177,24 @@ class Rewriting:
             return exponent * sp.log(base)
         return exponent * sp.log(self._absolute(base)) if exponent.is_even else None
 
+    def _product_logarithm(self, argument: sp.Expr) -> sp.Expr | None:
+        """z >= -1 of which ``argument`` is z exp(z)."""
+        evaluated = sp.LambertW(argument)
+        if not evaluated.has(sp.LambertW):
+            return evaluated
+        known = [*(f.args[0] for f in argument.atoms(sp.exp)), *argument.atoms(sp.log)]
+        for term in (*known, *(-part for part in known)):
+            same = sp.expand(term * sp.exp(term) - argument) == 0
+            if same and lies_between(self.signs.range(term), fmpq(-1), None):
+                return term
+        return None
+
     def _factors(self, product: sp.Expr, degree: int) -> Sequence[sp.Expr]:
         """The factors of a product, or of a sum that has one to at least ``degree``."""
         if product.is_Mul:
             return tuple(product.args)
-        if not product.is_Add:
+        below = product.is_Pow and product.exp == -1
+        if not (product.is_Add or (below and product.base.is_Add)):
             return (product,)
         plain, written = _in_one_exponential(product)
         try:

@@ -22,6 +22,7 @@ from sympy.core.function import AppliedUndef
 from longwave.derive.algebra.formula_expression import ExpressionBuilder
 from longwave.derive.algebra.formula_text import (
     CONSTANTS,
+    ROWS,
     FormulaError,
     Parser,
     Token,
@@ -142,7 +143,7 @@ class _Reading:
             if len(parts) > PARTS:
                 words = f"expected at most {PARTS} parts, got {len(parts)}"
                 raise parts[PARTS].error(words)
-        for entry in self.entries:
+        for entry in self._ordered_entries():
             self._declare(entry)
         letters, indexed = self.known.letters(self.names), self.known.indexed()
         for name, entry in self.declared.items():
@@ -177,6 +178,20 @@ class _Reading:
         return found
 
     # parameters and domains
+
+    def _ordered_entries(self) -> list[TextPart]:
+        """The parameters, those first in which domains of others have their ends."""
+        waiting, found = list(self.entries), list[TextPart]()
+
+        def is_free(entry: TextPart) -> bool:
+            limited = [e.words[0].text for e in waiting if e.index(":") == 1]
+            others = {*limited} - {entry.words[0].text}
+            return entry.index(":") != 1 or others.isdisjoint(w.text for w in entry.words[2:])
+
+        while waiting:
+            found.append(next(filter(is_free, waiting), waiting[0]))
+            waiting.remove(found[-1])
+        return found
 
     def _declare(self, entry: TextPart) -> None:
         word = entry.words[0]
@@ -320,9 +335,13 @@ class _Reading:
             raise part.error("expected a lattice field such as u[n], got n without one")
 
     def _check_unknown(self, part: TextPart, name: str) -> None:
-        taken = (*self.known.reserved, *CONSTANTS, *FUNCTIONS, *RESERVED)
-        if name in taken or "_" in name:
-            raise part.error(f"expected an unknown such as u, got {part.words[0]}")
+        if name in (*self.known.reserved, *CONSTANTS, *FUNCTIONS, *RESERVED) or "_" in name:
+            words = f"expected an unknown such as u, got {part.words[0]}"
+            others = [letter for letter in self.known.letters(self.names) if letter != name]
+            if name in self.known.continuous:
+                named = ",".join(others) or ("t" if name == "x" else "x")
+                words += f" ({name} is a variable unless others are named: --variables {named})"
+            raise part.error(words)
         if name in self.names or name in self.functions:
             raise part.error(f"expected an unknown, got the parameter {name}")
 
@@ -332,7 +351,8 @@ class _Reading:
         assert equal is not None
         heading = [word.text for word in part.words[1:equal]]
         if heading not in ([], ["[", SITE, "]"]):
-            raise part.error(f"expected '=' behind {name}, got {part.words[1]}", 1)
+            rows = ROWS if heading[0] == "[" and "," in heading else ""
+            raise part.error(f"expected '=' behind {name}, got {part.words[1]}{rows}", 1)
         for place, word in enumerate(part.words[equal + 1 :], equal + 1):
             if word.kind == "name" and word.text.partition("_")[0] in self.fields:
                 words = f"expected a formula without unknowns, got {word}"

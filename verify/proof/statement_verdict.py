@@ -30,7 +30,7 @@ from .balls import ball_value
 from .certificate_writer import Certificate, as_data
 from .domain_signs import singularities
 from .domains import REAL, Domains
-from .problem import NO_POLYNOMIAL
+from .problem import solution_problem
 from .samples import sample
 from .seams import seams, sides
 from .statement_latex import equations_latex, formulas_latex, scope_latex, statement_latex
@@ -42,7 +42,7 @@ from .statement_problem import (
     with_exponentials,
 )
 from .typed_balls import TextPoint
-from .typed_hints import typed_proof
+from .typed_hints import typed_proof, with_conjugates
 from .typed_statement import Statement
 from .typed_values import TypedValues, failing_values
 
@@ -170,25 +170,26 @@ def _as_typed(
             return replace(verdict, detail=EXCLUDED, witness=failing)
         verdict = replace(verdict, outcome=Outcome.UNDECIDED, detail=UNSEEN, witness=None)
     assert statement.texts is not None
-    certificate, reason = verdict.certificate, ""
+    certificate = verdict.certificate
     if isinstance(certificate, Certificate):
         one = replace(statement.texts, equations=statement.texts.equations[number - 1 : number])
-        restated = certificate.changed(statement=as_data(one))
-        try:
+        proof = with_conjugates(certificate["proof"], statement.complexes)
+        restated = certificate.changed(statement=as_data(one), proof=proof)
+        with suppress(*NO_VERDICT):
             check_certificate(restated)
-        except NO_VERDICT as error:
-            reason = str(error)
-        else:
             return replace(verdict, certificate=restated)
     try:
-        proof = typed_proof(statement, number)
+        found = typed_proof(statement, number)
     except NO_VERDICT as error:
-        words = " ".join((reason or verdict.detail or str(error)).split())
+        proved = verdict.outcome is Outcome.PROVED  # by SymPy's reading alone
+        words = " ".join((str(error) if proved else verdict.detail or str(error)).split())
         return replace(verdict, outcome=Outcome.UNDECIDED, detail=words, **NO_PROOF)
     if verdict.outcome is Outcome.PROVED:
-        places = united([verdict.singularities, proof.singularities])
-        return replace(verdict, certificate=proof.certificate, singularities=places)
-    return _completed(statement, statement.equations[number - 1], proof)
+        places = united([verdict.singularities, found.singularities])
+        return replace(
+            verdict, detail=found.detail, certificate=found.certificate, singularities=places
+        )
+    return _completed(statement, statement.equations[number - 1], found)
 
 
 def _together(statement: Statement, found: Sequence[ProofVerdict]) -> StatementVerdict:
@@ -248,20 +249,21 @@ def equation_text(equation: sp.Expr) -> str:
 
 
 def _decide_equation(statement: Statement, equation: sp.Expr) -> ProofVerdict:
-    """The verdict on one equation, in the first way that decides."""
-    reasons: list[str] = []
+    """The verdict on one equation, in the first way that decides.
+
+    Why a way cannot take the equation is a reason only where no way can.
+    """
+    reasons, unfit = list[str](), list[str]()
     for way in (_as_it_is, _by_substitution, _by_residual):
         try:
             verdict = way(statement, equation)
         except NO_VERDICT as error:
-            reasons.append(" ".join(str(error).split()) or type(error).__name__)
+            unfit.append(" ".join(str(error).split()) or type(error).__name__)
             continue
         if verdict.outcome is not Outcome.UNDECIDED:
             return verdict
         reasons.append(" ".join(verdict.detail.split()))
-    if len(reasons) > 1 and reasons[0].startswith(NO_POLYNOMIAL):
-        del reasons[0]  # the other ways take any equation
-    reason = "; then: ".join(dict.fromkeys(reasons[:2]))
+    reason = "; then: ".join(dict.fromkeys(reasons[:2] or unfit[-1:]))
     return ProofVerdict(
         statement.name, equation_text(equation), prover.METHOD, Outcome.UNDECIDED, reason
     )
@@ -312,6 +314,8 @@ def _as_it_is(statement: Statement, equation: sp.Expr) -> ProofVerdict:
     (unknown,) = unknowns
     formula = statement.solutions[unknown]
     verdict = prover.prove(equation, formula, name=statement.name, domains=statement.domains)
+    if verdict.outcome is Outcome.UNDECIDED:  # raises where it is no polynomial: no reason
+        solution_problem(equation, formula, stated=statement.domains).terms()
     return _completed(statement, equation, verdict)
 
 

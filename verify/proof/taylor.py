@@ -135,12 +135,69 @@ INVERSE_SLOPES: dict[str, Callable[[acb_series], acb_series]] = {
 }
 
 
-class Elliptic:
-    """Series of the Jacobi functions of a real parameter ``m < 1``, ``m != 0``."""
+class AtZero:
+    """The Jacobi functions of m = 0, all but theta and eta."""
+
+    K = E = acb(1)
+    """Up to a common factor."""
 
     def __init__(self, m: acb) -> None:
-        self._values = Jacobi(m)
-        self._mean = self._values.E / self._values.K
+        self.m = m
+
+    def sn(self, z: acb) -> acb:
+        """sn."""
+        return z.sin()
+
+    def cn(self, z: acb) -> acb:
+        """cn."""
+        return z.cos()
+
+    def dn(self, _z: acb) -> acb:
+        """dn."""
+        return acb(1)
+
+    def epsilon(self, z: acb) -> acb:
+        """The integral of dn**2 from 0."""
+        return z
+
+    def zeta(self, _z: acb) -> acb:
+        """Theta'/Theta."""
+        return acb(0)
+
+    def theta(self, _z: acb) -> acb:
+        """Theta, which is not defined there."""
+        raise ValueError(f"this function needs 0 < m < 1, got m = {self.m.str(10)}")
+
+
+class AtOne(AtZero):
+    """Those of m = 1, all but zeta, theta and eta."""
+
+    def sn(self, z: acb) -> acb:
+        """sn."""
+        return z.tanh()
+
+    def cn(self, z: acb) -> acb:
+        """cn."""
+        return z.sech()
+
+    def dn(self, z: acb) -> acb:
+        """dn."""
+        return z.sech()
+
+    def epsilon(self, z: acb) -> acb:
+        """The integral of dn**2 from 0."""
+        return z.tanh()
+
+    def zeta(self, z: acb) -> acb:
+        """Theta'/Theta, which is not defined there."""
+        return self.theta(z)
+
+
+class Elliptic:
+    """Series of the Jacobi functions of a real parameter."""
+
+    def __init__(self, m: acb) -> None:
+        self._values = (Jacobi if m not in (0, 1) else AtZero if m == 0 else AtOne)(m)
 
     def sn(self, z: acb, order: int) -> Series:
         """sn."""
@@ -162,8 +219,8 @@ class Elliptic:
 
     def zeta(self, z: acb, order: int) -> Series:
         """Theta'/Theta."""
-        rest = self.epsilon(z, order)[1:]
-        return [self._values.zeta(z), *(c - self._mean * (n == 0) for n, c in enumerate(rest))]
+        rest, mean = self.epsilon(z, order)[1:], self._values.E / self._values.K
+        return [self._values.zeta(z), *(c - mean * (n == 0) for n, c in enumerate(rest))]
 
     def theta(self, z: acb, order: int) -> Series:
         """Theta, with Theta' = zeta Theta."""
@@ -175,7 +232,8 @@ class Elliptic:
     def eta(self, z: acb, order: int) -> Series:
         """H = sqrt(k) sn Theta."""
         sn, theta = self.sn(z, order), self.theta(z, order)
-        return [self._values.root_k * _product(sn, theta, n) for n in range(order + 1)]
+        root_k = self._values.m.root(4)
+        return [root_k * _product(sn, theta, n) for n in range(order + 1)]
 
     def _triple(self, z: acb, order: int) -> tuple[Series, Series, Series]:
         values = self._values

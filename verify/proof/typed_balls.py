@@ -248,7 +248,10 @@ class TypedPlace:
         if name in SIZES:
             return self._size(name, ball)
         if name in MEAN:
-            return self._constant(getattr(_parameter(ball), name)(), True)
+            m = _parameter(ball)
+            if not (m.real < 1 or (name == "elliptic_e" and m == 1)):
+                raise ValueError(f"{name} needs m < 1, got {m.str(10)}")
+            return self._constant(getattr(m, name)(), True)
         if issubclass(function, JacobiFunction):
             elliptic = Elliptic(_parameter(*further))
             taylor = getattr(elliptic, name.removeprefix("jacobi_"))
@@ -276,8 +279,8 @@ def _varies(formula: FormulaTree) -> bool:
 
 
 def _parameter(ball: TypedBall) -> acb:
-    """The value of an elliptic parameter; raises ValueError for one without real functions."""
+    """The value of an elliptic parameter; raises ValueError unless it is real."""
     value = constant_value(ball.jet)
-    if not (ball.is_real and value.real < 1):
-        raise ValueError("elliptic parameters must be constants below 1, got another")
+    if not ball.is_real:
+        raise ValueError(f"elliptic parameters must be real, got {value.str(10)}")
     return value

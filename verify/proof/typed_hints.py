@@ -68,6 +68,7 @@ class Typed:
 
 def typed_proof(statement: Statement, number: int) -> ProofVerdict:
     """A proof of an equation as it was typed; raises ValueError where there is none."""
+    statement = _with_complex_symbols(statement)
     try:
         return _proof(statement, number)
     except ValueError:
@@ -88,7 +89,36 @@ def _proof(statement: Statement, number: int, kept: tuple[type, ...] = ()) -> Pr
     texts = replace(statement.texts, equations=statement.texts.equations[number - 1 : number])
     problem = statement_problem(statement, left)
     problem = replace(problem, domains=domains, also=also, texts=texts)
-    return accepted(problem, _certificate(problem, parts, kept))
+    found = _certificate(problem, parts, kept)
+    proof = with_conjugates(found["proof"], statement.complexes)
+    return accepted(problem, found.changed(proof=proof))
+
+
+def _with_complex_symbols(statement: Statement) -> Statement:
+    """The statement whose complex parameters have no signs, moduli or conjugates in SymPy."""
+    if not statement.complexes:
+        return statement
+    formulas = (*statement.equations, *statement.solutions.values(), *statement.divisors)
+    symbols = {s for formula in formulas for s in formula.free_symbols} | {*statement.domains}
+    new = {s: sp.Symbol(s.name) for s in symbols if s.name in statement.complexes}
+    return replace(
+        statement,
+        equations=tuple(e.xreplace(new) for e in statement.equations),
+        solutions={u: f.xreplace(new) for u, f in statement.solutions.items()},
+        domains={new.get(s, s): domain for s, domain in statement.domains.items()},
+        divisors=tuple(d.xreplace(new) for d in statement.divisors),
+    )
+
+
+def with_conjugates(proof: Data, complexes: Sequence[str]) -> Data:
+    """The proof in which complex parameters, and their conjugates, are the first generators."""
+    formulas, first = [*proof["formulas"]], []
+    for name in complexes:
+        first += [["atom", len(formulas)], ["atom", len(formulas) + 1]]
+        formulas += [name, f"conjugate({name})"]
+    own = [place for place, text in enumerate(formulas) if text in complexes]
+    rest = [e for e in proof["generators"] if e[0] != "atom" or e[1] not in own]
+    return {**proof, "formulas": formulas, "generators": [*first, *rest]}
 
 
 def _certificate(
@@ -158,7 +188,8 @@ def vocabulary(statement: Statement, kept: tuple[type, ...] = ()) -> Vocabulary:
     symbols |= {s for domain in statement.domains.values() for s in domain.symbols}
     known = {s.name: s for s in (*symbols, *statement.domains, *statement.variables)}
     variables = {s.name: s for s in statement.variables}
-    names = {n: known.get(n, sp.Symbol(n, real=True)) for n in statement.trees.names}
+    real = {n: None if n in statement.complexes else True for n in statement.trees.names}
+    names = {n: known.get(n, sp.Symbol(n, real=real[n])) for n in real}
     return Vocabulary(functions, variables, names=names)
 
 
@@ -228,7 +259,7 @@ def _with_values(proof: Data, typed: Sequence[Typed], problem: StatementProblem)
             case Call(name="log"):
                 hints["values"].append([len(formulas), len(formulas)])
                 formulas.append(text)
-            case Call(name=name) if name in ("sqrt", "abs", *INVERSE):
+            case Call(name=name) if name in ("sqrt", "abs", "lambert_w", *INVERSE):
                 hint("values", text, _written(part.value, variables), lambda place: place)
     return {**proof, "formulas": formulas, **hints}
 

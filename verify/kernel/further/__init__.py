@@ -5,6 +5,6 @@ The kernel works without this folder, and refuses the certificates that need it.
 
 from __future__ import annotations
 
-from . import free_functions, inverse, principal, quotients, special, turns
+from . import ends, free_functions, inverse, principal, quotients, special, turns
 
-__all__ = ["free_functions", "inverse", "principal", "quotients", "special", "turns"]
+__all__ = ["ends", "free_functions", "inverse", "principal", "quotients", "special", "turns"]

@@ -77,26 +77,77 @@ def exponential_of_lambert(field: Field, node: int) -> Element | None:
     return None
 
 
+@rule("lambert_w")
+def lambert(field: Field, node: int) -> Element | None:
+    """W(f) = r if r exp(r) = f and r >= -1, where r exp(r) increases."""
+    value = field.hinted(node)
+    if value is None:
+        return None
+    if not field.signs.is_between(value, fmpq(-1), None):
+        raise CertificateError("the value given for lambert_w is not shown to be >= -1")
+    product = field.image(value) * field.made("exp", value)
+    if not (product - field.image(field.nodes.all[node][1])).is_zero:
+        raise CertificateError("the value given for lambert_w is that of another argument")
+    return field.image(value)
+
+
+HALF_ORDERS: Mapping[str, tuple[str, str]] = {
+    "bessel_j": ("cos(z)", "sin(z)"),
+    "bessel_y": ("sin(z)", "-cos(z)"),
+    "bessel_i": ("cosh(z)", "sinh(z)"),
+    "bessel_k": ("pi/2*exp(-z)", "pi/2*exp(-z)"),
+}
+"""sqrt(pi/2) sqrt(z) times the functions of the orders -1/2 and 1/2."""
+
+
 @rule(*CYLINDER)
 def cylinder(field: Field, node: int) -> Element:
-    """A Bessel function, from those of the orders v and v + 1 that are generators."""
+    """A Bessel function, from those of the orders v and v + 1 that are generators, or +-1/2.
+
+    That K is even in its order gives it from the orders -v too.
+    """
     name, order, z = field.nodes.all[node]
-    up, down = map(field.ring.number, CYLINDER[name])
     for other in field.primitives(name):
         _, v, w = field.nodes.all[other]
-        gap = field.image(order) - field.image(v)
-        if gap.powers or not gap.numerator.is_constant() or not field.equal(z, w):
+        if not field.equal(z, w):
             continue
-        steps = whole(gap.numerator.leading_coefficient())
-        higher = field.made(name, field.nodes.made("Add", v, field.nodes.rational(1)), z)
-        lower, place = field.image(other), field.image(v)
-        for _ in range(abs(steps)):
-            share = field.ring.number(2) / field.image(z)
-            if steps > 0:
-                place = place + field.one
-                lower, higher = higher, up * (down * lower - share * place * higher)
-            else:
-                lower, higher = down * (up * higher + share * place * lower), lower
-                place = place - field.one
-        return lower
-    raise CertificateError(f"there is no generator for a {name}")
+        sides = (1, -1) if name == "bessel_k" else (1,)
+        for side in sides:
+            steps = _difference(field, field.nodes.times(side, order), v)
+            if steps is not None and steps.q == 1:
+                above = field.nodes.made("Add", v, field.nodes.rational(1))
+                pair = field.image(other), field.made(name, above, z)
+                return _of_order(field, node, pair, field.image(v), whole(steps))
+    start = field.nodes.rational(-1, 2)
+    steps = _difference(field, order, start)
+    if steps is None or steps.q != 1:
+        raise CertificateError(f"there is no generator for a {name}")
+    scale = field.read("sqrt(2)/(sqrt(pi)*sqrt(z))", z=z)
+    lower, higher = (scale * field.read(text, z=z) for text in HALF_ORDERS[name])
+    return _of_order(field, node, (lower, higher), field.image(start), whole(steps))
+
+
+def _difference(field: Field, left: int, right: int) -> fmpq | None:
+    """The difference of two orders if it is a number."""
+    gap = field.image(left) - field.image(right)
+    if gap.powers or not gap.numerator.is_constant():
+        return None
+    return fmpq(0) if gap.is_zero else gap.numerator.leading_coefficient()
+
+
+def _of_order(
+    field: Field, node: int, pair: tuple[Element, Element], place: Element, steps: int
+) -> Element:
+    """The Bessel function some steps of 1 from the order ``place``, of this and the next one."""
+    name, _, z = field.nodes.all[node]
+    up, down = map(field.ring.number, CYLINDER[name])
+    lower, higher = pair
+    for _ in range(abs(steps)):
+        share = field.ring.number(2) / field.image(z)
+        if steps > 0:
+            place = place + field.one
+            lower, higher = higher, up * (down * lower - share * place * higher)
+        else:
+            lower, higher = down * (up * higher + share * place * lower), lower
+            place = place - field.one
+    return lower
