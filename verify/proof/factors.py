@@ -33,6 +33,19 @@ def factored(expression: sp.Expr) -> tuple[sp.Rational, Powers]:
     return Quotients(expression).factors()
 
 
+def factors_of(expression: sp.Expr) -> tuple[sp.Rational, Powers]:
+    """A number and powers of factors, which are irreducible unless the expression is too long.
+
+    >>> x = sp.Symbol("x", positive=True)
+    >>> factors_of(-2 * sp.sqrt(x))
+    (-2, [(sqrt(x), 1)])
+    """
+    try:
+        return factored(expression)
+    except TooLong:
+        return sp.S.One, [(expression, 1)]
+
+
 class Quotients:
     """An expression as a quotient of polynomials in its atoms."""
 
