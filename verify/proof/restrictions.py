@@ -10,7 +10,7 @@ import sympy as sp
 from longwave.derive.algebra.formula_printing import formula_as_text
 
 from .domain_signs import DomainSigns
-from .domains import REAL, Domain, Domains, in_order, settled_domains
+from .domains import REAL, Domain, Domains, in_order
 from .explicit_values import tidy
 from .factors import factors_of
 from .typed_statement import Statement

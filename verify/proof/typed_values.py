@@ -56,7 +56,7 @@ PLAIN = {
 PLAIN_POINTS, SIGNED_POINTS = 6, 36
 """Points at which residuals are compared, of such functions and of others: all signs of five."""
 
-SMALL = tuple(map(Fraction, (0, 1, -1, 2, -2))) + (Fraction(1, 2),)
+SMALL = (*map(Fraction, (0, 1, -1, 2, -2)), Fraction(1, 2))
 """Values of a parameter at which SymPy's reading may be another than elsewhere."""
 
 LEAST = 3
