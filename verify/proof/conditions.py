@@ -22,7 +22,7 @@ from longwave.verify.verdict import Outcome
 from .case_tree import CaseTree, Constants
 from .constant_cases import ConstantCase, largest_cases, symbols_of, with_values
 from .constant_terms import Terms, as_terms
-from .domains import settled_domains
+from .domains import REAL, settled_domains
 from .explicit_values import explicit_values
 from .problem import equality_problem
 from .residual_system import ResidualSystem
@@ -221,6 +221,10 @@ class _Search:
         typed = typed_values(statement)
         if typed is not None and (reason := typed.difference(residuals)):
             system.unknown[reason] = None
+        for v in statement.variables:  # a polynomial may vanish at all of finitely many sites
+            domain = statement.domains.get(v, REAL)
+            if domain.integer and domain.lower != -sp.oo and domain.upper != sp.oo:
+                system.unknown[f"{v} takes finitely many values"] = None
         for residual in residuals:
             if residual == 0:
                 continue

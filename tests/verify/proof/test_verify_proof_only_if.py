@@ -1,8 +1,11 @@
 """What `--solve` says beyond its cases: "only if" of what was typed, and the conditions on it."""
 
+from dataclasses import replace
+
 import pytest
 
-from longwave.verify.proof.conditions import ConditionalVerdict
+from longwave.verify.proof.conditions import ConditionalVerdict, solve_statement
+from longwave.verify.proof.statement_text import read_statement
 from longwave.verify.proof.text_prover import prove
 from longwave.verify.verdict import Outcome
 
@@ -18,20 +21,32 @@ def solved(
     return found
 
 
-@pytest.mark.parametrize(
-    ("equation", "solution", "solve"),
-    [
-        (NLS, "u = a*sech(a*(x - 4*t))*sign(exp(I*x))**2*exp(I*w*t)", "w"),
-        ("u_x - 2*I*u/(1 + x**2)", "u = a*sign(1 + I*x)**2", "a"),
-        ("u_x - 4*I*u/(1 + x**2)", "u = a*sign(1 + I*x)**4", "a"),
-        ("u_t - 2*I*c*u", "u = sign(exp(I*t))**2*exp(0*x)", "c"),
-    ],
-)
+WAVE = "a*sech(a*(x - 4*t))*exp(I*w*t)"
+SIGNS = [
+    (NLS, f"u = sign(exp(I*x))**2*{WAVE}", "w", WAVE),
+    ("u_x - 2*I*u/(1 + x**2)", "u = a*sign(1 + I*x)**2", "a", "a"),
+    ("u_x - 4*I*u/(1 + x**2)", "u = a*sign(1 + I*x)**4", "a", "a"),
+    ("u_t - 2*I*c*u", "u = sign(exp(I*t))**2", "c", "1"),
+]
+"""Statements with squares of complex signs, and what SymPy takes the formula for."""
+
+ANSWERS = ("if and only if w = (a - 2)*(a + 2)", "for all", "for all", "if and only if c = 1")
+
+
+@pytest.mark.parametrize("place", range(len(SIGNS)))
+def test_signs_of_complex_formulas_are_quotients(place: int) -> None:
+    equation, solution, solve, _ = SIGNS[place]
+    assert solved(equation, solution, solve).detail.startswith(f"holds {ANSWERS[place]}")
+
+
+@pytest.mark.parametrize(("equation", "solution", "solve", "misread"), SIGNS)
 def test_values_are_not_excluded_where_what_was_typed_is_something_else(
-    equation: str, solution: str, solve: str
+    equation: str, solution: str, solve: str, misread: str
 ) -> None:
     """SymPy reads sign(exp(I*x))**2 as 1; w = a**2 - 4, every a and c = 1 hold."""
-    verdict = solved(equation, solution, solve)
+    statement = read_statement(equation, solution, solve=solve)
+    wrong = read_statement(equation, f"u = {misread}", solve=solve)
+    verdict = solve_statement(replace(statement, solutions=wrong.solutions))
     assert not verdict.complete
     assert verdict.outcome is not Outcome.REFUTED
     assert "only if" not in verdict.detail
@@ -39,11 +54,13 @@ def test_values_are_not_excluded_where_what_was_typed_is_something_else(
     assert "not excluded (what was typed has another residual" in verdict.detail
 
 
-def test_what_holds_at_the_first_sites_alone_is_compared_there() -> None:
-    """abs(n) is n for n > 0, and SymPy shifts that; at n = 1 the shifted site is -1."""
-    verdict = solved("u[n-2] - u[n] + c", "u[n] = abs(n)", "c", "", "n > 0")
+def test_a_polynomial_may_vanish_at_finitely_many_sites() -> None:
+    """n = 1 is the only site, and c = 0 holds there."""
+    verdict = solved("u[n-2] - u[n] + c", "u[n] = abs(n)", "c", "c: c<1", "0<n<2")
     assert verdict.outcome is Outcome.UNDECIDED
-    assert not verdict.complete
+    assert verdict.detail == (
+        "no value was found of c, others are not excluded (n takes finitely many values)"
+    )
 
 
 TEXTBOOK = {
