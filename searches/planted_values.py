@@ -3,7 +3,8 @@
     python -m searches.planted_values --count 1000 --seed 0
 
 A value is missed if the answer says "only if" or "no value" and has it in no case and in nothing
-that is left out.  A case that is called proved is tried, too.  The judge is mpmath.
+that is left out.  A case that is called proved is tried, too, and a condition on it must fail
+somewhere.  The judge is mpmath.
 """
 
 from __future__ import annotations
@@ -34,7 +35,10 @@ VARIABLES = ("x", "t", "n")
 
 AGREE = 1e-9
 
-FINDINGS = ("MISSED", "FALSE", "ERROR")
+FINDINGS = ("MISSED", "FALSE", "IDLE", "ERROR")
+
+TRIED = 200
+"""Values of constants at which a condition that is printed must fail once."""
 
 
 def judged(given: Planted, seed: int = 0, limit: float = LIMIT) -> tuple[str, str]:
@@ -58,6 +62,8 @@ def judged(given: Planted, seed: int = 0, limit: float = LIMIT) -> tuple[str, st
     wrong = _false_case(given, verdict, draw)
     if wrong:
         return "FALSE", f"{verdict.detail}: {wrong}"
+    if idle := _idle_condition(given, verdict, draw):
+        return "IDLE", f"{verdict.detail}: {idle} holds always"
     if not samples:
         return "not planted", verdict.detail
     missed = [sample for sample in samples if not _covered(verdict, sample)]
@@ -137,6 +143,18 @@ def _false_case(given: Planted, verdict: ConditionalVerdict, draw: random.Random
                     if known and residuals.largest(whole) > FAR:
                         shown = {name: mp.nstr(v, 8) for name, v in whole.items()}
                         return f"the case {case['values']} fails at {shown}"
+    return ""
+
+
+def _idle_condition(given: Planted, verdict: ConditionalVerdict, draw: random.Random) -> str:
+    """A condition of an answer that holds at all constants that are drawn."""
+    names = {*given.bounds, *given.values}
+    bounds = {**dict.fromkeys(given.values, (-2, 2)), **given.bounds}
+    tried = [{name: _drawn(bounds[name], draw) for name in names} for _ in range(TRIED)]
+    for words in {words for case in verdict.json()["cases"] for words in case["where"]}:
+        with suppress(ZeroDivisionError):
+            if "!=" not in words and all(holds(words, constants) for constants in tried):
+                return words
     return ""
 
 

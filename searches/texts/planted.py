@@ -282,6 +282,61 @@ def vanishing(draw: random.Random) -> Planted:
     )
 
 
+def doubled(draw: random.Random) -> Planted:
+    """u = exp(w*x) where a root in w**2 is real at the zero of what stands before it."""
+    g = draw.randint(1, 4)
+    return Planted(
+        "doubled",
+        (f"u_xxxx - {2 * g}*b*u_xx + ({g * g}*b**2 - q*(p - 1)**2)*u",),
+        ("u = exp(w*x)",),
+        {"w": f"{draw.choice(('', '-'))}sqrt({g}*b)", "p": "1"},
+        parameters="b: b>0",
+        bounds={"x": (-1, 1), "q": (-2, 2), "b": (0.3, 1)},
+    )
+
+
+def closed(draw: random.Random) -> Planted:
+    """u = a*x where a = 0 is the end of a domain, and a square times what may be negative."""
+    g, end = draw.randint(1, 4), draw.choice((">=", "<="))
+    return Planted(
+        "closed",
+        (f"u_x - {g}*q*(p - 1)**2",),
+        ("u = a*x",),
+        {"a": "0", "p": "1"},
+        parameters=f"a: a {end} 0",
+        bounds={"x": (-1, 1), "q": (-2, 2)},
+    )
+
+
+def finite(draw: random.Random) -> Planted:
+    """u[n] = a*n**2 at two sites or one, where polynomials agree that differ elsewhere."""
+    g, last = draw.randint(1, 5), draw.choice((2, 3))
+    other = "*".join(f"(n - {place})" for place in range(1, last))
+    return Planted(
+        "finite",
+        (f"u[n+1] - u[n] - {g}*(2*n + 1 + {draw.randint(1, 5)}*{other})",),
+        ("u[n] = a*n**2",),
+        {"a": str(g)},
+        parameters=draw.choice(("", "a: a>0")),
+        domain=f"0<n<{last}",
+        bounds={"n": (1, last - 1)},
+    )
+
+
+def signed(draw: random.Random) -> Planted:
+    """u = b*sign(a + I*x)**2, which is (a + I*x)/(a - I*x)."""
+    m, half = draw.randint(1, 5), draw.choice((1, 2))
+    declared = draw.choice(("", "a: a>0", "a: a != 0"))
+    return Planted(
+        "signed",
+        (f"({m}**2 + x**2)*u_x - {2 * half}*I*{m}*u",),
+        (f"u = b*sign(a + I*x)**{2 * half}",),
+        {"a": str(m)},
+        parameters=declared,
+        bounds={"x": (-1, 1), "b": (0.5, 2)},
+    )
+
+
 def site(draw: random.Random) -> Planted:
     """u[n] = a*L + b*n where the difference of L is in the equation in other words."""
     domain, *both = draw.choice(SITES)
@@ -360,8 +415,8 @@ def textbook(draw: random.Random) -> Planted:
 
 
 MAKERS: tuple[Callable[[random.Random], Planted], ...] = (
-    *(summed, summed, multiplied, multiplied, carried, constant, root, vanishing, site),
-    *(textbook, textbook, textbook),
+    *(summed, summed, multiplied, multiplied, carried, constant, root, site),
+    *(vanishing, doubled, closed, finite, signed, textbook, textbook, textbook),
 )
 
 

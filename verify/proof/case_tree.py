@@ -305,10 +305,12 @@ class CaseTree:
             reduced = [self._constants.remainder(e, equation, place) for e in others]
             free = [e for e in rest.equations if e not in others]
             return [_Node((*free, *reduced, equation), node.rules, node.nonzero)]
-        rows = self._constants.coefficients(equation, place)
+        rows, power = self._constants.coefficients(equation, place), 1
+        if len(rows) == 5 and rows[1].is_zero() and rows[3].is_zero():
+            rows, power = rows[::2], 2
         if len(rows) == 3:
             inner = self._constants.reduced(rows[1] ** 2 - 4 * rows[2] * rows[0])
-            vertex = 2 * rows[2] * self._constants.context.gens()[place] + rows[1]
+            vertex = 2 * rows[2] * self._constants.context.gens()[place] ** power + rows[1]
             written = self._constants.written(inner) if 0 < len(inner) <= SIGNED_TERMS else None
             if written is not None and self._signs.is_nonpositive(written):
                 return [rest.adding(inner, vertex)]

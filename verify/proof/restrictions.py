@@ -218,7 +218,7 @@ def _values_of(root: sp.Expr, signs: DomainSigns) -> Domain:
 
 
 def _simplified(restriction: Restriction, known: KnownSigns) -> Iterator[Restriction]:
-    """The restriction without factors of known sign and without squares.
+    """The restriction without factors of known sign, and without squares that must not vanish.
 
     Raises ValueError where it holds only at the zeros of a square.
     """
@@ -235,17 +235,19 @@ def _simplified(restriction: Restriction, known: KnownSigns) -> Iterator[Restric
             rest *= (-1) ** power
         elif power % 2 == 0 or relation == "!=":
             if not known.is_nonzero(factor):
-                squares.append(factor)
-                if relation != ">=" or power < 0:
+                if relation == ">=" and power > 0:
+                    squares.append(factor)
+                else:
                     yield Restriction(factor, "!=")
         elif relation == ">" and known.is_nonnegative(factor):
             yield Restriction(factor, ">")
         else:
             rest *= factor
-    if relation == ">=" and squares and rest.is_negative:
+    if squares and rest.is_negative:
         raise ValueError(f"values are real only where {squares[0]} = 0")
     if rest.is_number or relation != "!=":
-        yield Restriction(sp.expand(rest), relation)
+        kept = sp.Mul(*(factor**2 for factor in squares)) if rest.free_symbols else 1
+        yield Restriction(sp.expand(kept * rest), relation)
 
 
 def restricted(statement: Statement, restrictions: Sequence[Restriction]) -> Statement | None:
