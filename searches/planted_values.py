@@ -148,9 +148,11 @@ def _false_case(given: Planted, verdict: ConditionalVerdict, draw: random.Random
 
 def _idle_condition(given: Planted, verdict: ConditionalVerdict, draw: random.Random) -> str:
     """A condition of an answer that holds at all constants that are drawn."""
-    names = {*given.bounds, *given.values}
     bounds = {**dict.fromkeys(given.values, (-2, 2)), **given.bounds}
-    tried = [{name: _drawn(bounds[name], draw) for name in names} for _ in range(TRIED)]
+    tried = [{n: _drawn(b, draw) for n, b in bounds.items()} for _ in range(TRIED)]
+    for name in bounds:
+        if f"{name}: {name}>0" in given.parameters:
+            tried = [{**one, name: mp.mpf(10) ** draw.uniform(-3, 3)} for one in tried]
     for words in {words for case in verdict.json()["cases"] for words in case["where"]}:
         with suppress(ZeroDivisionError):
             if "!=" not in words and all(holds(words, constants) for constants in tried):

@@ -9,7 +9,7 @@ case was then decided by the ordinary prover.
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import count
 from typing import Any
@@ -218,13 +218,7 @@ class _Search:
         """The conditions that the residuals of all equations give."""
         system = ResidualSystem()
         residuals = [with_exponentials(residual_of(statement, e)) for e in statement.equations]
-        typed = typed_values(statement)
-        if typed is not None and (reason := typed.difference(residuals)):
-            system.unknown[reason] = None
-        for v in statement.variables:  # a polynomial may vanish at all of finitely many sites
-            domain = statement.domains.get(v, REAL)
-            if domain.integer and domain.lower != -sp.oo and domain.upper != sp.oo:
-                system.unknown[f"{v} takes finitely many values"] = None
+        system.unknown |= dict.fromkeys(_doubts(statement, residuals))
         for residual in residuals:
             if residual == 0:
                 continue
@@ -238,6 +232,20 @@ class _Search:
                 raise ValueError(words) from None
             system.judge_phase(rest, statement.variables)
         return system
+
+
+def _doubts(statement: Statement, residuals: Sequence[sp.Expr]) -> Iterator[str]:
+    """Why values may be more than those with which the coefficients of residuals vanish.
+
+    A polynomial may vanish at all of finitely many sites without being 0.
+    """
+    typed = typed_values(statement)
+    if typed is not None and (reason := typed.difference(residuals)):
+        yield reason
+    for variable in statement.variables:
+        domain = statement.domains.get(variable, REAL)
+        if domain.integer and domain.lower != -sp.oo and domain.upper != sp.oo:
+            yield f"{variable} takes finitely many values"
 
 
 def _constants(system: ResidualSystem, degenerate: Sequence[Sequence[Terms]]) -> set[sp.Expr]:

@@ -193,3 +193,21 @@ def test_error_functions_in_python(
 def test_a_trivial_statement_holds_for_all_values() -> None:
     verdict = solved("u_xx + 2*x*u_x", "u = a + b*erf(k)", "k")
     assert verdict.detail == "holds for all values of k (trivial)"
+
+
+@pytest.mark.parametrize(
+    ("equation", "solution", "solve", "parameters", "answer"),
+    [
+        ("u_xxxx - 2*b*u_xx + (b**2 - c*d**2)*u", "u = exp(k*x)", "k", "b: b>0",
+         "k = sqrt(b), d = 0; or k = -sqrt(b), d = 0"),
+        ("u_x - c*b**2", "u = a*x", "a", "a: a>=0", "a = b**2*c where b**2*c >= 0"),
+        ("u_x - c*b**2", "u = a*x", "a", "a: a>=0; c: c<0", "a = 0, b = 0 (trivial)"),
+    ],
+)  # fmt: skip
+def test_zeros_of_squares_are_values(
+    equation: str, solution: str, solve: str, parameters: str, answer: str
+) -> None:
+    verdict = solved(equation, solution, solve, parameters)
+    assert verdict.complete
+    assert verdict.detail.startswith("holds if and only if ")
+    assert verdict.detail.endswith(answer)
