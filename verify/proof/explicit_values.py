@@ -168,6 +168,10 @@ def tidy(expression: sp.Expr) -> sp.Expr:
     found = expression.xreplace(names).xreplace(below)
     found = sp.factor(sp.cancel(sp.together(found)))
     found = found.xreplace({name: root for root, name in names.items()})
+    if names:
+        number, factors = factors_of(found)
+        whole = number * sp.Mul(*(factor**power for factor, power in factors))
+        found = min(found, whole, key=lambda e: e.count_ops())
     if found.has(sp.exp) and found.count_ops() <= SHORT:
         return min(found, sp.simplify(found), key=lambda e: e.count_ops())
     if found.is_number or any(p.base.is_Rational for p in found.atoms(sp.Pow) if p.exp.q != 1):

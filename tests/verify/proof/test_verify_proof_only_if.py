@@ -112,7 +112,7 @@ TEXTBOOK = {
     "waves of a Boussinesq system": (
         "h_t + d*v_x - 1/6*d**2*h_xxt ;; v_t + g*h_x - 1/6*d**2*v_xxt",
         "h = cos(k*x - w*t) ;; v = b*cos(k*x - w*t)", "g: g>0; d: d>0; k: k>0; w: w>0", "b,w",
-        "b = sqrt(g)*(d**(5/2)*k**2 + 6*sqrt(d))/(d*(d**2*k**2 + 6)), "
+        "b = sqrt(g)/sqrt(d), "
         "w = 6*sqrt(d)*sqrt(g)*k/(d**2*k**2 + 6)",
     ),
 }  # fmt: skip
