@@ -18,6 +18,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from typing import Any
 
+from longwave.derive.algebra.formula_text import FormulaError
 from longwave.support.processes import OutOfTime, time_limit
 from longwave.verify.proof.conditions import ConditionalVerdict
 from longwave.verify.proof.text_prover import prove
@@ -56,6 +57,8 @@ def judged(given: Planted, seed: int = 0, limit: float = LIMIT) -> tuple[str, st
             )
     except OutOfTime:
         return "SLOW", f"no answer in {limit:g} s"
+    except FormulaError as error:
+        return "refused", str(error).splitlines()[0]
     except Exception as error:  # an error is a finding, not the end of the search
         return "ERROR", f"{type(error).__name__}: {' '.join(str(error).split())}"
     assert isinstance(verdict, ConditionalVerdict)

@@ -337,6 +337,52 @@ def signed(draw: random.Random) -> Planted:
     )
 
 
+ATOMS = ("x", "x", "x", "(x + 1)", "(x - 2)", "2*x", "(-x)", "(I*x)", "(1 + I*x)", "(x - I)", "3/2")
+OUTER = (
+    "sign",
+    "abs",
+    "re",
+    "im",
+    "conjugate",
+    "sqrt",
+    "exp",
+    "log",
+    "sin",
+    "cosh",
+    "tanh",
+    "atan",
+)
+EXPONENTS = ("2", "2", "3", "4", "(-1)", "(-2)", "(1/2)", "(3/2)", "(1/3)")
+
+
+def _formula(draw: random.Random, depth: int) -> str:
+    """A random formula of x, in brackets where it is no atom."""
+    if depth == 0:
+        return draw.choice(ATOMS)
+    kind, inner = draw.random(), _formula(draw, depth - 1)
+    if kind < 0.5:
+        return f"{draw.choice(OUTER)}({inner})"
+    if kind < 0.75:
+        return f"({inner})**{draw.choice(EXPONENTS)}"
+    return f"({inner} {draw.choice('+-**/')} {_formula(draw, depth - 1)})"
+
+
+def powered(draw: random.Random) -> Planted:
+    """u = (a*R)**m with any formula R, in an equation with the slope of R and its other powers."""
+    inner, m, g = _formula(draw, draw.choice((2, 3, 3))), draw.choice((1, 2, 3)), draw.randint(1, 5)
+    lower = "" if m == 1 else f"*({inner})" if m == 2 else f"*({inner})**2"
+    domain, bounds = draw.choice((("0<x<1", (0.1, 0.9)), ("-1<x<0", (-0.9, -0.1))))
+    return Planted(
+        "powered",
+        (f"u_x - {m * g**m}{lower}*diff({inner}, x)",),
+        (f"u = (a*({inner}))**{m}",),
+        {"a": str(g)},
+        parameters=draw.choice(("", "a: a>0", "a: a != 0")),
+        domain=domain,
+        bounds={"x": bounds},
+    )
+
+
 def site(draw: random.Random) -> Planted:
     """u[n] = a*L + b*n where the difference of L is in the equation in other words."""
     domain, *both = draw.choice(SITES)
@@ -417,6 +463,7 @@ def textbook(draw: random.Random) -> Planted:
 MAKERS: tuple[Callable[[random.Random], Planted], ...] = (
     *(summed, summed, multiplied, multiplied, carried, constant, root, site),
     *(vanishing, doubled, closed, finite, signed, textbook, textbook, textbook),
+    *(powered, powered, powered),
 )
 
 
