@@ -133,7 +133,14 @@ def applied(function: Callable[..., sp.Expr], arguments: Sequence[sp.Expr]) -> s
                 raise TooLarge(f"constants in its argument must be at most {GROWTH:.0e}")
     if function is sp.sqrt:
         return power(arguments[0], sp.S.Half)
+    if function is sp.sign and _is_complex(arguments[0]):
+        return arguments[0] / sp.Abs(arguments[0])
     return _finite(function(*arguments))
+
+
+def _is_complex(z: sp.Expr) -> bool:
+    """Whether a formula may be no real number: SymPy takes sign(z)**2 for 1 where it is not 0."""
+    return not (z.is_extended_real or z.is_zero) and (z.has(sp.I) or z.is_zero is False)
 
 
 def derivative(expression: sp.Expr, variables: Sequence[sp.Symbol]) -> sp.Expr:

@@ -305,13 +305,18 @@ class CaseTree:
             reduced = [self._constants.remainder(e, equation, place) for e in others]
             free = [e for e in rest.equations if e not in others]
             return [_Node((*free, *reduced, equation), node.rules, node.nonzero)]
-        rows = self._constants.coefficients(equation, place)
+        rows, power = self._constants.coefficients(equation, place), 1
+        if len(rows) == 5 and rows[1].is_zero() and rows[3].is_zero():
+            rows, power = rows[::2], 2
         if len(rows) == 3:
             inner = self._constants.reduced(rows[1] ** 2 - 4 * rows[2] * rows[0])
+            vertex = 2 * rows[2] * self._constants.context.gens()[place] ** power + rows[1]
             written = self._constants.written(inner) if 0 < len(inner) <= SIGNED_TERMS else None
             if written is not None and self._signs.is_nonpositive(written):
-                vertex = 2 * rows[2] * self._constants.context.gens()[place] + rows[1]
                 return [rest.adding(inner, vertex)]
+            square = self._vanishing_square(inner, node)
+            if square is not None:
+                return [rest.adding(square, vertex), node.adding(nonzero=[square])]
         rule = Rule(self._constants.all[place], equation)
         if self._dependent[place] and rest.equations:
             return SystemCase((*node.rules, rule), False)
@@ -321,6 +326,21 @@ class CaseTree:
         ]
         nonzero = tuple(e for e in node.nonzero if not int(e.degrees()[place]))
         return [_Node(rest.equations, (*rules, rule), nonzero)]
+
+    def _vanishing_square(self, inner: fmpq_mpoly, node: _Node) -> fmpq_mpoly | None:
+        """A squared factor that may be 0, where the rest of a discriminant may be negative.
+
+        The roots are real at its zeros, whatever the sign of the rest is.
+        """
+        number, factors = inner.factor()
+        odd = [factor for factor, power in factors if power % 2]
+        rest = self._constants.context.constant(number)
+        for factor in odd:
+            rest *= factor
+        if len(rest) <= SIGNED_TERMS and self._signs.is_nonnegative(self._constants.written(rest)):
+            return None
+        squares = (factor for factor, power in factors if power > 1)
+        return next((f for f in squares if not self._is_known(f, node)), None)
 
     def _unsolved(self, node: _Node, equation: fmpq_mpoly) -> list[_Node]:
         """An equation with functions of its symbols: by its norm if they are roots, or left out."""

@@ -9,7 +9,7 @@ case was then decided by the ordinary prover.
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import count
 from typing import Any
@@ -20,9 +20,9 @@ from longwave.derive.algebra.formula_printing import formula_as_text
 from longwave.verify.verdict import Outcome
 
 from .case_tree import CaseTree, Constants
-from .constant_cases import ALL, ConstantCase, largest_cases, symbols_of, with_values
+from .constant_cases import ConstantCase, largest_cases, symbols_of, with_values
 from .constant_terms import Terms, as_terms
-from .domains import settled_domains
+from .domains import REAL, settled_domains
 from .explicit_values import explicit_values
 from .problem import equality_problem
 from .residual_system import ResidualSystem
@@ -37,12 +37,13 @@ from .statement_verdict import (
     verified_sentence,
 )
 from .typed_statement import Statement
+from .typed_values import typed_values
 
 EXPLORED = 60
 """Most statements that are looked at for one answer."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class ConditionalVerdict(StatementVerdict):
     """For which values of the constants ``solved`` a statement holds.
 
@@ -86,8 +87,9 @@ class ConditionalVerdict(StatementVerdict):
             open_ends = self.unknown or self.left_out
             found = "no value was found" if open_ends else "holds for no value"
             return f"{found} of {names}{ending}"
-        if any(case.proved and case.text == ALL for case in self.cases):
-            return f"holds for all values of {names}"
+        always = next((case for case in self.cases if case.proved and case.is_unconditional), None)
+        if always is not None:
+            return f"holds for all values of {names}{' (trivial)' * always.trivial}"
         return f"{self._heading} {'; or '.join(case.text for case in self.cases)}{ending}"
 
     @property
@@ -126,7 +128,7 @@ def _solved(statement: Statement, progress: Progress) -> ConditionalVerdict:
     progress("the coefficients of the residual")
     try:
         found = search.cases(statement)
-    except ValueError as error:
+    except NO_VERDICT as error:
         return _verdict(statement, search, [], " ".join(str(error).split()))
     progress("the proofs of the cases")
     decided = largest_cases(found)
@@ -174,7 +176,7 @@ class _Search:
                 break
             try:
                 solved, more = self._step(case)
-            except ValueError:
+            except NO_VERDICT:
                 self.unknown[f"where {case.text.removesuffix(' (not proved)')}"] = None
                 continue
             found += solved
@@ -221,8 +223,9 @@ class _Search:
     def _system(self, statement: Statement) -> ResidualSystem:
         """The conditions that the residuals of all equations give."""
         system = ResidualSystem()
-        for equation in statement.equations:
-            residual = with_exponentials(residual_of(statement, equation))
+        residuals = [with_exponentials(residual_of(statement, e)) for e in statement.equations]
+        system.unknown |= dict.fromkeys(_doubts(statement, residuals))
+        for residual in residuals:
             if residual == 0:
                 continue
             residual, variables, rest = with_phase(residual, statement, self.wanted)
@@ -235,6 +238,20 @@ class _Search:
                 raise ValueError(words) from None
             system.judge_phase(rest, statement.variables)
         return system
+
+
+def _doubts(statement: Statement, residuals: Sequence[sp.Expr]) -> Iterator[str]:
+    """Why values may be more than those with which the coefficients of residuals vanish.
+
+    A polynomial may vanish at all of finitely many sites without being 0.
+    """
+    typed = typed_values(statement)
+    if typed is not None and (reason := typed.difference(residuals)):
+        yield reason
+    for variable in statement.variables:
+        domain = statement.domains.get(variable, REAL)
+        if domain.integer and domain.lower != -sp.oo and domain.upper != sp.oo:
+            yield f"{variable} takes finitely many values"
 
 
 def _constants(system: ResidualSystem, degenerate: Sequence[Sequence[Terms]]) -> set[sp.Expr]:

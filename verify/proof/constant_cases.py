@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -11,9 +11,9 @@ import sympy as sp
 from longwave.derive.algebra.formula_printing import formula_as_text
 from longwave.verify.verdict import Outcome
 
-from .domain_signs import DomainSigns
-from .domains import REAL, Domain, settled_domains
+from .domains import Domain, settled_domains
 from .explicit_values import Explicit, Values, tidy
+from .restrictions import Restriction, domain_restrictions, needed, realities, restricted
 from .statement_verdict import StatementVerdict, decide_statement
 from .typed_statement import Statement, typed_case
 
@@ -21,35 +21,6 @@ ALL = "all values"
 """The case without conditions."""
 
 UNDEFINED = (sp.zoo, sp.nan, sp.oo, -sp.oo)
-
-
-@dataclass(frozen=True)
-class Restriction:
-    """``value`` is > 0, >= 0 or != 0, or (``relation`` is a word) it is real or an integer."""
-
-    value: sp.Expr
-    relation: str = ">"
-
-    @property
-    def text(self) -> str:
-        """The restriction in words."""
-        if self.relation in ("real", "integer"):
-            return f"{formula_as_text(self.value)} is {self.relation}"
-        if self.value.could_extract_minus_sign():
-            return f"{formula_as_text(-self.value)} {self.relation.replace('>', '<')} 0"
-        return f"{formula_as_text(self.value)} {self.relation} 0"
-
-    def holds(self) -> bool:
-        """Whether a number meets it."""
-        match self.relation:
-            case "!=":
-                return bool(self.value != 0)
-            case "integer":
-                return bool(self.value.is_integer)
-            case "real":
-                return bool(self.value.is_real)
-        real = bool(self.value.is_real)
-        return real and bool(self.value > 0 if self.relation == ">" else self.value >= 0)
 
 
 @dataclass(frozen=True)
@@ -78,14 +49,18 @@ class ConstantCase:
         return self.verdict is not None and self.verdict.outcome is Outcome.REFUTED
 
     @property
+    def is_unconditional(self) -> bool:
+        """Whether it holds for all values that the domains have."""
+        return not (self.values or self.implicit or self.restrictions)
+
+    @property
     def text(self) -> str:
         """The case in words."""
         parts = [f"{s} = {formula_as_text(value)}" for s, value in self.values.items()]
         parts += [f"{formula_as_text(polynomial)} = 0" for polynomial in self.implicit]
         where = " and ".join(restriction.text for restriction in self.restrictions)
         notes = [*["trivial"] * self.trivial, *["not proved"] * (not self.proved)]
-        words = ", ".join(parts) or ALL
-        words += f" where {where}" if where else ""
+        words = " where ".join(part for part in (", ".join(parts), where) if part) or ALL
         return words + (f" ({', '.join(notes)})" if notes else "")
 
     def json(self) -> dict[str, Any]:
@@ -118,8 +93,8 @@ def with_values(case: ConstantCase, more: Explicit) -> ConstantCase | None:
         lower, upper = domain.lower.xreplace(values), domain.upper.xreplace(values)
         if value != symbol or symbol in lower.free_symbols | upper.free_symbols:
             given += [
-                *_reality(value),
-                *_restrictions(replace(domain, lower=lower, upper=upper), value),
+                *realities(value),
+                *domain_restrictions(replace(domain, lower=lower, upper=upper), value),
             ]
             continue
         if lower.is_number and upper.is_number and lower >= upper:
@@ -129,7 +104,7 @@ def with_values(case: ConstantCase, more: Explicit) -> ConstantCase | None:
     statement = _put_into(old, values, domains)
     if statement is None:
         return None
-    restrictions = _needed(given, statement)
+    restrictions = needed(given, settled_domains(symbols_of(statement), statement.domains))
     if restrictions is None:
         return None
     return ConstantCase(known, statement, restrictions, (*case.implicit, *more.implicit))
@@ -161,114 +136,6 @@ def _put_into(
     return replace(made, texts=texts, trees=trees)
 
 
-def _reality(value: sp.Expr) -> Iterator[Restriction]:
-    """What makes a value real: no root of even degree of what is negative."""
-    yield Restriction(value, "real")
-    below = sp.factor_list(sp.denom(sp.together(value)))[1]
-    for power in _roots_in(value):
-        base = tidy(power.base)
-        is_below = any(factor in below for factor in sp.factor_list(sp.numer(base))[1])
-        yield Restriction(base, ">" if power.exp.is_negative or is_below else ">=")
-
-
-def _roots_in(value: sp.Expr) -> list[sp.Expr]:
-    """The roots of even degree of formulas."""
-    powers = (p for p in value.atoms(sp.Pow) if p.exp.is_Rational and p.free_symbols)
-    return sorted((p for p in powers if p.exp.q % 2 == 0), key=sp.default_sort_key)
-
-
-def _restrictions(domain: Domain, value: sp.Expr) -> Iterator[Restriction]:
-    """What a domain says of a value in the place of its symbol."""
-    if domain.lower != -sp.oo:
-        yield Restriction(tidy(value - domain.lower), ">" if domain.lower_open else ">=")
-    if domain.upper != sp.oo:
-        yield Restriction(tidy(domain.upper - value), ">" if domain.upper_open else ">=")
-    if domain.nonzero:
-        yield Restriction(value, "!=")
-    if domain.integer:
-        yield Restriction(value, "integer")
-
-
-def _needed(given: Sequence[Restriction], statement: Statement) -> tuple[Restriction, ...] | None:
-    """The restrictions that the domains do not imply; None if they exclude one.
-
-    What stands under a root is a restriction of its own, so that the root is not negative.
-    """
-    powers = {p for r in given for p in _roots_in(r.value)}
-    roots = {p: sp.Dummy("root") for p in sorted(powers, key=sp.default_sort_key)}
-    domains = dict(settled_domains(symbols_of(statement), statement.domains))
-    domains |= {
-        name: Domain(lower=sp.S.Zero, lower_open=bool(p.exp.is_negative))
-        for p, name in roots.items()
-    }
-    signs = DomainSigns(domains)
-    bases = {name: p.base for p, name in roots.items()}
-    kept: dict[Restriction, None] = {}
-    waiting = list(given)
-    while waiting:
-        first = waiting.pop(0)
-        for r in _simplified(Restriction(first.value.xreplace(roots), first.relation), signs):
-            if r.value.is_number:
-                if not r.holds():
-                    return None
-            elif r.value in bases:
-                waiting.append(Restriction(tidy(bases[r.value]), r.relation))
-            elif not _is_implied(r, signs):
-                excluded = r.relation in (">", ">=") and signs.is_positive(-r.value)
-                if excluded or (r.relation == ">" and signs.is_nonpositive(r.value)):
-                    return None
-                back = {name: p for p, name in roots.items()}
-                kept[Restriction(r.value.xreplace(back), r.relation)] = None
-    strict = {r.value for r in kept if r.relation == ">"}
-    if any(-value in strict for value in strict):
-        return None
-    return tuple(r for r in kept if r.relation == ">" or r.value not in strict)
-
-
-def _is_implied(restriction: Restriction, signs: DomainSigns) -> bool:
-    match restriction.relation:
-        case ">":
-            return signs.is_positive(restriction.value)
-        case ">=":
-            return signs.is_nonnegative(restriction.value)
-        case "!=":
-            return signs.is_nonzero(restriction.value)
-        case "real":
-            return signs.is_real(restriction.value)
-    return bool(restriction.value.is_integer)
-
-
-def _simplified(restriction: Restriction, signs: DomainSigns) -> Iterator[Restriction]:
-    """The restriction without factors of known sign and without squares.
-
-    Raises ValueError where it holds only at the zeros of a square.
-    """
-    relation = restriction.relation
-    if restriction.value.is_number or relation in ("real", "integer"):
-        yield restriction
-        return
-    above, below = sp.fraction(sp.together(restriction.value))
-    rest, squares = sp.S.One, list[sp.Expr]()
-    for side, part in ((1, above), (-1, below)):
-        number, factors = sp.factor_list(part)
-        rest *= sp.sign(number)
-        for factor, power in factors:
-            if signs.is_positive(factor) or (power % 2 == 0 and signs.is_nonzero(factor)):
-                continue
-            if signs.is_positive(-factor):
-                rest *= (-1) ** power
-            elif power % 2 and relation != "!=":
-                rest *= factor
-            elif not signs.is_nonzero(factor):
-                squares.append(factor)
-                if relation != ">=" or side < 0:
-                    yield Restriction(factor, "!=")
-    if relation == ">=" and squares and rest.is_negative:
-        raise ValueError(f"values are real only where {squares[0]} = 0")
-    if rest.is_number or relation != "!=":
-        yield Restriction(sp.expand(rest), relation)
-
-
 # the verdicts
 
 
@@ -276,9 +143,15 @@ def largest_cases(cases: Sequence[ConstantCase]) -> list[ConstantCase]:
     """The cases with the prover's verdicts; none that lies in another one that is proved."""
     kept: list[ConstantCase] = []
     for case in sorted(cases, key=lambda c: len(c.values) + len(c.implicit)):
-        if not any(_lies_in(case, other) for other in kept):
+        same = any(_conditions(case) == _conditions(other) for other in kept)
+        if not same and not any(_lies_in(case, other) for other in kept):
             kept.append(_decided(case))
     return sorted(kept, key=lambda case: (case.trivial, not case.proved))
+
+
+def _conditions(case: ConstantCase) -> tuple[Values, set[Restriction], set[sp.Expr]]:
+    """What must hold in a case."""
+    return case.values, {*case.restrictions}, {*case.implicit}
 
 
 def _lies_in(case: ConstantCase, other: ConstantCase) -> bool:
@@ -325,58 +198,3 @@ def _explicit(statement: Statement, implicit: Sequence[sp.Expr]) -> Statement | 
                 return found and _explicit(found, [p for p in map(sp.expand, rest) if p != 0])
         return None
     return statement
-
-
-def restricted(statement: Statement, restrictions: Sequence[Restriction]) -> Statement | None:
-    """The statement on domains that say what the restrictions say; None where these cannot.
-
-    >>> from .statement_text import read_statement
-    >>> statement = read_statement("u_t - c*u_x", "u = exp(sqrt(c)*(x + c*t))")
-    >>> c = next(s for s in symbols_of(statement) if s.name == "c")
-    >>> restricted(statement, [Restriction(c - 1)]).domains[c].text("c")
-    '1 < c'
-    """
-    domains, texts = dict(statement.domains), statement.texts
-    for restriction in restrictions:
-        bound = _bound(restriction, DomainSigns(domains))
-        if bound is None:
-            return None
-        symbol, domain = bound
-        domains[symbol] = domains.get(symbol, REAL) & domain
-        stated = domain.chain(symbol.name, formula_as_text)
-        if texts is not None and stated != symbol.name:
-            texts = replace(texts, parameters=(*texts.parameters, f"{symbol.name}: {stated}"))
-    return replace(statement, domains=domains, texts=texts) if restrictions else None
-
-
-def _bound(restriction: Restriction, signs: DomainSigns) -> tuple[sp.Symbol, Domain] | None:
-    """A symbol that a restriction bounds, and where it is then; ends are left out."""
-    if restriction.relation == "!=" and restriction.value.is_Symbol:
-        return restriction.value, Domain(nonzero=True)
-    if restriction.relation not in (">", ">="):
-        return None
-    above, below = sp.fraction(sp.together(restriction.value))
-    value = sp.expand(above if signs.is_positive(below) else above * below)
-    for s in sorted(value.free_symbols, key=str):
-        if not value.is_polynomial(s):
-            continue
-        ends = [_end(s, factor, signs) for factor, n in sp.factor_list(value, s)[1] if n % 2]
-        if sp.degree(value, s) == 1 and ends[0] is not None:
-            slope = value.coeff(s, 1)
-            if signs.is_positive(slope):
-                return s, Domain(lower=ends[0])
-            if signs.is_positive(-slope):
-                return s, Domain(upper=ends[0])
-        lead = value.coeff(s, 2)
-        if sp.degree(value, s) == 2 and len(ends) == 2 and signs.is_positive(-lead):
-            for low, high in (ends, ends[::-1]):
-                if low is not None and high is not None and signs.is_positive(high - low):
-                    return s, Domain(lower=low, upper=high)
-    return None
-
-
-def _end(symbol: sp.Symbol, factor: sp.Expr, signs: DomainSigns) -> sp.Expr | None:
-    """Where a linear factor is 0."""
-    if sp.degree(factor, symbol) != 1 or not signs.is_nonzero(factor.coeff(symbol, 1)):
-        return None
-    return tidy(-factor.coeff(symbol, 0) / factor.coeff(symbol, 1))

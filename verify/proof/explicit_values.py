@@ -9,6 +9,7 @@ from itertools import product
 import sympy as sp
 
 from .case_tree import Constants, SystemCase
+from .factors import factors_of
 
 RELATIONS = 3
 """Most algebraic constants that a root is looked for in."""
@@ -144,11 +145,11 @@ def _parted(quotient: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
     above, below = sp.fraction(sp.cancel(sp.together(quotient)))
     if not (above.free_symbols | below.free_symbols):
         return sp.S.One, above / below
-    (number, above_factors), (under, below_factors) = sp.factor_list(above), sp.factor_list(below)
+    (number, above_factors), (under, below_factors) = factors_of(above), factors_of(below)
     root, odd = sp.S.One, number / under
     for factors, side in ((above_factors, 1), (below_factors, -1)):
         for factor, power in factors:
-            half, rest = divmod(int(power), 2)
+            half, rest = divmod(power, 2)
             root *= factor ** (side * half)
             odd *= factor ** (side * rest)
     return root, odd
@@ -167,6 +168,10 @@ def tidy(expression: sp.Expr) -> sp.Expr:
     found = expression.xreplace(names).xreplace(below)
     found = sp.factor(sp.cancel(sp.together(found)))
     found = found.xreplace({name: root for root, name in names.items()})
+    if names:
+        number, factors = factors_of(found)
+        whole = number * sp.Mul(*(factor**power for factor, power in factors))
+        found = min(found, whole, key=lambda e: e.count_ops())
     if found.has(sp.exp) and found.count_ops() <= SHORT:
         return min(found, sp.simplify(found), key=lambda e: e.count_ops())
     if found.is_number or any(p.base.is_Rational for p in found.atoms(sp.Pow) if p.exp.q != 1):
@@ -180,7 +185,7 @@ def in_squares(value: sp.Expr, squares: Squares) -> sp.Expr:
     """The value in algebraic constants in the place of their squares, where that is shorter."""
     best = value
     for constant, square in squares:
-        for factor, power in sp.factor_list(square)[1]:
+        for factor, power in factors_of(square)[1]:
             if power != 1 or not factor.has(sp.Function):
                 continue
             other = sp.cancel(constant**2 * factor / square)

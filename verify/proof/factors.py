@@ -6,6 +6,7 @@ What is found is a hint: nothing here decides.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from math import lcm
 
 import sympy as sp
@@ -31,6 +32,28 @@ def factored(expression: sp.Expr) -> tuple[sp.Rational, Powers]:
     (1, [(sqrt(x) + 1, 2)])
     """
     return Quotients(expression).factors()
+
+
+def factors_of(expression: sp.Expr) -> tuple[sp.Expr, Powers]:
+    """A number and powers of factors, which are irreducible unless the expression is too long.
+
+    SymPy knows that exp(2*k) is a square, and not what to do with a product of roots.
+
+    >>> x, k = sp.symbols("x k", positive=True)
+    >>> factors_of(-2 * sp.sqrt(x))
+    (-2, [(sqrt(x), 1)])
+    >>> factors_of((sp.exp(2 * k) - 1) / x)
+    (1, [(exp(k) - 1, 1), (exp(k) + 1, 1), (x, -1)])
+    """
+    with suppress(sp.PolynomialError):
+        (number, above), (under, below) = map(sp.factor_list, sp.fraction(sp.together(expression)))
+        powers = [*above, *((factor, -power) for factor, power in below)]
+        if all(sp.Integer(power) == power for _, power in powers):
+            return number / under, [(factor, int(power)) for factor, power in powers]
+    try:
+        return factored(expression)
+    except TooLong:
+        return sp.S.One, [(expression, 1)]
 
 
 class Quotients:

@@ -44,13 +44,16 @@ from .statement_problem import (
 from .typed_balls import TextPoint
 from .typed_hints import typed_proof, with_conjugates
 from .typed_statement import Statement
-from .typed_values import TypedValues, failing_values
+from .typed_values import TypedValues, failing_values, typed_values
 
 Progress = Callable[[str], None]
 
 SMOOTH = "wherever the formulas are smooth"
 
-NO_VERDICT = (ValueError, TypeError, RecursionError, NotImplementedError, OverflowError)
+NO_VERDICT = (
+    *(ValueError, TypeError, RecursionError, NotImplementedError, OverflowError),
+    sp.PolynomialError,
+)
 """What a way that decides nothing ends with; exponents past 64 bits overflow in FLINT."""
 
 DRAWN = 40
@@ -114,7 +117,7 @@ def decide_statement(statement: Statement, progress: Progress = lambda _: None) 
 def _decided(statement: Statement, progress: Progress) -> StatementVerdict:
     verdicts: list[ProofVerdict] = []
     count = len(statement.equations)
-    typed = _typed_values(statement)
+    typed = typed_values(statement)
     for number, equation in enumerate(statement.equations, 1):
         progress(f"equation {number} of {count}")
         verdict = _decide_equation(statement, equation)
@@ -137,16 +140,6 @@ def _decided(statement: Statement, progress: Progress) -> StatementVerdict:
             statement, f"divisors must be shown not to be 0, got {abbreviated(divisor)}"
         )
     return found
-
-
-def _typed_values(statement: Statement) -> TypedValues | None:
-    """What was typed, to be evaluated; None for a statement that nobody typed."""
-    if statement.trees is None:
-        return None
-    domains = all_domains(statement, *statement.equations)
-    names = {str(symbol) for symbol in domains}
-    others = {s: d for s, d in statement.domains.items() if str(s) not in names}
-    return TypedValues(statement.trees, {**domains, **others})
 
 
 def _shown(point: TextPoint | None) -> dict[str, str] | None:

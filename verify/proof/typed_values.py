@@ -10,12 +10,18 @@ texts excludes 0, and a proof is compared with such balls.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from fractions import Fraction
 from itertools import islice, product
 
 import sympy as sp
-from flint import arb
+from flint import arb, ctx
 
+from longwave.derive.algebra.formula_tree import Call, FormulaTree, Power, rational
+from longwave.solutions import functions
+
+from .balls import ball_value
+from .domain_signs import DomainSigns
 from .domains import Domain, Domains, Point
 from .samples import sample
 from .statement_problem import all_domains
@@ -40,6 +46,28 @@ COMPLEX = ("2/3 + 5/7*I", "-3/5 + 4/9*I", "-7/8 - 3/4*I", "5/4*I", "11/7")
 CHOICES = 25
 """Choices of complex values."""
 
+PLAIN = {
+    *("exp", "sin", "cos", "tan", "cot", "sec", "csc", "erf"),
+    *("sinh", "cosh", "tanh", "coth", "sech", "csch"),
+    *functions.__all__,
+}
+"""Functions without branches: what agrees at a few points agrees everywhere."""
+
+PLAIN_POINTS, SIGNED_POINTS = 6, 36
+"""Points at which residuals are compared, of such functions and of others: all signs of five."""
+
+SMALL = (*map(Fraction, (0, 1, -1, 2, -2)), Fraction(1, 2))
+"""Values of a parameter at which SymPy's reading may be another than elsewhere."""
+
+LEAST = 3
+"""Points at which residuals must be seen to agree."""
+
+COMPARED_BITS = (128, 512)
+CLOSE = arb(2) ** -40
+
+OTHER_RESIDUAL = "what was typed has another residual than what was solved"
+NOT_SEEN = "what was typed was not seen to have the residual that was solved"
+
 
 def failing_values(statement: Statement) -> dict[str, str] | None:
     """Values of all symbols at which an equation fails; None if none was found."""
@@ -55,11 +83,22 @@ def failing_values(statement: Statement) -> dict[str, str] | None:
     return None
 
 
+def typed_values(statement: Statement) -> TypedValues | None:
+    """What was typed, to be evaluated; None for a statement that nobody typed."""
+    if statement.trees is None:
+        return None
+    domains = all_domains(statement, *statement.equations)
+    names = {str(symbol) for symbol in domains}
+    others = {s: d for s, d in statement.domains.items() if str(s) not in names}
+    return TypedValues(statement.trees, {**domains, **others})
+
+
 class TypedValues:
     """The residuals of a statement's trees at points of the domains."""
 
     def __init__(self, trees: StatementTrees, domains: Domains) -> None:
-        self._domains, self._names = domains, trees.names
+        self._domains, self._names, self._trees = domains, trees.names, trees
+        self._signs = DomainSigns(domains)
         self._balls = TypedBalls(trees, {str(s) for s, d in domains.items() if d.integer})
 
     def fails_at(self, point: TextPoint, bits: Sequence[int] = BITS) -> bool | None:
@@ -83,14 +122,56 @@ class TypedValues:
         """A point of the domain at which an equation fails; None if none was found."""
         return next((point for point in self._points() if self.fails_at(point, QUICK)), None)
 
-    def _points(self) -> Iterator[TextPoint]:
+    def difference(self, residuals: Sequence[sp.Expr]) -> str:
+        """Why residuals are not seen to be those of what was typed; empty if they are.
+
+        They are compared in balls: at points with all signs, at the first integers, and where a
+        parameter is a small number.
+        """
+        seen = 0
+        for point in self._compared():
+            agrees = self._agree_at(point, residuals)
+            if agrees is False:
+                where = ", ".join(f"{name} = {value}" for name, value in point.items())
+                return f"{OTHER_RESIDUAL} at {where}"
+            seen += bool(agrees)
+        return "" if seen >= LEAST else NOT_SEEN
+
+    def _agree_at(self, point: TextPoint, residuals: Sequence[sp.Expr]) -> bool | None:
+        """Whether residuals have the values of what was typed; None where that cannot be said."""
+        values = {s: sp.Rational(point[s.name]) for r in residuals for s in r.free_symbols}
+        for bits in COMPARED_BITS:
+            with ctx.workprec(bits), suppress(ArithmeticError, ValueError, RuntimeError):
+                typed = list(self._balls.residuals(point, bits))
+                other = (ball_value(r, values, bits, self._signs) for r in residuals)
+                found = [(a - b, a.abs_upper() + 1) for a, b in zip(typed, other, strict=True)]
+                if any(not gap.contains(0) for gap, _ in found):
+                    return False
+                if all(gap.abs_upper() < size * CLOSE for gap, size in found):
+                    return True
+        return None
+
+    def _compared(self) -> Iterator[TextPoint]:
+        """Points at which residuals are compared."""
+        nodes = [node for formula in self._trees.formulas for node in formula.nodes()]
+        drawn = list(self._points(PLAIN_POINTS if all(map(_is_plain, nodes)) else SIGNED_POINTS, 1))
+        yield from drawn
+        parameters = [s for s in self._domains if s.name not in self._trees.variables]
+        for number, (symbol, value) in enumerate(product(parameters, SMALL)):
+            point = {**drawn[number % len(drawn)], symbol.name: value}
+            exact = {s: sp.Rational(point[s.name]) for s in self._domains}
+            if all(d.contains(exact[s], exact) for s, d in self._domains.items()):
+                yield point
+
+    def _points(self, count: int = POINTS, most: int = POINTS) -> Iterator[TextPoint]:
+        """Drawn points, the first ``most`` of them also with the first integers."""
         known = {str(symbol): symbol for symbol in self._domains}
         added = {sp.Symbol(name, real=True): Domain() for name in self._names - known.keys()}
         integers = [s for s in self._domains if self._domains[s].integer]
         integers.sort(key=lambda symbol: len(self._domains[symbol].symbols))
-        for drawn in sample({**self._domains, **added}, POINTS):
+        for place, drawn in enumerate(sample({**self._domains, **added}, count)):
             yield {str(symbol): Fraction(int(v.p), int(v.q)) for symbol, v in drawn.items()}
-            if not integers:
+            if not integers or place >= most:
                 continue
             for whole in islice(self._with_first(drawn, integers), MOST):
                 if all(d.contains(whole[s], whole) for s, d in self._domains.items()):
@@ -112,3 +193,11 @@ class TypedValues:
         if upper.is_Rational:
             return [sp.ceiling(upper) - step for step in range(FIRST + 1)]
         return [sp.Integer(step) for step in range(-FIRST // 2, FIRST // 2 + 1)]
+
+
+def _is_plain(node: FormulaTree) -> bool:
+    """Whether a node has no branches: a sum, a product, a whole power or such a function."""
+    if isinstance(node, Power):
+        exponent = rational(node.parts[1])
+        return exponent is not None and exponent.denominator == 1
+    return not isinstance(node, Call) or node.name in PLAIN

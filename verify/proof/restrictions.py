@@ -1,0 +1,308 @@
+"""Restrictions on constants beside their domains: those that are needed, and as domains."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import sympy as sp
+
+from longwave.derive.algebra.formula_printing import formula_as_text
+
+from .domain_signs import DomainSigns
+from .domains import REAL, Domain, Domains, in_order
+from .explicit_values import tidy
+from .factors import factors_of
+from .typed_statement import Statement
+
+ROUNDS = 3
+"""Passes in which restrictions are simplified by each other."""
+
+LONGEST = 60
+"""Operations of a formula whose sign is sought from the ends of the domains."""
+
+
+@dataclass(frozen=True)
+class Restriction:
+    """``value`` is > 0, >= 0 or != 0, or (``relation`` is a word) it is real or an integer."""
+
+    value: sp.Expr
+    relation: str = ">"
+
+    @property
+    def text(self) -> str:
+        """The restriction in words."""
+        if self.relation in ("real", "integer"):
+            return f"{formula_as_text(self.value)} is {self.relation}"
+        if self.value.could_extract_minus_sign():
+            return f"{formula_as_text(-self.value)} {self.relation.replace('>', '<')} 0"
+        return f"{formula_as_text(self.value)} {self.relation} 0"
+
+    def holds(self) -> bool:
+        """Whether a number meets it."""
+        match self.relation:
+            case "!=":
+                return bool(self.value != 0)
+            case "integer":
+                return bool(self.value.is_integer)
+            case "real":
+                return bool(self.value.is_real)
+        real = bool(self.value.is_real)
+        return real and bool(self.value > 0 if self.relation == ">" else self.value >= 0)
+
+
+def realities(value: sp.Expr) -> Iterator[Restriction]:
+    """What makes a value real: no root of even degree of what is negative."""
+    yield Restriction(value, "real")
+    below = factors_of(sp.denom(sp.together(value)))[1]
+    for power in _roots_in(value):
+        base = tidy(power.base)
+        is_below = any(factor in below for factor in factors_of(sp.numer(base))[1])
+        yield Restriction(base, ">" if power.exp.is_negative or is_below else ">=")
+
+
+def _roots_in(value: sp.Expr) -> list[sp.Expr]:
+    """The roots of even degree of formulas."""
+    powers = (p for p in value.atoms(sp.Pow) if p.exp.is_Rational and p.free_symbols)
+    return sorted((p for p in powers if p.exp.q % 2 == 0), key=sp.default_sort_key)
+
+
+def domain_restrictions(domain: Domain, value: sp.Expr) -> Iterator[Restriction]:
+    """What a domain says of a value in the place of its symbol."""
+    if domain.lower != -sp.oo:
+        yield Restriction(tidy(value - domain.lower), ">" if domain.lower_open else ">=")
+    if domain.upper != sp.oo:
+        yield Restriction(tidy(domain.upper - value), ">" if domain.upper_open else ">=")
+    if domain.nonzero:
+        yield Restriction(value, "!=")
+    if domain.integer:
+        yield Restriction(value, "integer")
+
+
+class KnownSigns:
+    """Signs of formulas, by the domains and by what is taken to be positive beside them."""
+
+    def __init__(self, domains: Domains) -> None:
+        self._signs = DomainSigns(domains)
+        self._positive: set[sp.Expr] = set()
+        self._images, distances = _in_distances(domains)
+        self._inner = DomainSigns(distances)
+
+    def take(self, restriction: Restriction) -> None:
+        """Take a restriction to hold: a single factor is positive or negative then."""
+        number, factors = factors_of(restriction.value)
+        if restriction.relation == ">" and [power for _, power in factors] == [1]:
+            self._positive.add(factors[0][0] * sp.sign(number))
+
+    def is_positive(self, value: sp.Expr) -> bool:
+        """Whether a formula is shown to be positive."""
+        known = value in self._positive or self._signs.is_positive(value)
+        return known or any(map(self._inner.is_positive, self._from_ends(value)))
+
+    def is_nonnegative(self, value: sp.Expr) -> bool:
+        """Whether a formula is shown to be at least 0."""
+        known = value in self._positive or self._signs.is_nonnegative(value)
+        return known or any(map(self._inner.is_nonnegative, self._from_ends(value)))
+
+    def is_nonzero(self, value: sp.Expr) -> bool:
+        """Whether a formula is shown to be nowhere 0."""
+        return self._signs.is_nonzero(value) or any(map(self.is_positive, (value, -value)))
+
+    def implies(self, restriction: Restriction) -> bool:
+        """Whether a restriction is shown to hold."""
+        match restriction.relation:
+            case ">":
+                return self.is_positive(restriction.value)
+            case ">=":
+                return self.is_nonnegative(restriction.value)
+            case "!=":
+                return self.is_nonzero(restriction.value)
+            case "real":
+                return self._signs.is_real(restriction.value)
+        return bool(restriction.value.is_integer)
+
+    def excludes(self, restriction: Restriction) -> bool:
+        """Whether a restriction is shown to hold nowhere."""
+        if restriction.relation == ">":
+            return self.is_nonnegative(-restriction.value)
+        return restriction.relation == ">=" and self.is_positive(-restriction.value)
+
+    def _from_ends(self, value: sp.Expr) -> Iterator[sp.Expr]:
+        """A polynomial in the distances of its symbols from the ends of their domains."""
+        symbols = value.free_symbols
+        if value.count_ops() > LONGEST or not value.is_polynomial(*symbols):
+            return
+        image = value
+        for symbol, place in self._images.items():
+            image = image.xreplace({symbol: place})
+        above, below = sp.fraction(sp.together(image))
+        if image != value and self._inner.is_positive(below):
+            yield sp.expand(above)
+
+
+def _in_distances(domains: Domains) -> tuple[dict[sp.Symbol, sp.Expr], dict[sp.Symbol, Domain]]:
+    """Each symbol by its distance from an end, later ones first; and the domains of distances.
+
+    The share p/(1 + p) of the way from the lower to the upper end stands for both.
+    """
+    images, distances = dict[sp.Symbol, sp.Expr](), dict[sp.Symbol, Domain]()
+    for symbol in reversed(in_order(domains)):
+        domain = domains[symbol]
+        distance = sp.Dummy("distance", real=True)
+        is_closed = domain.upper != sp.oo and not domain.upper_open
+        if is_closed or (domain.lower == -sp.oo and domain.upper == sp.oo):
+            distances[symbol] = domain
+            continue
+        if domain.upper == sp.oo:
+            images[symbol], is_open = domain.lower + distance, domain.lower_open
+        elif domain.lower == -sp.oo:
+            images[symbol], is_open = domain.upper - distance, domain.upper_open
+        else:
+            share = distance / (1 + distance)
+            images[symbol] = domain.lower + (domain.upper - domain.lower) * share
+            is_open = domain.lower_open
+        distances[distance] = Domain(lower=sp.S.Zero, lower_open=is_open)
+    return images, distances
+
+
+def needed(given: Sequence[Restriction], domains: Domains) -> tuple[Restriction, ...] | None:
+    """The restrictions that the domains and each other do not imply; None if they exclude one.
+
+    What stands under a root is a restriction of its own, so that the root is not negative.
+
+    >>> c, k = sp.symbols("c k")
+    >>> known = {c: Domain(lower=sp.S.Zero), k: REAL}
+    >>> [r.text for r in needed([Restriction(sp.sqrt(c) * (c - k)), Restriction(c)], known)]
+    ['c - k > 0']
+    """
+    for _ in range(ROUNDS):
+        found = _once(given, domains)
+        if found is None or found == tuple(given):
+            return found
+        given = sorted(found, key=lambda r: len(factors_of(r.value)[1]))
+    return tuple(given)
+
+
+def _once(given: Sequence[Restriction], domains: Domains) -> tuple[Restriction, ...] | None:
+    """The restrictions, each simplified by the domains and by those before it."""
+    powers = sorted({p for r in given for p in _roots_in(r.value)}, key=sp.default_sort_key)
+    roots = {p: sp.Dummy("root", real=True) for p in powers}
+    signs = DomainSigns(domains)
+    known = KnownSigns({**domains, **{roots[p]: _values_of(p, signs) for p in powers}})
+    back, bases = {name: p for p, name in roots.items()}, {n: p.base for p, n in roots.items()}
+    kept: dict[Restriction, None] = {}
+    waiting = list(given)
+    while waiting:
+        first = waiting.pop(0)
+        for r in _simplified(Restriction(first.value.xreplace(roots), first.relation), known):
+            if r.value.is_number:
+                if not r.holds():
+                    return None
+            elif r.value in bases:
+                waiting.append(Restriction(tidy(bases[r.value]), r.relation))
+            elif known.excludes(r):
+                return None
+            elif not known.implies(r):
+                kept[Restriction(r.value.xreplace(back), r.relation)] = None
+                known.take(r)
+    strict = {r.value for r in kept if r.relation == ">"}
+    if any(-value in strict for value in strict):
+        return None
+    return tuple(r for r in kept if r.relation == ">" or r.value not in strict)
+
+
+def _values_of(root: sp.Expr, signs: DomainSigns) -> Domain:
+    """The values of a real root: 0 is none where it is below a line or of what is positive."""
+    is_positive = root.exp.is_negative or signs.is_positive(root.base)
+    return Domain(lower=sp.S.Zero, lower_open=bool(is_positive))
+
+
+def _simplified(restriction: Restriction, known: KnownSigns) -> Iterator[Restriction]:
+    """The restriction without factors of known sign, and without squares that must not vanish.
+
+    Raises ValueError where it holds only at the zeros of a square.
+    """
+    relation = restriction.relation
+    if restriction.value.is_number or relation in ("real", "integer"):
+        yield restriction
+        return
+    number, factors = factors_of(restriction.value)
+    rest, squares = sp.sign(number), list[sp.Expr]()
+    for factor, power in factors:
+        if known.is_positive(factor) or (power % 2 == 0 and known.is_nonzero(factor)):
+            continue
+        if known.is_positive(-factor):
+            rest *= (-1) ** power
+        elif power % 2 == 0 or relation == "!=":
+            if not known.is_nonzero(factor):
+                if relation == ">=" and power > 0:
+                    squares.append(factor)
+                else:
+                    yield Restriction(factor, "!=")
+        elif relation == ">" and known.is_nonnegative(factor):
+            yield Restriction(factor, ">")
+        else:
+            rest *= factor
+    if squares and rest.is_negative:
+        raise ValueError(f"values are real only where {squares[0]} = 0")
+    if rest.is_number or relation != "!=":
+        kept = sp.Mul(*(factor**2 for factor in squares)) if rest.free_symbols else 1
+        yield Restriction(sp.expand(kept * rest), relation)
+
+
+def restricted(statement: Statement, restrictions: Sequence[Restriction]) -> Statement | None:
+    """The statement on domains that say what the restrictions say; None where these cannot.
+
+    >>> from .statement_text import read_statement
+    >>> statement = read_statement("u_t - c*u_x", "u = exp(sqrt(c)*(x + c*t))")
+    >>> c = next(s for s in statement.equations[0].free_symbols if s.name == "c")
+    >>> restricted(statement, [Restriction(c - 1)]).domains[c].text("c")
+    '1 < c'
+    """
+    domains, texts = dict(statement.domains), statement.texts
+    for restriction in restrictions:
+        bound = _bound(restriction, DomainSigns(domains))
+        if bound is None:
+            return None
+        symbol, domain = bound
+        try:
+            domains[symbol] = domains.get(symbol, REAL) & domain
+        except ValueError:  # two ends that cannot be compared
+            return None
+        stated = domain.chain(symbol.name, formula_as_text)
+        if texts is not None and stated != symbol.name:
+            texts = replace(texts, parameters=(*texts.parameters, f"{symbol.name}: {stated}"))
+    return replace(statement, domains=domains, texts=texts) if restrictions else None
+
+
+def _bound(restriction: Restriction, signs: DomainSigns) -> tuple[sp.Symbol, Domain] | None:
+    """A symbol that a restriction bounds, and where it is then; ends are left out."""
+    if restriction.relation == "!=" and restriction.value.is_Symbol:
+        return restriction.value, Domain(nonzero=True)
+    if restriction.relation not in (">", ">="):
+        return None
+    above, below = sp.fraction(sp.together(restriction.value))
+    value = sp.expand(above if signs.is_positive(below) else above * below)
+    for s in sorted(value.free_symbols, key=str):
+        if not value.is_polynomial(s):
+            continue
+        ends = [_end(s, factor, signs) for factor, n in sp.factor_list(value, s)[1] if n % 2]
+        if sp.degree(value, s) == 1 and ends[0] is not None:
+            slope = value.coeff(s, 1)
+            if signs.is_positive(slope):
+                return s, Domain(lower=ends[0])
+            if signs.is_positive(-slope):
+                return s, Domain(upper=ends[0])
+        lead = value.coeff(s, 2)
+        if sp.degree(value, s) == 2 and len(ends) == 2 and signs.is_positive(-lead):
+            for low, high in (ends, ends[::-1]):
+                if low is not None and high is not None and signs.is_positive(high - low):
+                    return s, Domain(lower=low, upper=high)
+    return None
+
+
+def _end(symbol: sp.Symbol, factor: sp.Expr, signs: DomainSigns) -> sp.Expr | None:
+    """Where a linear factor is 0."""
+    if sp.degree(factor, symbol) != 1 or not signs.is_nonzero(factor.coeff(symbol, 1)):
+        return None
+    return tidy(-factor.coeff(symbol, 0) / factor.coeff(symbol, 1))
