@@ -14,7 +14,7 @@ from fractions import Fraction
 from itertools import islice, product
 
 import sympy as sp
-from flint import arb
+from flint import acb, arb
 
 from .domains import Domain, Domains, Point
 from .samples import sample
@@ -64,20 +64,29 @@ class TypedValues:
 
     def fails_at(self, point: TextPoint, bits: Sequence[int] = BITS) -> bool | None:
         """Whether an equation fails at a point; None where that cannot be said."""
-        if not self._names <= point.keys():
-            return None
         is_small = False
-        for size in bits:
-            try:
-                found = list(self._balls.residuals(point, size))
-            except (ArithmeticError, ValueError, RuntimeError):
-                is_small = False
-                continue
+        for size, found in self._residuals(point, bits):
             if any(not residual.contains(0) for residual in found):
                 return True
             least = arb(2) ** (-size // 4)
-            is_small = all(residual.abs_upper() < least for residual in found)
+            is_small = bool(found) and all(residual.abs_upper() < least for residual in found)
         return False if is_small else None
+
+    def failing(self, point: TextPoint) -> tuple[int, acb] | None:
+        """The number of an equation that fails at a point, and a ball around its residual."""
+        for _, found in self._residuals(point, BITS):
+            for number, residual in enumerate(found, 1):
+                if not residual.contains(0):
+                    return number, residual
+        return None
+
+    def _residuals(self, point: TextPoint, bits: Sequence[int]) -> Iterator[tuple[int, list[acb]]]:
+        """Balls around the residuals at a point, for numbers of bits; none where there is none."""
+        for size in bits if self._names <= point.keys() else ():
+            try:
+                yield size, list(self._balls.residuals(point, size))
+            except (ArithmeticError, ValueError, RuntimeError):
+                yield size, []
 
     def failure(self) -> TextPoint | None:
         """A point of the domain at which an equation fails; None if none was found."""
