@@ -7,7 +7,7 @@ its own text, if it leaves no residual at the point of the refutation.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -46,6 +46,8 @@ FACTORS = {
     **{Fraction(text): HALVES for text in ("2", "1/2")},
     **{Fraction(text): OTHERS for text in ("4", "1/4", "3", "1/3", "3/2", "2/3", "6", "1/6")},
 }
+
+HALF = Fraction(1, 2)
 
 QUICK = (64,)
 """Bits in which a change is looked at before it is decided."""
@@ -207,7 +209,7 @@ def _instead(new: FormulaTree, old: FormulaTree) -> str:
 
 def _difference(old: FormulaTree, new: FormulaTree) -> tuple[FormulaTree, FormulaTree]:
     """The smallest terms or arguments with all that differs."""
-    if type(old) is not type(new) or len(old.inner()) != len(new.inner()):
+    if not old.inner() or len(old.inner()) != len(new.inner()) or old.made_of(new.inner()) != new:
         return old, new
     pairs = [pair for pair in zip(old.inner(), new.inner(), strict=True) if pair[0] != pair[1]]
     if len(pairs) != 1:
@@ -231,7 +233,7 @@ def _moduli(formula: FormulaTree) -> Iterator[tuple[str, FormulaTree]]:
 
     for old in dict.fromkeys(f.inner()[-1] for f in formula.nodes() if is_elliptic(f)):
         squared = isinstance(old, Power) and rational(old.parts[1]) == 2
-        for new in (_power(old, Fraction(2)), old.inner()[0] if squared else Call((old,), "sqrt")):
+        for new in (_power(old, Fraction(2)), old.inner()[0] if squared else _power(old, HALF)):
             words = f"{_instead(new, old)} as the parameter of elliptic functions"
             if _names(old):
                 yield words, mapped(formula, partial(image, old, new))
@@ -325,7 +327,8 @@ def _of_factor(factor: FormulaTree) -> Iterator[Change]:
         values = (factor.value + step for step in (1, -1))
         yield from ((OTHERS, Number(value)) for value in values if value)
     elif not isinstance(factor, Product | Power) and factor not in map(Name, CONSTANTS):
-        yield from _powers(factor)
+        for rank, new in _powers(factor):
+            yield rank if isinstance(factor, Name) else OTHERS, new
 
 
 def _of_term(term: FormulaTree, parameters: Iterable[str]) -> Iterator[Change]:
@@ -361,24 +364,37 @@ def _shifted(term: FormulaTree) -> Iterator[Change]:
 
 
 def _power(base: FormulaTree, exponent: Fraction) -> FormulaTree:
+    if exponent == HALF:
+        return Call((base,), "sqrt")
     return base if exponent == 1 else Power((base, Number(exponent)))
 
 
 def _times(factor: Fraction, term: FormulaTree) -> FormulaTree:
-    """A multiple of a term; its numbers are one."""
-    others = []
+    """A multiple of a term; its numbers are one, above and below the line."""
+    above, below = list[FormulaTree](), list[FormulaTree]()
     for part in _factors(term):
         value = rational(part)
-        if value is None:
-            others.append(part)
-        else:
+        if value is not None:
             factor *= value
-    head = [Number(factor)] * (factor != 1 or not others)
-    parts = (*head, *others)
-    return parts[0] if len(parts) == 1 else Product(parts)
+        elif isinstance(part, Power) and part.parts[1] == MINUS_ONE:
+            below.append(part.parts[0])
+        else:
+            above.append(part)
+    number, divisor = abs(factor.numerator), factor.denominator
+    above[:0] = [Number(Fraction(number))] * (number != 1 or not above)
+    below[:0] = [Number(Fraction(divisor))] * (divisor != 1)
+    line = [Power((_product(below), MINUS_ONE))] if below else []
+    return _product([*[MINUS_ONE] * (factor < 0), *above, *line])
+
+
+def _product(parts: Sequence[FormulaTree]) -> FormulaTree:
+    return parts[0] if len(parts) == 1 else Product(tuple(parts))
 
 
 def _factors(term: FormulaTree) -> list[FormulaTree]:
-    if not isinstance(term, Product):
-        return [term]
-    return [factor for part in term.parts for factor in _factors(part)]
+    match term:
+        case Product(parts=parts):
+            return [factor for part in parts for factor in _factors(part)]
+        case Power(parts=(Product(parts=parts), exponent)) if exponent == MINUS_ONE:
+            return [Power((factor, exponent)) for part in parts for factor in _factors(part)]
+    return [term]

@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import sympy as sp
 
 from longwave.derive.algebra.formula_tree import (
+    Call,
     FormulaTree,
     Name,
+    Number,
+    Power,
+    Product,
+    mapped,
     plain_text,
 )
 
@@ -35,11 +41,18 @@ def typed_places(statement: Statement) -> tuple[str, ...]:
     """
     domains = typed_domains(statement)
     signs = DomainSigns(domains)
-    assert statement.trees is not None
+    trees = statement.trees
+    assert trees is not None
+    trees = replace(
+        trees,
+        equations=tuple(mapped(equation, _smooth) for equation in trees.equations),
+        solutions={name: mapped(formula, _smooth) for name, formula in trees.solutions.items()},
+        definitions={name: mapped(formula, _smooth) for name, formula in trees.definitions.items()},
+    )
     found = [
         line
-        for equation in statement.trees.equations
-        for node in typed_nodes(statement, equation)
+        for equation in trees.equations
+        for node in typed_nodes(replace(statement, trees=trees), equation)
         for line in _lines(node, signs, domains)
     ]
     if names := ", ".join(statement.complexes):
@@ -47,11 +60,21 @@ def typed_places(statement: Statement) -> tuple[str, ...]:
     return tuple(dict.fromkeys(found))
 
 
+def _smooth(node: FormulaTree) -> FormulaTree | None:
+    """An even power of a modulus, which has no corner, without it."""
+    match node:
+        case Power(parts=(Call(parts=(inner,), name="abs"), Number(value=power))) if not power % 2:
+            inner = mapped(inner, _smooth)
+            return Power((Product((inner, Call((inner,), "conjugate"))), Number(power / 2)))
+    return None
+
+
 def _lines(node: Typed, signs: DomainSigns, domains: Domains) -> Iterator[str]:
     for words, argument in rough_places(node.plain, signs):
         part = node.tree if argument is None else node.tree.inner()[argument]
         sites = _sites(node.plain.args[argument], domains) if words.endswith(ZERO) else None
         if argument is None or sites is None:
+            part = _base(part) if words.endswith(ZERO) else part
             yield words.format(plain_text(_shallow(part, DEPTH)))
             continue
         for site in sites:
@@ -59,6 +82,14 @@ def _lines(node: Typed, signs: DomainSigns, domains: Domains) -> Iterator[str]:
 
 
 ZERO = " {} = 0"
+
+
+def _base(formula: FormulaTree) -> FormulaTree:
+    """What is 0 where the formula is."""
+    match formula:
+        case Power(parts=(base, Number(value=power))) if power > 0:
+            return _base(base)
+    return formula
 
 
 def _sites(argument: sp.Expr, domains: Domains) -> list[str] | None:
