@@ -65,11 +65,8 @@ class _Words:
             found.append(part())
         return found
 
-
-class _Text(_Words):
-    def __init__(self, words: Sequence[str], variables: str, unknowns: Collection[str]) -> None:
-        super().__init__(words)
-        self.variables, self.unknowns = variables, unknowns
+    def sum(self) -> Tree:
+        raise NotImplementedError
 
     def equation(self) -> Tree:
         left = self.sum()
@@ -78,6 +75,12 @@ class _Text(_Words):
         if self.words[self.at]:
             raise ValueError(f"left over: {self.words[self.at :]}")
         return left
+
+
+class _Text(_Words):
+    def __init__(self, words: Sequence[str], variables: str, unknowns: Collection[str]) -> None:
+        super().__init__(words)
+        self.variables, self.unknowns = variables, unknowns
 
     def sum(self) -> Tree:
         found = self.product()
@@ -161,8 +164,6 @@ class _Latex(_Words):
     ) -> None:
         super().__init__(words)
         self.variables, self.unknowns, self.functions = variables, unknowns, functions
-
-    equation = _Text.equation
 
     def sum(self) -> Tree:
         sign = self.take("-")
@@ -263,11 +264,9 @@ class _Latex(_Words):
 
 def _sign(z: Any) -> Any:
     size = abs(z)
-    if size == 0:
-        raise CannotJudge("sign of 0")
-    if size < NEAR:
+    if 0 < size < NEAR:
         raise CannotJudge("near a jump")
-    return z / size
+    return z / size if size else mp.mpf(0)
 
 
 def _modulus(z: Any) -> Any:
@@ -381,27 +380,15 @@ def _terms(tree: Tree) -> Iterator[Tree]:
         yield tree
 
 
+KINDS = ("num", "name", "+", "*", "^", "call", "unknown", "diff")
+
+
 def names_in(trees: Sequence[Tree]) -> set[str]:
     """The names in trees, with those of functions that are arbitrary."""
     found: set[str] = set()
     for tree in trees:
-        if tree[0] == "name":
+        if tree[0] == "name" or (tree[0] == "call" and tree[1] in ("f", "g")):
             found.add(tree[1])
-        if tree[0] == "call" and tree[1] in ("f", "g"):
-            found.add(tree[1])
-        found |= names_in(
-            [
-                part
-                for part in tree[1:]
-                if isinstance(part, tuple)
-                and part
-                and isinstance(part[0], str)
-                and part[0] in KINDS
-            ]
-        )
-        if tree[0] == "unknown" and (tree[3] or False):
-            found.add("n")
+        parts = [part for part in tree[1:] if isinstance(part, tuple) and part]
+        found |= names_in([part for part in parts if part[0] in KINDS])
     return found - {"I", "pi"}
-
-
-KINDS = ("num", "name", "+", "*", "^", "call", "unknown", "diff")

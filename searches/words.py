@@ -373,7 +373,11 @@ class Judgement:
 
     def look_again(self, verdict: StatementVerdict) -> list[str]:
         """Judge what is shown of a record with lies in the place of words."""
-        lies = {"hint": "a lie", "assumptions": ["a lie"], "singularities": ["a lie"]}
+        lies: dict[str, Any] = {
+            "hint": "a lie",
+            "assumptions": ["a lie"],
+            "singularities": ["a lie"],
+        }
         lies |= {"statement": "a lie", "seconds": 1e9}
         if verdict.outcome.value != "UNDECIDED":
             lies["reason"] = "a lie"

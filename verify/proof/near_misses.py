@@ -308,8 +308,8 @@ def _of_node(node: FormulaTree, parameters: Iterable[str]) -> Iterator[Change]:
                 for rank, new in _of_factor(part):
                     yield rank, Product((*parts[:place], new, *parts[place + 1 :]))
         case Power(parts=(base, exponent)):
-            for rank, new in _exponents(rational(exponent)):
-                yield rank, _power(base, new)
+            for rank, value in _exponents(rational(exponent)):
+                yield rank, _power(base, value)
         case Call(parts=(first, *rest), name=name):
             for rank, new in _of_term(first, parameters):
                 yield rank, Call((new, *rest), name)
@@ -326,7 +326,7 @@ def _of_factor(factor: FormulaTree) -> Iterator[Change]:
     if isinstance(factor, Number):
         values = (factor.value + step for step in (1, -1))
         yield from ((OTHERS, Number(value)) for value in values if value)
-    elif not isinstance(factor, Product | Power) and factor not in map(Name, CONSTANTS):
+    elif not isinstance(factor, Product | Power) and factor not in [*map(Name, CONSTANTS)]:
         for rank, new in _powers(factor):
             yield rank if isinstance(factor, Name) else OTHERS, new
 
