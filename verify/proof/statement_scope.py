@@ -10,6 +10,7 @@ from longwave.verify.kernel.nodes import KINDS, Nodes
 from longwave.verify.kernel.statement import read_statement
 
 from .certificate_writer import as_data
+from .mistyped_statements import split_outside
 from .typed_statement import Statement, StatementTexts
 
 COMPARED = r"<=|>=|!=|<|>"
@@ -73,10 +74,10 @@ def _is_inequality(condition: str) -> bool:
 def _conditions(texts: StatementTexts) -> Iterator[str]:
     for part in texts.parameters:
         name, sign, stated = (piece.strip() for piece in part.partition(":"))
-        for condition in stated.split(",") if sign else ():
+        for condition in split_outside(stated, ",") if sign else ():
             yield _condition(name, condition)
     for part in texts.domain:
-        for condition in part.split(","):
+        for condition in split_outside(part, ","):
             yield _condition("", condition)
 
 

@@ -362,6 +362,13 @@ SCOPES = [
         "",
         "for all real x; integer k; complex c with k > 0",
     ),
+    (
+        "u_x - k",
+        "u = k*x",
+        "m: 0<m<1; k: k > jacobi_dn(1, m), k < 7",
+        "",
+        "for all real k, m, x with 0 < m < 1, k > jacobi_dn(1, m), k < 7",
+    ),
     ("u_x - b", "u = b*x", "a: 1<=a<2; b = 2*a", "", "for all real a, x with 1 <= a < 2"),
 ]
 
