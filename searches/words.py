@@ -4,7 +4,9 @@ The statements are made of what SymPy simplifies while it builds (signs, moduli,
 of negative numbers, shifts, parities, functions), and of its reading as the other side.  Verdicts,
 residuals, hints, scopes, places and LaTeX are read back and evaluated by `searches.word_judge`.
 
-    python -m searches.words [--count 100000] [--minutes 60] [--seed 0] [--hints 8]
+    python -m searches.words [--count 100000] [--minutes 60] [--seed 0] [--hints 8] [--solves 0]
+
+With ``--solves 5`` every fifth statement is solved for a constant (`searches.word_solves`).
 
 Prints what is false, with the statement, and a table; the exit status is 1 if anything is.
 """
@@ -28,6 +30,7 @@ from mpmath import mp
 from longwave.derive.algebra.formula_printing import formula_as_text
 from longwave.derive.algebra.formula_text import FormulaError
 from longwave.support.processes import OutOfTime, time_limit
+from longwave.verify.proof.conditions import ConditionalVerdict
 from longwave.verify.proof.kept_verdict import kept_record, taken_again
 from longwave.verify.proof.near_misses import with_hint
 from longwave.verify.proof.statement_text import read_statement
@@ -36,8 +39,10 @@ from longwave.verify.proof.statement_verdict import (
     decide_statement,
     verified_sentence,
 )
+from longwave.verify.proof.text_prover import prove
 from longwave.verify.proof.typed_statement import Statement
 from searches.word_judge import CannotJudge, Point, Reading, latex_tree, names_in, text_tree
+from searches.word_solves import Solved, faults, solved
 
 LIMIT = 20.0
 """Seconds for a statement; what takes longer is counted."""
@@ -480,9 +485,9 @@ def judged(seed: int, index: int, hints: int) -> tuple[str, Made, list[str]]:
             if hints and verdict.outcome.value == "REFUTED" and not index % hints:
                 verdict = with_hint(statement, verdict)
             judgement = Judgement(given, statement, seed, index)
-            faults = judgement.look(verdict)
+            found = judgement.look(verdict)
             if not index % RESUMED:
-                faults = judgement.look_again(verdict)
+                found = judgement.look_again(verdict)
     except OutOfTime:
         return "slow", given, []
     except FormulaError as error:
@@ -490,7 +495,22 @@ def judged(seed: int, index: int, hints: int) -> tuple[str, Made, list[str]]:
     except Exception as error:  # a crash is a finding, not the end of the search
         return "error", given, [f"{type(error).__name__}: {error}"]
     kind = f"{verdict.outcome.value}{' with a hint' if verdict.hint else ''}"
-    return kind, given, faults
+    return kind, given, found
+
+
+def solve_judged(seed: int, index: int) -> tuple[str, Solved, list[str]]:
+    """The outcome of a solve, and what is false."""
+    given = solved(seed, index)
+    try:
+        with time_limit(LIMIT):
+            verdict = prove(given.equation, given.solution, solve=given.wanted)
+            assert isinstance(verdict, ConditionalVerdict)
+            found = [*faults(given, verdict)]
+    except OutOfTime:
+        return "slow", given, []
+    except Exception as error:  # a crash is a finding, not the end of the search
+        return "error", given, [f"{type(error).__name__}: {error}"]
+    return f"{verdict.outcome.value} solved", given, found
 
 
 def main() -> int:
@@ -500,15 +520,20 @@ def main() -> int:
     parser.add_argument("--minutes", type=float, default=60.0, help="where it stops, done or not")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--hints", type=int, default=8, help="every so many have a hint looked for")
+    parser.add_argument("--solves", type=int, default=0, help="every so many are solves; 0: none")
     options = parser.parse_args()
     start, counts, false = time.monotonic(), Counter[str](), 0
     for index in range(options.count):
         if time.monotonic() - start > 60 * options.minutes:
             break
-        outcome, given, faults = judged(options.seed, index, options.hints)
+        given: Made | Solved
+        if options.solves and not index % options.solves:
+            outcome, given, found = solve_judged(options.seed, index)
+        else:
+            outcome, given, found = judged(options.seed, index, options.hints)
         counts[outcome] += 1
-        false += bool(faults)
-        for fault in faults:
+        false += bool(found)
+        for fault in found:
             print(f"{options.seed} {index}: {fault}\n    {given.words}", flush=True)
     minutes = (time.monotonic() - start) / 60
     print(f"{counts.total()} statements in {minutes:.1f} min: {dict(counts)}; {false} false")

@@ -9,12 +9,15 @@ import sympy as sp
 from mpmath import mp
 
 from longwave.verify.proof import kept_verdict, statement_verdict
+from longwave.verify.proof.conditions import ConditionalVerdict
 from longwave.verify.proof.statement_scope import scope
 from longwave.verify.proof.statement_verdict import StatementVerdict
+from longwave.verify.proof.text_prover import prove
 from longwave.verify.proof.typed_statement import Statement
 from longwave.verify.verdict import Outcome
-from searches import words
+from searches import word_solves, words
 from searches.word_judge import Reading, latex_tree, text_tree
+from searches.word_solves import Solved
 from searches.words import Made, judged, made
 
 COUNT = 12
@@ -126,3 +129,28 @@ def test_what_was_false_is_found_when_it_is_put_back(
     for module, name, wrong in changes:
         monkeypatch.setattr(module, name, wrong)
     assert judged(0, 0, 1)[2]
+
+
+@pytest.mark.parametrize(
+    ("equation", "solution", "wanted"),
+    [
+        ("u_t + c*u_x", "u = exp(k*x - w*t)", "w"),
+        ("u_x - b*u", "u = a*exp(c*x)*sign(1 + x**2)", "c"),
+        ("I*u_t + u_xx - b*u", "u = exp(I*(k*x - w*t))", "w"),
+    ],
+)
+def test_a_case_that_is_left_out_or_wrong_is_found(
+    equation: str, solution: str, wanted: str
+) -> None:
+    given = Solved(equation, solution, wanted)
+    verdict = prove(equation, solution, solve=wanted)
+    assert isinstance(verdict, ConditionalVerdict)
+    assert verdict.outcome == "PROVED"
+    assert not [*word_solves.faults(given, verdict)]
+    nothing = replace(verdict, cases=tuple(c for c in verdict.cases if c.trivial))
+    nothing = replace(nothing, detail=nothing.words())
+    assert "is in no case" in " ".join(word_solves.faults(given, nothing))
+    (first, *_) = verdict.cases
+    wrong = replace(first, values={s: value + 1 for s, value in first.values.items()})
+    (fault, *_) = word_solves.faults(given, replace(verdict, cases=(wrong,)))
+    assert fault.startswith("the case")
