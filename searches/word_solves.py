@@ -12,7 +12,7 @@ from typing import Any
 from mpmath import mp
 
 from longwave.verify.proof.conditions import ConditionalVerdict
-from searches.word_judge import DIGITS, CannotJudge, Reading, Tree, text_tree
+from searches.word_judge import DIGITS, CannotJudge, Reading, text_tree
 
 LETTERS = "abckmw"
 
@@ -141,12 +141,13 @@ def _root(reading: Reading, point: Mapping[str, Any], wanted: str, start: Any) -
 
 
 def _is(case: Mapping[str, Any], wanted: str, value: Any, fixed: Mapping[str, Any]) -> bool:
-    """Whether a value is that of a case, or one of a case without a condition on it."""
-    text = case["values"].get(wanted)
-    if text is None or case["unsolved"]:
+    """Whether a point with a value is in a case; where that is not known it is."""
+    point = {**fixed, wanted: value}
+    if case["unsolved"]:
         return True
-    tree: Tree = text_tree(text, "", ())
-    return bool(abs(Reading([], {}).value(tree, fixed) - value) < SAME * (1 + abs(value)))
+    values = {name: text_tree(text, "", ()) for name, text in case["values"].items()}
+    gaps = (Reading([], {}).value(tree, point) - point[name] for name, tree in values.items())
+    return all(abs(gap) < SAME * (1 + abs(value)) for gap in gaps)
 
 
 def _point(draw: random.Random) -> dict[str, Any]:
