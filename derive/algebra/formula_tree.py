@@ -139,6 +139,63 @@ def formula_text(formula: FormulaTree) -> str:
     return _written(formula)[0]
 
 
+Quotient = tuple[bool, tuple[FormulaTree, ...], tuple[FormulaTree, ...]]
+"""Whether there is a minus sign, what is above the line, and what is below it."""
+
+
+def quotient(formula: FormulaTree) -> Quotient:
+    """A product as it is typed: a first -1 is a sign, and what has the exponent -1 is below."""
+    parts = formula.inner() if isinstance(formula, Product) else (formula,)
+    minus = parts[0] == MINUS_ONE and len(parts) > 1
+    parts = parts[1:] if minus else parts
+    if minus and isinstance(parts[0], Product) and len(parts) == 1:  # of a difference
+        turned, *both = quotient(parts[0])
+        return not turned, both[0], both[1]
+    below = [part for part in parts if isinstance(part, Power) and part.parts[1] == MINUS_ONE]
+    above = tuple(part for part in parts if part not in below)
+    return minus, above, tuple(part.parts[0] for part in below)
+
+
+def plain_text(formula: FormulaTree) -> str:
+    """The formula as one types it: an equal one is read back, with fewer brackets.
+
+    >>> plain_text(Product((MINUS_ONE, Name("x"), Power((Name("t"), MINUS_ONE)))))
+    '-x/t'
+    """
+    return _plain(formula)[0]
+
+
+def _plain(formula: FormulaTree) -> tuple[str, int]:
+    """The text, and how strongly its outermost sign binds."""
+
+    def enclosed(part: FormulaTree, binding: int) -> str:
+        text, level = _plain(part)
+        return text if level >= binding else f"({text})"
+
+    match formula:
+        case Number(value=value):
+            return str(value), ATOM if value.denominator == 1 and value >= 0 else PRODUCT
+        case Sum(parts=parts):
+            first, *rest = [enclosed(part, PRODUCT) for part in parts]
+            signed = (f" - {t[1:]}" if t[0] == "-" else f" + {t}" for t in rest)
+            return first + "".join(signed), SUM
+        case Product() | Power(parts=(_, Number(value=-1))):
+            minus, above, below = quotient(formula)
+            head, *tail = above or (Number(Fraction(1)),)
+            is_first = isinstance(head, Number) and not minus
+            texts = [enclosed(head, PRODUCT if is_first else POWER)]
+            texts += [enclosed(part, POWER) for part in tail]
+            text = "-" * minus + "*".join(texts)
+            return text + "".join(f"/{enclosed(part, POWER)}" for part in below), PRODUCT
+        case Power(parts=(base, exponent)):
+            return f"{enclosed(base, ATOM)}**{enclosed(exponent, ATOM)}", POWER
+        case Call(parts=parts, name=name):
+            return f"{name}({', '.join(enclosed(part, SUM) for part in parts)})", ATOM
+        case Derivative(parts=(inner,), steps=steps):
+            return f"diff({', '.join((enclosed(inner, SUM), *steps))})", ATOM
+    return _written(formula)
+
+
 def _written(formula: FormulaTree) -> tuple[str, int]:
     """The text, and how strongly its outermost sign binds."""
 

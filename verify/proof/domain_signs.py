@@ -355,7 +355,11 @@ def singularities(expressions: Iterable[sp.Expr], domains: Domains) -> tuple[str
     """
     signs = DomainSigns(domains)
     nodes = (node for expression in expressions for node in distinct_nodes(expression))
-    found = (line for node in nodes for line in _lines(node, signs))
+    found = (
+        words.format(_short(node if argument is None else node.args[argument]))
+        for node in nodes
+        for words, argument in rough_places(node, signs)
+    )
     return tuple(dict.fromkeys(found))
 
 
@@ -380,41 +384,54 @@ def corners(
     return tuple(dict.fromkeys(f"{_short(f)} = 0" for f in may_be_zero))
 
 
-def _lines(node: sp.Expr, signs: DomainSigns) -> list[str]:
-    plain = node.exp.is_Integer and node.exp.is_positive if node.is_Pow else not node.is_Function
-    if plain or not node.free_symbols:
-        return []
-    lines = []
-    if node.is_Pow and node.exp.could_extract_minus_sign() and not signs.is_nonzero(node.base):
-        lines.append(f"pole where {_short(node.base)} = 0")
-    whole = node.is_Pow and node.exp.is_integer  # (-1)**n at integers
-    is_root = node.is_Pow and not (node.exp.is_Integer or (whole and signs.is_nonzero(node.base)))
-    if (is_root or isinstance(node, sp.log)) and not signs.is_positive(node.args[0]):
-        lines.append(f"branch point where {_short(node.args[0])} is not positive")
-    if isinstance(node, sp.Abs | sp.sign) and not signs.is_nonzero(node.args[0]):
-        lines.append(corner_line(node.args[0]))
+CORNER = "jump or corner where {} = 0"
+"""Words for where abs and sign have them, with the place of their argument."""
+
+Place = tuple[str, int | None]
+"""Words for a place, and the argument (None: the whole node) whose text belongs in them."""
+
+
+def rough_places(node: sp.Expr, signs: DomainSigns) -> Iterator[Place]:
+    """The places at which a node may not be smooth, although its arguments are."""
+    if (node.is_Pow or node.is_Function) and node.free_symbols:
+        yield from _of_power(node, signs) if node.is_Pow else _of_function(node, signs)
+
+
+def _of_power(node: sp.Expr, signs: DomainSigns) -> Iterator[Place]:
+    base, exponent = node.args
+    if not base.free_symbols:
+        return
+    falls = exponent.could_extract_minus_sign() or not (exponent.is_Rational or exponent.is_real)
+    if exponent.is_integer and not exponent.is_Integer:
+        falls = not exponent.is_nonnegative
+    if falls and not signs.is_nonzero(base):
+        yield "pole where {} = 0", 0
+    if not (exponent.is_integer or signs.is_positive(base)):
+        yield "branch point where {} is not positive", 0
+
+
+def _of_function(node: sp.Expr, signs: DomainSigns) -> Iterator[Place]:
+    argument = node.args[0]
+    if isinstance(node, sp.log) and not signs.is_positive(argument):
+        yield "branch point where {} is not positive", 0
+    if isinstance(node, sp.Abs | sp.sign) and not signs.is_nonzero(argument):
+        yield CORNER, 0
     if node.func in POLES:
-        lines.append(f"pole where {_short(POLES[node.func](node.args[0]))} = 0")
-    if isinstance(node, HYPERBOLIC_POLES) and not signs.is_nonzero(node.args[0]):
-        lines.append(f"pole where {_short(sp.sinh(node.args[0]))} = 0")
+        yield f"pole where {POLES[node.func].__name__}({{}}) = 0", 0
+    if isinstance(node, HYPERBOLIC_POLES) and not signs.is_nonzero(argument):
+        yield "pole where sinh({}) = 0", 0
     if isinstance(node, sp.asin | sp.acos | sp.atanh | sp.acosh) and not _is_off_cuts(node, signs):
-        lines.append(f"branch point of {_short(node)}")
-    if isinstance(node, sp.LambertW) and not signs.is_nonnegative(node.args[0]):
-        lines.append(f"branch point of {_short(node)}")
+        yield "branch point of {}", None
+    if isinstance(node, sp.LambertW) and not signs.is_nonnegative(argument):
+        yield "branch point of {}", None
     if isinstance(node, BesselBase) and not (is_entire(node) or signs.is_positive(node.args[1])):
-        lines.append(f"branch point where {_short(node.args[1])} is not positive")
+        yield "branch point where {} is not positive", 1
     if isinstance(node, COMPLEX_POLES) and not all(map(signs.is_real, node.args)):
-        lines.append(f"poles of {_short(node)}")
+        yield "poles of {}", None
     if isinstance(node, WeierstrassFunction):
-        lines.append(f"poles of {_short(node)}")
-    if isinstance(node, sp.atan | sp.asinh) and not signs.is_real(node.args[0]):
-        lines.append(f"branch point of {_short(node)}")
-    return lines
-
-
-def corner_line(argument: sp.Expr) -> str:
-    """Return the line on abs or sign of what may be 0."""
-    return f"jump or corner where {_short(argument)} = 0"
+        yield "poles of {}", None
+    if isinstance(node, sp.atan | sp.asinh) and not signs.is_real(argument):
+        yield "branch point of {}", None
 
 
 def _is_off_cuts(node: sp.Expr, signs: DomainSigns) -> bool:

@@ -1,14 +1,16 @@
 """Verdicts as plain data that outlive their process; taken again only as far as they are checked.
 
 A proof's certificates are checked once more, and must be of the statement's own texts; at a
-refutation's witness a ball around the residual must exclude 0 again.
+refutation's witness a ball around the residual must exclude 0 again.  What is said of them, and of
+what holds in the place of what is refuted, is made anew from the statement; the reason of an
+undecided verdict is not, and says so.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import time
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from fractions import Fraction
 from typing import Any
 
 import sympy as sp
@@ -17,70 +19,77 @@ from longwave.verify.kernel.check import check_certificate
 from longwave.verify.kernel.limits import CertificateError
 from longwave.verify.verdict import Outcome
 
-from .certificate_writer import as_data
-from .statement_problem import all_domains
-from .statement_verdict import StatementVerdict, said_of
-from .typed_statement import Statement
-from .typed_values import TypedValues
+from .certificate_writer import Certificate, as_data
+from .near_misses import near_misses
+from .statement_problem import typed_domains
+from .statement_verdict import StatementVerdict, proved, refuted, undecided
+from .typed_statement import Statement, StatementTexts
+
+FROM_FILE = "as an earlier run said, not decided again: "
 
 
 def kept_record(verdict: StatementVerdict) -> dict[str, Any]:
     """The verdict as plain data, with its certificates."""
-    return verdict.json() | {"certificates": list(verdict.certificates)}
+    return verdict.json() | {
+        "certificates": list(verdict.certificates),
+        "hint_certificates": list(verdict.hint_certificates),
+    }
 
 
 def taken_again(statement: Statement, record: Mapping[str, Any]) -> StatementVerdict | None:
     """The verdict in a record of `kept_record`; None where it cannot be checked again.
 
-    That is so for weak solutions, for values that are solved for, for complex ones, and for
-    arbitrary functions.
+    That is so for weak solutions, and for values that are solved for.
     """
-    if statement.weak:
-        return None
+    start = time.perf_counter()
     try:
-        verdict = _of_record(statement, record)
-        holds = {
-            Outcome.PROVED: _is_proved,
-            Outcome.REFUTED: _is_refuted,
-            Outcome.UNDECIDED: lambda *_: True,
-        }[verdict.outcome]
-        return verdict if holds(statement, verdict) else None
-    except (LookupError, TypeError, ValueError, AttributeError, CertificateError):
+        found = _checked(statement, record)
+    except (LookupError, TypeError, ValueError, AttributeError, ArithmeticError, CertificateError):
         return None
+    return found and replace(found, seconds=time.perf_counter() - start)
 
 
-def _of_record(statement: Statement, record: Mapping[str, Any]) -> StatementVerdict:
-    certificates = tuple(record["certificates"])
-    return StatementVerdict(
-        **said_of(statement),
-        outcome=Outcome(record["verdict"]),
-        detail=str(record["reason"]),
-        witness=record["witness"],
-        seconds=float(record["seconds"]),
-        hint=str(record["hint"]),
-        certificate=certificates[0] if certificates else None,
-        certificates=certificates,
-        assumptions=tuple(map(str, record["assumptions"])),
-        singularities=tuple(map(str, record["singularities"])),
-    )
+def _checked(statement: Statement, record: Mapping[str, Any]) -> StatementVerdict | None:
+    if statement.weak or statement.wanted or statement.texts is None:
+        return None
+    match Outcome(record["verdict"]):
+        case Outcome.PROVED:
+            certificates = record["certificates"]
+            accepted = is_proof_of(statement.texts, certificates)
+            return proved(statement, certificates) if accepted else None
+        case Outcome.REFUTED:
+            return _refuted_again(statement, record)
+        case Outcome.UNDECIDED:
+            reason = "".join(c for c in record["reason"] if c.isprintable() or c.isspace())
+            return undecided(statement, FROM_FILE + " ".join(reason.split()))
+    return None
 
 
-def _is_proved(statement: Statement, verdict: StatementVerdict) -> bool:
-    texts = statement.texts
-    if texts is None or statement.wanted or len(verdict.certificates) != len(texts.equations):
+def is_proof_of(texts: StatementTexts, certificates: Sequence[Mapping[str, Any]]) -> bool:
+    """Whether the certificates state the texts, one for each equation; raises if one is wrong."""
+    if len(certificates) != len(texts.equations):
         return False
-    for equation, certificate in zip(texts.equations, verdict.certificates, strict=True):
+    for equation, certificate in zip(texts.equations, certificates, strict=True):
         if certificate["statement"] != as_data(replace(texts, equations=(equation,))):
             return False
         check_certificate(certificate)
     return True
 
 
-def _is_refuted(statement: Statement, verdict: StatementVerdict) -> bool:
-    if statement.trees is None or statement.wanted or statement.complexes or statement.functions:
-        return False
-    domains = all_domains(statement, *statement.equations)
-    witness = {name: Fraction(value) for name, value in (verdict.witness or {}).items()}
-    values = {s: sp.Rational(str(witness[str(s)])) for s in domains}
-    inside = all(domain.contains(values[s], values) for s, domain in domains.items())
-    return inside and bool(TypedValues(statement.trees, domains).fails_at(witness))
+def _refuted_again(statement: Statement, record: Mapping[str, Any]) -> StatementVerdict | None:
+    domains, witness = typed_domains(statement), record["witness"]
+    names = {*map(str, domains)} - {*statement.complexes}
+    values = {s: sp.Rational(str(witness[str(s)])) for s in domains if str(s) in names}
+    if not all(domains[s].contains(value, values) for s, value in values.items()):
+        return None
+    found = refuted(statement, witness)
+    certificates = record["hint_certificates"]
+    if found is None or not certificates:
+        return found
+    for miss in near_misses(statement):
+        if certificates[0]["statement"]["solutions"] != list(miss.texts.solutions):
+            continue
+        if is_proof_of(miss.texts, certificates):
+            accepted = tuple(map(Certificate, certificates))
+            return replace(found, hint=miss.words, hint_certificates=accepted)
+    return found

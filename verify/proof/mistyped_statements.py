@@ -171,11 +171,11 @@ def _corrected_parts(text: str, spelling: Spelling) -> list[str]:
     text = re.sub(r":=|==|->|→", "=", text)
     text = re.sub(r"^\s*\[(.*)\]\s*$", r"\1", text, flags=re.DOTALL)
     lines = re.split(r"\n|\band\b", text)
-    parts = [part for line in lines for part in _split(corrected(line, spelling), r";;|;|,")]
+    parts = [part for line in lines for part in split_outside(corrected(line, spelling), r";;|;|,")]
     return [part.strip() for part in parts if part.strip()]
 
 
-def _split(text: str, separators: str) -> list[str]:
+def split_outside(text: str, separators: str) -> list[str]:
     """What is between the separators that stand outside brackets."""
     found, depth, start = [], 0, 0
     for match in re.finditer(rf"{separators}|[()\[\]]", text):
@@ -215,7 +215,7 @@ def _conditions(given: Parts, spelling: Spelling) -> tuple[list[str], list[str]]
 def _chunks(text: str) -> list[str]:
     text = re.sub(r"=<", "<=", re.sub(r"=>", ">=", re.sub(r"<>|=/=|/=|~=", "!=", ascii_text(text))))
     text = re.sub(r"(?<![\w.,(\[])(\d+),(\d+)(?![\w.,)\]])", r"\1.\2", text)
-    parts = _split(text, r";|\n|&&?|\band\b|,")
+    parts = split_outside(text, r";|\n|&&?|\band\b|,")
     return [_LEADING.sub("", part.strip()).rstrip(".") for part in parts if part.strip()]
 
 

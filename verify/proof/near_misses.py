@@ -1,35 +1,59 @@
-"""What a refuted statement may have meant: one change at a time, and the first that is proved.
+"""What a refuted statement may have meant: one change of what was typed, the first that is proved.
 
-Tried are modulus and parameter of elliptic functions exchanged, another speed, a sign or a factor 2
-at a term of the formula, and at a term of the equation.
+Tried are modulus and parameter of elliptic functions exchanged, and at each place of formulas,
+names and equations another sign, factor, exponent or shift.  A change is decided, as a statement of
+its own text, if it leaves no residual at the point of the refutation.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
-from itertools import chain, islice
+from fractions import Fraction
+from functools import partial
+from itertools import chain
 
-import sympy as sp
-
-from longwave.derive.algebra.formula_printing import formula_as_text
-from longwave.solutions.functions.jacobi import JacobiFunction
-from longwave.verify.subexpressions import distinct_nodes, replaced
+from longwave.derive.algebra.formula_text import CONSTANTS, FormulaError
+from longwave.derive.algebra.formula_tree import (
+    MINUS_ONE,
+    Call,
+    Derivative,
+    FormulaTree,
+    Name,
+    Number,
+    Power,
+    Product,
+    Sum,
+    Unknown,
+    mapped,
+    plain_text,
+    rational,
+)
 from longwave.verify.verdict import Outcome
 
-from .statement_verdict import StatementVerdict, decide_statement
-from .typed_statement import Statement
+from .statement_problem import typed_domains
+from .statement_text import read_statement
+from .statement_verdict import StatementVerdict, decide_statement, witness_trees
+from .text_names import CONTINUOUS, SITE
+from .typed_statement import Statement, StatementTexts, StatementTrees
+from .typed_values import TypedValues
 
-VARIANTS = 150
-"""Most variants that are tried."""
+SIGNS, EXPONENTS, HALVES, OTHERS = range(4)
+"""The kinds of changes in the order in which they are tried; modulus and parameter are first."""
 
-SHOWN = 60
-"""Characters of a term in a hint."""
+FACTORS = {
+    **{Fraction(text): HALVES for text in ("2", "1/2")},
+    **{Fraction(text): OTHERS for text in ("4", "1/4", "3", "1/3", "3/2", "2/3", "6", "1/6")},
+}
 
-FACTORS = (sp.Integer(-1), sp.Integer(2), sp.S.Half)
+HALF = Fraction(1, 2)
 
-SPEEDS = tuple(map(sp.Rational, ("4", "1/4", "3", "1/3", "3/2", "2/3", "6", "1/6")))
-"""Factors of a speed beyond `FACTORS`."""
+QUICK = (64,)
+"""Bits in which a change is looked at before it is decided."""
+
+Change = tuple[int, FormulaTree]
+"""The kind of a change, and what stands in the place of a formula."""
 
 
 @dataclass(frozen=True)
@@ -37,117 +61,340 @@ class NearMiss:
     """A statement that differs from another by one change, in words."""
 
     words: str
-    statement: Statement
+    texts: StatementTexts
+    trees: StatementTrees
+
+    def statement(self, name: str) -> Statement:
+        """The changed texts, read; raises FormulaError if they are no statement."""
+        texts = self.texts
+        named = "" if {*texts.variables} <= {*CONTINUOUS, SITE} else ", ".join(texts.variables)
+        limits = "; ".join(texts.parameters), "; ".join(texts.domain)
+        return read_statement(texts.equations, texts.solutions, *limits, name=name, variables=named)
 
 
 def with_hint(statement: Statement, verdict: StatementVerdict) -> StatementVerdict:
-    """The verdict; a refuted one with what holds instead, if it is found.
+    """The verdict; a refuted one with what holds instead, if it is found and proved.
 
     >>> from longwave.verify.proof.statement_text import read_statement
     >>> wrong = read_statement("u_t + u_x", "u = exp(x + t)")
     >>> with_hint(wrong, decide_statement(wrong)).hint
-    'it holds with -t in the place of t'
+    'it holds with -t in the place of t: u = exp(x - t)'
     """
     if verdict.outcome is not Outcome.REFUTED or statement.wanted:
         return verdict
-    for miss in islice(near_misses(statement), VARIANTS):
-        if decide_statement(miss.statement).outcome is Outcome.PROVED:
-            return replace(verdict, hint=f"it holds with {miss.words}")
+    witness = verdict.witness or {}
+    for miss in near_misses(statement):
+        if not _leaves_nothing(statement, miss.trees, witness):
+            continue
+        if not _says_as_much(statement, miss.trees, witness):
+            continue
+        with suppress(FormulaError):
+            found = decide_statement(miss.statement(statement.name))
+            if found.outcome is Outcome.PROVED:
+                return replace(verdict, hint=miss.words, hint_certificates=found.certificates)
     return verdict
 
 
-def near_misses(statement: Statement) -> Iterator[NearMiss]:
-    """Statements with one change, each once; what is no longer a function of all variables apart.
+def _leaves_nothing(
+    statement: Statement, trees: StatementTrees, witness: Mapping[str, str]
+) -> bool:
+    """Whether the residuals of trees are small at the point."""
+    trees, point = witness_trees(statement, trees, witness)
+    return TypedValues(trees, typed_domains(statement)).fails_at(point, QUICK) is False
+
+
+def _says_as_much(statement: Statement, trees: StatementTrees, witness: Mapping[str, str]) -> bool:
+    """Whether no equation of trees holds for everything, as ``2*u_x - 2*u_x = 0`` does.
+
+    The formulas must vary with all variables that they varied with.
+    """
+    assert statement.trees is not None
+    letters = [Name(name) for name in trees.variables]
+    terms = [Product((Number(Fraction(1, place + 3)), v)) for place, v in enumerate(letters)]
+    terms.append(Product((*letters, *letters)))
+    others = {
+        name: Call((Sum((Number(Fraction(place, 7)), *terms)),), "exp")
+        for place, name in enumerate(trees.solutions)
+    }
+    arbitrary = (replace(trees, equations=(e,), solutions=others) for e in trees.equations)
+    if any(_leaves_nothing(statement, made, witness) for made in arbitrary):
+        return False
+    slopes = [_slope(name, v) for name in trees.solutions for v in trees.variables]
+    return all(
+        _leaves_nothing(statement, replace(statement.trees, equations=(slope,)), witness)
+        or not _leaves_nothing(statement, replace(trees, equations=(slope,)), witness)
+        for slope in slopes
+    )
+
+
+def _slope(unknown: str, variable: str) -> FormulaTree:
+    """The derivative of an unknown, or its difference from site to site."""
+    if variable != SITE:
+        return Unknown(unknown, (variable,))
+    here, there = Unknown(unknown, (), SITE), Unknown(unknown, (), SITE, 1)
+    return Sum((there, Product((MINUS_ONE, here))))
+
+
+def near_misses(statement: Statement) -> list[NearMiss]:
+    """Statements with one change, each once; what is no longer in all names apart.
 
     >>> from longwave.verify.proof.statement_text import read_statement
     >>> wrong = read_statement("u_x - 1", "u = jacobi_sn(x, m)")
-    >>> next(near_misses(wrong)).words
-    'm**2 in the place of m as the parameter of elliptic functions'
+    >>> near_misses(wrong)[0].words.partition(":")[0]
+    'it holds with m**2 in the place of m as the parameter of elliptic functions'
     """
-    seen = {(statement.equations, tuple(statement.solutions.values()))}
-    for miss in _changes(statement):
-        key = (miss.statement.equations, tuple(miss.statement.solutions.values()))
-        if key not in seen:
-            seen.add(key)
-            yield miss
+    assert statement.texts is not None
+    assert statement.trees is not None
+    typed = statement.texts, statement.trees
+    found: dict[tuple[str, ...], tuple[int, NearMiss]] = {}
+    for rank, miss in (*_of_formulas(*typed), *_of_equations(*typed)):
+        key = (*miss.texts.equations, *miss.texts.solutions, *miss.texts.parameters)
+        found.setdefault(key, (rank, miss))
+    return [miss for _, miss in sorted(found.values(), key=lambda pair: pair[0])]
 
 
-def _changes(statement: Statement) -> Iterator[NearMiss]:
-    plain, equations = replace(statement, texts=None, trees=None), statement.equations
-    for unknown, formula in statement.solutions.items():
-        variables = formula.free_symbols & set(statement.variables)
-        changes = chain(_moduli(formula), _speeds(formula, statement), _coefficients(formula))
-        for words, changed in changes:
-            if variables <= changed.free_symbols:
-                solutions = {**statement.solutions, unknown: changed}
-                yield NearMiss(words, replace(plain, solutions=solutions))
-    for place, equation in enumerate(equations):
-        for words, changed in _terms(equation):
-            others = (*equations[:place], changed, *equations[place + 1 :])
-            yield NearMiss(f"{words} in the equation", replace(plain, equations=others))
+def _of_formulas(texts: StatementTexts, trees: StatementTrees) -> Iterator[tuple[int, NearMiss]]:
+    """Changes of the formulas of unknowns and of defined names."""
+    for place, (name, formula) in enumerate(trees.solutions.items()):
+        heading = texts.solutions[place].partition("=")[0].strip()
+        for rank, words, new in _changes(formula):
+            text = f"{heading} = {plain_text(new)}"
+            changed = replace(texts, solutions=_put(texts.solutions, place, text))
+            solutions = {**trees.solutions, name: new}
+            yield rank, NearMiss(f"{words}: {text}", changed, replace(trees, solutions=solutions))
+    for name, formula in trees.definitions.items():
+        place = next(
+            i for i, p in enumerate(texts.parameters) if p.partition("=")[0].strip() == name
+        )
+        for rank, words, new in _changes(formula):
+            text = f"{name} = {plain_text(new)}"
+            changed = replace(texts, parameters=_put(texts.parameters, place, text))
+            definitions = {**trees.definitions, name: new}
+            made = replace(trees, definitions=definitions)
+            yield rank, NearMiss(f"{words}: {text}", changed, made)
 
 
-Change = tuple[str, sp.Expr]
+def _of_equations(texts: StatementTexts, trees: StatementTrees) -> Iterator[tuple[int, NearMiss]]:
+    for place, equation in enumerate(trees.equations):
+        for rank, words, new in _changes(equation):
+            text = plain_text(new)
+            changed = replace(texts, equations=_put(texts.equations, place, text))
+            equations = (*trees.equations[:place], new, *trees.equations[place + 1 :])
+            said = f"{words} in the equation: {text} = 0"
+            yield rank, NearMiss(said, changed, replace(trees, equations=equations))
 
 
-def _instead(new: sp.Expr, old: sp.Expr) -> str:
-    return f"{_short(new)} in the place of {_short(old)}"
+def _put(texts: tuple[str, ...], place: int, text: str) -> tuple[str, ...]:
+    return (*texts[:place], text, *texts[place + 1 :])
 
 
-def _short(expression: sp.Expr) -> str:
-    text = formula_as_text(expression)
-    return text if len(text) <= SHOWN else f"{text[:SHOWN]}..."
+def _changes(formula: FormulaTree) -> Iterator[tuple[int, str, FormulaTree]]:
+    """The formula with one change, and the words for it."""
+    names = _names(formula)
+    for words, changed in _moduli(formula):
+        yield -1, f"it holds with {words}", changed
+    for rank, changed in chain(_in_one_place(formula), _everywhere(formula)):
+        if _names(changed) == names:
+            old, new = _difference(formula, changed)
+            yield rank, f"it holds with {_instead(new, old)}", changed
 
 
-def _moduli(formula: sp.Expr) -> Iterator[Change]:
+def _names(formula: FormulaTree) -> set[str]:
+    return {node.name for node in formula.nodes() if isinstance(node, Name | Unknown)}
+
+
+def _instead(new: FormulaTree, old: FormulaTree) -> str:
+    return f"{plain_text(new)} in the place of {plain_text(old)}"
+
+
+def _difference(old: FormulaTree, new: FormulaTree) -> tuple[FormulaTree, FormulaTree]:
+    """The smallest terms or arguments with all that differs."""
+    if not old.inner() or len(old.inner()) != len(new.inner()) or old.made_of(new.inner()) != new:
+        return old, new
+    pairs = [pair for pair in zip(old.inner(), new.inner(), strict=True) if pair[0] != pair[1]]
+    if len(pairs) != 1:
+        return old, new
+    found = _difference(*pairs[0])
+    is_part = isinstance(old, Sum | Call | Derivative)
+    return found if is_part or found != pairs[0] else (old, new)
+
+
+def _moduli(formula: FormulaTree) -> Iterator[tuple[str, FormulaTree]]:
     """The parameters of all elliptic functions squared, or their roots taken."""
-    kinds = (JacobiFunction, sp.elliptic_k, sp.elliptic_e)
-    elliptic = [f for f in distinct_nodes(formula) if isinstance(f, kinds)]
-    for old in dict.fromkeys(f.args[-1] for f in elliptic):
-        if not old.free_symbols:
-            continue
-        root = old.base if old.is_Pow and old.exp == 2 else sp.sqrt(old)
-        for new in (old**2, root):
-            changed = formula
-            for f in reversed(elliptic):
-                if f.args[-1] == old:
-                    changed = replaced(changed, f, f.func(*f.args[:-1], new))
-            yield f"{_instead(new, old)} as the parameter of elliptic functions", changed
+
+    def is_elliptic(node: FormulaTree) -> bool:
+        return isinstance(node, Call) and node.name.startswith(("jacobi_", "elliptic_"))
+
+    def image(old: FormulaTree, new: FormulaTree, node: FormulaTree) -> FormulaTree | None:
+        if not is_elliptic(node):
+            return None
+        *others, m = (mapped(part, partial(image, old, new)) for part in node.inner())
+        return node.made_of((*others, new if m == old else m))
+
+    for old in dict.fromkeys(f.inner()[-1] for f in formula.nodes() if is_elliptic(f)):
+        squared = isinstance(old, Power) and rational(old.parts[1]) == 2
+        for new in (_power(old, Fraction(2)), old.inner()[0] if squared else _power(old, HALF)):
+            words = f"{_instead(new, old)} as the parameter of elliptic functions"
+            if _names(old):
+                yield words, mapped(formula, partial(image, old, new))
 
 
-def _coefficients(formula: sp.Expr) -> Iterator[Change]:
-    """The formula, its terms, its numeric factors and the arguments, times -1, 2 and 1/2."""
-    for node in distinct_nodes(formula):
-        if node.is_Add:
-            for words, changed in _terms(node):
-                yield words, replaced(formula, node, changed)
-        elif node == formula or (node.is_Mul and node.args[0].is_Number):
-            for factor in FACTORS:
-                yield _instead(factor * node, node), replaced(formula, node, factor * node)
-        elif node.is_Function and not node.args[0].is_Add:
-            for factor in FACTORS:
-                new = node.func(factor * node.args[0], *node.args[1:])
-                yield _instead(factor * node.args[0], node.args[0]), replaced(formula, node, new)
+def _everywhere(formula: FormulaTree) -> Iterator[Change]:
+    """A name changed wherever it stands."""
+    for name in sorted(_names(formula) - CONSTANTS.keys()):
+        for rank, new in _of_name(Name(name)):
+            yield max(rank, HALVES), _replaced(formula, Name(name), new)
 
 
-def _terms(total: sp.Expr) -> Iterator[Change]:
-    for factor in FACTORS:
-        for term in sp.Add.make_args(total):
-            yield _instead(factor * term, term), total - term + factor * term
+def _replaced(formula: FormulaTree, old: FormulaTree, new: FormulaTree) -> FormulaTree:
+    if formula == old:
+        return new
+    parts = tuple(_replaced(part, old, new) for part in formula.inner())
+    return formula if parts == formula.inner() else _made_of(formula, parts)
 
 
-def _speeds(formula: sp.Expr, statement: Statement) -> Iterator[Change]:
-    """The terms with the time times other numbers, and times powers of the parameters."""
-    times = [v for v in statement.variables if str(v) == "t"]
-    if not times:
-        return
-    (t,) = times
-    parameters = sorted(formula.free_symbols - set(statement.variables), key=str)
-    factors = (*FACTORS, *SPEEDS, *(p**e for p in parameters for e in (1, -1, 2, -2)))
-    nodes = distinct_nodes(formula)
-    targets = [(node, node) for node in nodes if node.is_Mul and t in node.args]
-    targets += [(t, node) for node in nodes if node.is_Add and t in node.args]
-    for term, node in targets:
-        for factor in factors:
-            new = node - term + factor * term if node.is_Add else factor * term
-            yield _instead(factor * term, term), replaced(formula, node, new)
+def _made_of(formula: FormulaTree, parts: tuple[FormulaTree, ...]) -> FormulaTree:
+    """The formula with other parts; a product in a product is one with it, and so are numbers."""
+    made = formula.made_of(parts)
+    changed = (part for part, old in zip(parts, formula.inner(), strict=True) if part != old)
+    if isinstance(made, Product) and any(isinstance(part, Number | Product) for part in changed):
+        return _times(Fraction(1), made)
+    return made
+
+
+def _of_name(name: Name) -> Iterator[Change]:
+    yield SIGNS, _times(Fraction(-1), name)
+    yield from _powers(name)
+    yield from ((rank, _times(factor, name)) for factor, rank in FACTORS.items())
+
+
+def _in_one_place(formula: FormulaTree) -> Iterator[Change]:
+    """The formula and its parts, one after the other, with one change."""
+    parameters = sorted(_names(formula) - {*CONSTANTS, *CONTINUOUS, SITE})
+    parameters = [n for n in parameters if Name(n) in formula.nodes()]
+    for rank, new in _of_term(formula, parameters):
+        yield rank, new
+    for node, put in _places(formula):
+        for rank, new in _of_node(node, parameters):
+            yield rank, put(new)
+
+
+Put = Callable[[FormulaTree], FormulaTree]
+"""The whole formula with another part in one place."""
+
+
+def _places(formula: FormulaTree) -> Iterator[tuple[FormulaTree, Put]]:
+    """The parts of a formula, outer ones first."""
+    yield formula, lambda new: new
+    parts = formula.inner()
+    for place, part in enumerate(parts):
+        for node, put in _places(part):
+
+            def outer(new: FormulaTree, place: int = place, put: Put = put) -> FormulaTree:
+                return _made_of(formula, (*parts[:place], put(new), *parts[place + 1 :]))
+
+            yield node, outer
+
+
+def _of_node(node: FormulaTree, parameters: Iterable[str]) -> Iterator[Change]:
+    """What may stand for a node; numbers, exponents and terms are changed where they stand."""
+    match node:
+        case Sum(parts=parts):
+            for place, part in reversed([*enumerate(parts)]):  # the first is rarely the wrong one
+                for rank, new in (*_of_term(part, parameters), *_shifted(part)):
+                    yield rank, Sum((*parts[:place], new, *parts[place + 1 :]))
+        case Product(parts=parts):
+            for place, part in enumerate(parts):
+                for rank, new in _of_factor(part):
+                    yield rank, Product((*parts[:place], new, *parts[place + 1 :]))
+        case Power(parts=(base, exponent)):
+            for rank, value in _exponents(rational(exponent)):
+                yield rank, _power(base, value)
+        case Call(parts=(first, *rest), name=name):
+            for rank, new in _of_term(first, parameters):
+                yield rank, Call((new, *rest), name)
+        case Unknown(site=site, shift=shift) if site:
+            for moved in dict.fromkeys((-shift, shift + 1, shift - 1)):
+                yield EXPONENTS, replace(node, shift=moved)
+        case Name(name=name) if name not in CONSTANTS:
+            yield from _powers(node)
+            yield from _shifted(node) if name == SITE else ()
+
+
+def _of_factor(factor: FormulaTree) -> Iterator[Change]:
+    """A factor with an exponent, or another number."""
+    if isinstance(factor, Number):
+        values = (factor.value + step for step in (1, -1))
+        yield from ((OTHERS, Number(value)) for value in values if value)
+    elif not isinstance(factor, Product | Power) and factor not in [*map(Name, CONSTANTS)]:
+        for rank, new in _powers(factor):
+            yield rank if isinstance(factor, Name) else OTHERS, new
+
+
+def _of_term(term: FormulaTree, parameters: Iterable[str]) -> Iterator[Change]:
+    """A term with another sign or factor."""
+    yield SIGNS, _times(Fraction(-1), term)
+    for factor, rank in FACTORS.items():
+        yield rank, _times(factor, term)
+    for name in parameters:
+        for exponent in map(Fraction, (1, -1, 2, -2)):
+            yield OTHERS, Product((*_factors(term), _power(Name(name), exponent)))
+
+
+def _powers(base: FormulaTree) -> Iterator[Change]:
+    for exponent in map(Fraction, ("2", "-1", "1/2")):
+        yield EXPONENTS, _power(base, exponent)
+
+
+def _exponents(old: Fraction | None) -> Iterator[tuple[int, Fraction]]:
+    if old is not None:
+        for new in dict.fromkeys((-old, old + 1, old - 1, 2 * old, old / 2, -2 * old, -old / 2)):
+            if new:
+                yield EXPONENTS, new
+
+
+def _shifted(term: FormulaTree) -> Iterator[Change]:
+    """A site, or a number beside others, moved by 1."""
+    value = rational(term)
+    for step in (1, -1):
+        if value is not None:
+            yield EXPONENTS, Number(value + step)
+        elif term == Name(SITE):
+            yield EXPONENTS, Sum((term, Number(Fraction(step))))
+
+
+def _power(base: FormulaTree, exponent: Fraction) -> FormulaTree:
+    if exponent == HALF:
+        return Call((base,), "sqrt")
+    return base if exponent == 1 else Power((base, Number(exponent)))
+
+
+def _times(factor: Fraction, term: FormulaTree) -> FormulaTree:
+    """A multiple of a term; its numbers are one, above and below the line."""
+    above, below = list[FormulaTree](), list[FormulaTree]()
+    for part in _factors(term):
+        value = rational(part)
+        if value is not None:
+            factor *= value
+        elif isinstance(part, Power) and part.parts[1] == MINUS_ONE:
+            below.append(part.parts[0])
+        else:
+            above.append(part)
+    number, divisor = abs(factor.numerator), factor.denominator
+    above[:0] = [Number(Fraction(number))] * (number != 1 or not above)
+    below[:0] = [Number(Fraction(divisor))] * (divisor != 1)
+    line = [Power((_product(below), MINUS_ONE))] if below else []
+    return _product([*[MINUS_ONE] * (factor < 0), *above, *line])
+
+
+def _product(parts: Sequence[FormulaTree]) -> FormulaTree:
+    return parts[0] if len(parts) == 1 else Product(tuple(parts))
+
+
+def _factors(term: FormulaTree) -> list[FormulaTree]:
+    match term:
+        case Product(parts=parts):
+            return [factor for part in parts for factor in _factors(part)]
+        case Power(parts=(Product(parts=parts), exponent)) if exponent == MINUS_ONE:
+            return [Power((factor, exponent)) for part in parts for factor in _factors(part)]
+    return [term]

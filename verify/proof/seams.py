@@ -4,9 +4,9 @@ A proof holds at points at which the formulas are smooth: on each side of such a
 nothing across it.  A travelling corner is no solution because both of its sides are.
 
 Seams are where the argument of abs or sign, a radicand, or the argument of a logarithm is 0 or may
-cross a cut, where an inverse function is at an end of its cuts, and where a function has a pole in its
-argument, as atan(1/x) has.  A pole outside of all functions is none: nobody takes it for a part of
-the solution.
+cross a cut, where an inverse function is at an end of its cuts, and where a function has a pole in
+its argument, as atan(1/x) has.  A pole outside of all functions is none: nobody takes it for a part
+of the solution.
 """
 
 from __future__ import annotations
@@ -35,11 +35,12 @@ from longwave.derive.algebra.formula_tree import (
 from longwave.verify.subexpressions import abbreviated
 from longwave.verify.verdict import on_each_side
 
-from .domain_signs import DEPTH, DomainSigns, corner_line
+from .domain_signs import DEPTH, DomainSigns
 from .domains import REAL
 from .simplification import Rewriting
 from .statement_problem import all_domains
 from .typed_hints import put_in, vocabulary
+from .typed_places import corner_lines
 from .typed_statement import Statement
 
 ENDS = {"asin": (1, -1), "acos": (1, -1), "atanh": (1, -1), "acosh": (1, -1)}
@@ -59,7 +60,7 @@ ONE = Fraction(1)
 
 @dataclass(frozen=True)
 class Seam:
-    """A place as an equation in text; ``lines`` are what `domain_signs` may say of it."""
+    """A place as an equation in text; ``lines`` are what `typed_places` says of it."""
 
     place: str
     at_sites: bool
@@ -168,8 +169,7 @@ class _Finder:
         if value is not None and len(place) > LONGEST:
             place = f"{abbreviated(value, DEPTH)} = 0"
         if place:
-            lines = () if value is None else (corner_line(value), corner_line(-value))
-            yield Seam(place, at_sites, lines)
+            yield Seam(place, at_sites, corner_lines(argument, [place] if at_sites else []))
 
     def _solved(self, argument: FormulaTree) -> str | None:
         """Return ``x = ...`` for a polynomial of degree 1 in x; "" where that is no site."""

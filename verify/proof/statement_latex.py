@@ -1,68 +1,85 @@
-"""Statements in LaTeX."""
+"""Statements in LaTeX, from the trees of what was typed."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import re
 
-import sympy as sp
-from sympy.core.function import AppliedUndef
+from longwave.derive.algebra.formula_latex import formula_latex, name_latex
+from longwave.derive.algebra.formula_tree import FormulaTree, Sum, Unknown, mapped
 
-from .domains import Domain
-from .typed_statement import Statement
+from .statement_scope import COMPARED, conditions, scope
+from .typed_statement import Statement, StatementTrees, tree_of
+
+KINDS = {
+    "real": "",
+    "integer": r"\in \mathbb{Z}",
+    "complex": r"\in \mathbb{C}",
+    "function": r"\colon \mathbb{R} \to \mathbb{R}",
+}
+
+SIGNS = {"<=": r"\le", ">=": r"\ge", "!=": r"\ne"}
 
 
 def statement_latex(statement: Statement) -> str:
     """The statement in LaTeX: equations, formulas, and the domains that are not all numbers."""
-    domains = ", ".join(_domain_latex(symbol, d) for symbol, d in statement.domains.items())
+    assert statement.texts is not None
+    domains = ", ".join(filter(None, map(_condition, conditions(statement.texts))))
     words = rf"{equations_latex(statement)} \quad\Leftarrow\quad {formulas_latex(statement)}"
     return words + (rf" \qquad ({domains})" if domains else "")
 
 
 def scope_latex(statement: Statement) -> str:
-    """For which values a statement is."""
-    formulas = (*statement.equations, *statement.solutions.values())
-    complexes = statement.complexes
-    symbols = {s for formula in formulas for s in formula.free_symbols} | set(statement.variables)
-    listed = sorted(symbols, key=str)
-    names = ", ".join(sp.latex(symbol) for symbol in listed if str(symbol) not in complexes)
-    domains = ", ".join(_domain_latex(symbol, d) for symbol, d in statement.domains.items())
-    others = f" and complex ${', '.join(map(sp.latex, map(sp.Symbol, complexes)))}$"
-    words = f"for all real ${names}$" + (others if complexes else "")
+    """For which values a statement is, in words and formulas."""
+    found = scope(statement)
+    kinds = [f"{kind} ${', '.join(map(name_latex, names))}$" for kind, names in found.kinds.items()]
+    words = f"for all {found.listed(kinds)}"
+    domains = ", ".join(map(_condition, found.conditions))
     return words + (f" with ${domains}$" if domains else "")
 
 
 def equations_latex(statement: Statement) -> str:
     """The equations of a statement."""
-    return r",\quad ".join(f"{_latex(equation)} = 0" for equation in statement.equations)
+    texts, trees = _typed(statement)
+    pairs = zip(texts, trees.equations, strict=True)
+    return r",\quad ".join(_equation(trees, text, left) for text, left in pairs)
 
 
 def formulas_latex(statement: Statement) -> str:
-    """The unknowns with their formulas."""
-    pairs = statement.solutions.items()
-    return r",\quad ".join(f"{_latex(unknown)} = {_latex(f)}" for unknown, f in pairs)
+    """The unknowns with their formulas, in which defined names are written out."""
+    _, trees = _typed(statement)
+    heads = {node for left in trees.equations for node in left.nodes() if isinstance(node, Unknown)}
+    sites = {head.name: head.site for head in heads}
+    return r",\quad ".join(
+        f"{formula_latex(Unknown(name, site=sites.get(name, '')))} = {_latex(trees, formula)}"
+        for name, formula in trees.solutions.items()
+    )
 
 
-def _latex(expression: sp.Expr) -> str:
-    """An expression with jets as u_{xxt} and sites as q_{n+1}."""
-    jets = {d: sp.Symbol(_jet_latex(d.expr, d.variables)) for d in expression.atoms(sp.Derivative)}
-    plain = expression.xreplace(jets)
-    sites = {f: sp.Symbol(_jet_latex(f, ())) for f in plain.atoms(AppliedUndef)}
-    return sp.latex(plain.xreplace(sites))
+def _typed(statement: Statement) -> tuple[tuple[str, ...], StatementTrees]:
+    assert statement.texts is not None
+    assert statement.trees is not None
+    return statement.texts.equations, statement.trees
 
 
-def _jet_latex(unknown: sp.Expr, variables: Sequence[sp.Symbol]) -> str:
-    if not isinstance(unknown, AppliedUndef):
-        return rf"\left({_latex(unknown)}\right)_{{{''.join(map(str, variables))}}}"
-    variables = sorted(variables, key=unknown.args.index)
-    index = "".join(str(a).replace(" ", "") for a in unknown.args if a.is_integer)
-    below = ", ".join(part for part in (index, "".join(map(str, variables))) if part)
-    name = sp.latex(sp.Symbol(unknown.func.__name__))
-    return f"{name}_{{{below}}}" if below else name
+def _equation(trees: StatementTrees, text: str, left: FormulaTree) -> str:
+    """An equation with the sides that were typed; the tree has the right one with a minus."""
+    if "=" in text and isinstance(left, Sum):
+        first, second = left.parts
+        return f"{_latex(trees, first)} = {_latex(trees, second.inner()[1])}"
+    return f"{_latex(trees, left)} = 0"
 
 
-def _domain_latex(symbol: sp.Symbol, domain: Domain) -> str:
-    name = sp.latex(symbol)
-    chain = domain.chain(name, sp.latex, ("<", r"\le"))
-    if chain != name:
-        return chain
-    return rf"{name} \ne 0" if domain.nonzero else name + r" \in \mathbb{Z}" * domain.integer
+def _latex(trees: StatementTrees, formula: FormulaTree) -> str:
+    return formula_latex(mapped(formula, trees.meaning))
+
+
+def _condition(text: str) -> str:
+    """A chain of inequalities, or a name with its kind; nothing for a real one."""
+    name, _, kind = text.partition(": ")
+    if kind:
+        shown = KINDS[kind]
+        return shown and f"{name_latex(name)} {shown}"
+    parts = re.split(f"({COMPARED})", text)
+    sides = [formula_latex(tree_of(side)) for side in parts[::2]]
+    signs = [SIGNS.get(sign, sign) for sign in parts[1::2]]
+    return sides[0] + "".join(f" {s} {t}" for s, t in zip(signs, sides[1:], strict=True))

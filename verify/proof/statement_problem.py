@@ -113,6 +113,14 @@ def all_domains(statement: Statement, *equations: sp.Expr) -> Domains:
     return settled_domains(symbols | set(statement.variables), statement.domains)
 
 
+def typed_domains(statement: Statement) -> Domains:
+    """The domains of all symbols, also of those that SymPy cancels."""
+    domains = all_domains(statement, *statement.equations)
+    names = {str(symbol) for symbol in domains}
+    others = {s: d for s, d in statement.domains.items() if str(s) not in names}
+    return {**domains, **others}
+
+
 def undefined(statement: Statement) -> sp.Expr | None:
     """A divisor of the statement that is not shown to differ from 0 at any drawn point."""
     points = sample(all_domains(statement, *statement.equations, *statement.divisors), POINTS)

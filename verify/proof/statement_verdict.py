@@ -8,7 +8,7 @@ equality of its residual with 0: the formulas are put in and differentiated by S
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
@@ -18,7 +18,9 @@ from typing import Any
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
+from longwave.derive.algebra.formula_latex import formula_latex, name_latex
 from longwave.derive.algebra.formula_printing import formula_as_text
+from longwave.derive.algebra.formula_tree import FormulaTree, Name, Number, mapped, rational
 from longwave.solutions.record import LONGEST_FORMULA
 from longwave.verify.kernel.check import check_certificate
 from longwave.verify.kernel.further.free_functions import generic_shift
@@ -28,8 +30,6 @@ from longwave.verify.verdict import Outcome, ProofVerdict
 from . import prover
 from .balls import ball_value
 from .certificate_writer import Certificate, as_data
-from .domain_signs import singularities
-from .domains import REAL, Domains
 from .problem import solution_problem
 from .samples import sample
 from .seams import seams, sides
@@ -38,17 +38,18 @@ from .statement_problem import (
     all_domains,
     residual_of,
     statement_problem,
+    typed_domains,
     undefined,
     with_exponentials,
 )
+from .statement_scope import scope
 from .typed_balls import TextPoint
 from .typed_hints import typed_proof, with_conjugates
-from .typed_statement import Statement
+from .typed_places import typed_places
+from .typed_statement import Statement, StatementTrees, tree_of
 from .typed_values import TypedValues, failing_values, typed_values
 
 Progress = Callable[[str], None]
-
-SMOOTH = "wherever the formulas are smooth"
 
 NO_VERDICT = (
     *(ValueError, TypeError, RecursionError, NotImplementedError, OverflowError),
@@ -61,8 +62,6 @@ DRAWN = 40
 
 UNSEEN = "what was typed was not seen to fail where what SymPy makes of it does"
 
-EXCLUDED = "a ball around the residual of what was typed excludes 0"
-
 NO_PROOF: dict[str, Any] = {"certificate": None, "residual": None, "assumptions": ()}
 
 WITNESS_BITS = (160, 640)
@@ -72,13 +71,14 @@ WITNESS_BITS = (160, 640)
 class StatementVerdict(ProofVerdict):
     """The verdict on a statement: ``statement`` is what was read, in LaTeX.
 
-    ``certificates`` has one for each equation of a proof; ``hint`` says what would hold in the
-    place of a refuted formula.
+    ``certificates`` has one for each equation of a proof; ``hint`` says what holds in the place of
+    a refuted formula, which is proved by ``hint_certificates``.
     """
 
     statement: str = ""
     hint: str = ""
     certificates: tuple[Mapping[str, Any], ...] = field(default=(), compare=False)
+    hint_certificates: tuple[Mapping[str, Any], ...] = field(default=(), compare=False)
 
     @property
     def told(self) -> dict[str, str]:
@@ -101,6 +101,7 @@ class StatementVerdict(ProofVerdict):
             "singularities": list(self.singularities),
             "statement": self.statement,
             "certificates": [certificate["digest"] for certificate in self.certificates],
+            "hint_certificates": [found["digest"] for found in self.hint_certificates],
         }
 
 
@@ -108,9 +109,6 @@ def decide_statement(statement: Statement, progress: Progress = lambda _: None) 
     """The verdict on a statement; ``progress`` is told what is done next."""
     start = time.perf_counter()
     found = _decided(statement, progress)
-    if found.outcome is Outcome.REFUTED:  # what stands for arbitrary functions at the witness
-        chosen = {name: f"1/gamma(z + {generic_shift(name)})" for name in statement.functions}
-        found = replace(found, witness={**(found.witness or {}), **chosen})
     return replace(found, seconds=time.perf_counter() - start)
 
 
@@ -121,7 +119,7 @@ def _decided(statement: Statement, progress: Progress) -> StatementVerdict:
     for number, equation in enumerate(statement.equations, 1):
         progress(f"equation {number} of {count}")
         verdict = _decide_equation(statement, equation)
-        verdicts.append(verdict if typed is None else _as_typed(statement, number, verdict, typed))
+        verdicts.append(_as_typed(statement, number, verdict, typed))
         if verdicts[-1].outcome is Outcome.REFUTED:
             break
     found = _together(statement, verdicts)
@@ -130,10 +128,9 @@ def _decided(statement: Statement, progress: Progress) -> StatementVerdict:
     if statement.complexes and found.outcome is Outcome.UNDECIDED:
         failing = failing_values(statement)
     else:
-        failing = None if typed is None else _shown(typed.failure())
+        failing = _shown(typed.failure())
     if failing is not None:
-        refuted = undecided(statement, EXCLUDED)
-        return replace(refuted, outcome=Outcome.REFUTED, witness=failing)
+        return refuted(statement, failing) or found
     divisor = undefined(statement) if found.outcome is Outcome.PROVED else None
     if divisor is not None:
         return undecided(
@@ -160,7 +157,7 @@ def _as_typed(
             return verdict
         failing = _shown(typed.failure())
         if failing is not None:
-            return replace(verdict, detail=EXCLUDED, witness=failing)
+            return replace(verdict, witness=failing)
         verdict = replace(verdict, outcome=Outcome.UNDECIDED, detail=UNSEEN, witness=None)
     assert statement.texts is not None
     certificate = verdict.certificate
@@ -177,12 +174,7 @@ def _as_typed(
         proved = verdict.outcome is Outcome.PROVED  # by SymPy's reading alone
         words = " ".join((str(error) if proved else verdict.detail or str(error)).split())
         return replace(verdict, outcome=Outcome.UNDECIDED, detail=words, **NO_PROOF)
-    if verdict.outcome is Outcome.PROVED:
-        places = united([verdict.singularities, found.singularities])
-        return replace(
-            verdict, detail=found.detail, certificate=found.certificate, singularities=places
-        )
-    return _completed(statement, statement.equations[number - 1], found)
+    return found
 
 
 def _together(statement: Statement, found: Sequence[ProofVerdict]) -> StatementVerdict:
@@ -190,28 +182,71 @@ def _together(statement: Statement, found: Sequence[ProofVerdict]) -> StatementV
     worst = {Outcome.REFUTED: 0, Outcome.UNDECIDED: 1, Outcome.PROVED: 2}
     place = min(range(len(found)), key=lambda i: worst[found[i].outcome])
     chosen = found[place]
-    detail = " ".join(chosen.detail.split())
-    if chosen.outcome is not Outcome.PROVED:
-        where = f"equation {place + 1}: " if len(statement.equations) > 1 else ""
-        unproved = undecided(statement, where + detail)
-        return replace(
-            unproved, outcome=chosen.outcome, residual=chosen.residual, witness=chosen.witness
-        )
-    certificates = tuple(v.certificate for v in found if v.certificate)
-    said = tuple(chain.from_iterable(seam.lines for seam in seams(statement)))
-    assumptions = united(v.assumptions for v in found)
+    if chosen.outcome is Outcome.PROVED:
+        return proved(statement, [v.certificate for v in found if v.certificate])
+    where = f"equation {place + 1}: " if len(statement.equations) > 1 else ""
+    if chosen.outcome is Outcome.REFUTED:
+        return refuted(statement, chosen.witness or {}) or undecided(statement, where + UNSEEN)
+    return undecided(statement, where + " ".join(chosen.detail.split()))
+
+
+def proved(statement: Statement, certificates: Sequence[Mapping[str, Any]]) -> StatementVerdict:
+    """The verdict on a statement with accepted certificates of its texts."""
+    found = tuple(map(Certificate, certificates))
+    joints = seams(statement)
+    covered = {line for seam in joints for line in seam.lines}
+    places = tuple(line for line in typed_places(statement) if line not in covered)
     return StatementVerdict(
         **said_of(statement),
-        outcome=chosen.outcome,
-        detail=detail,
-        residual=chosen.residual,
-        assumptions=tuple(line for line in assumptions if not line.endswith(said)),
-        singularities=tuple(
-            line for line in united(v.singularities for v in found) if line not in said
+        outcome=Outcome.PROVED,
+        detail=f"numerator 0 in {found[0].generators} generators, accepted by the checker",
+        residual=0.0,
+        assumptions=(
+            scope(statement).text,
+            *united((f"no denominator vanishes identically: see {c.point}",) for c in found),
+            *(f"holds where the formula is smooth, possibly not so: {line}" for line in places),
         ),
-        certificate=certificates[0],
-        certificates=certificates,
+        singularities=places,
+        certificate=found[0],
+        certificates=found,
     )
+
+
+def refuted(statement: Statement, witness: Mapping[str, str]) -> StatementVerdict | None:
+    """The verdict on a statement at a point of its domain; None where no equation is seen to fail.
+
+    Complex values, which no number is, are put into the trees.
+    """
+    assert statement.trees is not None
+    trees, numbers = witness_trees(statement, statement.trees, witness)
+    failing = TypedValues(trees, typed_domains(statement)).failing(numbers)
+    if failing is None:
+        return None
+    number, residual = failing
+    where = f"equation {number}: " if len(statement.equations) > 1 else ""
+    names = statement.trees.names - {*statement.functions}
+    chosen = {name: f"1/gamma(z + {generic_shift(name)})" for name in statement.functions}
+    return StatementVerdict(
+        **said_of(statement),
+        outcome=Outcome.REFUTED,
+        detail=f"{where}residual {residual.str(prover.SHOWN_DIGITS)} excludes 0",
+        witness={name: str(numbers.get(name, witness[name])) for name in sorted(names)} | chosen,
+    )
+
+
+def witness_trees(
+    statement: Statement, trees: StatementTrees, witness: Mapping[str, str]
+) -> tuple[StatementTrees, dict[str, Fraction]]:
+    """The trees with the complex values of a point put in, and the values that are numbers."""
+    complexes = {n: witness[n] for n in statement.complexes if "I" in witness[n]}
+    made = trees.with_values(complexes)
+    if any(rational(mapped(tree_of(text), _without_unit)) is None for text in complexes.values()):
+        raise ValueError(f"witness must have numbers for {', '.join(complexes)}, got other values")
+    return made, {name: Fraction(witness[name]) for name in made.names}
+
+
+def _without_unit(node: FormulaTree) -> FormulaTree | None:
+    return Number(Fraction(1)) if node == Name("I") else None
 
 
 def united(lines: Iterable[Iterable[str]]) -> tuple[str, ...]:
@@ -221,9 +256,10 @@ def united(lines: Iterable[Iterable[str]]) -> tuple[str, ...]:
 
 def said_of(statement: Statement) -> dict[str, Any]:
     """What a verdict on a statement says of it."""
+    assert statement.texts is not None
     return {
         "name": statement.name,
-        "equation": "; ".join(map(equation_text, statement.equations)),
+        "equation": "; ".join(map(stated_equation, statement.texts.equations)),
         "method": prover.METHOD,
         "statement": statement_latex(statement),
         "sides": sides(seams(statement)),
@@ -234,6 +270,11 @@ def undecided(statement: Statement, reason: str, seconds: float = 0.0) -> Statem
     """The verdict that there is none, for a reason."""
     told = said_of(statement)
     return StatementVerdict(**told, outcome=Outcome.UNDECIDED, detail=reason, seconds=seconds)
+
+
+def stated_equation(text: str) -> str:
+    """An equation as it was typed, with its right-hand side."""
+    return " ".join(text.split()) + ("" if "=" in text else " = 0")
 
 
 def equation_text(equation: sp.Expr) -> str:
@@ -263,16 +304,10 @@ def _decide_equation(statement: Statement, equation: sp.Expr) -> ProofVerdict:
 
 
 def _completed(statement: Statement, equation: sp.Expr, verdict: ProofVerdict) -> ProofVerdict:
-    """The verdict with the symbols that were gone before the proof: they are real as the others."""
-    if verdict.outcome is Outcome.UNDECIDED:
+    """The verdict, a refutation with values of the symbols that were gone before it."""
+    if verdict.outcome is not Outcome.REFUTED:
         return verdict
     domains = all_domains(statement, *statement.equations)
-    if verdict.outcome is Outcome.PROVED:
-        words = _reading(domains, statement)
-        lines, places = (words, *verdict.assumptions[1:]), verdict.singularities
-        if names := ", ".join(statement.complexes):
-            places += (f"poles and branch points where {names} is not real",)
-        return replace(verdict, assumptions=lines, singularities=places)
     witness = dict(verdict.witness or {})
     known = {
         symbol: sp.Rational(witness[str(symbol)]) for symbol in domains if str(symbol) in witness
@@ -283,21 +318,6 @@ def _completed(statement: Statement, equation: sp.Expr, verdict: ProofVerdict) -
             coordinates = {str(symbol): str(value) for symbol, value in whole.items()}
             return replace(verdict, witness=coordinates)
     return verdict
-
-
-def _reading(domains: Domains, statement: Statement) -> str:
-    names = ", ".join(sorted({*map(str, domains)} - {*statement.complexes}))
-    others = "".join(
-        f"{words} {', '.join(sorted(found))}"
-        for words, found in (
-            (" and functions", statement.functions),
-            ("; complex", statement.complexes),
-        )
-        if found
-    )
-    stated = [d.text(s) for s, d in domains.items() if d != REAL]
-    limits = f"{' with ' if stated else ''}{', '.join(stated)}"
-    return f"for all real {names}{others}{limits}, {SMOOTH}"
 
 
 def _as_it_is(statement: Statement, equation: sp.Expr) -> ProofVerdict:
@@ -342,8 +362,7 @@ def _by_residual(statement: Statement, equation: sp.Expr) -> ProofVerdict:
         defined = _equal(statement, part, part, "a formula = itself")
         if defined.outcome is not Outcome.PROVED:
             raise ValueError(f"formulas must be shown to be defined: {defined.detail}")
-    places = singularities(parts, all_domains(statement, equation))
-    return replace(verdict, singularities=united([verdict.singularities, places]))
+    return verdict
 
 
 def _equal(statement: Statement, left: sp.Expr, right: sp.Expr, said: str) -> ProofVerdict:
@@ -383,16 +402,25 @@ def verified_sentence(statement: Statement, verdict: StatementVerdict) -> str:
     if verdict.outcome is Outcome.UNDECIDED:
         return f"% {verdict.name}: UNDECIDED: {verdict.detail}"
     if verdict.outcome is Outcome.REFUTED:
-        point = ", ".join(
-            rf"{sp.latex(sp.Symbol(name))} = {value}"
-            for name, value in (verdict.witness or {}).items()
-        )
-        heading, last = "We found that", f"at ${point}$."
-        verb = "does not satisfy"
+        heading, verb = "We found that", "does not satisfy"
+        last = f"at ${', '.join(_values_latex(statement, verdict.witness or {}))}$."
     else:
         digests = ", ".join(rf"\texttt{{{c['digest'][:16]}}}" for c in verdict.certificates)
         restriction = verdict.restriction.replace("_", r"\_").replace("nothing", "with nothing")
         only = f", {restriction}," if restriction else ""
         heading = f"We verified (certificate {digests}) that{only}"
         verb, last = "satisfies", f"{scope_latex(statement)} at which it is smooth."
+        sites = [line.partition("at the site ")[2] for line in verdict.singularities]
+        if sites := [rf"${site}$" for site in sites if site]:
+            last = f"{last[:-1]}; nothing is said at {', '.join(sites)}."
     return f"{heading}\n\\[ {formulas} \\]\n{verb}\n\\[ {equations} \\]\n{last}"
+
+
+def _values_latex(statement: Statement, witness: Mapping[str, str]) -> Iterator[str]:
+    """The values of a point, and the functions of one argument z at it."""
+    for name, text in witness.items():
+        if name in statement.functions:
+            below = rf"\Gamma\left(z + {generic_shift(name)}\right)"
+            yield rf"{name_latex(name)}\left(z\right) = \frac{{1}}{{{below}}}"
+        else:
+            yield f"{name_latex(name)} = {formula_latex(tree_of(text))}"

@@ -8,7 +8,7 @@ which the checker shows.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -134,10 +134,17 @@ def _certificate(
 def typed_parts(
     statement: Statement, equation: FormulaTree, kept: tuple[type, ...] = ()
 ) -> list[Typed]:
-    """The functions, powers and names in an equation with the formulas put in, and in all formulas.
+    """Those of `typed_nodes`, if they are few; a formula is named after what stands in it."""
+    found = [*typed_nodes(statement, equation, kept)]
+    if len(found) > MOST:
+        raise ValueError(f"texts must have at most {MOST} functions, got {len(found)}")
+    return found
 
-    What stands in a formula is named before what is made of it.
-    """
+
+def typed_nodes(
+    statement: Statement, equation: FormulaTree, kept: tuple[type, ...] = ()
+) -> Iterator[Typed]:
+    """The functions, powers and names in an equation with the formulas put in, and in formulas."""
     assert statement.trees is not None
     words = vocabulary(statement, kept)
     builder = ExpressionBuilder(words)
@@ -147,15 +154,11 @@ def typed_parts(
         return sp.expand_power_exp(found) if kept and not found.has(*kept) else found
 
     whole = (put_in(statement.trees, f) for f in (*statement.trees.solutions.values(), equation))
-    found = []
     for node in dict.fromkeys(node for formula in whole for node in formula.nodes()):
         with suppress(ValueError):  # too large for SymPy, or infinite
             plain = _plain(node, expression, words)
             if plain is not None:
-                found.append(Typed(node, builder.expression(node), plain))
-    if len(found) > MOST:
-        raise ValueError(f"texts must have at most {MOST} functions, got {len(found)}")
-    return found
+                yield Typed(node, builder.expression(node), plain)
 
 
 def put_in(trees: StatementTrees, formula: FormulaTree) -> FormulaTree:

@@ -73,7 +73,7 @@ class StatementTrees:
 
     def with_values(self, values: Mapping[str, str]) -> StatementTrees:
         """The trees with texts of formulas in the place of any values."""
-        made = {name: _tree(text) for name, text in values.items()}
+        made = {name: tree_of(text) for name, text in values.items()}
         return replace(self, definitions={**self.definitions, **made})
 
     def with_ends(self) -> StatementTrees:
@@ -136,7 +136,8 @@ def typed_case(
     ), trees
 
 
-def _tree(text: str) -> FormulaTree:
+def tree_of(text: str) -> FormulaTree:
+    """The tree of a formula in any names."""
     words = Vocabulary(FUNCTIONS, unknown_name=sp.Symbol)
     return Parser(text, tokens(text), words, "value").whole()
 

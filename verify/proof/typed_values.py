@@ -15,7 +15,7 @@ from fractions import Fraction
 from itertools import islice, product
 
 import sympy as sp
-from flint import arb, ctx
+from flint import acb, arb, ctx
 
 from longwave.derive.algebra.formula_tree import Call, FormulaTree, Power, rational
 from longwave.solutions import functions
@@ -24,7 +24,7 @@ from .balls import ball_value
 from .domain_signs import DomainSigns
 from .domains import Domain, Domains, Point
 from .samples import sample
-from .statement_problem import all_domains
+from .statement_problem import typed_domains
 from .typed_balls import TextPoint, TypedBalls
 from .typed_statement import Statement, StatementTrees
 
@@ -77,7 +77,7 @@ def failing_values(statement: Statement) -> dict[str, str] | None:
     for values in islice(product(COMPLEX, repeat=len(names)), CHOICES):
         chosen = dict(zip(names, values, strict=True))
         trees = statement.trees.with_values(chosen)
-        failing = TypedValues(trees, all_domains(statement, *statement.equations)).failure()
+        failing = TypedValues(trees, typed_domains(statement)).failure()
         if failing is not None:
             return {k: str(v) for k, v in failing.items() if k not in chosen} | chosen
     return None
@@ -87,10 +87,7 @@ def typed_values(statement: Statement) -> TypedValues | None:
     """What was typed, to be evaluated; None for a statement that nobody typed."""
     if statement.trees is None:
         return None
-    domains = all_domains(statement, *statement.equations)
-    names = {str(symbol) for symbol in domains}
-    others = {s: d for s, d in statement.domains.items() if str(s) not in names}
-    return TypedValues(statement.trees, {**domains, **others})
+    return TypedValues(statement.trees, typed_domains(statement))
 
 
 class TypedValues:
@@ -103,20 +100,29 @@ class TypedValues:
 
     def fails_at(self, point: TextPoint, bits: Sequence[int] = BITS) -> bool | None:
         """Whether an equation fails at a point; None where that cannot be said."""
-        if not self._names <= point.keys():
-            return None
         is_small = False
-        for size in bits:
-            try:
-                found = list(self._balls.residuals(point, size))
-            except (ArithmeticError, ValueError, RuntimeError):
-                is_small = False
-                continue
+        for size, found in self._residuals(point, bits):
             if any(not residual.contains(0) for residual in found):
                 return True
             least = arb(2) ** (-size // 4)
-            is_small = all(residual.abs_upper() < least for residual in found)
+            is_small = bool(found) and all(residual.abs_upper() < least for residual in found)
         return False if is_small else None
+
+    def failing(self, point: TextPoint) -> tuple[int, acb] | None:
+        """The number of an equation that fails at a point, and a ball around its residual."""
+        for _, found in self._residuals(point, BITS):
+            for number, residual in enumerate(found, 1):
+                if not residual.contains(0):
+                    return number, residual
+        return None
+
+    def _residuals(self, point: TextPoint, bits: Sequence[int]) -> Iterator[tuple[int, list[acb]]]:
+        """Balls around the residuals at a point, for numbers of bits; none where there is none."""
+        for size in bits if self._names <= point.keys() else ():
+            try:
+                yield size, list(self._balls.residuals(point, size))
+            except (ArithmeticError, ValueError, RuntimeError):
+                yield size, []
 
     def failure(self) -> TextPoint | None:
         """A point of the domain at which an equation fails; None if none was found."""

@@ -64,7 +64,7 @@ def test_files_have_names_to_solve_for_and_their_proofs_are_written(
     assert main(["prove", str(path), "--json"]) == 0
     first, second = json.loads(capsys.readouterr().out)
     assert first["cases"][0]["values"] == {"c": "4*k**2", "a": "2*k**2"}
-    assert first["cases"][0]["assumptions"][0].startswith("for all real k, t, x with 0 < k")
+    assert first["cases"][0]["assumptions"][0].startswith("for all real k, t, x with k > 0")
     assert (second["cases"], second["complete"]) == ([], True)
 
 

@@ -81,7 +81,8 @@ def test_in_words_a_refutation_has_its_point_and_what_holds(capsys: Output) -> N
     first, point, hint = capsys.readouterr().out.splitlines()
     assert first.startswith("REFUTED statement: residual ")
     assert point.startswith("    at k = ")
-    assert hint == "    it holds with -4*k**2*t in the place of 4*k**2*t"
+    right = "u = 2*k**2*sech(k*(x - 4*k**2*t))**2"
+    assert hint == f"    it holds with -4*k**2*t in the place of 4*k**2*t: {right}"
 
 
 def test_in_words_a_proof_has_its_scope_and_its_poles(capsys: Output) -> None:
@@ -96,7 +97,7 @@ def test_options_may_be_repeated_and_begin_with_a_sign(capsys: Output) -> None:
     words = ["--equation", "-u_t + v_x", "--equation", "v_t - u_x = 0"]
     words += ["--solution", "u = x + t", "--solution", "v = x + t", "--domain", "t > 0; x > t"]
     assert main(["prove", *words]) == 0
-    assert "0 < t, t < x" in capsys.readouterr().out
+    assert "t > 0, x > t" in capsys.readouterr().out
 
 
 def test_a_file_is_decided_in_order_and_compared_with_what_it_expects(
@@ -137,7 +138,7 @@ def test_the_latex_is_a_sentence_with_the_digest_of_the_certificate(
     sentence = capsys.readouterr().out
     (certificate,) = json.loads(kept.read_text("utf-8"))
     assert f"certificate \\texttt{{{certificate['digest'][:16]}}}" in sentence
-    assert "\\[ 6 u u_{x} + u_{t} + u_{xxx} = 0 \\]" in sentence
+    assert "\\[ u_{t} + 6 u u_{x} + u_{xxx} = 0 \\]" in sentence
     assert main(["prove", *STATED, MISPRINT, "--latex"]) == 1
     assert "does not satisfy" in capsys.readouterr().out
     assert main(["prove", *UNDECIDED, "--latex"]) == 1

@@ -9,6 +9,9 @@ import pytest
 
 from longwave.__main__ import main
 from longwave.cli import statements
+from longwave.verify.proof.kept_verdict import FROM_FILE, kept_record, taken_again
+from longwave.verify.proof.statement_text import read_statement
+from longwave.verify.proof.statement_verdict import decide_statement
 
 Output = pytest.CaptureFixture[str]
 
@@ -65,6 +68,11 @@ def decided(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     return names
 
 
+def plain(verdict: dict[str, Any]) -> dict[str, Any]:
+    """A verdict without what is not the same in the next run."""
+    return verdict | {"seconds": 0.0, "reason": verdict["reason"].removeprefix(FROM_FILE)}
+
+
 def test_a_run_that_was_ended_is_taken_up(
     tmp_path: Path, capsys: Output, decided: list[str]
 ) -> None:
@@ -74,7 +82,7 @@ def test_a_run_that_was_ended_is_taken_up(
     assert main(words) == 1
     first = json.loads(capsys.readouterr().out)
     assert main(words) == 1
-    assert json.loads(capsys.readouterr().out) == first
+    assert [plain(one) for one in json.loads(capsys.readouterr().out)] == [*map(plain, first)]
     assert decided == ["mine 1", "mine 2", "mine 3"]
     lines.write_text(lines.read_text(encoding="utf-8")[:-20], encoding="utf-8")
     assert main(words) == 1
@@ -126,3 +134,60 @@ def test_other_files_are_left_alone(tmp_path: Path, capsys: Output) -> None:
     lines.chmod(0o666)
     assert main(["prove", file, "--lines", str(lines)]) == 2
     assert "nobody else may write" in capsys.readouterr().err
+
+
+LIES: dict[str, Any] = {
+    "reason": "solved for good",
+    "hint": "it holds with 7*x in the place of x",
+    "seconds": 1e9,
+    "assumptions": ["for all complex x"],
+    "singularities": ["a lie"],
+    "statement": "u = 7",
+    "equation": "u = 7",
+}
+
+
+def test_what_a_file_says_of_a_verdict_is_not_shown(tmp_path: Path, capsys: Output) -> None:
+    """Catches: a scope, a reason, a hint and places that come from the file of verdicts."""
+    file, lines = written(tmp_path, RIGHT, WRONG, OPEN), tmp_path / "verdicts.jsonl"
+    words = ["prove", file, "--lines", str(lines)]
+    main([*words, "--json"])
+    right = json.loads(capsys.readouterr().out)
+    assert right[1]["hint"]
+    records = [json.loads(line) | LIES for line in lines.read_text().splitlines()]
+    lines.write_text("".join(json.dumps(one) + "\n" for one in records))
+    assert main([*words, "--json"]) == 1
+    proved, refuted, undecided = json.loads(capsys.readouterr().out)
+    assert (plain(proved), plain(refuted)) == (plain(right[0]), plain(right[1]))
+    assert undecided["reason"] == f"{FROM_FILE}solved for good"
+    assert undecided["seconds"] < 100
+    main(words)
+    assert "7*x" not in capsys.readouterr().out
+
+
+def test_a_hint_of_another_statement_is_not_shown(tmp_path: Path, capsys: Output) -> None:
+    other = RIGHT.replace("1", "3").replace("= x", "= 3*x")
+    file, lines = written(tmp_path, other, WRONG), tmp_path / "verdicts.jsonl"
+    words = ["prove", file, "--lines", str(lines), "--json"]
+    main(words)
+    capsys.readouterr()
+    proved, refuted = (json.loads(line) for line in lines.read_text().splitlines())
+    refuted["hint_certificates"] = proved["certificates"]
+    lines.write_text("".join(json.dumps(one) + "\n" for one in (proved, refuted)))
+    assert main(words) == 1
+    assert json.loads(capsys.readouterr().out)[1]["hint"] == ""
+
+
+def test_complex_witnesses_and_functions_are_looked_at_again() -> None:
+    for texts in [
+        ("u_x - c*u", "u = exp(abs(c)*x)", "c: complex"),
+        ("u_tt - c*u_xx", "u = f(x - c*t)", "f: function"),
+    ]:
+        statement = read_statement(*texts)
+        verdict = decide_statement(statement)
+        assert verdict.outcome == "REFUTED", verdict.detail
+        again = taken_again(statement, json.loads(json.dumps(kept_record(verdict))))
+        assert again is not None
+        assert (again.detail, again.witness) == (verdict.detail, verdict.witness)
+        moved = dict.fromkeys(verdict.witness or {}, "x + I")
+        assert taken_again(statement, kept_record(verdict) | {"witness": moved}) is None

@@ -237,7 +237,7 @@ def test_functions_that_are_known_by_their_differential_equations(
 
 def test_the_branch_of_lamberts_function_is_named() -> None:
     verdict = prove("u_x*x*(1 + u) - u", "u = lambert_w(x)")
-    assert verdict.singularities == ("branch point of LambertW(x)",)
+    assert verdict.singularities == ("branch point of lambert_w(x)",)
     assert outcome("u - x", "u = lambert_w(x*exp(x))") == Outcome.REFUTED
 
 
