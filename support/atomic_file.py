@@ -50,9 +50,9 @@ def write_atomically(
 
     The draft has the suffix of ``path``. Without ``force`` nothing is overwritten: of several
     processes one wins. A file that is there keeps its permissions, and a link still leads to the
-    file that it led to; unless told to ``follow`` it, where nobody has typed the name, the file
-    takes its place. What can be lost if the power fails need not be ``durable``, on the disk before
-    this returns.
+    file that it led to. With ``follow`` false, where nobody has typed the name, the file takes the
+    place of a link, and permissions of a file that is there, maybe another user's, are not kept.
+    What can be lost if the power fails need not be ``durable``, on the disk before this returns.
 
     Raises OSError that names the file where it cannot be written (FileExistsError if it is there
     and is not to be overwritten, and for a folder or a device) and what ``write`` raises; the draft
@@ -69,7 +69,7 @@ def write_atomically(
         if durable:
             with draft.open("rb+") as stream:
                 _flush(stream.fileno())
-        if not is_link and (mode := _mode(place)) is not None:
+        if follow and (mode := _mode(place)) is not None:
             draft.chmod(stat.S_IMODE(mode))
         _put(draft, place, force)
         if durable:

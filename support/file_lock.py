@@ -43,8 +43,8 @@ def locked(path: Path, wait: Callable[[], None] = lambda: None) -> Iterator[None
     """Hold the lock ``path`` in the body, and remove its file after it.
 
     ``wait`` is called before another holder is waited for. Where files cannot be locked, the body
-    is run all the same. Raises OSError that names the file if it cannot be made, and for a link:
-    nobody has typed its name.
+    is run all the same. A link there is replaced, as nobody has typed its name. Raises OSError that
+    names the file if it cannot be made.
     """
     number = _acquired(path, cache(wait))
     try:
@@ -77,7 +77,17 @@ def _acquired(path: Path, wait: Callable[[], None]) -> int:
 
 
 def _opened(path: Path) -> int:
-    return not_stale(lambda: os.open(path, FLAGS, 0o666))
+    """Return the number of the file, opened; a link in its place is removed, which is told."""
+    for _ in range(TRIES):
+        try:
+            return not_stale(lambda: os.open(path, FLAGS, 0o666))
+        except OSError as error:
+            if error.errno not in (errno.ELOOP, errno.EMLINK) or not path.is_symlink():
+                raise
+        LOG.warning("%s is a link: it is removed, and a lock takes its place", path)
+        with suppress(FileNotFoundError):
+            path.unlink()
+    raise OSError(errno.ELOOP, os.strerror(errno.ELOOP), str(path))
 
 
 def _is_held(path: Path, number: int, wait: Callable[[], None]) -> bool:

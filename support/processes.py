@@ -251,7 +251,7 @@ class LocalWorkers:
         ours, theirs = context.Pipe()
         given = (theirs, ours if forked else None, self._begin, job)
         process = context.Process(target=_serve, args=given)
-        with _interrupts_blocked(), warnings.catch_warnings(), _without_script():
+        with _interrupts_blocked(), warnings.catch_warnings(), _without_script(), _safe_path():
             warnings.simplefilter("ignore", DeprecationWarning)  # of a fork beside threads
             process.start()
         theirs.close()
@@ -327,6 +327,20 @@ class LocalWorkers:
         end = time.monotonic() + PATIENCE
         for worker in workers:
             worker.end(max(0.0, end - time.monotonic()))
+
+
+@contextmanager
+def _safe_path() -> Iterator[None]:
+    """Start interpreters that do not look for the standard library in the folder they start in."""
+    before = os.environ.get("PYTHONSAFEPATH")
+    os.environ["PYTHONSAFEPATH"] = "1"
+    try:
+        yield
+    finally:
+        if before is None:
+            del os.environ["PYTHONSAFEPATH"]
+        else:
+            os.environ["PYTHONSAFEPATH"] = before
 
 
 @contextmanager

@@ -29,21 +29,30 @@ SEAL = b"\nlongwave run, sha256 of all before this line: "
 
 SEAL_LENGTH = len(SEAL) + 64 + 1
 
+NEW_FILE = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
+
 WRITE_TRIES = 3
 
 PART = 2**20
 """Bytes that are read at once."""
 
 
-def write_sealed(path: Path, content: bytes, force: bool = True, durable: bool = True) -> None:
+def write_sealed(
+    path: Path,
+    content: bytes,
+    force: bool = True,
+    durable: bool = True,
+    private: bool = False,
+) -> None:
     """Write the content and its seal, whole or not at all, in the place of a link too.
 
     Nobody has typed the name; raises as `write_atomically`. A draft that somebody else removes is
-    written anew.
+    written anew. With ``private``, it is open to its user alone, whatever the umask is.
     """
 
     def write(draft: Path) -> None:
-        with draft.open("wb") as stream:
+        number = os.open(draft, NEW_FILE, 0o600 if private else 0o666)
+        with open(number, "wb") as stream:
             stream.write(content)
             stream.write(_seal(hashlib.sha256(content)))
 

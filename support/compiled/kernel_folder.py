@@ -87,7 +87,7 @@ class CacheFolder:
         if self.path is not None and runs_as_written(self.sources):
             with suppress(OSError), _opened(self.path):
                 content = self._title(name) + b"\n" + data
-                write_sealed(self.path / name, content, durable=False)
+                write_sealed(self.path / name, content, durable=False, private=True)
 
 
 @lru_cache

@@ -116,3 +116,16 @@ def test_a_planted_link_is_replaced_and_what_it_leads_to_stays(tmp_path: Path) -
     folder.write("code", b"kept")
     assert (tmp_path / "letter").read_text() == "mine"
     assert folder.read("code") == b"kept"
+
+
+def test_files_of_a_user_who_closes_nothing_are_read(bases: tuple[Path, Path]) -> None:
+    """Catches: files that others may write by the umask, which are then never read."""
+    before = os.umask(0)
+    try:
+        folder = cache_folder(MODULE)
+        folder.write("code", b"own")
+    finally:
+        os.umask(before)
+    assert folder.path is not None
+    assert folder.path.joinpath("code").stat().st_mode & 0o777 == 0o600
+    assert folder.read("code") == b"own"
