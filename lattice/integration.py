@@ -163,9 +163,7 @@ def integrate(
             "(a tolerance finds the step)"
         )
     begun = perf_counter()
-    search = CellRingEngine(
-        lattice, held, moments, scheme, judged, tolerance=tolerance or FINE
-    )
+    search = CellRingEngine(lattice, held, moments, scheme, judged, tolerance=tolerance or FINE)
     if tolerance is not None:
         trial, error = _found(search, tolerance, moments)
     else:

@@ -129,7 +129,11 @@ class Integral:
         """Running count and size of the integrals, without signs, of panels that were halved."""
         lengths = np.diff(self.edges)
         with np.errstate(all="ignore"):
-            ends = np.abs(self.slope(np.add.outer(self.edges[:-1], np.zeros(3)) + np.outer(lengths, [0, 0.5, 1])))
+            ends = np.abs(
+                self.slope(
+                    np.add.outer(self.edges[:-1], np.zeros(3)) + np.outer(lengths, [0, 0.5, 1])
+                )
+            )
         halved = lengths < 0.6 * np.median(lengths)
         parts = np.array([halved, halved * lengths * ends.max(axis=1)])
         return np.concatenate([np.zeros((2, 1)), np.cumsum(parts, axis=1)], axis=1)

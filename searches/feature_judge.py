@@ -243,7 +243,9 @@ def judge(member: Member) -> Verdict:
         sure = bool(np.abs(exact - rough).max() < SURE * member.tolerance)
         reason = str(refusal)
         lies = any(word in reason for word in FALSE_REASONS) and sure
-        return Verdict(("false reason" if lies else "refused") if sure else "both refuse", 0, reason)
+        return Verdict(
+            ("false reason" if lies else "refused") if sure else "both refuse", 0, reason
+        )
     exact = reference(member, REFERENCE)
     if exact is None:
         return Verdict("undecided")

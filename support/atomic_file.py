@@ -52,8 +52,8 @@ def write_atomically(
     The draft has the suffix of ``path``. Without ``force`` nothing is overwritten: of several
     processes one wins. A user's own file that is there keeps its permissions, unless there is a
     ``mode`` to have, and a link still leads to the file that it led to; unless told to ``follow``
-    it, where nobody has typed the name, the file takes its place. What can be lost if the power
-    fails need not be ``durable``, on the disk before this returns.
+    them, where nobody has typed the name, a new file takes their place. What can be lost if the
+    power fails need not be ``durable``, on the disk before this returns.
 
     Raises OSError that names the file where it cannot be written (FileExistsError if it is there
     and is not to be overwritten, and for a folder or a device) and what ``write`` raises; the draft
@@ -70,7 +70,7 @@ def write_atomically(
         if durable:
             with draft.open("rb+") as stream:
                 _flush(stream.fileno())
-        if mode is None and not is_link:
+        if mode is None and follow:
             mode = _own_mode(place)
         if mode is not None:
             draft.chmod(mode)

@@ -83,6 +83,7 @@ def _opened(path: Path) -> int:
         except OSError:
             if not path.is_symlink():
                 raise
+            LOG.warning("%s is a link: it is removed", path)
             path.unlink(missing_ok=True)
     raise OSError(errno.ELOOP, "is made a link each time that it is removed", str(path))
 

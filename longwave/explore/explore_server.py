@@ -96,6 +96,7 @@ def explore(port: int, browser: bool, program: str) -> int:
 def refuse_others(application: Any, port: int, token: str) -> None:
     """Have the server answer 403 to whoever names another host or has not the token.
 
+    A path with a zero byte, which no file's name has, is refused as well: Tornado fails over it.
     What pages are made of needs none: scripts and style sheets are the same for all.
     """
     from tornado.routing import Matcher, Rule

@@ -10,8 +10,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import linalg, stats
 
 from longwave.scenes.fits.force_data import Points
@@ -69,7 +71,7 @@ class ResidualTests:
     residuals: Points
     slopes: Points
     weight: Points
-    rows: Points
+    rows: NDArray[np.intp]
     known: bool
 
     @cached_property
@@ -112,7 +114,7 @@ class ResidualTests:
         steps = np.diff(self.rows)
         return bool((steps > 0).all() or (steps < 0).all())
 
-    def _left_over(self, curves: Points) -> Points:
+    def _left_over(self, curves: NDArray[Any]) -> Points:
         """Return orthonormal columns of curves, less what the constants take up."""
         weighted = np.reshape(curves.T, (-1, self.weight.size)).T * self.weight[:, np.newaxis]
         weighted = weighted / norms(weighted)
@@ -140,7 +142,7 @@ class ResidualTests:
             return 0.0
         return float(stats.f.sf(taken / count * rest / left, count, rest))
 
-    def _serial(self, order: Points) -> float:
+    def _serial(self, order: NDArray[Any]) -> float:
         """Return how often neighbours are as alike if the law is right.
 
         Mean and variance of the correlation with the next residual are exact for normal noise and

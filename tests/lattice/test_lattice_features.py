@@ -62,7 +62,9 @@ def test_a_bump_of_a_force_is_not_stepped_over() -> None:
     [(BUMP, 1e-5, 3e-4), ("t + tanh(t*1000 - 200)/10", 5e-4, 5e-3), ("exp(t)", np.inf, np.inf)],
 )
 def test_the_width_of_a_feature_is_found(law: str, low: float, high: float) -> None:
-    assert low <= find_feature(program_of(time_formula("force", law)), -0.5, 0.5, 1e-8).width <= high
+    assert (
+        low <= find_feature(program_of(time_formula("force", law)), -0.5, 0.5, 1e-8).width <= high
+    )
 
 
 def test_a_law_with_a_corner_is_treated_as_contacts_are() -> None:

@@ -310,14 +310,15 @@ def test_drafts_of_the_dead_are_removed_and_those_of_the_living_stay(
     assert {path.name for path in tmp_path.iterdir()} == (set() if goes else {*names})
 
 
+@pytest.mark.parametrize("follow", [False, True])
 @pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() != 0, reason="another's file")
-def test_a_file_of_another_user_passes_no_permissions_on(tmp_path: Path) -> None:
+def test_a_file_of_another_user_passes_no_permissions_on(follow: bool, tmp_path: Path) -> None:
     """Catches: a damaged file with mode 0666 in the place of a run, and the new one as open."""
     place = tmp_path / "key.nc"
     place.write_text("damaged")
     place.chmod(0o666)
     os.chown(place, 12345, 12345)
-    write_atomically(place, lambda draft: draft.write_text("new"), follow=False)
+    write_atomically(place, lambda draft: draft.write_text("new"), follow=follow)
     assert place.read_text() == "new"
     assert place.stat().st_mode & 0o022 == 0
 

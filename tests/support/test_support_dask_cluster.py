@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from longwave.support.dask_cluster import DaskWorkers, _connected
+from longwave.support.dask_cluster import DaskWorkers, _connected, _outcome
 from longwave.support.processes import Job, OutOfTime
 
 distributed = pytest.importorskip("distributed")
@@ -53,6 +53,17 @@ def test_an_answer_that_is_no_outcome_is_the_jobs_error(answer: Any) -> None:
     (call,) = workers.ended(1.0)
     assert isinstance(call.error, TypeError)
     assert "a worker must answer with an outcome, got" in str(call.error)
+
+
+def test_a_workers_folder_holds_no_part_of_the_standard_library(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Catches: a planted module that runs in the process of a job with limits."""
+    for name in ("pickle.py", "longwave.py"):
+        (tmp_path / name).write_text("open('planted', 'w').close()\n", "utf-8")
+    monkeypatch.chdir(tmp_path)
+    assert _outcome(Job(len, ("abc",), seconds=60.0))[1:] == (3, None)
+    assert not (tmp_path / "planted").exists()
 
 
 def test_outcomes_are_what_they_are() -> None:

@@ -255,3 +255,20 @@ def test_a_fork_ends_no_garbage_of_its_parent(tmp_path: Path) -> None:
         gc.enable()
     gc.collect()
     assert file.read_text(encoding="utf-8") == str(os.getpid())
+
+
+def test_a_process_takes_no_standard_library_from_the_folder_it_starts_in(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Catches: a planted module that runs in every process of a sweep."""
+    (tmp_path / "pickle.py").write_text("open('planted', 'w').close()\n", "utf-8")
+    monkeypatch.chdir(tmp_path)
+    workers = LocalWorkers(1)
+    try:
+        workers.submit(Job(len, ("abc",)))
+        (call,) = workers.ended(60.0)
+    finally:
+        workers.stop()
+    assert call.value == 3
+    assert not (tmp_path / "planted").exists()
+    assert "PYTHONSAFEPATH" not in os.environ

@@ -35,6 +35,19 @@ def test_a_draft_that_somebody_removes_is_written_anew(
     assert list(tmp_path.iterdir()) == [place]
 
 
+def test_the_rights_on_a_file_that_is_replaced_are_not_taken_over(tmp_path: Path) -> None:
+    """Catches: a damaged file of another user, open to all, that opens the new one to all."""
+    place = tmp_path / "run.nc"
+    place.write_bytes(b"damaged")
+    place.chmod(0o666)
+    before = os.umask(0o022)
+    try:
+        write_sealed(place, CONTENT)
+    finally:
+        os.umask(before)
+    assert place.stat().st_mode & 0o777 == 0o644
+
+
 def test_a_folder_that_is_gone_is_an_error(tmp_path: Path) -> None:
     with pytest.raises(FileNotFoundError) as caught:
         write_sealed(tmp_path / "folder" / "run.nc", CONTENT)

@@ -221,6 +221,7 @@ WITH, WITHOUT = "/?token={token}", "/?token=wrong"
         ("/autoload.js", HERE, 403),
         ("/metadata", HERE, 403),
         ("/static/nothing", THERE, 403),
+        ("/static/extensions/panel/%00", HERE, 403),
         ("/static/nothing", HERE, 404),
     ],
 )
