@@ -21,6 +21,7 @@ import sys
 import time
 from collections import Counter
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
@@ -294,11 +295,20 @@ class Judgement:
     def _look_at_proof(self, verdict: StatementVerdict) -> None:
         sites = {line.partition("the site n = ")[2] for line in verdict.singularities}
         rough = any(" where " in line for line in verdict.singularities)
-        for point in self.points(self.typed, 8 if "n" in self.given.ranges else POINTS):
+        for point in [*self.points(self.typed), *self._sites()]:
             if self.typed.holds(point):
                 continue
             if not ("n" in point and (str(int(point["n"])) in sites or rough)):
                 self.faults.append(f"PROVED, but it fails at {_shown(point)}")
+
+    def _sites(self) -> Iterator[Point]:
+        """A point at every site that is looked at."""
+        low, high = self.given.ranges.get("n", (0, 0))
+        for site in range(low + 1, high):
+            point = self.given.point(self.draw) | {"n": mp.mpf(site)}
+            with suppress(CannotJudge, ZeroDivisionError, ValueError, OverflowError):
+                self.typed.residuals(point)
+                yield point
 
     def _look_at_witness(self, verdict: StatementVerdict) -> None:
         point = {name: _number(text) for name, text in (verdict.witness or {}).items()}

@@ -46,6 +46,7 @@ Part = tuple[str, int]
 def formula_latex(formula: FormulaTree) -> str:
     r"""The formula in LaTeX.
 
+    >>> from longwave.derive.algebra.formula_tree import MINUS_ONE
     >>> print(formula_latex(Power((Call((Name("x"),), "sech"), MINUS_ONE))))
     \frac{1}{\operatorname{sech}\left(x\right)}
     """

@@ -313,6 +313,8 @@ def _of_node(node: FormulaTree, parameters: Iterable[str]) -> Iterator[Change]:
         case Call(parts=(first, *rest), name=name):
             for rank, new in _of_term(first, parameters):
                 yield rank, Call((new, *rest), name)
+            if name == "sqrt":
+                yield from ((EXPONENTS, _power(first, value)) for value in (Fraction(1), -HALF))
         case Unknown(site=site, shift=shift) if site:
             for moved in dict.fromkeys((-shift, shift + 1, shift - 1)):
                 yield EXPONENTS, replace(node, shift=moved)

@@ -251,6 +251,7 @@ HINTS = [
     (ZAKHAROV, ZAKHAROV_SOLITON, "a: a>0; v: -1<v<1", ": m = -2*a**2*sech(a*(x - v*t))**2"),
     (TODA, TODA_SOLITON, "k: k>0", "q[n-1] in the place of q[n+1] in the equation: "),
     (GORDON, "u = 4*atan(exp((x - t/c)/sqrt(1 - c**2)))", "c: 0<c<1", "-t*c in the place of -t/c"),
+    (KDV, "u = 2*k**2*sech(sqrt(k)*(x - 4*k**2*t))**2", "k: k>0", "k*(x - 4*k**2*t) in the place"),
     (KDV, "u = 2*k**3*sech(k*(x - 4*k**2*t))**2", "k: k>0", "2*k**2*sech"),
     (KDV, "u = 2*k**2*sech(k*x - c*t)**2", "k: k>0; c = 4*k**2", "4*k**3 in the place of 4*k**2"),
     ("diff(q[n], t) - q[n+1] + q[n]", "q = n + 1 - t", "", "t in the place of -t: q = n + 1 + t"),
