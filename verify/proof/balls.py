@@ -287,7 +287,8 @@ def function_jet(function: type, jets: Sequence[Jet]) -> Jet:
         return inverse if above is None else jets[0].composed(ELEMENTARY[above]) * inverse
     if function not in ELEMENTARY or len(jets) > 1:
         raise ValueError(
-            f"functions must have ball arithmetic, got {function.__name__} (write it by others)"
+            f"functions must have ball arithmetic, got {function.__name__}, stated or SymPy's form "
+            "of a part (write it by others)"
         )
     return jets[0].composed(ELEMENTARY[function])
 

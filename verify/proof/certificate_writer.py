@@ -91,7 +91,8 @@ class NodeTable:
         name = label if isinstance(expression, JetFunction) else NAMES.get(expression.func)
         if name is None:
             raise ValueError(
-                f"functions must have a node in certificates, got {label} (write it by others)"
+                f"no axiom is known for {label}, which was stated or is SymPy's form of a part "
+                "(write it by other functions)"
             )
         return [name, *map(self.place, expression.args)]
 
