@@ -312,13 +312,12 @@ class _Search:
 
     def left(self, choices: Choices, rounding: float, error: float) -> str:
         """What is left of an error that has ceased to fall, as far as it was measured."""
-        if not self.wary:
-            rounding += DRAWN * self.grown(choices)
+        rounding += DRAWN * self.grown(choices)
         kinds = {"step": "finer steps", "sampling": "denser points", "domain": "wider domains"}
         told = f"{' and '.join(kinds[kind] for kind in self.engine.kinds)} no longer help"
         if rounding > 0.5 * error:
-            return f"{told}: rounding, with what it has grown to, is {rounding:.1g} of it"
-        return f"{told}, and rounding is no more than {rounding:.1g} of it"
+            return f"{told}: of the error of {error:.1g} rounding has grown to {rounding:.1g}"
+        return f"{told}, and rounding is only {rounding:.1g} of the error of {error:.1g}"
 
     def check_rounding(self, choices: Choices) -> None:
         """Raise ValueError if rounding alone comes to more than the tolerance.

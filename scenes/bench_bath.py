@@ -105,10 +105,11 @@ class Bath:
     def followed_pair(self, number: int) -> tuple[Array, Array] | None:
         """That `pair`; None if the step had to be shortened, with which all runs begin anew."""
         try:
-            made, broken = self.pair(number), None
+            made = self.pair(number)
         except BrokenRunError as error:
-            made, broken = None, error
-        return None if self.has_shortened_step(broken) else made
+            self.has_shortened_step(error)
+            return None
+        return None if self.has_shortened_step(None) else made
 
     def has_shortened_step(self, broken: BrokenRunError | None) -> bool:
         """Shorten the step where runs broke down, or met faster waves than it can follow.

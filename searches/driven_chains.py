@@ -177,7 +177,7 @@ def pushed(seed: int) -> DrivenCase:
         lambda: ("free", moved(-speed)),
     ]
     ends = kinds[random.integers(len(kinds))]()
-    springs = {}
+    springs: dict[int, list[float]] = {}
     if random.random() < 0.3:
         springs[int(random.integers(1, cells - 2))] = [0.0] * len(lattice.bonds)
     made = driven_chain(

@@ -63,7 +63,7 @@ AT_REST = [name for name in LAWS if name not in ("power law", "next nearest")]
     ],
 )
 def test_a_wall_may_go_further_than_a_bond_is_long(law: str, place: str) -> None:
-    ends = ("fixed", wall(-0.25)) if place == "right" else (wall(0.25), "fixed")
+    ends: tuple[Any, Any] = ("fixed", wall(-0.25)) if place == "right" else (wall(0.25), "fixed")
     ends = (ends[0], "free") if place == "before a free end" else ends
     chain = driven_chain(LAWS[law], 12, left=ends[0], right=ends[1])
     case = DrivenCase(law, chain, ends, rest(12), END, 1e-6)

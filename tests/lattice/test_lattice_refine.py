@@ -120,7 +120,7 @@ class Blunt(StepSearch):
 
 
 def test_a_refusal_says_what_was_measured() -> None:
-    with pytest.raises(ValueError, match="no longer help, and rounding is no more than"):
+    with pytest.raises(ValueError, match="no longer help, and rounding is only"):
         refine(Blunt(slowly=False), 1e-9)
     with pytest.raises(ValueError, match=r"got 1e-90 \(after 12 control runs"):
         refine(Blunt(slowly=True), 1e-90)

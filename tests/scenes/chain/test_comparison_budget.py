@@ -94,7 +94,7 @@ def test_runs_that_agree_and_are_both_wrong_are_not_believed(lawful: float) -> N
 
 def test_a_plateau_ends_before_steps_become_dear() -> None:
     toy = Toy(plateau=1e-2)
-    with pytest.raises(ValueError, match="finer steps no longer help, and rounding is"):
+    with pytest.raises(ValueError, match="finer steps no longer help, and rounding is only"):
         refine(toy, 1e-6)
     assert len(toy.runs) <= 14
     assert sum(map(toy.work, toy.runs)) < 5000
