@@ -97,6 +97,11 @@ class Carrier(Expansion):
     what a constant mean adds to G_0, as a multiple of A.
     """
 
+    values: dict[Symbol, Expr]
+    images: dict[Symbol, RationalFunction]
+    wave: RationalFunction
+    fixed: Symbol
+
     def __init__(
         self,
         lattice: Lattice,
@@ -143,8 +148,7 @@ class Carrier(Expansion):
         field = RationalFunctions((z, w, *lattice.constants))
         super().__init__(lattice, Scaling(time=2), LAST + 1, field)
         self.phase_factor, self.rate = field(z) if turn is None else field(turn), field(w)
-        self.values: dict[Symbol, Expr] = {}
-        self.images: dict[Symbol, RationalFunction] = {}
+        self.values, self.images = {}, {}
         self.linear = self.matrix(1)
         self.relation = determinant(self.linear)
         powers = [(factor, factor.powers_of(w)) for factor in self.relation.factors()]

@@ -134,8 +134,8 @@ def _linear_lattice_lines(lattice: Lattice, options: DeriveOptions) -> Iterator[
         yield "a linear lattice has no reduced equation; its waves exp(i (k n - omega t)):"
         yield from (f"  {line}" for line in waves.lines())
         if rows:
-            branches = len(rows[0][1])
-            heads = ["k", *(h for i in range(branches) for h in (f"omega {i}", f"d omega {i}/dk"))]
+            places = range(len(rows[0][1]))
+            heads = ["k", *(h for i in places for h in (f"omega {i}", f"d omega {i}/dk"))]
             yield "  " + "  ".join(f"{head:>14}" for head in heads)
         for at, found in rows:
             cells = [text_of(at), *("meet" if v is None else f"{v:.10g}" for f in found for v in f)]

@@ -271,7 +271,7 @@ def test_displacements_are_told_and_drawn_as_such() -> None:
     assert [field_label(one) for one in (found, found.strain, strains)] == [
         *("displacement", "displacement", "$y_n$"),
     ]
-    axes = [ax.get_ylabel() for ax in plot(found, "snapshots").axes]
+    axes = [ax.get_ylabel() for ax in plot(found, kind="snapshots").get_axes()]
     assert axes[0] == "displacement"
 
 
