@@ -68,7 +68,7 @@ FINE = 1e-9
 """Tolerance for which features of drives and forces are followed where none is given."""
 
 NEAR = 2.0
-"""Room beside the stretches that were met, in units of their range, that is searched for features."""
+"""Room beside the stretches that were met, in units of their range, where features are sought."""
 
 STILL = 0.1
 """Time between stops, in units of the inverse highest frequency at rest, that shows all that
@@ -159,9 +159,7 @@ def integrate(
             "(a tolerance finds the step)"
         )
     begun = perf_counter()
-    search = CellRingEngine(
-        lattice, held, moments, scheme, judged, tolerance=tolerance or FINE
-    )
+    search = CellRingEngine(lattice, held, moments, scheme, judged, tolerance=tolerance or FINE)
     if tolerance is not None:
         trial, error = _found(search, tolerance, moments)
     else:
@@ -348,14 +346,9 @@ class CellRingEngine(StepSearch):
         self._largest = np.fmax(self._largest, self._sizes(stepper.ranges))
         if self._finds_features(stepper.ranges, met):
             return self.run(choices, shown, progress)
-        longest = self._followed_step(stepper.ranges, met, choices)
-        values, longest = None, min(longest, self._longest_step(stepper.ranges))
-        self._admitted = min(self._admitted, longest)
-        if stepper.blow_up is None and self._taken(choices.step) <= longest:
-            values = np.array(judged) if len(judged) > 1 else judged[0][np.newaxis]
         return Trial(
             choices,
-            values,
+            self._values(stepper, choices, judged, met),
             float(stepper.steps),
             perf_counter() - loop.begun,
             rounding_error(
@@ -364,6 +357,17 @@ class CellRingEngine(StepSearch):
             (stepper.blow_up, stepper.steps, f, v),
             shown=False,
         )
+
+    def _values(
+        self, stepper: Stepper, choices: Choices, judged: list[Array], rates: Array
+    ) -> Array | None:
+        """What was judged; None after a blow-up or with a step that does not follow the run."""
+        followed = self._followed_step(stepper.ranges, rates, choices)
+        longest = min(followed, self._longest_step(stepper.ranges))
+        self._admitted = min(self._admitted, longest)
+        if stepper.blow_up is not None or self._taken(choices.step) > longest:
+            return None
+        return np.array(judged) if len(judged) > 1 else judged[0][np.newaxis]
 
     def _chunk(self, choices: Choices) -> int | None:
         """Most steps between two stops: few enough for nudges between them."""

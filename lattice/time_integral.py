@@ -23,6 +23,10 @@ ROUNDING = 2.0**-50
 LEAST_PANEL = 2.0**-48
 """Length of the shortest panel, in units of the largest number in it."""
 
+LOOSE = 0.02
+"""Share of the largest slope near a panel by which bounds may be too wide, as of a product of terms
+that depend on each other: a straight line on either side of a corner would be halved for ever."""
+
 MANY = 8
 """Short panels of an integral beyond which a longer one hides what is on them."""
 
@@ -129,7 +133,11 @@ class Integral:
         """Running count and size of the integrals, without signs, of panels that were halved."""
         lengths = np.diff(self.edges)
         with np.errstate(all="ignore"):
-            ends = np.abs(self.slope(np.add.outer(self.edges[:-1], np.zeros(3)) + np.outer(lengths, [0, 0.5, 1])))
+            ends = np.abs(
+                self.slope(
+                    np.add.outer(self.edges[:-1], np.zeros(3)) + np.outer(lengths, [0, 0.5, 1])
+                )
+            )
         halved = lengths < 0.6 * np.median(lengths)
         parts = np.array([halved, halved * lengths * ends.max(axis=1)])
         return np.concatenate([np.zeros((2, 1)), np.cumsum(parts, axis=1)], axis=1)
@@ -174,8 +182,13 @@ class _Hull:
     def is_left_by(
         self, value: ForceProgram, low: Array, high: Array, room: Array
     ) -> NDArray[np.bool_]:
-        """Whether slopes on the panels may leave it by more than its width and ``room``."""
-        bounds, room = value.slope_enclosed(low, high), room + (self.most - self.least)
+        """Whether slopes on the panels may leave it by more than its width and ``room``.
+
+        And by more than their part `LOOSE`.
+        """
+        bounds = value.slope_enclosed(low, high)
+        largest = np.maximum(np.abs(self.least), np.abs(self.most))
+        room = room + (self.most - self.least) + LOOSE * largest
         return ~((bounds[0] >= self.least - room) & (bounds[1] <= self.most + room))
 
     def halved(self, rough: NDArray[np.bool_]) -> _Hull:

@@ -31,6 +31,7 @@ OUTSIDE = 0.5
 """Share of the range of measured values by which a spline may leave it: between values that follow
 what they are measured of it does by a few hundredths."""
 
+
 @dataclass(frozen=True)
 class Samples:
     """Values at increasing times, and between them the spline of degree `DEGREE` through them."""

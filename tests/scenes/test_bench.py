@@ -15,6 +15,7 @@ from longwave.__main__ import main
 from longwave.derive import LATTICES
 from longwave.lattice import SiteForce, State, driven_chain, integrate
 from longwave.lattice.numeric_lattice import numeric_lattice
+from longwave.lattice.time_integral import Integral
 from longwave.runs.run_file import load_run
 from longwave.runs.sweep_scene import changed_document, check_field, make_scene
 from longwave.scenes.bench import SENSED, Bench
@@ -24,7 +25,6 @@ from longwave.scenes.named_scenes import load_scene, scene_of_toml, shipped_scen
 from longwave.scenes.scene import Scene
 from longwave.scenes.scene_file import toml_text
 from longwave.scenes.scene_run import resume, run
-from longwave.lattice.time_integral import Integral
 from longwave.scenes.time_functions import Samples, time_function
 from tests.lattice.test_lattice_driving import modal_chain
 
