@@ -289,6 +289,11 @@ class CellRingEngine(StepSearch):
         super().__init__(order, driven.step, stops, state.size)
         self.most_work = max(RUNAWAY * self.work(self.first()), LEAST_RUNAWAY)
 
+    @property
+    def stops(self) -> Array:
+        """Times at which steps end: those that are judged, and those that follow drives."""
+        return self._stops[1:]
+
     def _frequency_at_rest(self, ranges: Array) -> float:
         """The highest frequency at rest, that of the start if there is none."""
         frequency = self.dynamics.highest_frequency(0.0 * ranges)
@@ -309,7 +314,7 @@ class CellRingEngine(StepSearch):
         f, v = np.empty(shape), np.empty(shape)
         rows = {t: row for row, t in enumerate(self._kept.tolist())}
         met = self._rates(stepper.state)
-        times, judged = self._stops[1:].tolist(), []
+        times, judged = self.stops.tolist(), []
         moments, end = set(self._times.tolist()), times[-1]
         kind = f"{choices.nudged}{', features' if self._has_features else ''}"
         loop = begin_loop(f"{self.scheme.name}, step {choices.step!r}, {kind}")
