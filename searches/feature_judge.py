@@ -36,7 +36,7 @@ Scalar = Callable[[float], float]
 
 KINDS = ("law", "force", "displacement", "velocity")
 SHAPES = ("bump", "wiggle", "step", "corner")
-POPULATION, GENERATIONS = 12, 8
+POPULATION, GENERATIONS = 8, 6
 """Members of a family, and how often it is renewed."""
 
 REFERENCE = 1e-12
