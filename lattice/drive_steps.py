@@ -9,13 +9,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from longwave.lattice.force_program import ForceProgram
+from longwave.lattice.numeric_lattice import DriveSteps
 from longwave.lattice.outer_forces import TimeFunction, looked_at
 from longwave.lattice.schemes import DriftKick, Scheme
 from longwave.lattice.time_integral import LEAST_PANEL, Integral, integrated
@@ -36,16 +36,6 @@ MOST_STOPS, MOST_HALVED = 2**14, 2**17
 
 ROUNDING = 2.0**-48
 """Share of the largest integral that is taken for rounding."""
-
-
-@dataclass(frozen=True)
-class DriveSteps:
-    """The longest ``step`` at all times, ``stops`` at which steps end, whether a drive has corners
-    beside them."""
-
-    step: float
-    stops: Array
-    turns: bool
 
 
 def drive_steps(

@@ -18,9 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from longwave.lattice.disordered_lattice import DisorderedLattice, Pulse, Variation
-from longwave.lattice.drive_steps import DriveSteps, drive_steps
+from longwave.lattice.drive_steps import drive_steps
 from longwave.lattice.kernels.streams import TERMS
-from longwave.lattice.numeric_lattice import NumericLattice, Range, value_range
+from longwave.lattice.numeric_lattice import DriveSteps, NumericLattice, Range, value_range
 from longwave.lattice.outer_forces import (
     SiteForce,
     TimeFunction,

@@ -72,7 +72,7 @@ FINE = 1e-9
 """Tolerance for which features of drives and forces are followed where none is given."""
 
 NEAR = 2.0
-"""Room beside the stretches that were met, in units of their range, that is searched for features."""
+"""Room beside the stretches that were met, in units of their range, where features are sought."""
 
 STILL = 0.1
 """Time between stops, in units of the inverse highest frequency at rest, that shows all that
@@ -290,6 +290,11 @@ class CellRingEngine(StepSearch):
         super().__init__(order, driven.step, stops, state.size)
         self.most_work = max(RUNAWAY * self.work(self.first()), LEAST_RUNAWAY)
 
+    @property
+    def stops(self) -> Array:
+        """Times at which steps end: those that are judged, and those that follow drives."""
+        return self._stops[1:]
+
     def _frequency_at_rest(self, ranges: Array) -> float:
         """The highest frequency at rest, that of the start if there is none."""
         frequency = self.dynamics.highest_frequency(0.0 * ranges)
@@ -310,7 +315,7 @@ class CellRingEngine(StepSearch):
         f, v = np.empty(shape), np.empty(shape)
         rows = {t: row for row, t in enumerate(self._kept.tolist())}
         met = self._rates(stepper.state)
-        times, judged = self._stops[1:].tolist(), []
+        times, judged = self.stops.tolist(), []
         moments, end = set(self._times.tolist()), times[-1]
         kind = f"{choices.nudged}{', features' if self._has_features else ''}"
         loop = begin_loop(f"{self.scheme.name}, step {choices.step!r}, {kind}")
@@ -348,14 +353,9 @@ class CellRingEngine(StepSearch):
         self._largest = np.fmax(self._largest, self._sizes(stepper.ranges))
         if self._finds_features(stepper.ranges, met):
             return self.run(choices, shown, progress)
-        longest = self._followed_step(stepper.ranges, met, choices)
-        values, longest = None, min(longest, self._longest_step(stepper.ranges))
-        self._admitted = min(self._admitted, longest)
-        if stepper.blow_up is None and self._taken(choices.step) <= longest:
-            values = np.array(judged) if len(judged) > 1 else judged[0][np.newaxis]
         return Trial(
             choices,
-            values,
+            self._values(stepper, choices, judged, met),
             float(stepper.steps),
             perf_counter() - loop.begun,
             rounding_error(
@@ -364,6 +364,17 @@ class CellRingEngine(StepSearch):
             (stepper.blow_up, stepper.steps, f, v),
             shown=False,
         )
+
+    def _values(
+        self, stepper: Stepper, choices: Choices, judged: list[Array], rates: Array
+    ) -> Array | None:
+        """What was judged; None after a blow-up or with a step that does not follow the run."""
+        followed = self._followed_step(stepper.ranges, rates, choices)
+        longest = min(followed, self._longest_step(stepper.ranges))
+        self._admitted = min(self._admitted, longest)
+        if stepper.blow_up is not None or self._taken(choices.step) > longest:
+            return None
+        return np.array(judged) if len(judged) > 1 else judged[0][np.newaxis]
 
     def _chunk(self, choices: Choices) -> int | None:
         """Most steps between two stops: few enough for nudges between them."""

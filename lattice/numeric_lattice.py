@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from longwave.lattice.drive_steps import DriveSteps
 from longwave.lattice.force_program import ForceProgram, force_program
 from longwave.support.known_names import one_of
 
@@ -96,6 +95,16 @@ class NumericBond:
         [entry] = self.stretch
         least, most = sorted(entry.weight * end + self.offset for end in ranges[entry.field])
         return least, most
+
+
+@dataclass(frozen=True)
+class DriveSteps:
+    """The longest ``step`` at all times, ``stops`` at which steps end, whether a drive has corners
+    beside them."""
+
+    step: float
+    stops: Array
+    turns: bool
 
 
 @dataclass(frozen=True)

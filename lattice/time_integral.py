@@ -23,6 +23,10 @@ ROUNDING = 2.0**-50
 LEAST_PANEL = 2.0**-48
 """Length of the shortest panel, in units of the largest number in it."""
 
+LOOSE = 0.02
+"""Share of the largest slope near a panel by which bounds may be too wide, as of a product of terms
+that depend on each other: a straight line on either side of a corner would be halved for ever."""
+
 MANY = 8
 """Short panels of an integral beyond which a longer one hides what is on them."""
 
@@ -178,8 +182,13 @@ class _Hull:
     def is_left_by(
         self, value: ForceProgram, low: Array, high: Array, room: Array
     ) -> NDArray[np.bool_]:
-        """Whether slopes on the panels may leave it by more than its width and ``room``."""
-        bounds, room = value.slope_enclosed(low, high), room + (self.most - self.least)
+        """Whether slopes on the panels may leave it by more than its width and ``room``.
+
+        And by more than their part `LOOSE`.
+        """
+        bounds = value.slope_enclosed(low, high)
+        largest = np.maximum(np.abs(self.least), np.abs(self.most))
+        room = room + (self.most - self.least) + LOOSE * largest
         return ~((bounds[0] >= self.least - room) & (bounds[1] <= self.most + room))
 
     def halved(self, rough: NDArray[np.bool_]) -> _Hull:

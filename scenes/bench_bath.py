@@ -148,8 +148,8 @@ class Bath:
         start, engine = self.engine.state, self.engine
         coarse, fine = ((start.f.copy(), start.v.copy()) for _ in range(2))
         read: list[tuple[Array, Array]] = []
-        t = start.t
-        for end in engine.times.tolist():
+        t, times = start.t, set(engine.times.tolist())
+        for end in engine.stops.tolist():
             count = math.ceil((end - t) / self.step - 1e-9)
             h = (end - t) / max(count, 1)
             kept = np.exp(-0.25 * h * self.rates)
@@ -163,7 +163,9 @@ class Bath:
             self.steps += count
             t = end
             self._meet(*fine, t)
-            read.append(tuple(self.engine.looked_at(State(t, *ring)) for ring in (coarse, fine)))  # type: ignore[arg-type]
+            if t in times:
+                pair = (engine.looked_at(State(t, *ring)) for ring in (coarse, fine))
+                read.append(tuple(pair))  # type: ignore[arg-type]
         return tuple(np.array(values) for values in zip(*read, strict=True))  # type: ignore[return-value]
 
     def _advance(

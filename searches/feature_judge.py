@@ -18,6 +18,7 @@ import sys
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,7 +36,7 @@ Scalar = Callable[[float], float]
 
 KINDS = ("law", "force", "displacement", "velocity")
 SHAPES = ("bump", "wiggle", "step", "corner")
-POPULATION, GENERATIONS = 12, 8
+POPULATION, GENERATIONS = 8, 6
 """Members of a family, and how often it is renewed."""
 
 REFERENCE = 1e-12
@@ -43,6 +44,9 @@ REFERENCE = 1e-12
 
 SURE = 0.1
 """Share of the estimate that the reference may err, by what a looser one changes."""
+
+NEAR = 0.3
+"""Errors above this share of their estimate are told, and their reference is looked at."""
 
 DEAREST = 60_000
 """Evaluations that a reference may take."""
@@ -208,7 +212,7 @@ def reference(member: Member, rtol: float) -> Array | None:
     marks = [t for t in marks if 0.0 <= t <= family.end]
     longest = min(0.5, 2.0 * w) if family.kind == "law" else min(0.5, 0.5 / max(family.carrier, 1))
     try:
-        for a, b in zip(marks, marks[1:], strict=False):
+        for a, b in pairwise(marks):
             near = family.kind != "law" and a >= at - 12.5 * w and b <= at + 12.5 * w
             cap = min(longest, w) if near else longest
             with np.errstate(all="ignore"):
@@ -250,7 +254,7 @@ def judge(member: Member) -> Verdict:
     if exact is None:
         return Verdict("undecided")
     ratio = float(np.abs(found - exact).max()) / estimate
-    if ratio > 1.0:
+    if ratio > NEAR:
         rough = reference(member, 10.0 * REFERENCE)
         if rough is None or np.abs(rough - exact).max() > SURE * estimate:
             return Verdict("undecided")
@@ -288,7 +292,7 @@ def main() -> int:
     def tell(member: Member, verdict: Verdict) -> None:
         kinds[verdict.kind] += 1
         worst[0] = max(worst[0], verdict.ratio)
-        if verdict.kind in ("dishonest", "false reason", "refused") or verdict.ratio > 0.5:
+        if verdict.kind in ("dishonest", "false reason", "refused") or verdict.ratio > NEAR:
             print(
                 f"{verdict.kind} {verdict.ratio:.3g}: {member.family} {member.genes.tolist()} "
                 f"{member.text('t')} to {member.tolerance:.2g} {verdict.reason}",

@@ -1,5 +1,5 @@
-"""Catches: a bump of a force law, a pulse of a drive or of a wall, a corner under a fast carrier that
-both of two compared runs step over; a chain at rest whose last digits nothing changes."""
+"""Catches: a bump of a force law, a pulse of a drive or of a wall, a corner under a fast carrier
+that both of two compared runs step over; a chain at rest whose last digits nothing changes."""
 
 from dataclasses import replace
 
@@ -40,11 +40,13 @@ def at_rest(cells: int) -> State:
     return State(0.0, *np.zeros((2, 1, cells)))
 
 
+@pytest.mark.slow
 def test_a_bump_of_a_force_is_not_stepped_over() -> None:
     made = driven_chain(chain_of(BUMP), 2, left="free", right="free")
     state = at_rest(2)
     state.v[0, 0] = 0.3
     run = integrate(made, state, [3.0], tolerance=5.65e-5)
+    assert run.f[-1, 0, 0] > 0.5  # 0.355 where it is stepped over
 
     def slopes(_: float, y: Array) -> Array:
         x = y[1] - y[0]
@@ -52,7 +54,7 @@ def test_a_bump_of_a_force_is_not_stepped_over() -> None:
         return np.array([y[2], y[3], force, -force])
 
     exact = solve_ivp(
-        slopes, (0.0, 3.0), [0.0, 0.0, 0.3, 0.0], "DOP853", rtol=1e-11, atol=1e-12, max_step=1e-4
+        slopes, (0.0, 3.0), [0.0, 0.0, 0.3, 0.0], "DOP853", rtol=1e-10, atol=1e-11, max_step=1e-4
     ).y[:2, -1]
     assert np.abs(run.f[-1, 0] - exact).max() < run.error_estimate <= 5.65e-5
 
@@ -138,6 +140,7 @@ def test_last_digits_of_a_chain_at_rest_are_changed() -> None:
     assert np.abs(values[0] - values[1]).max() > 1e-14
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("tolerance", [1e-8, 1e-6])
 def test_rounding_of_a_chain_driven_from_rest_is_told(tolerance: float) -> None:
     """It comes to far more than these tolerances until then, whatever the step."""
@@ -147,7 +150,7 @@ def test_rounding_of_a_chain_driven_from_rest_is_told(tolerance: float) -> None:
 
 
 def test_smooth_drives_take_no_stops() -> None:
-    for text in ("cos(7*t/10)", "sin(200*t)", "exp(-(t - 4)**2)", "t", "1"):
+    for text in ("cos(7*t/10)", "sin(200*t)", "exp(-((t - 9)/5)**2)", "t", "1"):
         drive = SiteForce(0, time_function("value", text))
         engine = engine_of(driven_chain(BETA, 4, forces=[drive]), 20.0)
         assert engine._stops.size == 2, text
