@@ -4,9 +4,9 @@ A proof holds at points at which the formulas are smooth: on each side of such a
 nothing across it.  A travelling corner is no solution because both of its sides are.
 
 Seams are where the argument of abs or sign, a radicand, or the argument of a logarithm is 0 or may
-cross a cut, where an inverse function is at an end of its cuts, and where a function has a pole in its
-argument, as atan(1/x) has.  A pole outside of all functions is none: nobody takes it for a part of
-the solution.
+cross a cut, where an inverse function is at an end of its cuts, and where a function has a pole in
+its argument, as atan(1/x) has.  A pole outside of all functions is none: nobody takes it for a part
+of the solution.
 """
 
 from __future__ import annotations

@@ -101,7 +101,8 @@ def _decided(statement: Statement, progress: Progress) -> StatementVerdict:
         if verdict.outcome is Outcome.REFUTED and not limited:
             return replace(
                 sides, outcome=verdict.outcome, witness=verdict.witness, residual=None,
-                detail=failing, certificate=None, certificates=(), assumptions=(), singularities=(), sides="",
+                detail=failing, certificate=None, certificates=(), assumptions=(),
+                singularities=(), sides="",
             )  # fmt: skip
         if verdict.outcome is not Outcome.PROVED:
             raise ValueError(f"it is not decided whether {condition} = 0 ({verdict.detail})")
@@ -346,9 +347,7 @@ def _continuity(statement: Statement, plane: Plane, inner: FormulaTree) -> Itera
                 yield jump
 
 
-def _jumps(
-    statement: Statement, plane: Plane, steps: Sequence[str], inner: FormulaTree
-) -> Jumps:
+def _jumps(statement: Statement, plane: Plane, steps: Sequence[str], inner: FormulaTree) -> Jumps:
     """Return the factors of delta and its derivatives in a derivative of a formula."""
     above, below = _values(statement, plane, inner)
     gap, found = above - below, dict[int, sp.Expr]()

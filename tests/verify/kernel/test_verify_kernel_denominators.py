@@ -185,9 +185,7 @@ def test_a_function_is_finite_at_the_point() -> None:
         ("x > log(t)", "1", ""),
     ],
 )
-def test_a_sign_follows_from_an_end_that_is_a_constant(
-    domain: str, point: str, shown: str
-) -> None:
+def test_a_sign_follows_from_an_end_that_is_a_constant(domain: str, point: str, shown: str) -> None:
     for value in ("x", "-x"):
         stated = {"variables": ["x", "t"], "domain": [domain]}
         data = certificate(

@@ -80,7 +80,7 @@ BOUNDS = {
     "1/x": inside(1, None, True), "x**3": inside(0, 1, True, True), "sqrt(x)": inside(0, 1, True),
     "x**(-1/2)": inside(1, None), "x**y": POSITIVE, "2**a": POSITIVE,
     "abs(y)": inside(0, 1),
-    "abs(a)": Interval(fmpq(0)), "abs(z)": Interval(fmpq(0)), 
+    "abs(a)": Interval(fmpq(0)), "abs(z)": Interval(fmpq(0)),
     "exp(-x)": Interval(fmpq(367879, 10**6), fmpq(1), True, True),
     "exp(x)": Interval(fmpq(1), fmpq(2718282, 10**6), True, True),
     "exp(y - 1)": Interval(fmpq(27067, 200000), fmpq(1), True), "exp(a)": POSITIVE,

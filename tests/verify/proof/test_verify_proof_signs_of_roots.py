@@ -1,4 +1,4 @@
-"""Roots whose sign follows from a domain: a factor in one exponential, an end that is a logarithm."""
+"""Roots whose sign follows from a domain: factors in one exponential, ends that are logarithms."""
 
 import pytest
 import sympy as sp

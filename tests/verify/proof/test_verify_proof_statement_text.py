@@ -133,7 +133,11 @@ def test_every_function_of_the_grammar_is_read() -> None:
 @pytest.mark.parametrize(
     ("texts", "column", "words"),
     [
-        (("u_x - integer", "u = integer*x"), 5, "expected a name of its own, got 'integer' (rename"),
+        (
+            ("u_x - integer", "u = integer*x"),
+            5,
+            "expected a name of its own, got 'integer' (rename",
+        ),
         (("u_x - 1", "u = x", "real: real>0"), 1, "expected a name of its own, got 'real' (rename"),
         (("complex_x - 1", "complex = x"), 1, "expected an unknown such as u, got 'complex'"),
         (("u_t + ", WAVE), 7, "equation: expected a number, a name or '(', got the end"),

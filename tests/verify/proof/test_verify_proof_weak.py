@@ -37,9 +37,7 @@ SHOCK, PEAKON = "u = (1 - sign(x - s*t))/2", "u = a*exp(-abs(x - s*t))"
          "u = sign(x - s*t) ;; v = s*sign(x - s*t)", "s", ["s = 1", "s = -1"]),
     ],
 )  # fmt: skip
-def test_the_speed_of_a_jump(
-    equation: str, solution: str, solve: str, expected: list[str]
-) -> None:
+def test_the_speed_of_a_jump(equation: str, solution: str, solve: str, expected: list[str]) -> None:
     verdict = prove(equation, solution, solve=solve, weak=True)
     assert verdict.outcome == "PROVED", verdict.detail
     front, _, said = verdict.detail.partition(": holds if and only if ")
