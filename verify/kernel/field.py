@@ -406,9 +406,9 @@ class Field:
             raise CertificateError(f"{name} needs {needed}, which is not shown on the domain")
 
     def _divide_by_argument(self, node: int) -> None:
-        """Enter the argument of a function that is singular at 0 among the denominators."""
+        """Enter the argument of a function that is singular at 0, if it may be 0, as a divisor."""
         match self.nodes.all[node]:
-            case ("log", z) | (("bessel_y" | "bessel_k"), _, z):
+            case ("log", z) | (("bessel_y" | "bessel_k"), _, z) if not self.signs.positive(z):
                 self.image(z).inverse()
 
     def balls(self, balls: Balls) -> list[acb]:
