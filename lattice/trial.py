@@ -238,7 +238,7 @@ def step_taken(stops: Array, step: float, order: int, most: float) -> float:
     """The step, or a shorter one whose error is at most that of steps ``most``, whatever the stops.
 
     >>> round(step_taken(np.array([0.0, 1.0]), 0.9, 6, 0.4), 2)
-    0.48
+    0.49
     """
     while mean_step(stops, step, order) > most:
         step *= 0.97

@@ -40,7 +40,7 @@ from .domains import REAL
 from .simplification import Rewriting
 from .statement_problem import all_domains
 from .typed_hints import put_in, vocabulary
-from .typed_places import corner_lines
+from .typed_places import corner_line
 from .typed_statement import Statement
 
 ENDS = {"asin": (1, -1), "acos": (1, -1), "atanh": (1, -1), "acosh": (1, -1)}
@@ -60,11 +60,11 @@ ONE = Fraction(1)
 
 @dataclass(frozen=True)
 class Seam:
-    """A place as an equation in text; ``lines`` are what `typed_places` says of it."""
+    """A place as an equation in text; ``line`` is what `typed_places` says of it."""
 
     place: str
     at_sites: bool
-    lines: tuple[str, ...] = ()
+    line: str = ""
 
 
 def seams(statement: Statement) -> tuple[Seam, ...]:
@@ -169,7 +169,7 @@ class _Finder:
         if value is not None and len(place) > LONGEST:
             place = f"{abbreviated(value, DEPTH)} = 0"
         if place:
-            yield Seam(place, at_sites, corner_lines(argument, [place] if at_sites else []))
+            yield Seam(place, at_sites, corner_line(argument))
 
     def _solved(self, argument: FormulaTree) -> str | None:
         """Return ``x = ...`` for a polynomial of degree 1 in x; "" where that is no site."""

@@ -193,8 +193,7 @@ def _together(statement: Statement, found: Sequence[ProofVerdict]) -> StatementV
 def proved(statement: Statement, certificates: Sequence[Mapping[str, Any]]) -> StatementVerdict:
     """The verdict on a statement with accepted certificates of its texts."""
     found = tuple(map(Certificate, certificates))
-    joints = seams(statement)
-    covered = {line for seam in joints for line in seam.lines}
+    covered = {seam.line for seam in seams(statement)}
     places = tuple(line for line in typed_places(statement) if line not in covered)
     return StatementVerdict(
         **said_of(statement),

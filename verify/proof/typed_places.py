@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 
 import sympy as sp
@@ -84,11 +84,9 @@ def _lines(node: Typed, signs: DomainSigns, domains: Domains) -> Iterator[str]:
 ZERO = " {} = 0"
 
 
-def corner_lines(argument: FormulaTree, sites: Sequence[str]) -> tuple[str, ...]:
-    """The lines on abs or sign of a formula: where it is 0, and at each of the sites."""
-    shown = plain_text(_shallow(_base(argument), DEPTH))
-    at_sites = (CORNER.removesuffix(ZERO).replace("where", f"at the site {s}") for s in sites)
-    return (CORNER.format(shown), *at_sites)
+def corner_line(argument: FormulaTree) -> str:
+    """The line on abs or sign of a formula that may be 0."""
+    return CORNER.format(plain_text(_shallow(_base(argument), DEPTH)))
 
 
 def _base(formula: FormulaTree) -> FormulaTree:

@@ -61,7 +61,7 @@ def test_the_kernel_is_read_in_an_afternoon() -> None:
     """Lines with more than a comment or a docstring: all of it, and the core beside its reader."""
     code = {path: lines_of_code(path.read_text(encoding="utf-8")) for path in FILES}
     reader = [KERNEL / name for name in ("reading.py", "statement.py", "substitution.py")]
-    assert sum(code.values()) <= 2700
+    assert sum(code.values()) <= 2800
     assert sum(code[path] for path in CORE if path not in reader) <= 1700
 
 
