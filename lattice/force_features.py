@@ -31,6 +31,10 @@ TRAVEL = 0.5
 CORNER, FINER = 4.0, 1e-4
 """The factor by which panels become shorter at a corner with that share of what is allowed."""
 
+SEEN = 1e-3
+"""Share of the largest slope by which slopes between samples may differ from a cubic through them:
+there a law is smooth, and two runs that are compared show what steps cost."""
+
 ROUNDING = 1e-13
 """Share of the largest force, times a panel, that is taken for rounding."""
 
@@ -51,6 +55,13 @@ def find_feature(force: ForceProgram, low: float, high: float, impulse: float) -
     """
     if force.is_smooth or not low < high:
         return Feature(math.inf)
+    with np.errstate(all="ignore"):
+        if not np.isfinite(force(np.linspace(low, high, PLACES))).all():  # a run through a pole
+            return Feature(math.inf)
+        return _feature(force, low, high, impulse)
+
+
+def _feature(force: ForceProgram, low: float, high: float, impulse: float) -> Feature:
     width = _narrowest(force, low, high, FOLLOWED * impulse)
     if width == math.inf:
         return Feature(math.inf)
@@ -62,7 +73,7 @@ def find_feature(force: ForceProgram, low: float, high: float, impulse: float) -
 
 
 def _narrowest(force: ForceProgram, low: float, high: float, allowed: float) -> float:
-    """The shortest panel that is not beside a contact's opening; infinite if none was halved."""
+    """The shortest panel of a feature that is no contact's opening; infinite if there is none."""
     with np.errstate(all="ignore"):
         largest = float(np.max(np.abs(force(np.linspace(low, high, PLACES)))))
     rounding = ROUNDING * largest * (high - low) / PANELS
@@ -71,11 +82,33 @@ def _narrowest(force: ForceProgram, low: float, high: float, allowed: float) -> 
     except ValueError:
         return 0.0
     lengths = np.diff(edges)
+    if _is_seen(force, low, high, edges):
+        return math.inf
     halved = lengths < 0.6 * (high - low) / PANELS
     if force.opening is not None:
         apart = np.fmax(edges[:-1] - force.opening, force.opening - edges[1:])
         halved &= lengths < 0.5 * apart
     return float(lengths.min(initial=math.inf, where=halved))
+
+
+def _is_seen(force: ForceProgram, low: float, high: float, edges: Array) -> bool:
+    """Whether samples of the slope show what it is at and between the edges of panels."""
+    gap = (high - low) / (PLACES - 1)
+    x = np.concatenate([edges, 0.5 * (edges[1:] + edges[:-1])])
+    if force.opening is not None:
+        x = x[np.abs(x - force.opening) > 3.0 * gap]
+    slopes = force.slope(np.linspace(low, high, PLACES))
+    first = np.clip(((x - low) / gap).astype(np.int64) - 1, 0, PLACES - 4)
+    t = (x - low) / gap - first
+    weights = (
+        (t - 1.0) * (t - 2.0) * (t - 3.0) / -6.0,
+        t * (t - 2.0) * (t - 3.0) / 2.0,
+        t * (t - 1.0) * (t - 3.0) / -2.0,
+        t * (t - 1.0) * (t - 2.0) / 6.0,
+    )
+    expected = sum(weight * slopes[first + place] for place, weight in enumerate(weights))
+    off = np.abs(force.slope(x) - expected).max(initial=0.0)
+    return bool(off <= SEEN * np.abs(slopes).max())
 
 
 def finite_range(force: ForceProgram, low: float, high: float, room: float) -> tuple[float, float]:

@@ -74,6 +74,10 @@ FINE = 1e-9
 NEAR = 2.0
 """Room beside the stretches that were met, in units of their range, where features are sought."""
 
+UNFOLLOWED = 3
+"""Runs, with shorter and shorter steps, that must meet a feature that is too narrow before it is
+refused."""
+
 STILL = 0.1
 """Time between stops, in units of the inverse highest frequency at rest, that shows all that
 stretches pass."""
@@ -260,7 +264,7 @@ class CellRingEngine(StepSearch):
         self.threads = self.dynamics.threads(scheme) if state.size < LARGE else 1
         self._times, self._kept = times, times if kept is None else kept
         self._curious = [at for at, one in enumerate(lattice.bonds) if not one.force.is_smooth]
-        self._has_features = False
+        self._has_features, self._unfollowed = False, 0
         ranges = self.dynamics.ranges(state)
         self.first_frequency = self.dynamics.highest_frequency(ranges)
         self._duration = float(times[-1] - state.t) or 1.0
@@ -275,7 +279,7 @@ class CellRingEngine(StepSearch):
         self._largest = self._sizes(ranges)
         self._judged = self._stretches_and_rates
         if judged is not None:
-            self._judged = lambda f, v, t: judged(f[:, :cells], v[:, :cells], t)
+            self._judged = lambda f, v, t: np.asarray(judged(f[:, :cells], v[:, :cells], t))
         stops = np.concatenate([[state.t], times])
         begin, end = float(stops[0]), float(stops[-1])
         opens = any(bond.force.opening is not None for bond in lattice.bonds)
@@ -369,10 +373,11 @@ class CellRingEngine(StepSearch):
         self, stepper: Stepper, choices: Choices, judged: list[Array], rates: Array
     ) -> Array | None:
         """What was judged; None after a blow-up or with a step that does not follow the run."""
-        followed = self._followed_step(stepper.ranges, rates, choices)
-        longest = min(followed, self._longest_step(stepper.ranges))
+        longest, taken = self._longest_step(stepper.ranges), self._taken(choices.step)
+        if stepper.blow_up is None and taken <= longest:  # else what was met is not the motion's
+            longest = min(longest, self._followed_step(stepper.ranges, rates, choices))
         self._admitted = min(self._admitted, longest)
-        if stepper.blow_up is not None or self._taken(choices.step) > longest:
+        if stepper.blow_up is not None or taken > longest:
             return None
         return np.array(judged) if len(judged) > 1 else judged[0][np.newaxis]
 
@@ -426,6 +431,9 @@ class CellRingEngine(StepSearch):
             if rate > 0.0:
                 longest = min(longest, TRAVEL * feature.width / rate)
             if self._duration > MOST_FOLLOWED * longest:
+                self._unfollowed += 1
+                if self._unfollowed < UNFOLLOWED:  # with shorter steps the range may be another
+                    return self._duration / MOST_FOLLOWED
                 raise ValueError(
                     f"force of bond {place + 1} of {self.lattice.name} must change slowly enough "
                     f"to be followed, got one that changes within {feature.width:.2g} where "

@@ -116,6 +116,7 @@ def _decided(statement: Statement, progress: Progress) -> StatementVerdict:
     verdicts: list[ProofVerdict] = []
     count = len(statement.equations)
     typed = typed_values(statement)
+    assert typed is not None
     for number, equation in enumerate(statement.equations, 1):
         progress(f"equation {number} of {count}")
         verdict = _decide_equation(statement, equation)
