@@ -277,7 +277,7 @@ class CellRingEngine(StepSearch):
         cells = lattice.cell_count
         self._highest_at_rest = self._frequency_at_rest(ranges)
         self._largest = self._sizes(ranges)
-        self._judged = self._stretches_and_rates
+        self._judged: Callable[[Array, Array, float], Array] = self._stretches_and_rates
         if judged is not None:
             self._judged = lambda f, v, t: np.asarray(judged(f[:, :cells], v[:, :cells], t))
         stops = np.concatenate([[state.t], times])
