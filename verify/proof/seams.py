@@ -172,7 +172,7 @@ class _Finder:
             yield Seam(place, at_sites, corner_line(argument))
 
     def _solved(self, argument: FormulaTree) -> str | None:
-        """Return ``x = ...`` for a polynomial of degree 1 in x; "" where that is no site."""
+        """Return ``x = ...`` for a polynomial of degree 1 in x; "" where no real x or site is."""
         match argument:
             case Power(parts=(base, Number(value=power))) if power.denominator == 1 and power > 0:
                 return self._solved(base) or f"{self._text(base)} = 0"
@@ -187,7 +187,8 @@ class _Finder:
                 continue
             if self._signs.is_nonzero(slope):
                 end = sp.expand(-rest / slope)
-                if self._is_site(name) and end.is_Rational and not end.is_Integer:
+                missed = self._is_site(name) and end.is_Rational and not end.is_Integer
+                if missed or end.is_real is False:
                     return ""
                 return f"{name} = {formula_as_text(end)}"
         return None
