@@ -62,7 +62,7 @@ def test_the_kernel_is_read_in_an_afternoon() -> None:
     code = {path: lines_of_code(path.read_text(encoding="utf-8")) for path in FILES}
     reader = [KERNEL / name for name in ("reading.py", "statement.py", "substitution.py")]
     assert sum(code.values()) <= 2800
-    assert sum(code[path] for path in CORE if path not in reader) <= 1700
+    assert sum(code[path] for path in CORE if path not in reader) <= 1750
 
 
 def alone(folder: Path, text: str, *left_out: str) -> subprocess.CompletedProcess[str]:
