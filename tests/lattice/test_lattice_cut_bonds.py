@@ -58,7 +58,8 @@ AT_REST = [name for name in LAWS if name not in ("power law", "next nearest")]
 @pytest.mark.parametrize(
     ("law", "place"),
     [
-        *((law, "left") for law in LAWS),
+        ("power law", "left"),
+        *(pytest.param(law, "left", marks=pytest.mark.slow) for law in LAWS if law != "power law"),
         *(pytest.param(law, "right", marks=pytest.mark.slow) for law in LAWS),
         *(pytest.param(law, "before a free end", marks=pytest.mark.slow) for law in AT_REST),
     ],

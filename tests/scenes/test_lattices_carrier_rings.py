@@ -25,7 +25,8 @@ SOFT = Scene.of(
 )
 
 
-@pytest.mark.parametrize("order", ["slaved", pytest.param("leading", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("order", ["slaved", "leading"])
 def test_neighbours_that_move_against_each_other_do_so_all_round_the_ring(order: str) -> None:
     """Against the equation of one of them, by SciPy; it blew up at the seam of an odd ring."""
     scene = SOFT.changed(order=order)
@@ -40,7 +41,13 @@ def test_neighbours_that_move_against_each_other_do_so_all_round_the_ring(order:
     assert abs(middle - exact) < 0.5 * found.attrs["error_estimate"] <= 0.5e-3
 
 
-@pytest.mark.parametrize("k", ["pi", "pi/2", "2*pi/3", "3*pi/4", "3*pi/5", "5*pi/12", "7*pi/9"])
+@pytest.mark.parametrize(
+    "k",
+    [
+        *("pi", "pi/2", "2*pi/3", "3*pi/4"),
+        *(pytest.param(k, marks=pytest.mark.slow) for k in ("3*pi/5", "5*pi/12", "7*pi/9")),
+    ],
+)
 def test_rings_are_commensurate_with_carriers_that_can_be(k: str) -> None:
     _, rings = wave_rings(SOFT.changed(carrier=k, times=[0, 3]))
     for wider in (0, ring_runs.WIDER):
@@ -59,6 +66,7 @@ def test_a_carrier_that_closes_on_no_ring_does_so_as_well_as_it_can() -> None:
     assert rings.gaps(rings.ends())[0] < 0.1 * rings.gaps(rings.plain_ends(0))[0]
 
 
+@pytest.mark.slow
 def test_what_blows_up_at_a_seam_is_told_as_from_there(monkeypatch: pytest.MonkeyPatch) -> None:
     _, rings = wave_rings(SOFT.changed(times=[0, 3]))
     closed = rings.ends()
