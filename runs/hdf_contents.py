@@ -104,6 +104,8 @@ class _Look:
                 continue
             kind, places = held.get_type(), prod(held.shape)
             of = kind.get_class()
+            if not _is_of_scales(name, kind, held.shape, getattr(thing, "shape", None)):
+                raise ValueError(f"{name} of {thing.name} is not what says which dimensions it has")
             if of == h5t.STRING and kind.is_variable_str():
                 self._may_read(name, places)
                 self._letters(np.asarray(thing.attrs[name], object).ravel())
@@ -153,6 +155,28 @@ class _Look:
 
     def _letters(self, texts: Iterable[Any]) -> None:
         self.count(sum(OBJECT + COPIES * len(text) for text in texts))
+
+
+def _is_of_scales(
+    name: str, kind: Any, shape: tuple[int, ...], extent: tuple[int, ...] | None
+) -> bool:
+    """Whether an attribute that the library takes for an array's dimensions is what it expects.
+
+    It reads these without a look at their kind, into as much memory as they should take.
+    """
+    from h5py import h5t
+
+    if extent is None or name not in ("DIMENSION_LIST", "REFERENCE_LIST", "CLASS", "NAME"):
+        return True
+    if name == "DIMENSION_LIST":
+        is_list = kind.get_class() == h5t.VLEN and kind.get_super().get_class() == h5t.REFERENCE
+        return is_list and shape == (len(extent),)
+    if name == "REFERENCE_LIST":
+        if kind.get_class() != h5t.COMPOUND or len(shape) != 1 or kind.get_nmembers() != 2:
+            return False
+        parts = [kind.get_member_class(place) for place in range(2)]
+        return parts == [h5t.REFERENCE, h5t.INTEGER] and kind.get_size() <= 16
+    return kind.get_class() == h5t.STRING and not kind.is_variable_str() and shape == ()
 
 
 def _is_unread(thing: Any) -> bool:

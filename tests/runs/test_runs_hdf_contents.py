@@ -129,6 +129,34 @@ def two_names(file: Any, _: Path) -> None:
     file["b"] = file["a"]
 
 
+def texts_as_dimensions(file: Any, _: Path) -> None:
+    """The library reads it into the memory of one reference, and the process breaks off."""
+    file["a"] = [1.0]
+    file["a"].attrs.create("DIMENSION_LIST", 1000 * ["x"], dtype=TEXT)
+
+
+def dimensions_of_another_array(file: Any, _: Path) -> None:
+    file["x"] = [1.0]
+    file["x"].make_scale("x")
+    file["a"] = np.zeros((1, 1, 1))
+    for place in range(3):
+        file["a"].dims[place].attach_scale(file["x"])
+    kept = file["a"].attrs["DIMENSION_LIST"]
+    file["b"] = [1.0]
+    file["b"].attrs.create("DIMENSION_LIST", kept, dtype=h5py.vlen_dtype(h5py.ref_dtype))
+
+
+def numbers_as_references(file: Any, _: Path) -> None:
+    file["a"] = [1.0]
+    file["a"].make_scale("a")
+    file["a"].attrs["REFERENCE_LIST"] = np.zeros(1000)
+
+
+def a_long_class(file: Any, _: Path) -> None:
+    file["a"] = [1.0]
+    file["a"].attrs["CLASS"] = np.array([b"DIMENSION_SCALE"] * 9)
+
+
 ATTACKS = [
     (a_fill_value, "are claimed to be in"),
     (a_fill_value_in_two_directions, "texts"),
@@ -148,6 +176,10 @@ ATTACKS = [
     (a_fill_value_under_a_name, "are claimed to be in"),
     (texts_as_a_length, "are claimed to be in"),
     (two_names, "has another name"),
+    (texts_as_dimensions, "DIMENSION_LIST of /a is not what"),
+    (dimensions_of_another_array, "DIMENSION_LIST of /b is not what"),
+    (numbers_as_references, "REFERENCE_LIST of /a is not what"),
+    (a_long_class, "CLASS of /a is not what"),
 ]
 
 
