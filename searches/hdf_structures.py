@@ -128,10 +128,10 @@ def filled(file: Any, random: Random, _: Path) -> None:
 
 def filtered(file: Any, random: Random, _: Path) -> None:
     """An array packed by filters, once or upon each other."""
-    group, name, shape, _ = _place(file, random)
+    group, name, shape = _place(file, random)[:3]
     plan = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
     plan.set_chunk(tuple(min(n, 1000) for n in shape))
-    for _ in range(random.randint(1, 3)):
+    for _round in range(random.randint(1, 3)):
         random.choice((lambda: plan.set_deflate(9), plan.set_shuffle, plan.set_fletcher32))()
     space = h5py.h5s.create_simple(shape)
     h5py.h5d.create(group.id, name.encode(), h5py.h5t.NATIVE_DOUBLE, space, plan)
@@ -163,7 +163,7 @@ def attributed(file: Any, random: Random, _: Path) -> None:
 def grouped(file: Any, random: Random, _: Path) -> None:
     """Groups in groups."""
     group = random.choice(_groups(file))
-    for _ in range(random.choice((1, 3, 50))):
+    for _round in range(random.choice((1, 3, 50))):
         group = group.create_group(f"group{random.randrange(10**6)}")
 
 
