@@ -214,7 +214,13 @@ def spectra(data: xr.Dataset, places: Sequence[int]) -> xr.Dataset:
             "own": ("time", 2.0 * at["own"].values),
         },
         {"time": at["time"].values, "wavenumber": wavenumber},
+        _kind(data),
     )
+
+
+def _kind(data: xr.Dataset) -> dict[str, Any]:
+    """Return the attribute that says which field a run compares, if it says so."""
+    return {key: data.attrs[key] for key in ("field_kind",) if key in data.attrs}
 
 
 CURVES = {"error_curve": "over background", "error_curve_far_field": "over far field"}
@@ -266,9 +272,8 @@ def with_looks(data: xr.Dataset, least: int = LEAST_LOOKS) -> xr.Dataset:
     width = max(cell_width((strain.shape[1] - 1) // 2), least_width)
     starts = np.arange(0, strain.shape[1], width)
     space_time = _farthest(strain, background, starts)
-    kind = {key: data.attrs[key] for key in ("field_kind",) if key in data.attrs}
     found: dict[str, Any] = {
-        "space_time": (("look_time", "map_site"), space_time, {"carried": carried, **kind})
+        "space_time": (("look_time", "map_site"), space_time, {"carried": carried, **_kind(data)})
     }
     for end, values in (("", strain), ("_wave", analytic)):
         place, top = _crests(values, background, sites)
