@@ -224,7 +224,9 @@ def refuted(statement: Statement, witness: Mapping[str, str]) -> StatementVerdic
         return None
     number, residual = failing
     where = f"equation {number}: " if len(statement.equations) > 1 else ""
-    names = statement.trees.names - {*statement.functions}
+    ends = (s for domain in statement.domains.values() for s in domain.symbols)
+    bounds = {*map(str, ends)} & witness.keys()  # parameters that the formulas need not contain
+    names = (statement.trees.names | bounds) - {*statement.functions}
     chosen = {name: f"1/gamma(z + {generic_shift(name)})" for name in statement.functions}
     return StatementVerdict(
         **said_of(statement),
