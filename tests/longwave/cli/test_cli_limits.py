@@ -45,7 +45,13 @@ def _run(*arguments: str) -> tuple[int, str, float]:
         timeout=600,
         check=False,
     )
-    return done.returncode, done.stderr, time.monotonic() - begin
+    return done.returncode, _without_notices(done.stderr), time.monotonic() - begin
+
+
+def _without_notices(said: str) -> str:
+    """What a command says on stderr, but for how long it has been at work on a busy machine."""
+    lines = said.splitlines(keepends=True)
+    return "".join(line for line in lines if "(Ctrl-C stops it)" not in line)
 
 
 @pytest.mark.slow
@@ -105,6 +111,7 @@ def test_a_file_of_fill_values_is_read_within_the_memory_that_is_stated(tmp_path
         env={**os.environ, "PYTHONPATH": str(HOUSE)}, capture_output=True, text=True, check=False,
     )  # fmt: skip
     assert done.returncode == 2, done.stdout + done.stderr
-    assert done.stderr.count("\n") == 1
-    assert "memory" in done.stderr
+    said = _without_notices(done.stderr)
+    assert said.count("\n") == 1
+    assert "memory" in said
     assert int(done.stdout.split()[-1]) * 1024 < 200e6 + BESIDE
