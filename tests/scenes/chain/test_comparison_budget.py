@@ -150,7 +150,7 @@ BARELY = _scene(
 @pytest.mark.parametrize("scene", [GROWING, pytest.param(BARELY, marks=pytest.mark.slow)])
 def test_a_lattice_that_amplifies_rounding_is_refused(scene: Scene) -> None:
     """The second was given an estimate of 4e-7, where rounding alone came to 6e-7."""
-    with pytest.raises(ValueError, match="rounding (comes|has grown) to"):
+    with pytest.raises(ValueError, match=r"rounding (comes|has grown) to"):
         run(scene)
 
 
