@@ -227,6 +227,12 @@ def _outcome(
             f"times must end before strains run away, got {times[-1]:g} (steps down to "
             f"{trial.choices.step:.2g} do not follow them; end earlier or take smaller strains)"
         )
+    if math.isinf(error):
+        raise ValueError(
+            f"times must end while runs that are compared go on, got {times[-1]:g} (one of two "
+            f"broke down, with steps down to {trial.choices.step:.2g}; end earlier or take smaller "
+            "strains)"
+        )
     cost = Cost(
         steps,
         steps * engine.scheme.stages,
