@@ -124,7 +124,7 @@ def test_the_library_has_a_page_for_each_family_with_every_statement(tmp_path: P
     assert sorted(named) == sorted(text.name for text in published())
     kdv = pages["korteweg_de_vries"]
     assert "[Wikipedia, Benjamin-Bona-Mahony equation](https://" in "".join(pages.values())
-    assert "6 u u_{x} + u_{t} + u_{xxx} = 0" in kdv
+    assert "u_{t} + 6 u u_{x} + u_{xxx} = 0" in kdv
     assert kdv.index("### `kdv_one_soliton`") < kdv.index("* **REFUTED** `kdv_soliton_speed`")
     contents = library_pages.contents()
     for page in pages:
