@@ -197,7 +197,7 @@ def proved(statement: Statement, certificates: Sequence[Mapping[str, Any]]) -> S
     covered = {seam.line for seam in seams(statement)}
     places = tuple(line for line in typed_places(statement) if line not in covered)
     return StatementVerdict(
-        **said_of(statement),
+        **said_of(statement) | {"sides": sides(seams(statement))},
         outcome=Outcome.PROVED,
         detail=f"numerator 0 in {found[0].generators} generators, accepted by the checker",
         residual=0.0,
@@ -264,7 +264,7 @@ def said_of(statement: Statement) -> dict[str, Any]:
         "equation": "; ".join(map(stated_equation, statement.texts.equations)),
         "method": prover.METHOD,
         "statement": statement_latex(statement),
-        "sides": sides(seams(statement)),
+        "sides": "",
     }
 
 
