@@ -26,6 +26,7 @@ from .domains import REAL, settled_domains
 from .explicit_values import explicit_values
 from .problem import equality_problem
 from .residual_system import ResidualSystem
+from .seams import seams, sides
 from .statement_problem import residual_of, with_exponentials
 from .statement_verdict import (
     NO_VERDICT,
@@ -318,7 +319,7 @@ def _verdict(
         if whole.outcome is Outcome.REFUTED:
             outcome, witness = whole.outcome, whole.witness
     found = ConditionalVerdict(
-        **said_of(statement),
+        **said_of(statement) | {"sides": sides(seams(statement))},
         outcome=outcome,
         detail=reason or "solved",
         witness=witness,
