@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import argparse
 import logging
-import resource
 import shutil
 import sys
 import tempfile
@@ -31,6 +30,7 @@ from longwave.runs.run_file import load_run, save_run
 from longwave.runs.run_pack import DONE, CellRecord, load_row, read_pack, write_pack
 from longwave.runs.store_packs import PACKS, pack_index
 from longwave.support.sealed_file import LOG, SEAL_LENGTH, write_sealed
+from searches.peak_memory import peak_bytes, reset_peak
 
 SECRET = 666.0
 """The value that stands in files that nobody named."""
@@ -242,7 +242,8 @@ def changed(whole: Path, path: Path, random: Random, secret: Path) -> str:
 
 def fault(path: Path, read: Callable[[Path], list[xr.Dataset]]) -> str:
     """What is wrong with how a file is read, in words; "" if nothing is."""
-    begin, before = time.perf_counter(), _megabytes()
+    reset_peak()
+    begin, before = time.perf_counter(), peak_bytes()
     try:
         runs = read(path)
     except (ValueError, OSError, MemoryError) as error:
@@ -256,15 +257,9 @@ def fault(path: Path, read: Callable[[Path], list[xr.Dataset]]) -> str:
         return "bytes of another file"
     if (seconds := time.perf_counter() - begin) > SECONDS:
         return f"{seconds:.1f} s"
-    if (more := _megabytes() - before) > MEGABYTES + sum(v.nbytes for v in values) / 1e6:
+    if (more := (peak_bytes() - before) / 1e6) > MEGABYTES + sum(v.nbytes for v in values) / 1e6:
         return f"{more:.0f} MB"
     return ""
-
-
-def _megabytes() -> float:
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * (
-        1e-6 if sys.platform == "darwin" else 1e-3
-    )
 
 
 def search(count: int, seed: int) -> tuple[Counter[str], list[str]]:

@@ -14,7 +14,6 @@ import argparse
 import contextlib
 import io
 import json
-import re
 import resource
 import sys
 import tempfile
@@ -31,6 +30,7 @@ from rich.table import Table
 import longwave
 from longwave.__main__ import main as command
 from longwave.support.processes import Job, OutOfTime, run_apart, time_limit
+from searches.peak_memory import peak_bytes
 from tests.verify.proof.hostile_texts import FILES, Texts, generated, written
 
 SECONDS, MEGABYTES = 5.0, 500.0
@@ -152,9 +152,8 @@ def _pass(door: str, given: Any, limit: float) -> Cost:
     except BaseException as error:  # whatever escapes is a finding
         status, lines = 3, [f"{type(error).__name__}: {error}"]
     seconds = time.perf_counter() - start
-    own = re.search(r"VmHWM:\s*(\d+)", Path("/proc/self/status").read_text(encoding="ascii"))
     inner = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss
-    peak = max(int(own[1]) if own else 0, inner) / 1000
+    peak = max(peak_bytes(), inner * 1024) / 1e6
     return Cost(status, tuple(lines), seconds, peak, tuple(evaluated))
 
 

@@ -16,12 +16,12 @@ HOUSE = Path(__file__).parents[3]
 SAMPLE = 60
 SECONDS, MEGABYTES = 5.0, 500.0
 
-# Memory is the process's own peak: ru_maxrss would count the test runner that it came from.
 SCRIPT = """
 import difflib  # which makes a named tuple from a text
 import json, re, sys, time
 from pathlib import Path
 from longwave.derive.algebra.formula_text import FormulaError
+from searches.peak_memory import peak_bytes
 from tests.verify.proof.hostile_texts import FILES, generated, written
 from longwave.verify.proof.statement_text import read_statement
 
@@ -45,7 +45,7 @@ for given in texts:
     except FormulaError as error:
         said = str(error)
     answers.append([said, time.process_time() - begun])
-memory = int(re.search(r"VmHWM:\\s*(\\d+)", Path("/proc/self/status").read_text())[1]) / 1000
+memory = peak_bytes() / 1e6
 print(json.dumps({"answers": answers, "evaluated": evaluated, "memory": memory}))
 """
 
