@@ -3,12 +3,13 @@
     python tools/goldens.py write FILE.json [PART ...]
     python tools/goldens.py compare FILE.json [PART ...]
 
-A part is `scenes` (every variable of every shipped scene), `sweeps` (of one cell of each shipped
-sweep), `certificates` (of the catalogue), `library` (the verdicts on published statements),
-`search` (digests of the search for wrong verdicts), `derivations` (JSON of every lattice and its
-envelopes) or `report` (the sources in TeX but for what took time); without any it is all of them.
+A part is `scenes` (every variable of every shipped scene), `values` (what those are compared by,
+with the error estimate of each run), `sweeps` (of one cell of each shipped sweep), `certificates`
+(of the catalogue), `library` (the verdicts on published statements), `search` (digests of the
+search for wrong verdicts), `derivations` (JSON of every lattice and its envelopes) or `report` (the
+sources in TeX but for what took time); without any it is all of them.
 All but the search goes through the command line.  `compare` prints what differs, and exits with 1
-if anything does.
+if anything does. Values differ if they are further apart than the sum of both estimates.
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import xarray as xr
 
 from longwave.scenes.scene_file import toml_text
@@ -37,7 +39,10 @@ STATEMENTS = 400
 TIMED = ("costs", "evaluation", "proofs", "published")
 """Parts of the report's names that hold times."""
 
-Golden = Iterator[tuple[str, str]]
+ROUNDING = 1e-13
+"""Share of a variable's largest value by which values without an estimate may differ."""
+
+Golden = Iterator[tuple[str, Any]]
 
 
 def digest(content: bytes) -> str:
@@ -80,6 +85,49 @@ def scenes(folder: Path) -> Golden:
             path = folder / f"{name}.nc"
             longwave("run", name, "--output", str(path))
             yield from of_dataset(name, path)
+
+
+def values(folder: Path) -> Golden:
+    """Variables of the runs of the shipped scenes, with the error of each."""
+    for kind in ("scenes", "lattice-scenes", "bench-scenes"):
+        for name in names(kind):
+            path = folder / f"{name}.nc"
+            longwave("run", name, "--output", str(path))
+            if not path.is_file():
+                yield name, "no file"
+                continue
+            with xr.open_dataset(path, engine="h5netcdf", decode_timedelta=False) as data:
+                error = run_error(data)
+                for variable, held in data.data_vars.items():
+                    if held.dtype.kind == "f" and "seconds" not in str(variable):
+                        allowed = error / error_unit(data, str(variable))
+                        found = [repr(float(value)) for value in held.to_numpy().ravel()]
+                        yield f"{name}/{variable}", {"error": allowed, "values": found}
+
+
+def run_error(data: xr.Dataset) -> float:
+    """Estimated error of what a run compares, in its unit; of a stated step, both measured parts.
+
+    Infinite where the run measured none.
+    """
+    if "error_estimate" in data.attrs:
+        return float(data.attrs["error_estimate"])
+    parts = [name for name in ("time_step_error", "domain_error") if name in data]
+    return sum(float(data[name].max()) for name in parts) if parts else np.inf
+
+
+def error_unit(data: xr.Dataset, variable: str) -> float:
+    """Unit of a run's error over that of a variable: 1, eps**-power, or the wave's size."""
+    scene = tomllib.loads(data.attrs["scene"])
+    power = int(data.attrs.get("power", 0))
+    unit = float(scene.get("eps", 1.0)) ** power
+    units = str(data[variable].attrs.get("units", ""))
+    if "eps" in units:
+        return 1.0
+    if variable.startswith("error"):
+        sizes = np.abs(data["analytic"] - data["background"]).max("site")
+        return float(sizes.min()) / unit
+    return 1.0 / unit
 
 
 def sweeps(folder: Path) -> Golden:
@@ -148,8 +196,22 @@ def report(folder: Path) -> Golden:
 
 PARTS: dict[str, Callable[[Path], Golden]] = {
     function.__name__: function
-    for function in (scenes, sweeps, certificates, library, search, derivations, report)
+    for function in (scenes, values, sweeps, certificates, library, search, derivations, report)
 }
+
+
+def differs(before: Any, after: Any) -> str:
+    """Return how two results differ; "" if they do not, or by no more than their errors."""
+    if not (isinstance(before, dict) and isinstance(after, dict)):
+        return "" if before == after else f"{before} -> {after}"
+    old, new = (np.array(each["values"], float) for each in (before, after))
+    if old.shape != new.shape:
+        return f"{old.size} values -> {new.size}"
+    allowed = before["error"] + after["error"]
+    allowed += ROUNDING * np.max(np.abs(old), initial=0.0, where=np.isfinite(old))
+    apart = np.where(np.isnan(old) & np.isnan(new), 0.0, np.abs(old - new))
+    largest = float(np.max(apart, initial=0.0))
+    return "" if largest <= allowed else f"{largest:.3g} apart, {allowed:.3g} allowed"
 
 
 def main(mode: str, path: str, *parts: str) -> int:
@@ -165,11 +227,13 @@ def main(mode: str, path: str, *parts: str) -> int:
             print(f"{part}: {len(found)} digests", flush=True)
             continue
         before = kept.get(part, {})
-        changed = [name for name in {**before, **found} if before.get(name) != found.get(name)]
-        for name in changed:
-            print(f"{part} {name}: {before.get(name)} -> {found.get(name)}")
-        print(f"{part}: {len(changed)} of {len({**before, **found})} differ", flush=True)
-        differ += len(changed)
+        changed = 0
+        for name in {**before, **found}:
+            if difference := differs(before.get(name), found.get(name)):
+                print(f"{part} {name}: {difference}")
+                changed += 1
+        print(f"{part}: {changed} of {len({**before, **found})} differ", flush=True)
+        differ += changed
     return int(differ > 0)
 
 
