@@ -36,11 +36,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeAlias
 
-import numpy as np
-
 from longwave.lattice.outer_forces import SiteForce
 from longwave.scenes import scene_checks as check
 from longwave.scenes.csv_table import number_list, with_columns
+from longwave.scenes.losses import Losses
+from longwave.scenes.stated_tables import StatedTables
 from longwave.support.known_names import one_of
 from longwave.support.user_files import shown
 
@@ -151,6 +151,10 @@ class Bench:
     state: bool = False
     every: float = math.inf
     noise: Noise | None = None
+    stated: StatedTables = field(default=StatedTables({}), repr=False)
+
+    def __hash__(self) -> int:
+        return hash(self.stated)
 
     def __post_init__(self) -> None:
         if not (
@@ -173,11 +177,6 @@ class Bench:
                 f"flux must be left out with [noise], got {list(self.flux)} (a bath acts "
                 "on all cells)"
             )
-
-    @classmethod
-    def of_json(cls, text: str) -> Bench:
-        """The bench of a scene's tables as `bench_json` writes them; ValueError in one line."""
-        return cls.of_tables(json.loads(text))
 
     @classmethod
     def of_tables(cls, tables: Mapping[str, Any]) -> Bench:
@@ -206,13 +205,15 @@ class Bench:
             _truth("state", watched.get("state", not set(watched) - {"every"})),
             _every(watched.get("every", sensors.get("every"))),
             _noise(tables["noise"]) if "noise" in tables else None,
+            StatedTables(tables),
         )
 
 
-def check_bath(bench: Bench, losses: Mapping[str, Any]) -> None:
-    """Refuse a bath that the losses of cells are not of."""
+def check_bath(bench: Bench, losses: Losses | None) -> None:
+    """Raise ValueError for a bath without losses of cells, or with losses of bonds."""
+    table = losses.table if losses else {}
     for key, wanted in (("site", True), ("bond", False)) if bench.noise else ():
-        rates = losses.get(key)
+        rates = table.get(key)
         if bool(any(rates.values()) if isinstance(rates, Mapping) else rates) is not wanted:
             raise ValueError(
                 f"{key} in [losses] must be {'given' if wanted else 'left out'} with [noise], got "
@@ -393,22 +394,26 @@ def _every(given: object) -> float:
     return every
 
 
-def bench_json(given: Mapping[str, Any]) -> str:
-    """The bench among a scene's keywords in one spelling, empty if there is none."""
-    said = json.loads(given["bench"]) if given.get("bench") else {}
-    for key in BENCH_TABLES:
-        value = given.get(key)
-        if value is not None and (key != "observables" or isinstance(value, Mapping)):
-            said[key] = value
-    if said and not {"chain", "start"} & said.keys():
-        [first] = list(said)[:1]
+def bench_of(given: Mapping[str, Any]) -> Bench | None:
+    """Return the bench among a scene's keywords, None if there is none; ValueError in one line.
+
+    ``bench`` is a record or the JSON of its tables; tables given beside it take their places.
+    """
+    bench = given.get("bench")
+    stated = dict(bench.stated.tables if isinstance(bench, Bench) else json.loads(bench or "{}"))
+    own = {key: given[key] for key in BENCH_TABLES if given.get(key) is not None}
+    if not isinstance(own.get("observables", {}), Mapping):
+        own.pop("observables")
+    stated |= own
+    if not stated:
+        return None
+    if isinstance(bench, Bench) and not own:
+        return bench
+    if not {"chain", "start"} & stated.keys():
+        [first] = list(stated)[:1]
         raise ValueError(
             f"{first} must be with a chain on a bench, got no [chain] (state its sites, its ends "
             "and how it starts)"
         )
-    try:
-        return json.dumps(with_columns(said, Path()), default=np.ndarray.tolist) if said else ""
-    except TypeError as error:
-        raise ValueError(
-            f"tables of a bench must hold numbers, texts and lists, got another ({error})"
-        ) from None
+    made = StatedTables(with_columns(stated, Path()), "tables of a bench")
+    return Bench.of_tables(made.tables)

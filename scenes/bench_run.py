@@ -56,7 +56,7 @@ FIRST_STEP = 4.0
 @lru_cache(maxsize=4)
 def chain_of(scene: Scene, lossless: bool = False) -> tuple[Bench, DrivenChain]:
     """The scene's bench, and its chain with numbers; without the losses of cells if asked for."""
-    bench = Bench.of_json(scene.bench)
+    bench = scene.own_bench
     values = {name: number_value(name, value) for name, value in scene.constants}
     lattice, losses = without_losses(declared_lattice(scene), values)
     span = scene.t0, scene.end

@@ -18,7 +18,6 @@ from longwave.derive import CarrierTerms, Envelope, Lattice, Reduction, carrier_
 from longwave.derive.algebra.exact_numbers import Number
 from longwave.lattice.refine import Announce
 from longwave.scenes.lattice_derivation import derivation
-from longwave.scenes.losses import weighed
 from longwave.scenes.run_record import RunRecord
 from longwave.scenes.scene import Scene
 from longwave.scenes.scene_checks import finite, positive
@@ -213,7 +212,7 @@ def at_eps(scene: Scene, eps: float) -> Scene:
         eps=eps,
         slow_times=scene.slow_times or times,
         half_width=scene.half_width or scene.compared * scene.eps,
-        losses=weighed(scene.losses, scene.eps),
+        losses=scene.losses and scene.losses.weighed(scene.eps),
     )
 
 

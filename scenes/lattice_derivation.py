@@ -6,12 +6,11 @@ constants, and a wave of another equation is refused.
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from sympy import Expr, elliptic_k, pi
@@ -26,10 +25,9 @@ from longwave.scenes.computed_soliton import ComputedSoliton
 from longwave.scenes.damped_soliton import LAWFUL, DampedSoliton
 from longwave.scenes.lattice_wave import LatticeWave
 from longwave.scenes.long_wave_data import LongWaveData
-from longwave.scenes.losses import loss_rates, lossy, weighed
+from longwave.scenes.losses import loss_rates, lossy
 from longwave.scenes.scene import Scene
 from longwave.scenes.scene_checks import Pairs, Value, plain
-from longwave.scenes.scene_disorder import Disorder
 from longwave.scenes.scene_rules import COMPUTED
 from longwave.solutions import CATALOGUE, ClosedForm, Wave, closed_form
 from longwave.support.known_names import one_of
@@ -87,7 +85,7 @@ class LatticeDerivation:
 def declared_lattice(scene: Scene) -> Lattice:
     """The scene's lattice in symbols; ValueError for a name or a declaration that is none."""
     if scene.declared:
-        return lossy(lattice_of(json.loads(scene.declared), scene.lattice), scene.losses)
+        return lossy(lattice_of(scene.declared.tables, scene.lattice), scene.losses)
     if scene.lattice not in LATTICES:
         raise ValueError(
             f"lattice must be one of the catalogue or a file, got {shown(scene.lattice)} "
@@ -105,9 +103,9 @@ def derivation(scene: Scene) -> LatticeDerivation:
     form = _form(scene)
     same = {"eps": 0.1, "name": "", "title": "", "parameters": ()}
     same["wave"] = "" if form else COMPUTED
-    ran = {"order": "leading", "disorder": (), "half_width": None, "compared": 1}
+    ran: dict[str, Any] = {"order": "leading", "disorder": None, "half_width": None, "compared": 1}
     ran |= {"observables": None, "curve_points": 201, "look_points": None}
-    ran |= {"losses": weighed(scene.losses, scene.eps)}
+    ran |= {"losses": scene.losses and scene.losses.weighed(scene.eps)}
     found = _derivations(
         scene.with_tolerance(1.0).changed(**same, **ran, times=(0.0, 1.0), slow_times=())
     )
@@ -312,10 +310,9 @@ def lattice_wave(scene: Scene) -> LatticeWave:
     from longwave.scenes.disordered_wave import WaveDisorder
 
     values = _values(scene.constants, {"eps": exact("eps", scene.eps)})
-    disorder = Disorder.of_pairs(scene.disorder)
     lattice = declared_lattice(scene)
     far = None if scene.is_envelope else wave_of(scene).constant_background
-    wave.disorder = WaveDisorder(wave, disorder, lattice, values, far)
+    wave.disorder = WaveDisorder(wave, scene.disorder, lattice, values, far)
     wave.lattice = wave.disorder.on(wave.lattice, np.zeros(0))
     return wave
 

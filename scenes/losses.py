@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from longwave.scenes import scene_checks as check
@@ -25,69 +26,92 @@ if TYPE_CHECKING:
 KINDS = {"site": 3, "bond": 1}
 """Keys of the table, and powers of eps with which numbers under a long wave are weighed."""
 
-Table = Mapping[str, Any]
+Entry = str | float
 
 
-def losses_json(given: object) -> str:
-    """The table in one spelling, empty for none; ValueError in one line for what is none.
+@dataclass(frozen=True)
+class Losses:
+    """Losses of a scene's lattice as its table states them.
 
-    >>> losses_json({"site": "eps**3*gamma", "bond": 0.5})
-    '{"site": "eps**3*gamma", "bond": 0.5}'
+    ``site`` is one rate or pairs of fields and rates, ``bond`` one rate or one for each spring;
+    None where there are none. Raises ValueError in one line for a negative number.
+
+    >>> Losses.of({"site": "eps**3*gamma", "bond": 0.5})
+    Losses(site='eps**3*gamma', bond=0.5)
     """
-    if isinstance(given, str | None):
-        given = json.loads(given or "{}")
-    if not isinstance(given, Mapping):
-        raise ValueError(f"losses must be a table, got {shown(given)} (write [losses])")
-    for key in given:
-        if key not in KINDS:
-            raise ValueError(
-                f"keys in [losses] must be known ones, got {check.plain(key)} "
-                f"({one_of(key, KINDS)})"
-            )
-    found = _each(given, _checked)
-    return json.dumps(found) if found else ""
+
+    site: Entry | tuple[tuple[str, Entry], ...] | None = None
+    bond: Entry | tuple[Entry, ...] | None = None
+
+    @classmethod
+    def of(cls, given: object) -> Losses | None:
+        """Return the losses of a table, its JSON or a record; None if it states none."""
+        if isinstance(given, Losses):
+            return given
+        if isinstance(given, str | None):
+            given = json.loads(given or "{}")
+        if not isinstance(given, Mapping):
+            raise ValueError(f"losses must be a table, got {shown(given)} (write [losses])")
+        for key in given:
+            if key not in KINDS:
+                raise ValueError(
+                    f"keys in [losses] must be known ones, got {check.plain(key)} "
+                    f"({one_of(key, KINDS)})"
+                )
+        return cls.of_rates(given, _checked) if given else None
+
+    @classmethod
+    def of_rates(cls, table: Mapping[str, Any], change: Callable[[str, Any], Entry]) -> Losses:
+        """Return the losses of a table with each rate changed, given its key and value."""
+        found: dict[str, Any] = {}
+        for key, given in table.items():
+            if isinstance(given, Mapping) and key == "site":
+                found[key] = tuple((str(name), change(key, rate)) for name, rate in given.items())
+            elif isinstance(given, list | tuple) and key == "bond":
+                found[key] = tuple(change(key, rate) for rate in given)
+            else:
+                found[key] = change(key, given)
+        return cls(**found)
+
+    @property
+    def table(self) -> dict[str, Any]:
+        """The table, with fields' rates as a table of its own."""
+        site = dict(self.site) if isinstance(self.site, tuple) else self.site
+        bond = [*self.bond] if isinstance(self.bond, tuple) else self.bond
+        return {key: held for key, held in (("site", site), ("bond", bond)) if held is not None}
+
+    def __str__(self) -> str:
+        return json.dumps(self.table)
+
+    def weighed(self, eps: float) -> Losses:
+        """Return the losses as formulas in eps whose values at that eps are those stated.
+
+        Numbers of cells become eps**3 and those of bonds eps times a number.
+
+        >>> Losses(bond=0.5).weighed(0.1)
+        Losses(site=None, bond='eps**1*(0.5/0.1**1)')
+        """
+
+        def formula(key: str, given: Entry) -> str:
+            if isinstance(given, str):
+                return given
+            return f"eps**{KINDS[key]}*({given!r}/{eps!r}**{KINDS[key]})"
+
+        return self.of_rates(self.table, formula)
 
 
-def _each(table: Table, change: Callable[[str, Any], Any]) -> dict[str, Any]:
-    """The table with each of its values changed, by its key."""
-    found: dict[str, Any] = {}
-    for key, given in table.items():
-        if isinstance(given, Mapping) and key == "site":
-            found[key] = {str(name): change(key, value) for name, value in given.items()}
-        elif isinstance(given, list | tuple) and key == "bond":
-            found[key] = [change(key, value) for value in given]
-        else:
-            found[key] = change(key, given)
-    return found
-
-
-def _checked(key: str, given: object) -> str | float:
+def _checked(key: str, given: object) -> Entry:
     found = check.value(f"{key} in [losses]", given)
     if not isinstance(found, str) and found < 0:
         raise ValueError(f"{key} in [losses] must be 0 or more, got {found:g} (a loss)")
     return found
 
 
-def weighed(losses: str, eps: float) -> str:
-    """The table with numbers as what they are at that eps: of cells eps^3, of bonds eps times one.
-
-    >>> weighed('{"bond": 0.5}', 0.1)
-    '{"bond": "eps**1*(0.5/0.1**1)"}'
-    """
-
-    def formula(key: str, given: str | float) -> str:
-        if isinstance(given, str):
-            return given
-        return f"eps**{KINDS[key]}*({given!r}/{eps!r}**{KINDS[key]})"
-
-    return losses and json.dumps(_each(json.loads(losses), formula))
-
-
-def lossy(lattice: Lattice, losses: str) -> Lattice:
-    """The lattice with the table's losses; ValueError in one line for those that it cannot have."""
-    if not losses:
+def lossy(lattice: Lattice, losses: Losses | None) -> Lattice:
+    """Return the lattice with the losses; ValueError in one line for those it cannot have."""
+    if losses is None:
         return lattice
-    table = json.loads(losses)
+    table = losses.table
     if isinstance(bonds := table.get("bond"), list):
         springs = [i for i, bond in enumerate(lattice.bonds, 1) if bond.has_reaction]
         if len(bonds) != len(springs):

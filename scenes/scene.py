@@ -18,12 +18,12 @@ from typing import TYPE_CHECKING, Any
 from longwave.lattice.model import Model
 from longwave.lattice.state import State
 from longwave.scenes import scene_checks as check
-from longwave.scenes.bench import BENCH_TABLES, Bench, bench_json, check_bath
-from longwave.scenes.losses import losses_json
+from longwave.scenes.bench import BENCH_TABLES, Bench, bench_of, check_bath
+from longwave.scenes.losses import Losses
 from longwave.scenes.numerics import NUMERICS, Discretisation, Tolerance, numerics_of
 from longwave.scenes.observables import OBSERVABLES, observable_named
 from longwave.scenes.scene_checks import CHAIN, CHAIN_CONSTANTS, Pairs, Value
-from longwave.scenes.scene_disorder import Disorder, Stated
+from longwave.scenes.scene_disorder import Disorder
 from longwave.scenes.scene_file import (
     document_of,
     lattice_keywords,
@@ -40,6 +40,7 @@ from longwave.scenes.scene_rules import (
     check_growth,
     check_moving_wave,
 )
+from longwave.scenes.stated_tables import StatedTables
 from longwave.support.html_tables import html_table
 from longwave.support.user_files import cut, file_stem, shown, shown_path
 
@@ -76,8 +77,8 @@ METHODS = {
 class Scene:
     """One run, stated in full; checked when the record is made.
 
-    ``lattice`` is a name of the catalogue, or any name if ``declared`` holds the lattice, as the
-    JSON of what a lattice file says. ``constants`` are its numbers, as (name, value) pairs or a
+    ``lattice`` is a name of the catalogue, or any name if ``declared`` holds the tables of the
+    lattice's file. ``constants`` are its numbers, as (name, value) pairs or a
     mapping; a value in text may have eps in it: ``"eps/2"`` is small. ``wave`` is the name of a
     closed form of the lattice's own equation, or a closed form; ``parameters`` are its.
 
@@ -90,9 +91,9 @@ class Scene:
     A long wave takes ``amplitude``, ``time`` (powers of eps) and ``background``, the uniform mean
     of the fields, which may be a formula in the constants; what is not given is found. The wave
     "computed_soliton", of a ``speed`` in X/T, is for equations with none in closed form. A
-    ``carrier``, its wavenumber, makes the wave an envelope, on a ``branch``.  ``disorder``, as
-    (name, value) pairs or a mapping with the names of `Disorder`, lets masses or springs deviate.
-    ``losses``, a table as `losses.py` says it or its JSON, are in the lattice and in its equation.
+    ``carrier``, its wavenumber, makes the wave an envelope, on a ``branch``.  ``disorder``, a
+    record, or pairs or a mapping with its names, lets masses or springs deviate. ``losses``, a
+    record or a table as `losses.py` says it, are in the lattice and in its equation.
 
     Of ``observables`` the error curve is sampled at ``curve_points`` equidistant times and the
     snapshots; what is only looked at (energy, crest, ...) is seen at most as often, where the run
@@ -100,8 +101,8 @@ class Scene:
     of the mKdV equation on the paper's chain (`has_moving_wave`) have windows and the spectral
     engine besides, and their parameters may be multiples of the quarter period ("K/2").
 
-    A ``bench`` is a chain with ends and forces that starts without a wave: the JSON of the
-    tables of `scenes.bench`, which `of` takes as keywords, too. What it watches is what has the
+    A ``bench`` is a chain with ends and forces that starts without a wave; `of` takes the tables of
+    `scenes.bench` as keywords, too. What it watches is what has the
     tolerance.
 
     With the wave "perturbed_plane" the growth rate of a carrier's plane wave is measured
@@ -140,10 +141,10 @@ class Scene:
     background: Value = 0
     carrier: Value = ""
     branch: str | int = "acoustic"
-    disorder: Stated = ()
-    declared: str = ""
-    losses: str = ""
-    bench: str = ""
+    disorder: Disorder | None = None
+    declared: StatedTables | None = None
+    losses: Losses | None = None
+    bench: Bench | None = None
     observables: tuple[str, ...] = None  # type: ignore[assignment] # those that are usual
     curve_points: int = 201
     look_points: int | None = None
@@ -163,7 +164,7 @@ class Scene:
             given |= lattice_keywords(given["lattice"])
         unsaid = [key for key in SAID_IN_ONE_WAY if given.get(key) is None]
         found = {key: value for key, value in given.items() if key in FIELDS and key not in unsaid}
-        if bench := bench_json(given):
+        if bench := bench_of(given):
             found = {"wave": "", "eps": 1.0} | found | {"bench": bench, "observables": ()}
         if "compared" in found:
             found["compared"] = check.whole("compared", found["compared"])
@@ -208,7 +209,7 @@ class Scene:
         return cls.of(**given)
 
     def __post_init__(self) -> None:
-        for key in ("name", "lattice", "order", "declared", "title"):
+        for key in ("name", "lattice", "order", "title"):
             check.text(key, getattr(self, key))
         if isinstance(self.wave, str):
             check.text("wave", self.wave)
@@ -228,11 +229,11 @@ class Scene:
             self._set(key, times)
         self._set("carrier", check.value("k", self.carrier))
         self._set("background", check.value("background", self.background))
-        self._set("disorder", Disorder.of_pairs(self.disorder).pairs if self.disorder else ())
-        self._set("declared", _canonical(self.declared))
-        self._set("losses", losses_json(self.losses))
-        if self.bench:
-            self._check_bench()
+        self._set("disorder", Disorder.of_pairs(self.disorder) if self.disorder else None)
+        self._set("declared", _declared(self.declared))
+        self._set("losses", Losses.of(self.losses))
+        if self.bench is not None:
+            self._check_bench(self.bench)
             return
         self._set("curve_points", check.whole("curve_points", self.curve_points))
         if self.look_points is not None:
@@ -256,7 +257,7 @@ class Scene:
         else:
             check_any_lattice(self)
 
-    def _check_bench(self) -> None:
+    def _check_bench(self, bench: Bench) -> None:
         """Refuse what belongs to a wave, and what the tables of a bench do not admit."""
         for key in WAVE_ALONE:
             if getattr(self, key) != _USUAL[key] and not (key == "wave" and not self.wave):
@@ -264,7 +265,7 @@ class Scene:
                     f"{key} must not be given with a chain on a bench, got "
                     f"{shown(getattr(self, key))} (there is no wave to compare with)"
                 )
-        check_bath(Bench.of_json(self.bench), json.loads(self.losses or "{}"))
+        check_bath(bench, self.losses)
         if not isinstance(self.numerics, Tolerance) or self.numerics.engine:
             raise ValueError(
                 "tolerance must be given for a chain on a bench, without an engine, got "
@@ -385,7 +386,7 @@ class Scene:
         """What its file says, and the formula of its wave, as notebooks show it."""
         from longwave.scenes.lattice_derivation import declared_lattice  # with SymPy
 
-        document = document_of(json.loads(self.json())) | {"lattice": self.lattice}
+        document = self.document() | {"lattice": self.lattice}
         rows = [(key, _in_words(value)) for key, value in document.items() if key != "title"]
         with suppress(ValueError):  # of a lattice that is not known
             rows.append(("motion", declared_lattice(self)._repr_latex_()))
@@ -471,6 +472,16 @@ class Scene:
             f"tolerance must be given for this, got a stated step in {self.name} "
             "(give one: --tolerance, or Scene.with_tolerance)"
         )
+
+    @property
+    def own_bench(self) -> Bench:
+        """The chain on a bench; ValueError if the scene compares a wave instead."""
+        if self.bench is None:
+            raise ValueError(
+                f"scene must be a chain on a bench, got {self.name}, which compares a wave (state "
+                "[chain] and [start])"
+            )
+        return self.bench
 
     @cached_property
     def model(self) -> Model:
@@ -578,14 +589,31 @@ class Scene:
 
     def json(self) -> str:
         """The keywords of `of` as JSON, sorted; a wave of your own is said not to be shipped."""
-        keywords = self._keywords()
-        if not isinstance(self.wave, str):
-            keywords["wave"] = f"{self.wave.name} (a closed form that is not shipped)"
-        return json.dumps(keywords, sort_keys=True)
+        return json.dumps(self._stated() | self._texts(), sort_keys=True)
 
     def toml(self) -> str:
         """The scene as a file, with its name and, if it is declared, its lattice."""
-        return toml_text(document_of(json.loads(self.json())))
+        return toml_text(self.document())
+
+    def document(self) -> dict[str, Any]:
+        """The tables of its file."""
+        return document_of(self._stated())
+
+    def _stated(self) -> dict[str, Any]:
+        """The keywords of `of`, a wave of one's own by a name that is not shipped."""
+        if isinstance(self.wave, str):
+            return self._keywords()
+        return self._keywords() | {"wave": f"{self.wave.name} (a closed form that is not shipped)"}
+
+    def _texts(self) -> dict[str, Any]:
+        """The records among the keywords as JSON has them."""
+        found = {
+            "disorder": self.disorder and self.disorder.pairs,
+            "declared": self.declared and self.declared.json,
+            "losses": self.losses and str(self.losses),
+            "bench": self.bench and self.bench.stated.json,
+        }
+        return {key: held for key, held in found.items() if held is not None}
 
     def _keywords(self) -> dict[str, Any]:
         """The keywords of `of`, those apart that say what is usual."""
@@ -640,17 +668,19 @@ def said_otherwise(said: Sequence[str]) -> list[str]:
     ]
 
 
-def _canonical(declared: str) -> str:
-    """A declared lattice in one spelling, without its name; ValueError for what is no table."""
-    if not declared:
-        return ""
-    try:
-        found = json.loads(declared)
-    except (ValueError, RecursionError):
-        found = None
+def _declared(given: object) -> StatedTables | None:
+    """A declared lattice without its name; ValueError for what is no table."""
+    if not given:
+        return None
+    if isinstance(given, StatedTables):
+        return given
+    found = given
+    if isinstance(given, str):
+        with suppress(ValueError, RecursionError):
+            found = json.loads(given)
     if not isinstance(found, Mapping):
         raise ValueError(
-            f"declared must be a lattice's tables as JSON, got {shown(declared)} (read_lattice "
+            f"declared must be a lattice's tables as JSON, got {shown(given)} (read_lattice "
             "says what they hold)"
         )
-    return json.dumps({key: value for key, value in found.items() if key != "name"})
+    return StatedTables({key: value for key, value in found.items() if key != "name"}, "lattice")

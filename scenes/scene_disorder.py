@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -22,9 +22,6 @@ from longwave.scenes.scene_checks import finite, known_fields, one_of, text, who
 from longwave.support.user_files import shown
 
 Array = NDArray[np.float64]
-
-Stated: TypeAlias = "tuple[tuple[str, str | int | float | tuple[int, int]], ...]"
-"""What a scene holds of it: names and values."""
 
 MASS = "mass"
 """What `Disorder.of` says where masses deviate."""
@@ -69,7 +66,9 @@ class Disorder:
 
     @classmethod
     def of_pairs(cls, given: object) -> Disorder:
-        """From names and values, as pairs or a mapping."""
+        """Return the disorder of names and values, as pairs, a mapping or a record."""
+        if isinstance(given, Disorder):
+            return given
         pairs = list(given.items()) if isinstance(given, Mapping) else given
         if not isinstance(pairs, list | tuple) or not all(
             isinstance(pair, list | tuple) and len(pair) == 2 and isinstance(pair[0], str)
@@ -87,8 +86,8 @@ class Disorder:
         return cls(**found)
 
     @property
-    def pairs(self) -> Stated:
-        """What `of_pairs` makes it of; what is usual is left out."""
+    def pairs(self) -> tuple[tuple[str, Any], ...]:
+        """Names and values that `of_pairs` reads, without those that are usual."""
         usual = {field.name: field.default for field in fields(self)}
         found = ((name, getattr(self, name)) for name in usual)
         return tuple((name, value) for name, value in found if value != usual[name])

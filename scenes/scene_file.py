@@ -33,6 +33,7 @@ from longwave.scenes.bench import BENCH_TABLES
 from longwave.scenes.csv_table import with_columns
 from longwave.scenes.scene_checks import CHAIN, CHAIN_CONSTANTS, plain, text
 from longwave.scenes.scene_disorder import Disorder
+from longwave.scenes.stated_tables import StatedTables
 from longwave.support.known_names import one_of
 from longwave.support.user_files import read_toml, shown, shown_path
 
@@ -126,7 +127,7 @@ def scene_fields(given: Mapping[str, Any], folder: Path = Path()) -> dict[str, A
     found |= with_columns({key: document[key] for key in BENCH_TABLES if key in document}, folder)
     found |= _lattice(document.get("lattice"), folder)
     found |= {name: tuple(table(document, name).items()) for name in PAIRS}
-    measured = table(json.loads(found.get("declared", "{}")), "constants")
+    measured = table(found["declared"].tables, "constants") if "declared" in found else {}
     found["constants"] = tuple({**measured, **dict(found["constants"])}.items())
     for name, fields in TABLES.items():
         entries = table(document, name)
@@ -135,7 +136,7 @@ def scene_fields(given: Mapping[str, Any], folder: Path = Path()) -> dict[str, A
     if "losses" in document:
         found["losses"] = table(document, "losses")
     if "disorder" in document:
-        found["disorder"] = Disorder.of_pairs(table(document, "disorder")).pairs
+        found["disorder"] = Disorder.of_pairs(table(document, "disorder"))
     if "envelope" in document and found.get("carrier", "") == "":
         raise ValueError('k in [envelope] must be stated, got nothing (such as k = "pi/2")')
     if "long_wave" in document and "envelope" in document:
@@ -191,18 +192,15 @@ def lattice_keywords(given: object) -> dict[str, Any]:
 
 
 def _declaration(document: Mapping[str, Any], name: str) -> dict[str, Any]:
-    """The lattice's name, and what else its tables say as JSON."""
+    """The lattice's name, and what else its tables say."""
     found = dict(document)
     called = found.pop("name", name)
     text("name in [lattice]", called)
-    try:
-        return {"lattice": called, "declared": json.dumps(found)}
-    except TypeError as error:
-        raise ValueError(f"lattice must hold texts and numbers, got a date ({error})") from None
+    return {"lattice": called, "declared": StatedTables(found, "lattice")}
 
 
 def document_of(given: Mapping[str, Any]) -> dict[str, Any]:
-    """The document of a scene with these keywords: what `scene_fields` makes them of.
+    """Return the document that `scene_fields` reads as these keywords of a scene.
 
     >>> document_of({"wave": "kink", "constants": [["K2", 1]], "step": None, "sites": 8})
     {'lattice': 'fput_strain', 'wave': 'kink', 'constants': {'K2': 1}, 'domain': {'sites': 8}}
@@ -210,10 +208,11 @@ def document_of(given: Mapping[str, Any]) -> dict[str, Any]:
     given = {"lattice": CHAIN} | {k: v for k, v in given.items() if v is not None}
     found = {key: given[key] for key in TOP if key in given}
     if "declared" in given:
-        found["lattice"] = {"name": given["lattice"], **json.loads(given["declared"])}
-    found |= {name: dict(given[name]) for name in (*PAIRS, "disorder") if name in given}
-    found |= {"losses": json.loads(given["losses"])} if given.get("losses") else {}
-    found |= json.loads(given.get("bench", "{}"))
+        found["lattice"] = {"name": given["lattice"], **given["declared"].tables}
+    found |= {name: dict(given[name]) for name in PAIRS if name in given}
+    found |= {"disorder": dict(given["disorder"].pairs)} if "disorder" in given else {}
+    found |= {"losses": given["losses"].table} if "losses" in given else {}
+    found |= given["bench"].stated.tables if "bench" in given else {}
     for name, fields in TABLES.items():
         entries = {k: given[field] for k, field in fields.items() if field in given}
         entries.pop("compared", None)

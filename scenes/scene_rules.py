@@ -61,7 +61,7 @@ def check_growth(scene: Scene) -> None:
     if scene.disorder:
         raise ValueError(
             f"disorder must not be given with the wave {PERTURBED_PLANE}, got "
-            f"{shown(dict(scene.disorder))} (its waves would be scattered into all others)"
+            f"{shown(dict(scene.disorder.pairs))} (its waves would be scattered into all others)"
         )
     names = [name for name, _ in scene.parameters]
     unknown = [name for name in names if name not in PERTURBATION]

@@ -200,7 +200,7 @@ class LatticeFamily:
             perturbed = {"amplitude": draw.uniform(0.2, 1.5), "share": draw.uniform(0.3, 1.3)}
             order = draw.choice(["leading", "slaved"])
             changes = {"wave": PERTURBED_PLANE, "parameters": tuple(perturbed.items())}
-            return scene.changed(**plain, **changes, order=order, disorder=())
+            return scene.changed(**plain, **changes, order=order, disorder=None)
         begin, span = draw.choice([0.0, 0.0, -20.0, -100.0]), draw.choice([20.0, 60.0, 200.0])
         compared = draw.choice([1, 1, 3, 12, 40])
         return scene.changed(**plain, times=(begin, begin + span), compared=compared)

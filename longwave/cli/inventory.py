@@ -155,7 +155,6 @@ def lattice_scenes() -> list[Record]:
 
 def bench_scenes() -> list[Record]:
     """The shipped chains on a bench: lattice, cells, times, tolerance."""
-    from longwave.scenes.bench import Bench
     from longwave.scenes.named_scenes import load_scene, shipped_scenes
 
     return [
@@ -163,7 +162,7 @@ def bench_scenes() -> list[Record]:
             "name": scene.name,
             "title": scene.title,
             "lattice": scene.lattice,
-            "cells": Bench.of_json(scene.bench).sites,
+            "cells": scene.own_bench.sites,
             "end": scene.end,
             "tolerance": scene.tolerance,
         }

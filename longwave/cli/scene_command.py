@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import sys
 from collections.abc import Iterator, Mapping
@@ -27,7 +26,6 @@ from longwave.scenes.chain.trust import USUAL_TOLERANCE
 from longwave.scenes.recorders import Variables
 from longwave.scenes.run_record import RunRecord, UnfinishedRun, error_unit
 from longwave.scenes.scene import Scene
-from longwave.scenes.scene_file import document_of
 from longwave.support.command_line import fail, fail_for_memory
 from longwave.support.console import plain_console, print_json, print_lines, progress_bar
 from longwave.support.interruption import interrupted, keeping
@@ -188,7 +186,7 @@ def run_data(run: RunRecord, scene: Scene) -> dict[str, Any]:
     }
     return {
         "name": scene.name,
-        "scene": document_of(json.loads(scene.json())),
+        "scene": scene.document(),
         "times": run.reached,
         "variables": numbers,
         "attributes": run.attrs,

@@ -31,7 +31,6 @@ from longwave.reports.pictures.run_data import check_run, placed
 from longwave.reports.pictures.style import styled
 from longwave.runs.run_file import SWEPT, names_a_run
 from longwave.scenes import scene_run
-from longwave.scenes.bench import Bench
 from longwave.scenes.scene import Scene
 from longwave.support.command_line import fail, fail_for_memory, one_line
 from longwave.support.console import check_output, progress_bar
@@ -158,7 +157,7 @@ def _check_cost(
 def _scene_of_film(scene: Scene, options: FilmOptions) -> Scene:
     """The scene at the times of the film's frames, as many as it may have."""
     if scene.bench:
-        sites = Bench.of_json(scene.bench).sites
+        sites = scene.bench.sites
     else:
         scene.check_compared()
         sites = 2 * scene.cells_within(1) + 1

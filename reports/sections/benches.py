@@ -25,6 +25,7 @@ from longwave.reports.studies.bench_laws import mode_return
 from longwave.reports.studies.effects import CELLS, TOLERANCES, EffectCost
 from longwave.reports.studies.lattice_runs import SceneRun
 from longwave.scenes.bench import ACTING, Bench
+from longwave.scenes.losses import Losses
 
 
 def bench_table(runs: Mapping[str, SceneRun]) -> str:
@@ -41,7 +42,7 @@ def bench_table(runs: Mapping[str, SceneRun]) -> str:
 def _bench_cells(found: SceneRun, run: xr.Dataset) -> list[str]:
     told = run.attrs
     return [
-        escape(effects(Bench.of_json(found.scene.bench), found.scene.losses)),
+        escape(effects(found.scene.own_bench, found.scene.losses)),
         f"${told['sites']}$",
         scientific(found.scene.target.tolerance),
         scientific(float(told["error_estimate"])) + ("" if found.kept else " (TOO LARGE)"),
@@ -70,17 +71,17 @@ def balance_table(runs: Mapping[str, SceneRun]) -> str:
     return table("balance", caption, "lrrrrr", head, lines)
 
 
-def effects(bench: Bench, losses: str = "") -> str:
+def effects(bench: Bench, losses: Losses | None = None) -> str:
     """What acts on a chain, in words.
 
-    >>> effects(Bench(8, ("fixed", "free"), energy=True), '{"site": 0.1}')
+    >>> effects(Bench(8, ("fixed", "free"), energy=True), Losses(site=0.1))
     'ends: fixed, free; losses of cells'
     """
     ends = ", ".join(end if isinstance(end, str) else "moved" for end in bench.ends)
     acts = {push.kind for push in bench.forces}
     acting: dict[str, object] = {
-        "losses of cells": '"site"' in losses,
-        "dashpots": '"bond"' in losses,
+        "losses of cells": losses and losses.site is not None,
+        "dashpots": losses and losses.bond is not None,
         **{f"{kind}s": kind in acts for kind in ACTING},
         "a bath": bench.noise,
         "defects": bench.masses or bench.springs,

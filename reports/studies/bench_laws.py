@@ -10,7 +10,6 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy import stats
 
-from longwave.scenes.bench import Bench
 from longwave.scenes.named_scenes import load_scene
 from longwave.support.processes import Job, Key
 
@@ -37,7 +36,7 @@ def mode_return(run: xr.Dataset) -> Return:
     energy, times = run.mode_energy.values[:, 0], run.time.values
     lost = int(np.argmax(energy < 0.5 * energy[0]))
     back = lost + int(np.argmax(energy[lost:]))
-    cells = Bench.of_json(load_scene("fput_1955").bench).sites
+    cells = load_scene("fput_1955").own_bench.sites
     period = math.pi / math.sin(0.5 * math.pi / (cells + 1))
     when, most = _peak(times, energy, back)
     return Return(when / period, most / energy[0], float(times[back] - times[back - 1]) / period)

@@ -6,7 +6,6 @@ Each run is the lattice's own, its derivatives by what is fitted are exact
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -26,7 +25,7 @@ from longwave.lattice.driving import DrivenChain
 from longwave.lattice.force_program import program_of
 from longwave.lattice.integration import integrate
 from longwave.lattice.sensitivities import FreeParameter, Sensor, VariedChain
-from longwave.scenes.bench import ACTING, Bench
+from longwave.scenes.bench import ACTING
 from longwave.scenes.bench_chain import chain_on_bench, start_on_bench
 from longwave.scenes.fits.least_squares import (
     DOUBTFUL,
@@ -37,7 +36,7 @@ from longwave.scenes.fits.least_squares import (
 )
 from longwave.scenes.fits.sensor_records import SensorRecord, read_record
 from longwave.scenes.lattice_derivation import declared_lattice
-from longwave.scenes.losses import lossy, without_losses
+from longwave.scenes.losses import Losses, lossy, without_losses
 from longwave.scenes.named_scenes import load_scene
 from longwave.scenes.scene import Scene
 from longwave.support.known_names import one_of
@@ -71,26 +70,22 @@ class SceneModel:
     """The readings of a scene's sensors as a function of some of its constants and losses."""
 
     def __init__(self, scene: Scene, free: Sequence[str]) -> None:
-        if scene.method != "bench":
-            raise ValueError(
-                f"scene must be a chain on a bench, got {scene.name}, which compares a wave (state "
-                "[chain] and [start])"
-            )
-        for table in json.loads(scene.bench):
+        bench = scene.own_bench
+        for table in bench.stated.tables:
             if table not in FITTED:
                 raise ValueError(
                     f"tables of a scene that is fitted must be {', '.join(FITTED)}, got [{table}] "
                     "(leave it out)"
                 )
         self.scene, self.free = scene, tuple(free)
-        self._bench = Bench.of_json(scene.bench)
+        self._bench = bench
         stated = {name: float(number_value(name, value)) for name, value in scene.constants}
-        losses = {"site": 0, "bond": 0} | json.loads(scene.losses or "{}")
+        losses = {"site": 0, "bond": 0} | (scene.losses.table if scene.losses else {})
         for key, value in losses.items():
             if isinstance(value, int | float):
                 stated[f"losses.{key}"] = float(value)
                 losses[key] = f"{key}loss"
-        self._lattice = lossy(declared_lattice(scene).with_losses(), json.dumps(losses))
+        self._lattice = lossy(declared_lattice(scene).with_losses(), Losses.of(losses))
         self._symbols = {LOSSES.get(str(s), str(s)): s for s in self._lattice.constants}
         self.stated = stated
         for name in self.free:

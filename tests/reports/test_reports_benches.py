@@ -18,6 +18,7 @@ from longwave.reports.studies.bench_laws import mode_return, struck_exponent
 from longwave.reports.studies.effects import TOLERANCES, EffectCost, effect_cost
 from longwave.reports.studies.lattice_runs import SceneRun, scene_run
 from longwave.scenes.bench import Bench, Noise, Push
+from longwave.scenes.losses import Losses
 
 
 @pytest.fixture(scope="module")
@@ -61,7 +62,7 @@ def test_a_chain_that_did_not_run_says_why_and_has_no_picture(found: SceneRun) -
 def test_every_effect_has_its_word() -> None:
     ends = {"displacement": "sin(t)"}, "free"
     bench = Bench(8, ends, (), (Push(0, "t"),), noise=Noise(1.0), energy=True)
-    losses = '{"site": {"u": 0.1}, "bond": 0.2}'
+    losses = Losses(site=(("u", 0.1),), bond=0.2)
     words = "ends: moved, free; losses of cells; dashpots; forces; a bath"
     assert effects(bench, losses) == words
 

@@ -245,7 +245,7 @@ def test_a_scene_reads_back_and_its_key_is_its_own(tmp_path: Path) -> None:
         for given in ((), *(MASSES | {key: value} for key, value in OTHER))
     ]
     assert len({store.key(one) for one in (scene, *others)}) == 1 + len(others)
-    same = scene.changed(disorder=json.loads(json.dumps(scene.disorder)))
+    same = scene.changed(disorder=json.loads(json.dumps(scene.disorder.pairs)))
     assert store.key(same) == store.key(scene)
 
 
@@ -283,7 +283,7 @@ def test_what_has_no_such_disorder_is_one_line() -> None:
     with pytest.raises(ValueError, match=r"of in \[disorder\] must be stated, got nothing"):
         Scene.of(**(SOLITON | {"disorder": {"seed": 1}}))
     chain = {"lattice": {"K2": 1, "K4": 1}, "disorder": MASSES, "tolerance": 1e-3}
-    assert dict(scene_fields(chain)["disorder"])["of"] == "mass"
+    assert scene_fields(chain)["disorder"].of == "mass"
     with pytest.raises(ValueError, match=r"of in \[disorder\] must be stated, got nothing"):
         scene_fields({"lattice": "fput", "disorder": {}})
     assert Disorder.of_pairs(MASSES).pairs == tuple((MASSES | {"sites": (60, 9999)}).items())

@@ -65,7 +65,8 @@ def test_a_file_names_the_file_of_a_lattice_beside_it(tmp_path: Path) -> None:
     (tmp_path / "short.toml").write_text(FILE, "utf-8")
     scene = Scene.from_toml(tmp_path / "short.toml")
     assert (scene.name, scene.lattice, scene.order) == ("short", "cell", "slaved")
-    assert '"between": ["v[n]", "u[n+1]"]' in scene.declared
+    assert scene.declared is not None
+    assert '"between": ["v[n]", "u[n+1]"]' in scene.declared.json
     assert (scene.snapshots, scene.compared, scene.amplitude) == ((0.0, 10.0), 30, 1)
     inline = (
         FILE.replace('lattice = "cell.toml"\n', "")

@@ -20,7 +20,7 @@ from longwave.runs.sweep_scene import changed_document, make_scene
 from longwave.scenes.convergence import at_eps, fitted_rate, scene_convergence, scene_rate
 from longwave.scenes.lattice_derivation import derivation, lattice_wave, wave_of
 from longwave.scenes.lattice_run import compared_cells, record_scene, wave_rings
-from longwave.scenes.losses import losses_json, weighed
+from longwave.scenes.losses import Losses
 from longwave.scenes.named_scenes import load_scene
 from longwave.scenes.scene import Scene
 from longwave.support.request_limits import request_limits
@@ -81,7 +81,6 @@ def test_numbers_are_weighed_by_eps() -> None:
     assert derivation(at_eps(number, 0.1)).text() == derivation(formula).text()
     [rate] = lattice_wave(at_eps(number, 0.1)).losses.sites  # type: ignore[union-attr]
     assert rate == pytest.approx(0.0001, rel=1e-14)
-    assert weighed("", 0.1) == ""
 
 
 @pytest.mark.parametrize(("base", "power", "decay"), [(SOLITON, 1, 2 / 3), (MKDV, 2, 1.0)])
@@ -224,7 +223,7 @@ def test_losses_are_kept_in_files_and_swept() -> None:
     assert from_file == made
     assert 'site = "eps**3*gamma"' in made.toml()
     swept = make_scene(changed_document(document, {"losses.site": "eps**3/50"}), "worn", Path())
-    assert swept.losses == '{"site": "eps**3/50"}'
+    assert swept.losses == Losses(site="eps**3/50")
     assert run(made).attrs["scene"].count("losses") == 1
 
 
@@ -288,8 +287,10 @@ def test_what_is_refused(changes: dict[str, Any], text: str) -> None:
 
 
 def test_a_table_has_one_spelling() -> None:
-    assert losses_json({}) == losses_json("") == losses_json(None) == ""
-    assert losses_json(losses_json({"bond": (1, "eta")})) == '{"bond": [1, "eta"]}'
+    assert Losses.of({}) is Losses.of("") is Losses.of(None) is None
+    made = Losses.of({"bond": (1, "eta")})
+    assert str(made) == '{"bond": [1, "eta"]}'
+    assert Losses.of(str(made)) == Losses.of(made) == made
 
 
 @pytest.mark.parametrize(

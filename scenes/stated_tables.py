@@ -1,0 +1,44 @@
+"""Tables of a scene's file whose keys another room reads, kept as they were stated."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+
+class StatedTables:
+    """Tables that are equal, and hashed alike, if they say the same in the same order.
+
+    Raises ValueError in one line for values that JSON does not have; ``what`` names the tables in
+    that message.
+
+    >>> StatedTables({"sites": 8}) == StatedTables({"sites": 8}), StatedTables({"sites": 8}).json
+    (True, '{"sites": 8}')
+    """
+
+    def __init__(self, tables: Mapping[str, Any], what: str = "tables") -> None:
+        try:
+            self.json = json.dumps(tables, default=np.ndarray.tolist)
+        except TypeError as error:
+            raise ValueError(
+                f"{what} must hold numbers, texts and lists, got another ({error})"
+            ) from None
+
+    @cached_property
+    def tables(self) -> dict[str, Any]:
+        """The tables; not to be changed."""
+        found: dict[str, Any] = json.loads(self.json)
+        return found
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, StatedTables) and self.json == other.json
+
+    def __hash__(self) -> int:
+        return hash(self.json)
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({self.tables})"
