@@ -25,9 +25,9 @@ from longwave.lattice import integrate
 from longwave.lattice.schemes import scheme_named
 from longwave.lattice.state import State
 from longwave.scenes.chain.stencil_search import ChainSites
-from longwave.scenes.lattice_run import wave_rings
-from longwave.scenes.ring_runs import RingCells
-from longwave.scenes.scene import Scene
+from longwave.scenes.description.scene import Scene
+from longwave.scenes.engines.lattice_run import wave_rings
+from longwave.scenes.engines.ring_runs import RingCells
 
 STEP, SCHEME = 0.25, "reduced_phase_6"
 BESIDE = 1000

@@ -15,7 +15,7 @@ from longwave.lattice.kernels.streams import varied_stage_plan
 from longwave.lattice.model import Model
 from longwave.lattice.numeric_lattice import NumericLattice, numeric_lattice
 from longwave.lattice.schemes import Composition
-from longwave.scenes.time_functions import time_function
+from longwave.scenes.description.time_functions import time_function
 from longwave.solutions import Wave, closed_form
 
 Array = NDArray[np.float64]

@@ -30,7 +30,7 @@ from longwave.runs.sweep_cells import Cell, run_cells
 from longwave.runs.sweep_dataset import cell_run, write_sweep
 from longwave.runs.sweep_file import Sweep, sweep_of
 from longwave.runs.sweep_workers import use_one_thread
-from longwave.scenes import scene_run
+from longwave.scenes.engines import scene_run
 from longwave.support.compiled.cores import keep_to_one_core
 from longwave.support.processes import Job, LocalWorkers, in_order
 

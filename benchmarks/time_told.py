@@ -46,7 +46,7 @@ def scene_told(name: str) -> dict[str, object]:
     The clock of its engines is made that of the processor: others on the machine do not slow it.
     """
     time.perf_counter = time.process_time
-    from longwave.scenes.named_scenes import load_scene
+    from longwave.scenes.description.named_scenes import load_scene
 
     scene = load_scene(name)
     first = scene.expected_cost().seconds

@@ -22,7 +22,7 @@ from contenders import numpy_rk4
 from problem import EPS, PROBLEMS, Array, initial
 
 from longwave.scenes import run
-from longwave.scenes.named_scenes import load_scene
+from longwave.scenes.description.named_scenes import load_scene
 
 TOLERANCE = 1e-4
 BEGIN, END = -10_000.0, 5_000.0

@@ -14,7 +14,7 @@ from longwave.reports.pictures.film_files import SUFFIXES, film_path, save_film
 from longwave.reports.pictures.run_data import snapshots
 from longwave.reports.pictures.style import save, styled
 from longwave.scenes import run
-from longwave.scenes.named_scenes import load_scene
+from longwave.scenes.description.named_scenes import load_scene
 
 SCENE = load_scene("rational_3_eps_0.05")
 OBSERVABLES = ("strain", "time_step_error", "domain_error")

@@ -73,7 +73,7 @@ def slope_of(value: TimeFunction | None) -> TimeFunction:
     if found is None:
         raise ValueError(
             "displacement of a wall whose velocity is felt must have a slope, its velocity, got a "
-            "bare function (longwave.scenes.time_functions.time_function makes one)"
+            "bare function (longwave.scenes.description.time_functions.time_function makes one)"
         )
     return found
 

@@ -25,10 +25,10 @@ _NOUNS = {
     "longwave.session": "animate fit_scene plot resume run sweep",
     "longwave.runs.run_file": "load_run save_run",
     "longwave.scenes.fits.force_fit": "fit_force",
-    "longwave.scenes.named_scenes": "load_scene shipped_scenes",
-    "longwave.scenes.numerics": "Discretisation Tolerance",
-    "longwave.scenes.scene": "Scene",
-    "longwave.scenes.view": "relative_sup_error",
+    "longwave.scenes.description.named_scenes": "load_scene shipped_scenes",
+    "longwave.scenes.description.numerics": "Discretisation Tolerance",
+    "longwave.scenes.description.scene": "Scene",
+    "longwave.scenes.observed.view": "relative_sup_error",
 }
 
 __all__ = ["__version__", *sorted(" ".join(_NOUNS.values()).split())]

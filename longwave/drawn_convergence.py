@@ -9,8 +9,8 @@ from longwave.cli.converge import convergence_figure
 from longwave.reports.pictures.shown import ShownFigure
 from longwave.reports.pictures.style import save, styled
 from longwave.scenes.convergence import SceneConvergence, scene_convergence
-from longwave.scenes.named_scenes import load_scene
-from longwave.scenes.scene import Scene
+from longwave.scenes.description.named_scenes import load_scene
+from longwave.scenes.description.scene import Scene
 from longwave.session import Told, shown_progress
 from longwave.support.console import picture_path
 

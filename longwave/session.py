@@ -20,9 +20,9 @@ if TYPE_CHECKING:
     from longwave.reports.pictures.shown import ShownFigure, ShownFilm
     from longwave.runs.sweep_file import Sweep
     from longwave.scenes.convergence import SceneConvergence
+    from longwave.scenes.description.scene import Scene
     from longwave.scenes.fits.scene_fit import SceneFit
     from longwave.scenes.fits.sensor_records import SensorRecord
-    from longwave.scenes.scene import Scene
     from longwave.solutions import ClosedForm
 
 Told = Callable[[float], object]
@@ -61,7 +61,7 @@ def run(
     >>> longwave.run("toda_soliton").sizes["time"]
     3
     """
-    from longwave.scenes import scene_run
+    from longwave.scenes.engines import scene_run
 
     try:
         with shown_progress(_named(scene), progress, announce) as told:
@@ -90,7 +90,7 @@ def resume(
     wave: ClosedForm | None = None,
 ) -> xr.Dataset:
     """Go on with a run from one of its snapshots, to the same bits: `scenes.resume` says more."""
-    from longwave.scenes import scene_run
+    from longwave.scenes.engines import scene_run
 
     with shown_progress("run", progress, None) as (share, _):
         return scene_run.resume(run, at, snapshots, share, wave)
@@ -150,8 +150,8 @@ def as_sweep(
     from dataclasses import replace
 
     from longwave.runs.sweep_file import Sweep, load_sweep, sweep_of
-    from longwave.scenes.named_scenes import load_scene
-    from longwave.scenes.scene import Scene
+    from longwave.scenes.description.named_scenes import load_scene
+    from longwave.scenes.description.scene import Scene
     from longwave.support.user_files import shown
 
     if grid is not None and not isinstance(source, Sweep | Mapping):

@@ -50,7 +50,7 @@ from longwave.reports.studies.lattice_runs import rate_jobs, scene_run_jobs
 from longwave.reports.studies.long_runs import LongRun, long_run_jobs, long_runs
 from longwave.reports.studies.measured_runs import SPLIT, MeasuredRuns, report_scenes, scene_job
 from longwave.reports.studies.proofs import library_jobs, proof_jobs
-from longwave.scenes.scene import Scene
+from longwave.scenes.description.scene import Scene
 from longwave.solutions.catalogue import CATALOGUE, closed_form
 from longwave.support.command_line import fail
 from longwave.support.console import check_output, plain_console

@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from longwave.scenes.observables import measured_error
+from longwave.scenes.observed.observables import measured_error
 
 if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
 
-    from longwave.scenes.scene import Scene
+    from longwave.scenes.description.scene import Scene
 
 
 def scaled_own_error(run: xr.Dataset) -> NDArray[np.float64] | None:

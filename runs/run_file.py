@@ -26,7 +26,7 @@ from longwave.support.atomic_file import write_atomically
 if TYPE_CHECKING:
     import xarray as xr
 
-    from longwave.scenes.scene import Scene
+    from longwave.scenes.description.scene import Scene
 
 PARTS = "real_imag"
 """The last dimension of what is complex."""
@@ -137,7 +137,7 @@ def scene_of_run(run: xr.Dataset) -> Scene:
             "run must be one of one scene, got the result of a sweep (longwave sweep goes on with "
             "it, longwave plot draws it)"
         )
-    from longwave.scenes.named_scenes import scene_of_toml
+    from longwave.scenes.description.named_scenes import scene_of_toml
 
     text = run.attrs.get("scene")
     if not isinstance(text, str):

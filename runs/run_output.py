@@ -23,7 +23,7 @@ from longwave.support.sealed_file import LOG
 if TYPE_CHECKING:
     import xarray as xr
 
-    from longwave.scenes.scene import Scene
+    from longwave.scenes.description.scene import Scene
 
 SUFFIX = ".checkpoint"
 """After the name of the file: the folder beside it."""

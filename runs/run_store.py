@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
     from longwave.lattice.refine import Announce
     from longwave.lattice.trial import Progress
-    from longwave.scenes.scene import Scene
+    from longwave.scenes.description.scene import Scene
 
 UNMOVED = ("xarray", "h5netcdf")
 """Packages whose version does not move a run's bits."""
@@ -136,7 +136,7 @@ class RunStore:
         return found or self._made(scene, progress, announce)
 
     def _made(self, scene: Scene, progress: Progress | None, announce: Announce | None) -> Path:
-        from longwave.scenes import scene_run
+        from longwave.scenes.engines import scene_run
 
         path = self.path(scene)
         with self._alone(path):

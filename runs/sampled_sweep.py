@@ -21,11 +21,11 @@ from longwave.derive.measured import Measured
 from longwave.derive.symbols import number_value
 from longwave.runs.run_file import file_content
 from longwave.runs.sweep_file import MOST_CELLS, SAMPLE, Sweep, SweptDimension
-from longwave.scenes.bench import OF_MEANS
-from longwave.scenes.lattice_derivation import declared_lattice
-from longwave.scenes.named_scenes import load_scene
-from longwave.scenes.scene import Scene
-from longwave.scenes.scene_checks import whole
+from longwave.scenes.description.bench import OF_MEANS
+from longwave.scenes.description.named_scenes import load_scene
+from longwave.scenes.description.scene import Scene
+from longwave.scenes.description.scene_checks import whole
+from longwave.scenes.starts.lattice_derivation import declared_lattice
 from longwave.support.atomic_file import write_atomically
 from longwave.support.user_files import shown
 

@@ -43,7 +43,7 @@ from longwave.support.request_limits import (
 if TYPE_CHECKING:
     import xarray as xr
 
-    from longwave.scenes.scene import Scene
+    from longwave.scenes.description.scene import Scene
 
 MOST_JUDGED = 5
 """Cells of a batch by which it is told what was expected of it: that takes 5 ms of a cell."""
@@ -170,7 +170,7 @@ def run_cell(cell: Cell, store: RunStore | None = None) -> CellRecord:
     """
 
     from longwave.runs.run_file import load_run
-    from longwave.scenes import scene_run
+    from longwave.scenes.engines import scene_run
 
     alone = False
 

@@ -13,7 +13,7 @@ from longwave.support.request_limits import ExpectedCost
 if TYPE_CHECKING:
     from longwave.runs.run_store import RunStore
     from longwave.runs.sweep_file import Sweep
-    from longwave.scenes.scene import Scene
+    from longwave.scenes.description.scene import Scene
 
 MOST_LOOKED_AT, FEWEST = 200, 5
 """Cells that are looked at, of sweeps with more. Costs that differ by a factor of 100 are met to

@@ -22,7 +22,7 @@ from longwave.support.atomic_file import write_atomically
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from longwave.scenes.scene import Scene
+    from longwave.scenes.description.scene import Scene
 
 MISSING = "missing"
 """The status of a cell that was not run yet."""

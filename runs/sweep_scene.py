@@ -8,14 +8,13 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from longwave.scenes.bench import KEYS
-from longwave.scenes.losses import KINDS
-from longwave.scenes.named_scenes import load_scene, names_a_file
-from longwave.scenes.observables import OBSERVABLES
-from longwave.scenes.scene import Scene, said_otherwise
-from longwave.scenes.scene_checks import CHAIN_CONSTANTS
-from longwave.scenes.scene_disorder import Disorder
-from longwave.scenes.scene_file import (
+from longwave.scenes.description.bench import KEYS
+from longwave.scenes.description.losses import KINDS
+from longwave.scenes.description.named_scenes import load_scene, names_a_file
+from longwave.scenes.description.scene import Scene, said_otherwise
+from longwave.scenes.description.scene_checks import CHAIN_CONSTANTS
+from longwave.scenes.description.scene_disorder import Disorder
+from longwave.scenes.description.scene_file import (
     PAIRS,
     TABLES,
     TOP,
@@ -23,6 +22,7 @@ from longwave.scenes.scene_file import (
     read_document,
     scene_fields,
 )
+from longwave.scenes.observed.observables import OBSERVABLES
 from longwave.support.known_names import one_of
 from longwave.support.user_files import STANDARD_INPUT, file_stem, shown
 

@@ -10,17 +10,17 @@ from typing import TYPE_CHECKING
 from longwave.support.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
-    from longwave.scenes.named_scenes import load_scene
-    from longwave.scenes.scene_run import resume, run
-    from longwave.scenes.view import relative_sup_error
+    from longwave.scenes.description.named_scenes import load_scene
+    from longwave.scenes.engines.scene_run import resume, run
+    from longwave.scenes.observed.view import relative_sup_error
 
 __all__ = ["load_scene", "relative_sup_error", "resume", "run"]
 
 __getattr__, __dir__ = lazy_exports(
     __name__,
     {
-        "longwave.scenes.named_scenes": "load_scene",
-        "longwave.scenes.scene_run": "resume run",
-        "longwave.scenes.view": "relative_sup_error",
+        "longwave.scenes.description.named_scenes": "load_scene",
+        "longwave.scenes.engines.scene_run": "resume run",
+        "longwave.scenes.observed.view": "relative_sup_error",
     },
 )

@@ -17,10 +17,10 @@ from numpy.typing import NDArray
 from longwave.derive import CarrierTerms, Envelope, Lattice, Reduction, carrier_fields, reduce
 from longwave.derive.algebra.exact_numbers import Number
 from longwave.lattice.refine import Announce
-from longwave.scenes.lattice_derivation import derivation
-from longwave.scenes.run_record import RunRecord
-from longwave.scenes.scene import Scene
-from longwave.scenes.scene_checks import finite, positive
+from longwave.scenes.description.scene import Scene
+from longwave.scenes.description.scene_checks import finite, positive
+from longwave.scenes.observed.run_record import RunRecord
+from longwave.scenes.starts.lattice_derivation import derivation
 from longwave.support.html_tables import html_table
 from longwave.support.user_files import shown
 
@@ -217,7 +217,7 @@ def at_eps(scene: Scene, eps: float) -> Scene:
 
 
 def _run(scene: Scene, progress: Callable[[float], None], announce: Announce) -> RunRecord:
-    from longwave.scenes.lattice_run import record_scene
+    from longwave.scenes.engines.lattice_run import record_scene
 
     run = record_scene(scene, progress, announce)
     wanted = SHARE * float(np.max(_later(run, "sup_error")))

@@ -20,7 +20,7 @@ from longwave.derive.algebra.rational_functions import RationalFunction
 from longwave.support.real_arrays import real_array
 
 if TYPE_CHECKING:
-    from longwave.scenes.scene import Scene
+    from longwave.scenes.description.scene import Scene
 
 Array = NDArray[np.float64]
 
@@ -80,7 +80,7 @@ def scene_modulation(scene: Scene, k: Array, amplitude: float) -> ModulationGrid
 
     Raises ValueError as the scene's derivation does.
     """
-    from longwave.scenes.lattice_derivation import scene_envelope
+    from longwave.scenes.starts.lattice_derivation import scene_envelope
 
     found, numbers = scene_envelope(scene.changed(carrier=1))
     fixed = {str(symbol): value for symbol, value in found.constants.items()} | {**numbers}

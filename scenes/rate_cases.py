@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from longwave.scenes.scene import Scene
+from longwave.scenes.description.scene import Scene
 from longwave.support.user_files import parse_toml
 
 if TYPE_CHECKING:

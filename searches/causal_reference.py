@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from longwave.lattice.schemes import Scheme, scheme_named, stability_limit
 from longwave.lattice.stepper import advance
-from longwave.scenes.scene import Scene
+from longwave.scenes.description.scene import Scene
 
 __all__ = ["CausalReference", "CausalRun", "SoftenedError"]
 

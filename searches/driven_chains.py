@@ -43,7 +43,7 @@ from longwave.lattice.numeric_lattice import NumericBond, numeric_lattice
 from longwave.lattice.refine import Refined, refine
 from longwave.lattice.schemes import REDUCED_PHASE_6
 from longwave.lattice.time_integral import Integral
-from longwave.scenes.time_functions import time_function
+from longwave.scenes.description.time_functions import time_function
 from longwave.support.request_limits import OverBudgetError
 
 Array = NDArray[np.float64]

@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 from longwave.reports.studies.estimates import GOOD, Judged
 from longwave.scenes import run
-from longwave.scenes.numerics import ENGINES
-from longwave.scenes.scene import Scene
+from longwave.scenes.description.numerics import ENGINES
+from longwave.scenes.description.scene import Scene
 from longwave.support.processes import OutOfTime, time_limit
 from searches.causal_reference import CausalReference, SoftenedError
 from searches.estimate_scenes import RandomScene, random_scene

@@ -16,8 +16,8 @@ from dataclasses import dataclass
 
 from scipy.special import ellipkm1
 
-from longwave.scenes.numerics import ENGINES
-from longwave.scenes.scene import Scene
+from longwave.scenes.description.numerics import ENGINES
+from longwave.scenes.description.scene import Scene
 
 __all__ = ["BUDGET", "WAVES", "RandomScene", "predicted_seconds", "random_scene"]
 

@@ -29,7 +29,7 @@ from longwave.lattice import SiteForce, State, driven_chain, integrate
 from longwave.lattice.force_program import force_program
 from longwave.lattice.numeric_lattice import Entry, NumericBond, NumericLattice
 from longwave.lattice.time_integral import Integral
-from longwave.scenes.time_functions import time_function
+from longwave.scenes.description.time_functions import time_function
 
 Array = NDArray[np.float64]
 Scalar = Callable[[float], float]

@@ -324,8 +324,8 @@ def run_files() -> tuple[bytes, ...]:
     import tempfile
 
     from longwave.runs.run_file import save_run
-    from longwave.scenes import scene_run
-    from longwave.scenes.named_scenes import load_scene
+    from longwave.scenes.description.named_scenes import load_scene
+    from longwave.scenes.engines import scene_run
 
     found = []
     with tempfile.TemporaryDirectory() as folder:

@@ -38,18 +38,18 @@ from numpy.typing import NDArray
 from scipy.optimize import differential_evolution
 
 import longwave.lattice.refine
-import longwave.scenes.ring_runs
+import longwave.scenes.engines.ring_runs
 from longwave.derive import LATTICES
 from longwave.lattice import integrate
 from longwave.lattice.refine import refine
 from longwave.lattice.trial import StepSearch, Trial
-from longwave.scenes.lattice_run import wave_rings
-from longwave.scenes.ring_runs import SiteRingEngine
-from longwave.scenes.run_record import RunRecord
-from longwave.scenes.scene import Scene
-from longwave.scenes.scene_checks import Pairs
-from longwave.scenes.scene_rules import PERTURBED_PLANE
-from longwave.scenes.sideband_growth import SidebandEngine, growth_plan
+from longwave.scenes.description.scene import Scene
+from longwave.scenes.description.scene_checks import Pairs
+from longwave.scenes.description.scene_rules import PERTURBED_PLANE
+from longwave.scenes.engines.lattice_run import wave_rings
+from longwave.scenes.engines.ring_runs import SiteRingEngine
+from longwave.scenes.engines.sideband_growth import SidebandEngine, growth_plan
+from longwave.scenes.observed.run_record import RunRecord
 from longwave.support.processes import Job, LocalWorkers, OutOfTime, as_ended, time_limit
 from searches.estimate_judge import judge_scene, warm_up
 from searches.estimate_scenes import RandomScene, random_scene
@@ -443,7 +443,7 @@ def begin(unmended: bool) -> None:
     if unmended:
         search: Any = longwave.lattice.refine._Search
         search.has_seen_law, search.lawful_change = lambda *_: True, lambda *_: 0.0
-        longwave.scenes.ring_runs.LAWFUL_TURN = math.inf
+        longwave.scenes.engines.ring_runs.LAWFUL_TURN = math.inf
 
 
 def main() -> int:

@@ -29,9 +29,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from longwave.scenes import run
-from longwave.scenes.lattice_run import record_scene
-from longwave.scenes.scene import Scene
-from longwave.scenes.sideband_growth import measure_growth
+from longwave.scenes.description.scene import Scene
+from longwave.scenes.engines.lattice_run import record_scene
+from longwave.scenes.engines.sideband_growth import measure_growth
 from longwave.support.processes import OutOfTime, time_limit
 from longwave.support.request_limits import Cancelled
 from searches.estimate_judge import ANSWER_SECONDS, judge_scene, warm_up

@@ -14,10 +14,10 @@ from fractions import Fraction
 
 from longwave.derive import LATTICES
 from longwave.lattice.random_sites import DISTRIBUTIONS
-from longwave.scenes.lattice_derivation import derivation
-from longwave.scenes.scene import Scene
-from longwave.scenes.scene_checks import ORDERS
-from longwave.scenes.scene_rules import PERTURBED_PLANE
+from longwave.scenes.description.scene import Scene
+from longwave.scenes.description.scene_checks import ORDERS
+from longwave.scenes.description.scene_rules import PERTURBED_PLANE
+from longwave.scenes.starts.lattice_derivation import derivation
 from longwave.solutions import CATALOGUE, closed_form
 
 Draw = random.Random

@@ -26,9 +26,9 @@ from scipy.integrate import solve_ivp
 
 from longwave.derive.intervals import WIDE
 from longwave.lattice.sensitivities import Sensor
+from longwave.scenes.description.scene import Scene
 from longwave.scenes.fits.scene_fit import SceneFit, SceneModel, fit_scene
 from longwave.scenes.fits.sensor_records import SensorRecord
-from longwave.scenes.scene import Scene
 
 Array = NDArray[np.float64]
 

@@ -105,6 +105,32 @@ def test_nothing_is_imported_but_as_a_part_of_the_package() -> None:
         assert not {name for name in imported_modules(path) if name.split(".")[0] in ROOMS[:-1]}
 
 
+SCENE_FOLDERS = ("description", "starts", "observed", "engines", "fits", "")
+"""Folders of `scenes/` in the order of their imports; modules above them all come last."""
+
+UPWARD = {
+    ("description/scene.py", "starts.lattice_derivation"),  # its lattice's equation in a notebook
+    ("description/scene.py", "observed.observables"),  # names that may be asked for
+    ("description/scene.py", "observed.run_record"),  # a type
+    ("description/scene.py", "engines.methods"),  # when it is run
+    ("description/scene_rules.py", "observed.observables"),
+}
+
+
+def test_folders_of_scenes_are_imported_in_their_order() -> None:
+    upward = set()
+    for path in sorted((HOUSE / "scenes").rglob("*.py")):
+        inner = path.relative_to(HOUSE / "scenes")
+        folder = inner.parent.name
+        for name in imported_modules(path):
+            parts = name.removeprefix("longwave.scenes.").split(".")
+            if folder not in SCENE_FOLDERS or parts[0] not in SCENE_FOLDERS or len(parts) != 2:
+                continue
+            if SCENE_FOLDERS.index(parts[0]) > SCENE_FOLDERS.index(folder):
+                upward.add((inner.as_posix(), ".".join(parts)))
+    assert upward == UPWARD
+
+
 @pytest.mark.parametrize(
     ("room", "other"),
     [

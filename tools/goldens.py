@@ -28,7 +28,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from longwave.scenes.scene_file import toml_text
+from longwave.scenes.description.scene_file import toml_text
 
 HOUSE = Path(__file__).parents[1]
 

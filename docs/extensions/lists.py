@@ -7,9 +7,9 @@ from longwave.lattice.schemes import SCHEMES, stability_limit
 from longwave.reports.formulas.printing import latex
 from longwave.reports.latex import domain_latex
 from longwave.reports.pictures.paper_figures import ERROR_FIGURES, SNAPSHOT_FIGURES
-from longwave.scenes.named_scenes import load_scene, shipped_scenes
-from longwave.scenes.observables import OBSERVABLES
-from longwave.scenes.scene import Scene
+from longwave.scenes.description.named_scenes import load_scene, shipped_scenes
+from longwave.scenes.description.scene import Scene
+from longwave.scenes.observed.observables import OBSERVABLES
 from longwave.solutions import CATALOGUE, ClosedForm
 from longwave.verify.published import published
 from paper_map import Holder, Row, paper_map

@@ -13,7 +13,7 @@ from rich.table import Table
 from longwave.reports.pictures.shown import ShownFigure
 from longwave.reports.pictures.style import BEADS, OWN, WAVE, WIDTHS, save, styled
 from longwave.runs.sweep_scene import changed_scene
-from longwave.scenes.scene_checks import finite
+from longwave.scenes.description.scene_checks import finite
 from longwave.support.command_line import fail_for_memory, listed
 from longwave.support.console import (
     check_output,

@@ -13,13 +13,13 @@ from typing import Any
 from rich.table import Table
 
 from longwave.derive.intervals import WIDE, rounded
+from longwave.scenes.description.scene_file import toml_text
 from longwave.scenes.fits.force_data import read_force
 from longwave.scenes.fits.force_fit import AS_GOOD, ForceFit, fit_points
 from longwave.scenes.fits.force_law import stated_law
 from longwave.scenes.fits.least_squares import LeastSquares, probability
 from longwave.scenes.fits.residual_tests import EVEN, ODD, SERIAL, SMOOTH
 from longwave.scenes.fits.scene_fit import LAGS, SceneFit, fit_scene
-from longwave.scenes.scene_file import toml_text
 from longwave.support.atomic_file import write_atomically
 from longwave.support.console import (
     SUFFIXES,

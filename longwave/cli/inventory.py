@@ -100,7 +100,7 @@ def schemes() -> list[Record]:
 
 def scenes() -> list[Record]:
     """The shipped scenes, the paper's first, then the others and the members of families."""
-    from longwave.scenes.named_scenes import (
+    from longwave.scenes.description.named_scenes import (
         load_scene,
         rational_family_scenes,
         shipped_scenes,
@@ -130,8 +130,8 @@ def scenes() -> list[Record]:
 
 def lattice_scenes() -> list[Record]:
     """The shipped scenes that name a lattice: lattice, equation, wave, eps, order, times."""
-    from longwave.scenes.lattice_derivation import equation_of_form
-    from longwave.scenes.named_scenes import load_scene, shipped_scenes
+    from longwave.scenes.description.named_scenes import load_scene, shipped_scenes
+    from longwave.scenes.starts.lattice_derivation import equation_of_form
     from longwave.solutions import closed_form
 
     return [
@@ -155,7 +155,7 @@ def lattice_scenes() -> list[Record]:
 
 def bench_scenes() -> list[Record]:
     """The shipped chains on a bench: lattice, cells, times, tolerance."""
-    from longwave.scenes.named_scenes import load_scene, shipped_scenes
+    from longwave.scenes.description.named_scenes import load_scene, shipped_scenes
 
     return [
         {
@@ -189,7 +189,7 @@ def sweeps() -> list[Record]:
 
 def observables() -> list[Record]:
     """The observables: name, what is computed, the arrays that are added to a run."""
-    from longwave.scenes.observables import OBSERVABLES
+    from longwave.scenes.observed.observables import OBSERVABLES
 
     return [
         {

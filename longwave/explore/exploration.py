@@ -12,9 +12,9 @@ from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
-from longwave.scenes.named_scenes import load_scene, shipped_scenes
-from longwave.scenes.scene import Scene
-from longwave.scenes.scene_checks import finite, positive
+from longwave.scenes.description.named_scenes import load_scene, shipped_scenes
+from longwave.scenes.description.scene import Scene
+from longwave.scenes.description.scene_checks import finite, positive
 from longwave.support.known_names import one_of
 from longwave.support.user_files import shown
 

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from longwave.lattice.trial import Progress
-from longwave.scenes.scene import Scene
+from longwave.scenes.description.scene import Scene
 from longwave.support.command_line import one_line
 from longwave.support.processes import (
     Call,
@@ -161,7 +161,7 @@ def compare(
 
 
 def _check_cells(scene: Scene) -> None:
-    from longwave.scenes.lattice_derivation import declared_lattice
+    from longwave.scenes.starts.lattice_derivation import declared_lattice
 
     powers = (1, 2)[: declared_lattice(scene).dimension]
     cells = math.prod(2 * scene.cells_within(power) + 1 for power in powers)
@@ -174,8 +174,8 @@ def _check_cells(scene: Scene) -> None:
 
 def _compared(scene: Scene, progress: Progress | None, announce: Any) -> Comparison:
     from longwave.cli.scene_command import summary_lines
-    from longwave.scenes.lattice_derivation import derivation
-    from longwave.scenes.run_record import error_unit
+    from longwave.scenes.observed.run_record import error_unit
+    from longwave.scenes.starts.lattice_derivation import derivation
 
     record = scene.record(progress, announce)
     run, told = record.dataset, record.attrs
@@ -285,7 +285,7 @@ class Explorer:
 BEFOREHAND = (
     "longwave.cli.scene_command",
     "longwave.scenes.chain.chain_run",
-    "longwave.scenes.lattice_run",
+    "longwave.scenes.engines.lattice_run",
     "longwave.derive.reduction",
     "xarray",
 )

@@ -27,7 +27,7 @@ from longwave.explore.exploration import (
 )
 from longwave.explore.exploration_run import Comparison, Explorer, Refusal
 from longwave.explore.explore_figures import ErrorPicture, Profile, SpaceTimeMap
-from longwave.scenes.scene import Scene
+from longwave.scenes.description.scene import Scene
 
 LOOK = 100
 """Milliseconds between two looks at the run."""

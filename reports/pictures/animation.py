@@ -30,8 +30,8 @@ from longwave.reports.pictures.plotting import (
 from longwave.reports.pictures.run_data import check_run, placed
 from longwave.reports.pictures.style import styled
 from longwave.runs.run_file import SWEPT, names_a_run
-from longwave.scenes import scene_run
-from longwave.scenes.scene import Scene
+from longwave.scenes.description.scene import Scene
+from longwave.scenes.engines import scene_run
 from longwave.support.command_line import fail, fail_for_memory, one_line
 from longwave.support.console import check_output, progress_bar
 from longwave.support.interruption import interrupted
@@ -170,7 +170,7 @@ def _scene_of_film(scene: Scene, options: FilmOptions) -> Scene:
         return scene.changed(slow_times=_frames(scene.slow_times, options.count))
     begin, end = scene.t0, scene.snapshots[-1:]
     if scene.slow_times:
-        from longwave.scenes.lattice_derivation import derivation
+        from longwave.scenes.starts.lattice_derivation import derivation
 
         begin = scene.lattice_times(derivation(scene).slow)[0]
     first, last = options.times or (begin, *end)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from longwave.reports.pictures.drawing import add_legend, even_places
 from longwave.reports.pictures.style import CURVES, part
-from longwave.scenes.bench import OF_MEANS
+from longwave.scenes.description.bench import OF_MEANS
 
 if TYPE_CHECKING:
     import xarray as xr

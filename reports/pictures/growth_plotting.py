@@ -27,7 +27,7 @@ from longwave.reports.pictures.drawing import STABLE, WAVENUMBER_TICKS
 from longwave.reports.pictures.style import CURVES, part
 
 if TYPE_CHECKING:
-    from longwave.scenes.scene import Scene
+    from longwave.scenes.description.scene import Scene
 
 Array = NDArray[np.float64]
 
@@ -236,9 +236,9 @@ def _theory(curves: Sequence[xr.Dataset]) -> xr.Dataset | None:
     Growth ``rates`` over ``kappa`` and ``k``, those of each ``line`` of measured kinds over k, and
     the ``product`` p q, NaN where there is no equation.
     """
+    from longwave.scenes.engines.sideband_growth import plane_wave_numbers
     from longwave.scenes.modulation import scene_modulation
-    from longwave.scenes.perturbed_plane import chosen_kappa
-    from longwave.scenes.sideband_growth import plane_wave_numbers
+    from longwave.scenes.starts.perturbed_plane import chosen_kappa
 
     k = np.linspace(0.0, np.pi, WAVENUMBERS + 1)[1:]
     lines: dict[str, Array] = {}
@@ -277,7 +277,7 @@ def _theory(curves: Sequence[xr.Dataset]) -> xr.Dataset | None:
 
 def _rates(p: Array, q: Array, amplitude: float, kappa: Array | float) -> Array:
     """Growth rates in T of perturbations, 0 of those that do not grow."""
-    from longwave.scenes.perturbed_plane import squared_rate
+    from longwave.scenes.starts.perturbed_plane import squared_rate
 
     with np.errstate(all="ignore"):
         return np.asarray(np.sqrt(np.maximum(squared_rate(p, q, amplitude, kappa), 0.0)))

@@ -56,10 +56,10 @@ from longwave.reports.pictures.sweep_plotting import SWEEP_PICTURES, Choice, is_
 from longwave.runs import load_run
 from longwave.runs.run_file import REMEDY, names_a_run, strain_fault
 from longwave.scenes import run
-from longwave.scenes.named_scenes import load_scene
-from longwave.scenes.observables import MEASURED
-from longwave.scenes.run_record import UnfinishedRun
-from longwave.scenes.scene import Scene
+from longwave.scenes.description.named_scenes import load_scene
+from longwave.scenes.description.scene import Scene
+from longwave.scenes.observed.observables import MEASURED
+from longwave.scenes.observed.run_record import UnfinishedRun
 from longwave.support.command_line import fail, fail_for_memory, one_line
 from longwave.support.console import check_output, picture_path, progress_bar
 from longwave.support.interruption import interrupted

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from longwave.runs import scene_of_run
 from longwave.runs.own_error import own_error_at, scaled_own_error
-from longwave.scenes.observables import amplitudes, cell_width, extremum
+from longwave.scenes.observed.observables import amplitudes, cell_width, extremum
 from longwave.support.user_files import shown
 
 Array = NDArray[np.float64]

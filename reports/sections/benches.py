@@ -24,8 +24,8 @@ from longwave.reports.pictures.run_data import placed
 from longwave.reports.studies.bench_laws import mode_return
 from longwave.reports.studies.effects import CELLS, TOLERANCES, EffectCost
 from longwave.reports.studies.lattice_runs import SceneRun
-from longwave.scenes.bench import ACTING, Bench
-from longwave.scenes.losses import Losses
+from longwave.scenes.description.bench import ACTING, Bench
+from longwave.scenes.description.losses import Losses
 
 
 def bench_table(runs: Mapping[str, SceneRun]) -> str:

@@ -29,8 +29,8 @@ from longwave.reports.pictures.drawing import snapshot_panels
 from longwave.reports.pictures.lattice_figures import even_times, rate_figure, strain_maps
 from longwave.reports.pictures.run_data import placed, snapshots, with_own
 from longwave.reports.studies.lattice_runs import SceneRun
-from longwave.scenes.scene import Scene
-from longwave.scenes.scene_rules import COMPUTED
+from longwave.scenes.description.scene import Scene
+from longwave.scenes.description.scene_rules import COMPUTED
 
 if TYPE_CHECKING:
     from longwave.scenes.convergence import ConvergencePoint, FittedRate, SceneConvergence
@@ -146,7 +146,7 @@ def interval(rate: FittedRate) -> str:
 
 def rate_title(scene: Scene) -> str:
     """Number, lattice and its numbers, in LaTeX."""
-    from longwave.scenes.lattice_derivation import declared_lattice
+    from longwave.scenes.starts.lattice_derivation import declared_lattice
 
     lattice = declared_lattice(scene)
     numbers = [*scene.constants]

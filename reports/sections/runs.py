@@ -26,8 +26,8 @@ from longwave.reports.pictures.drawing import CostPanels
 from longwave.reports.pictures.paper_figures import ERROR_FIGURES, SNAPSHOT_FIGURES
 from longwave.reports.pictures.run_data import snapshots
 from longwave.reports.studies.lattice_cost import PeakError, peak_laws
-from longwave.scenes.named_scenes import load_scene
-from longwave.scenes.scene import Scene
+from longwave.scenes.description.named_scenes import load_scene
+from longwave.scenes.description.scene import Scene
 
 if TYPE_CHECKING:
     from longwave.reports.studies.claims import Claim, Measurement

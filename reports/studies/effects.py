@@ -19,7 +19,7 @@ from longwave.lattice.kernels.streams import varied_stage_plan
 from longwave.lattice.numeric_lattice import NumericLattice, numeric_lattice
 from longwave.lattice.schemes import REDUCED_PHASE_6
 from longwave.reports.studies.peak import multiply_add_rate
-from longwave.scenes.time_functions import time_function
+from longwave.scenes.description.time_functions import time_function
 from longwave.support.processes import Job, Key
 
 CELLS, STEPS, STEP, ROUNDS = 4096, 64, 0.2, 20

@@ -29,8 +29,8 @@ from longwave.reports.studies.travelling_waves import TravellingWave, fastest_mo
 from longwave.scenes import resume, run
 from longwave.scenes.chain.domain import SiteRing, Window
 from longwave.scenes.chain.trust import UNIT_ROUNDOFF, predictability_time
-from longwave.scenes.named_scenes import load_scene
-from longwave.scenes.scene import Scene
+from longwave.scenes.description.named_scenes import load_scene
+from longwave.scenes.description.scene import Scene
 from longwave.support.processes import Job, Key
 
 Array = NDArray[np.float64]

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import xarray as xr
 
-from longwave.scenes.named_scenes import load_scene, shipped_scenes
+from longwave.scenes.description.named_scenes import load_scene, shipped_scenes
+from longwave.scenes.description.scene import Scene
 from longwave.scenes.rate_cases import rate_cases
-from longwave.scenes.scene import Scene
 from longwave.support.processes import Job, Key, Progress
 
 if TYPE_CHECKING:

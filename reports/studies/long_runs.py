@@ -16,9 +16,9 @@ from longwave.lattice.trial import Progress
 from longwave.scenes import run
 from longwave.scenes.chain.moving_wave import find_bounds
 from longwave.scenes.chain.stencil_search import PREFERRED, least_sites, longest_step
-from longwave.scenes.named_scenes import load_scene, scene_of
-from longwave.scenes.numerics import Discretisation
-from longwave.scenes.scene import Scene
+from longwave.scenes.description.named_scenes import load_scene, scene_of
+from longwave.scenes.description.numerics import Discretisation
+from longwave.scenes.description.scene import Scene
 from longwave.support.processes import Job, Key
 
 LONG_SCENES = ("breather_sn_k_0.7_long", "rogue_cn_k_0.5_long", "soliton_dn_k_0.7_long")

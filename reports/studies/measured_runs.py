@@ -8,9 +8,9 @@ import numpy as np
 import xarray as xr
 
 from longwave.scenes import run
-from longwave.scenes.named_scenes import load_scene, shipped_scenes
-from longwave.scenes.observables import measured_error
-from longwave.scenes.scene import Scene
+from longwave.scenes.description.named_scenes import load_scene, shipped_scenes
+from longwave.scenes.description.scene import Scene
+from longwave.scenes.observed.observables import measured_error
 from longwave.support.processes import Job
 
 RK4_STEP = 0.25

@@ -32,12 +32,12 @@ from longwave.scenes.chain.stencil_search import (
     stencil_cost,
 )
 from longwave.scenes.chain.trust import check_trust, trust_attributes
-from longwave.scenes.observables import MAP_CELLS, Observable, observable_named
-from longwave.scenes.recorders import MOMENT_BYTES
-from longwave.scenes.run_record import RunRecord, UnfinishedRun, judged
-from longwave.scenes.scene import Scene
-from longwave.scenes.stated_run import refinements, run_from, stated_runs
-from longwave.scenes.view import SiteView
+from longwave.scenes.description.scene import Scene
+from longwave.scenes.engines.stated_run import refinements, run_from, stated_runs
+from longwave.scenes.observed.observables import MAP_CELLS, Observable, observable_named
+from longwave.scenes.observed.recorders import MOMENT_BYTES
+from longwave.scenes.observed.run_record import RunRecord, UnfinishedRun, judged
+from longwave.scenes.observed.view import SiteView
 from longwave.support.request_limits import Announcer, ExpectedCost, check_request, is_too_much
 
 

@@ -50,7 +50,7 @@ def _make_named_wave(name: str, constants: "Model", values: Mapping[str, float |
 
 def _make_wave(form: "ClosedForm", constants: "Model", values: Mapping[str, float | str]) -> "Wave":
     from longwave import derive
-    from longwave.scenes.lattice_derivation import exact_parameters
+    from longwave.scenes.starts.lattice_derivation import exact_parameters
     from longwave.solutions import Wave
 
     if constants.K3 != 0:

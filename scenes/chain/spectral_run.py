@@ -28,10 +28,10 @@ from longwave.scenes.chain.spectral_search import (
     SpectralCost,
     solve_on_rings,
 )
-from longwave.scenes.recorders import Recorder, build_recorders
-from longwave.scenes.run_record import RunRecord, unfinished
-from longwave.scenes.scene import Scene
-from longwave.scenes.view import SiteView
+from longwave.scenes.description.scene import Scene
+from longwave.scenes.observed.recorders import Recorder, build_recorders
+from longwave.scenes.observed.run_record import RunRecord, unfinished
+from longwave.scenes.observed.view import SiteView
 from longwave.support.request_limits import ExpectedCost, OverBudgetError
 
 START_SECONDS = 0.08

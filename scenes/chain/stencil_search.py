@@ -41,14 +41,14 @@ from longwave.scenes.chain.domain import (
     window_moves,
 )
 from longwave.scenes.chain.moving_wave import MovingWave, WaveBounds, find_bounds
-from longwave.scenes.numerics import Discretisation
-from longwave.scenes.observables import observable_named
-from longwave.scenes.recorders import Samples, exact_times
-from longwave.scenes.ring_cost import LARGE, SHARE
-from longwave.scenes.run_record import RunRecord, UnfinishedRun, searched, searched_on_part
-from longwave.scenes.scene import Scene
-from longwave.scenes.stated_run import run_from
-from longwave.scenes.view import SiteView
+from longwave.scenes.description.numerics import Discretisation
+from longwave.scenes.description.scene import Scene
+from longwave.scenes.engines.ring_cost import LARGE, SHARE
+from longwave.scenes.engines.stated_run import run_from
+from longwave.scenes.observed.observables import observable_named
+from longwave.scenes.observed.recorders import Samples, exact_times
+from longwave.scenes.observed.run_record import RunRecord, UnfinishedRun, searched, searched_on_part
+from longwave.scenes.observed.view import SiteView
 from longwave.support.request_limits import ExpectedCost, current_limits
 
 

@@ -15,7 +15,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from longwave.scenes.scene import Scene
+from longwave.scenes.description.scene import Scene
 from longwave.solutions import NumericWave
 
 Array = NDArray[np.float64]

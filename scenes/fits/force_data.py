@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from longwave.scenes.csv_table import column_names, number_list, table_columns
+from longwave.scenes.description.csv_table import column_names, number_list, table_columns
 from longwave.support.user_files import read_text, shown, shown_path
 
 Points = NDArray[np.float64]

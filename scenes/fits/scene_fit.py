@@ -25,8 +25,10 @@ from longwave.lattice.driving import DrivenChain
 from longwave.lattice.force_program import program_of
 from longwave.lattice.integration import integrate
 from longwave.lattice.sensitivities import FreeParameter, Sensor, VariedChain
-from longwave.scenes.bench import ACTING
-from longwave.scenes.bench_chain import chain_on_bench, start_on_bench
+from longwave.scenes.description.bench import ACTING
+from longwave.scenes.description.losses import Losses, lossy, without_losses
+from longwave.scenes.description.named_scenes import load_scene
+from longwave.scenes.description.scene import Scene
 from longwave.scenes.fits.least_squares import (
     DOUBTFUL,
     SPARE,
@@ -35,10 +37,8 @@ from longwave.scenes.fits.least_squares import (
     of_residuals,
 )
 from longwave.scenes.fits.sensor_records import SensorRecord, read_record
-from longwave.scenes.lattice_derivation import declared_lattice
-from longwave.scenes.losses import Losses, lossy, without_losses
-from longwave.scenes.named_scenes import load_scene
-from longwave.scenes.scene import Scene
+from longwave.scenes.starts.bench_chain import chain_on_bench, start_on_bench
+from longwave.scenes.starts.lattice_derivation import declared_lattice
 from longwave.support.known_names import one_of
 from longwave.support.user_files import shown
 

@@ -21,10 +21,10 @@ from numpy.typing import NDArray
 
 from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.lattice.sensitivities import Sensor
-from longwave.scenes.bench import SENSED
-from longwave.scenes.bench_chain import READINGS
-from longwave.scenes.csv_table import table_columns
+from longwave.scenes.description.bench import SENSED
+from longwave.scenes.description.csv_table import table_columns
 from longwave.scenes.fits.force_data import LARGEST
+from longwave.scenes.starts.bench_chain import READINGS
 from longwave.support.known_names import one_of
 from longwave.support.real_arrays import real_array
 from longwave.support.user_files import read_text, shown, shown_path

@@ -17,7 +17,7 @@ from docstrings import as_restructured_text
 from house import HOUSE, ROOMS, modules, packages
 from longwave import CATALOGUE
 from longwave.lattice.schemes import SCHEMES
-from longwave.scenes.named_scenes import shipped_scenes
+from longwave.scenes.description.named_scenes import shipped_scenes
 from longwave.verify.published import published
 from reference import write_reference
 from snippets import snippets

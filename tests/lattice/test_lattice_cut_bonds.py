@@ -12,7 +12,7 @@ from longwave.lattice.dynamics import Dynamics
 from longwave.lattice.numeric_lattice import NumericLattice, numeric_lattice
 from longwave.lattice.sensitivities import Sensor, VariedChain
 from longwave.lattice.time_integral import Integral
-from longwave.scenes.time_functions import time_function
+from longwave.scenes.description.time_functions import time_function
 from searches.driven_chains import (
     DrivenCase,
     attacked_by_pushing,

@@ -19,7 +19,7 @@ from longwave.lattice import (
 from longwave.lattice.numeric_lattice import NumericLattice, numeric_lattice
 from longwave.lattice.schemes import KAHAN_LI_8, REDUCED_PHASE_6, RK4, STOERMER_VERLET, Scheme
 from longwave.lattice.time_integral import Integral
-from longwave.scenes.time_functions import time_function
+from longwave.scenes.description.time_functions import time_function
 from searches.driven_chains import DrivenCase, exact_state
 
 Array = NDArray[np.float64]

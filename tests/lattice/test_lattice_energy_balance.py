@@ -14,7 +14,7 @@ from longwave.lattice.integration import CellRingEngine
 from longwave.lattice.numeric_lattice import Entry, NumericBond, NumericLattice, numeric_lattice
 from longwave.lattice.refine import refine
 from longwave.lattice.schemes import REDUCED_PHASE_6
-from longwave.scenes.time_functions import time_function
+from longwave.scenes.description.time_functions import time_function
 
 Array = NDArray[np.float64]
 

@@ -17,7 +17,7 @@ from longwave.lattice.integration import CellRingEngine
 from longwave.lattice.numeric_lattice import Entry, NumericBond, NumericLattice, numeric_lattice
 from longwave.lattice.schemes import REDUCED_PHASE_6
 from longwave.lattice.time_integral import Integral
-from longwave.scenes.time_functions import time_function
+from longwave.scenes.description.time_functions import time_function
 from searches.feature_judge import Family, Member, judge
 
 Array = NDArray[np.float64]

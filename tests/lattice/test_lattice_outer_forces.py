@@ -17,7 +17,7 @@ from longwave.lattice.numeric_lattice import numeric_lattice
 from longwave.lattice.outer_forces import looked_at
 from longwave.lattice.schemes import KAHAN_LI_8, REDUCED_PHASE_6, STOERMER_VERLET, Scheme
 from longwave.lattice.sensitivities import FreeParameter, Sensor, VariedChain
-from longwave.scenes.time_functions import time_function
+from longwave.scenes.description.time_functions import time_function
 
 Array = NDArray[np.float64]
 

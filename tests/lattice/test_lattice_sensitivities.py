@@ -12,7 +12,7 @@ from longwave.lattice import sensitivities as room
 from longwave.lattice.force_program import ForceProgram, program_of
 from longwave.lattice.numeric_lattice import numeric_lattice
 from longwave.lattice.sensitivities import FreeParameter, Sensor, VariedChain
-from longwave.scenes.time_functions import time_function
+from longwave.scenes.description.time_functions import time_function
 
 Array = NDArray[np.float64]
 TIMES = np.array([0.0, 1.3, 3.0])

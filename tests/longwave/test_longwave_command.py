@@ -25,8 +25,8 @@ from longwave.__main__ import main
 from longwave.derive.__main__ import CONSTANTS
 from longwave.derive.models.lattices import FPUT_STRAIN
 from longwave.runs import load_run
-from longwave.scenes.named_scenes import KINDS, shipped_scenes
-from longwave.scenes.numerics import ENGINES
+from longwave.scenes.description.named_scenes import KINDS, shipped_scenes
+from longwave.scenes.description.numerics import ENGINES
 from snippets import SLOW
 
 Output = pytest.CaptureFixture[str]

@@ -12,7 +12,7 @@ from longwave.derive import lattice_of
 from longwave.lattice import scheme_named
 from longwave.lattice.numeric_lattice import numeric_lattice
 from longwave.runs.sweep_file import load_sweep, sweep_of
-from longwave.scenes.named_scenes import scene_of_toml
+from longwave.scenes.description.named_scenes import scene_of_toml
 from longwave.verify.problem_file import problem_texts
 from longwave.verify.published import chosen
 

@@ -41,13 +41,13 @@ from longwave.lattice import (
 )
 from longwave.lattice.numeric_lattice import NumericLattice, numeric_lattice
 from longwave.lattice.state import BlowUp
-from longwave.scenes.lattice_derivation import derivation
-from longwave.scenes.named_scenes import load_scene
-from longwave.scenes.numerics import Discretisation, Tolerance
-from longwave.scenes.observables import OBSERVABLES
-from longwave.scenes.run_record import RunRecord
-from longwave.scenes.scene import Scene
-from longwave.scenes.time_functions import time_function
+from longwave.scenes.description.named_scenes import load_scene
+from longwave.scenes.description.numerics import Discretisation, Tolerance
+from longwave.scenes.description.scene import Scene
+from longwave.scenes.description.time_functions import time_function
+from longwave.scenes.observed.observables import OBSERVABLES
+from longwave.scenes.observed.run_record import RunRecord
+from longwave.scenes.starts.lattice_derivation import derivation
 from longwave.solutions import CATALOGUE, ClosedForm, Wave, closed_form, rational
 from longwave.verify.proof import Domain, rational_facts
 from longwave.verify.proof.statement_text import read_statement

@@ -10,9 +10,9 @@ from longwave.cli.command_tree import PICTURES
 from longwave.reports.pictures import plotting as drawing
 from longwave.reports.pictures.plotting import ALL
 from longwave.reports.pictures.plotting import PICTURES as KINDS
-from longwave.scenes.named_scenes import load_scene
-from longwave.scenes.run_record import RunRecord, UnfinishedRun
-from longwave.scenes.scene import Scene
+from longwave.scenes.description.named_scenes import load_scene
+from longwave.scenes.description.scene import Scene
+from longwave.scenes.observed.run_record import RunRecord, UnfinishedRun
 
 Output = pytest.CaptureFixture[str]
 

@@ -9,9 +9,9 @@ import pytest
 import longwave
 from longwave.lattice import FieldRing, Model, State, integrate, spectral_integrate
 from longwave.lattice.sensitivities import Sensor
+from longwave.scenes.description.time_functions import Samples
 from longwave.scenes.fits.sensor_records import SensorRecord
 from longwave.scenes.modulation import modulation_grid
-from longwave.scenes.time_functions import Samples
 
 SENSOR = Sensor("displacement", 0, 0)
 CHAIN = Model(1.0, 0.0, 1.0).lattice

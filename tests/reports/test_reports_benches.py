@@ -17,8 +17,8 @@ from longwave.reports.sections.benches import (
 from longwave.reports.studies.bench_laws import mode_return, struck_exponent
 from longwave.reports.studies.effects import TOLERANCES, EffectCost, effect_cost
 from longwave.reports.studies.lattice_runs import SceneRun, scene_run
-from longwave.scenes.bench import Bench, Noise, Push
-from longwave.scenes.losses import Losses
+from longwave.scenes.description.bench import Bench, Noise, Push
+from longwave.scenes.description.losses import Losses
 
 
 @pytest.fixture(scope="module")

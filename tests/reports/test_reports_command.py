@@ -12,7 +12,7 @@ from longwave.reports.engine import EngineMissingError
 from longwave.reports.studies.hard_cases import HardCase
 from longwave.reports.studies.lattice_runs import SceneRun
 from longwave.reports.studies.proofs import ProofRecord, PublishedVerdict
-from longwave.scenes.named_scenes import load_scene
+from longwave.scenes.description.named_scenes import load_scene
 from longwave.support.processes import Key
 from longwave.verify.evidence.mutations import MutationCount, Survivor
 from longwave.verify.published import chosen

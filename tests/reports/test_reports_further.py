@@ -14,7 +14,7 @@ from longwave.reports.sections.runs import (
 )
 from longwave.reports.studies.lattice_cost import PeakError
 from longwave.reports.studies.long_runs import LONG_SCENES, LongRun
-from longwave.scenes.named_scenes import load_scene
+from longwave.scenes.description.named_scenes import load_scene
 
 SPLIT = "split_rational_3"
 

@@ -43,7 +43,7 @@ from longwave.reports.studies.lattice_models import LatticeModel, lattice_models
 from longwave.reports.studies.lattice_runs import SceneRun
 from longwave.reports.studies.proofs import ProofRecord
 from longwave.scenes.convergence import ConvergencePoint, FittedRate, SceneConvergence
-from longwave.scenes.named_scenes import load_scene, shipped_scenes
+from longwave.scenes.description.named_scenes import load_scene, shipped_scenes
 from longwave.scenes.rate_cases import rate_cases
 from longwave.solutions import CATALOGUE
 from longwave.support.processes import Key

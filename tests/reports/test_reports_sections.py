@@ -19,7 +19,7 @@ from longwave.reports.studies.claims import Claim, Measurement, Ruling
 from longwave.reports.studies.evaluation_accuracy import Accuracy
 from longwave.reports.studies.measured_runs import report_scenes
 from longwave.reports.studies.proofs import ProofRecord
-from longwave.scenes.named_scenes import shipped_scenes
+from longwave.scenes.description.named_scenes import shipped_scenes
 from longwave.solutions import CATALOGUE
 from longwave.verify.evidence.mutations import MutationCount, Survivor
 from longwave.verify.verdict import Outcome, Verdict

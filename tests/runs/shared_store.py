@@ -19,8 +19,8 @@ import xarray as xr
 import longwave.runs.run_file
 from longwave.runs.run_file import file_content
 from longwave.runs.run_store import RunStore, check_sources
-from longwave.scenes import scene_run
-from longwave.scenes.scene import Scene
+from longwave.scenes.description.scene import Scene
+from longwave.scenes.engines import scene_run
 from longwave.support.sealed_file import LOG, write_sealed
 from tests.runs.unfinished_scenes import chain
 from tests.support.failing_folder import FailingFolder

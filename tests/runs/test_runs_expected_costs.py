@@ -11,8 +11,8 @@ from longwave.runs.run_store import RunStore
 from longwave.runs.sweep_cells import Cell, run_cells
 from longwave.runs.sweep_cost import expected_sweep_cost
 from longwave.runs.sweep_file import Sweep, sweep_of
-from longwave.scenes.named_scenes import load_scene
-from longwave.scenes.scene import Scene
+from longwave.scenes.description.named_scenes import load_scene
+from longwave.scenes.description.scene import Scene
 from longwave.support.request_limits import ExpectedCost, RequestLimits
 
 SWEEP = """

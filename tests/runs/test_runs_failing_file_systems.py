@@ -21,7 +21,7 @@ from longwave.runs.run_file import load_run
 from longwave.runs.run_store import RunStore
 from longwave.runs.sweep import run_sweep
 from longwave.runs.sweep_dataset import sweep_dataset
-from longwave.scenes import scene_run
+from longwave.scenes.engines import scene_run
 from longwave.support.compiled import cores
 from longwave.support.sealed_file import read_sealed
 from tests.runs.shared_store import Said, SharedStore, scenes

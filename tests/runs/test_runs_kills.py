@@ -16,7 +16,7 @@ import pytest
 
 from longwave.runs.run_file import load_run
 from longwave.runs.run_store import RunStore, UnkeptRunError
-from longwave.scenes import scene_run
+from longwave.scenes.engines import scene_run
 from tests.runs.unfinished_scenes import SCENES, bits, chain
 
 KILLS = 12

@@ -10,7 +10,7 @@ import pytest
 from longwave.cli.scene_command import run_and_print
 from longwave.runs import run_output
 from longwave.runs.run_file import load_run
-from longwave.scenes import scene_run
+from longwave.scenes.engines import scene_run
 from longwave.support.checkpoint import CheckpointFolder
 from tests.runs.unfinished_scenes import SCENES, Killed, bits
 

@@ -8,8 +8,8 @@ from rich.progress import TextColumn
 
 from longwave.__main__ import main
 from longwave.cli import scene_command as cli
-from longwave.scenes.named_scenes import load_scene
-from longwave.scenes.scene import Scene
+from longwave.scenes.description.named_scenes import load_scene
+from longwave.scenes.description.scene import Scene
 from longwave.support import console
 
 SCENE = """

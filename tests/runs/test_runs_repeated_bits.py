@@ -11,15 +11,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from longwave.scenes.named_scenes import (
+from longwave.scenes.description.named_scenes import (
     load_scene,
     rational_family_scenes,
     scene_of_toml,
     shipped_scenes,
 )
-from longwave.scenes.observables import OBSERVABLES
-from longwave.scenes.scene import Scene
-from longwave.scenes.scene_checks import CHAIN, CHAIN_CONSTANTS
+from longwave.scenes.description.scene import Scene
+from longwave.scenes.description.scene_checks import CHAIN, CHAIN_CONSTANTS
+from longwave.scenes.observed.observables import OBSERVABLES
 
 HOUSE = Path(__file__).parents[2]
 
@@ -34,7 +34,7 @@ def python(*words: str, **settings: str) -> subprocess.CompletedProcess[str]:
 RATE = """
 import numpy as np
 from longwave.scenes.chain.trust import fastest_rate
-from longwave.scenes.fourier_interval import FourierInterval
+from longwave.scenes.starts.fourier_interval import FourierInterval
 x = np.linspace(0, 1, 512, endpoint=False)
 print(fastest_rate(10 * np.exp(60 * (np.cos(2 * np.pi * x) - 1)), 10.0, 1.0, 1).hex())
 random = np.random.default_rng(0)

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from longwave.scenes import scene_run
+from longwave.scenes.engines import scene_run
 from longwave.support.checkpoint import kept_by
 from tests.runs.unfinished_scenes import SCENES, Killed, KillingFolder, bits
 

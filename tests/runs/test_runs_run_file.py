@@ -16,10 +16,10 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from longwave.runs import load_run, open_run, save_run, scene_of_run
-from longwave.scenes import scene_run
-from longwave.scenes.named_scenes import load_scene
-from longwave.scenes.observables import OBSERVABLES
-from longwave.scenes.scene import Scene
+from longwave.scenes.description.named_scenes import load_scene
+from longwave.scenes.description.scene import Scene
+from longwave.scenes.engines import scene_run
+from longwave.scenes.observed.observables import OBSERVABLES
 
 EVERYTHING = tuple(OBSERVABLES)
 RING = Scene.of(

@@ -16,8 +16,8 @@ import xarray as xr
 import longwave.runs.run_store
 from longwave.runs.run_file import load_run
 from longwave.runs.run_store import RunStore, UnkeptRunError, code_that_matters
-from longwave.scenes import scene_run
-from longwave.scenes.named_scenes import load_scene
+from longwave.scenes.description.named_scenes import load_scene
+from longwave.scenes.engines import scene_run
 from longwave.support.compiled.source_digest import Files
 from longwave.support.provenance import provenance
 from tests.runs.unfinished_scenes import bits, chain
@@ -247,7 +247,7 @@ def test_the_sources_of_all_rooms_are_looked_at(monkeypatch: pytest.MonkeyPatch)
 
 FETCH = """
 import sys
-from longwave.scenes import scene_run
+from longwave.scenes.engines import scene_run
 from longwave.runs.run_store import RunStore
 from tests.runs.test_runs_store import SMALL
 

@@ -24,9 +24,9 @@ from longwave.runs.sweep_cost import expected_sweep_cost
 from longwave.runs.sweep_dataset import cell_run, sweep_dataset, write_sweep
 from longwave.runs.sweep_file import Sweep, sweep_of
 from longwave.runs.sweep_workers import code_here
-from longwave.scenes import scene_run
-from longwave.scenes.named_scenes import load_scene
-from longwave.scenes.scene import Scene
+from longwave.scenes.description.named_scenes import load_scene
+from longwave.scenes.description.scene import Scene
+from longwave.scenes.engines import scene_run
 from longwave.support.compiled import cores
 from longwave.support.processes import Call, Job, LostProcess
 from tests.runs.unfinished_scenes import bits

@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 
 from longwave.runs.sweep_file import load_sweep, shipped_sweeps, sweep_of
-from longwave.scenes.named_scenes import load_scene
+from longwave.scenes.description.named_scenes import load_scene
 
 
 def test_every_value_of_a_grid_meets_every_other() -> None:
@@ -92,7 +92,7 @@ def _eps() -> dict[str, Any]:
 
 
 def test_a_member_of_a_family_and_tables_are_bases() -> None:
-    from longwave.scenes.named_scenes import load_scene
+    from longwave.scenes.description.named_scenes import load_scene
 
     member = sweep_of({"scene": "Y2_eps_0.05", **_eps()}).scene(0)
     assert member == load_scene("Y2_eps_0.05").changed(eps=0.1)

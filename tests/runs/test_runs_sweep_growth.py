@@ -17,9 +17,9 @@ from longwave.runs.run_store import RunStore
 from longwave.runs.sweep import run_sweep
 from longwave.runs.sweep_dataset import cell_run, sweep_dataset, write_sweep
 from longwave.runs.sweep_file import load_sweep, shipped_sweeps, sweep_of
-from longwave.scenes import scene_run
-from longwave.scenes.named_scenes import scene_of_toml
-from longwave.scenes.scene import Scene
+from longwave.scenes.description.named_scenes import scene_of_toml
+from longwave.scenes.description.scene import Scene
+from longwave.scenes.engines import scene_run
 from longwave.support.compiled import cores
 from tests.runs.test_runs_sweep import HereWorkers
 

@@ -84,7 +84,7 @@ def plain(tmp_path_factory: pytest.TempPathFactory) -> np.ndarray[Any, Any]:
 
 @pytest.mark.slow
 def test_a_killed_process_costs_a_repeat(plain: np.ndarray[Any, Any], tmp_path: Path) -> None:
-    from longwave.scenes import scene_run
+    from longwave.scenes.engines import scene_run
 
     sweep = soliton_sweep(24)
     for cell in (0, 11, 23):

@@ -10,8 +10,8 @@ from longwave.runs import sweep_cells
 from longwave.runs.run_pack import DONE, CellRecord
 from longwave.runs.sweep import SweepState
 from longwave.runs.sweep_cells import Batch, Cell, run_cells
-from longwave.scenes.named_scenes import load_scene
-from longwave.scenes.sideband_growth import growth_plan
+from longwave.scenes.description.named_scenes import load_scene
+from longwave.scenes.engines.sideband_growth import growth_plan
 from longwave.support.request_limits import ExpectedCost
 
 LOADING = 8.0

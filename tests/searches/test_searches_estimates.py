@@ -10,8 +10,8 @@ import xarray as xr
 
 from longwave.reports.studies.estimates import Judged, estimate_rows
 from longwave.scenes import run
-from longwave.scenes.numerics import Discretisation
-from longwave.scenes.scene import Scene
+from longwave.scenes.description.numerics import Discretisation
+from longwave.scenes.description.scene import Scene
 from longwave.solutions import CATALOGUE
 from searches import estimate_judge
 from searches.causal_reference import CausalReference, SoftenedError

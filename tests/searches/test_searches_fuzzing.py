@@ -16,8 +16,8 @@ from hypothesis import strategies as st
 from longwave.cli.certificates import read_certificates
 from longwave.derive.lattice_file import read_lattice
 from longwave.runs.run_file import load_run, scene_of_run
+from longwave.scenes.description.named_scenes import load_scene
 from longwave.scenes.fits.force_data import read_force
-from longwave.scenes.named_scenes import load_scene
 from longwave.verify.problem_file import problem_texts
 from searches import fuzz_server
 from searches.fuzz_inputs import KINDS, FuzzCase

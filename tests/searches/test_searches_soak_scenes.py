@@ -2,7 +2,7 @@
 
 import pytest
 
-from longwave.scenes.scene import Scene
+from longwave.scenes.description.scene import Scene
 from searches.soak_scenes import soak_scene
 
 

@@ -15,8 +15,8 @@ import pytest
 
 from longwave.reports.studies.measured_runs import scene_job
 from longwave.scenes import run
-from longwave.scenes.named_scenes import load_scene
-from longwave.scenes.scene import Scene
+from longwave.scenes.description.named_scenes import load_scene
+from longwave.scenes.description.scene import Scene
 from longwave.support.processes import (
     Cancelled,
     Job,

@@ -16,8 +16,8 @@ from longwave.reports.pictures import animation, plotting
 from longwave.runs.run_file import load_run, save_run, scene_of_run
 from longwave.runs.sweep_file import load_sweep
 from longwave.runs.sweep_scene import changed_scene
-from longwave.scenes.named_scenes import load_scene
-from longwave.scenes.scene import Scene
+from longwave.scenes.description.named_scenes import load_scene
+from longwave.scenes.description.scene import Scene
 from tests.longwave.cli.short_chain import CHAIN
 
 Output = pytest.CaptureFixture[str]

@@ -13,8 +13,12 @@ from longwave.cli.command_tree import KINDS
 from longwave.derive import LATTICES
 from longwave.lattice.schemes import SCHEMES
 from longwave.runs.sweep_file import shipped_sweeps
-from longwave.scenes.named_scenes import load_scene, rational_family_scenes, shipped_scenes
-from longwave.scenes.observables import OBSERVABLES
+from longwave.scenes.description.named_scenes import (
+    load_scene,
+    rational_family_scenes,
+    shipped_scenes,
+)
+from longwave.scenes.observed.observables import OBSERVABLES
 from longwave.solutions import CATALOGUE
 
 Output = pytest.CaptureFixture[str]
@@ -97,7 +101,7 @@ def test_a_scenes_markup_is_printed_as_text(tmp_path: Path, capsys: Output) -> N
         ("waves", "numba matplotlib longwave.lattice.model longwave.scenes.chain"),
         ("schemes", "sympy xarray pandas longwave.scenes.chain"),
         ("scenes", "sympy xarray pandas ducc0 longwave.verify.proof"),
-        ("lattice-scenes", "numba matplotlib xarray longwave.scenes.lattice_run"),
+        ("lattice-scenes", "numba matplotlib xarray longwave.scenes.engines.lattice_run"),
         ("observables", "sympy xarray pandas ducc0 numba"),
     ],
 )

@@ -16,7 +16,7 @@ import pytest
 from longwave.__main__ import main
 from longwave.runs import run_output, run_store
 from longwave.runs.run_file import load_run, save_run
-from longwave.scenes.named_scenes import load_scene
+from longwave.scenes.description.named_scenes import load_scene
 from longwave.support import atomic_file
 from tests.longwave.cli.short_chain import CHAIN
 

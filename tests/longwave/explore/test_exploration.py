@@ -29,8 +29,8 @@ from longwave.explore.exploration_run import (
     WaveTexts,
     compare,
 )
-from longwave.scenes.lattice_derivation import derivation
-from longwave.scenes.named_scenes import load_scene, shipped_scenes
+from longwave.scenes.description.named_scenes import load_scene, shipped_scenes
+from longwave.scenes.starts.lattice_derivation import derivation
 from longwave.solutions import CATALOGUE, closed_form
 from longwave.support.request_limits import RequestLimits
 from tests.families import WAVES, family
@@ -149,7 +149,7 @@ def found() -> Comparison:
 
 @pytest.mark.slow
 def test_a_comparison_holds_what_the_run_holds(found: Comparison, tmp_path: Path) -> None:
-    from longwave.scenes.scene_run import run
+    from longwave.scenes.engines.scene_run import run
 
     path = tmp_path / "explored.toml"
     path.write_text(scene_of_choices(SOLITON).toml(), encoding="utf-8")

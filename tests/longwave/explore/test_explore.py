@@ -20,7 +20,7 @@ from longwave.__main__ import main
 from longwave.explore import explore_server
 from longwave.explore.exploration import Scene, first_choices
 from longwave.explore.exploration_run import Explorer
-from longwave.scenes.named_scenes import load_scene
+from longwave.scenes.description.named_scenes import load_scene
 from longwave.support.request_limits import RequestLimits
 
 Output = pytest.CaptureFixture[str]

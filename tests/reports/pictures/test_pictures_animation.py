@@ -13,9 +13,9 @@ from longwave.reports.pictures import animation, film_files
 from longwave.reports.pictures.animation import animate, bench_frames, film_of
 from longwave.reports.pictures.style import styled
 from longwave.runs import save_run
-from longwave.scenes import scene_run
-from longwave.scenes.named_scenes import load_scene
-from longwave.scenes.scene import Scene
+from longwave.scenes.description.named_scenes import load_scene
+from longwave.scenes.description.scene import Scene
+from longwave.scenes.engines import scene_run
 
 Output = pytest.CaptureFixture[str]
 

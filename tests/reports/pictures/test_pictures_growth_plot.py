@@ -13,7 +13,7 @@ import xarray as xr
 from longwave.reports.pictures.growth_plotting import growth_panels
 from longwave.reports.pictures.plotting import plot
 from longwave.runs.sweep_scene import changed_document, make_scene
-from longwave.scenes.sideband_growth import growth_plan
+from longwave.scenes.engines.sideband_growth import growth_plan
 from tests.runs.test_runs_sweep_growth import GROWTH
 
 SCENE: dict[str, Any] = GROWTH | {

@@ -13,8 +13,8 @@ from longwave.reports.pictures.plotting import MOST_PANELS, PICTURES, plot, show
 from longwave.reports.pictures.run_data import placed, with_theory
 from longwave.runs import save_run
 from longwave.scenes import run
-from longwave.scenes.named_scenes import load_scene
-from longwave.scenes.scene import Scene
+from longwave.scenes.description.named_scenes import load_scene
+from longwave.scenes.description.scene import Scene
 
 SCENE = Scene.of(
     name="soliton",

@@ -20,11 +20,11 @@ from longwave.reports.pictures.run_data import (
     with_looks,
 )
 from longwave.runs.own_error import own_error_at
-from longwave.scenes import scene_run
-from longwave.scenes.lattice_derivation import lattice_wave
-from longwave.scenes.named_scenes import load_scene
-from longwave.scenes.observables import amplitudes
-from longwave.scenes.scene import Scene
+from longwave.scenes.description.named_scenes import load_scene
+from longwave.scenes.description.scene import Scene
+from longwave.scenes.engines import scene_run
+from longwave.scenes.observed.observables import amplitudes
+from longwave.scenes.starts.lattice_derivation import lattice_wave
 
 SCENE = Scene.of(
     name="soliton",

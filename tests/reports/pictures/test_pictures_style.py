@@ -32,8 +32,8 @@ from longwave.reports.pictures.style import (
     save,
     styled,
 )
-from longwave.scenes import scene_run
-from longwave.scenes.scene import Scene
+from longwave.scenes.description.scene import Scene
+from longwave.scenes.engines import scene_run
 
 Array = NDArray[np.float64]
 

@@ -18,7 +18,7 @@ from longwave.reports.studies.measured_runs import (
     report_scenes,
     rk4_name,
 )
-from longwave.scenes.scene import Scene
+from longwave.scenes.description.scene import Scene
 
 SCENES = report_scenes()
 

@@ -15,8 +15,8 @@ from longwave.reports.studies.long_runs import (
     site_by_site,
 )
 from longwave.scenes import run
-from longwave.scenes.named_scenes import load_scene
-from longwave.scenes.scene import Scene
+from longwave.scenes.description.named_scenes import load_scene
+from longwave.scenes.description.scene import Scene
 
 SCENE = load_scene(LONG_SCENES[0])
 

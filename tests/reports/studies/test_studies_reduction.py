@@ -6,7 +6,7 @@ import pytest
 
 from longwave.reports.studies import lattice_cost
 from longwave.reports.studies.lattice_cost import PeakError, peak_error, peak_laws, peak_scene
-from longwave.scenes.scene import Scene
+from longwave.scenes.description.scene import Scene
 
 EPS = (0.1, 0.05, 0.025, 0.0125, 0.00625)
 

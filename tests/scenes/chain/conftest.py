@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from longwave.scenes.scene import Scene
+from longwave.scenes.description.scene import Scene
 
 RING = Scene.of(
     name="short",

@@ -15,7 +15,7 @@ import pytest
 from longwave.lattice.refine import refine
 from longwave.lattice.trial import Choices, Engine, Kind, Progress, Trial
 from longwave.scenes import run
-from longwave.scenes.scene import Scene
+from longwave.scenes.description.scene import Scene
 from longwave.support.request_limits import OverBudgetError, request_limits
 from searches.estimate_scenes import random_scene
 

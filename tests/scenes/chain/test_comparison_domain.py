@@ -11,8 +11,8 @@ from longwave.scenes import run
 from longwave.scenes.chain import domain as domain_module
 from longwave.scenes.chain.domain import INTERPOLATION_ERROR, LARGEST_MISFIT, Window
 from longwave.scenes.chain.moving_wave import MovingWave
-from longwave.scenes.named_scenes import load_scene
-from longwave.scenes.scene import Scene
+from longwave.scenes.description.named_scenes import load_scene
+from longwave.scenes.description.scene import Scene
 
 
 def strain(scene: Scene) -> np.ndarray:

@@ -9,7 +9,7 @@ from longwave.lattice.seam import Fading
 from longwave.lattice.state import State
 from longwave.scenes import run
 from longwave.scenes.chain.domain import SiteRing
-from longwave.scenes.scene import Scene
+from longwave.scenes.description.scene import Scene
 
 SOUND = Scene.of(
     name="sn",

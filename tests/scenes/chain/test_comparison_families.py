@@ -3,7 +3,11 @@
 import numpy as np
 import pytest
 
-from longwave.scenes.named_scenes import load_scene, rational_family_scenes, shipped_scenes
+from longwave.scenes.description.named_scenes import (
+    load_scene,
+    rational_family_scenes,
+    shipped_scenes,
+)
 from longwave.solutions import closed_form
 
 

@@ -7,8 +7,8 @@ import pytest
 
 from longwave.scenes.chain.domain import INTERPOLATION_ERROR, Tail, Window, window_moves
 from longwave.scenes.chain.moving_wave import MovingWave
-from longwave.scenes.named_scenes import load_scene
-from longwave.scenes.scene import Scene
+from longwave.scenes.description.named_scenes import load_scene
+from longwave.scenes.description.scene import Scene
 
 SCENE = replace(load_scene("rational_2_eps_0.05"), t0=-3000.0, snapshots=(40_000.0,))
 WAVES: dict[str, dict[str, float]] = {

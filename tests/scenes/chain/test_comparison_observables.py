@@ -17,17 +17,17 @@ from longwave.lattice.state import State, empty_chain
 from longwave.scenes import run
 from longwave.scenes.chain import chain_run
 from longwave.scenes.chain.stencil_search import ChainSites
-from longwave.scenes.named_scenes import load_scene
-from longwave.scenes.observables import (
+from longwave.scenes.description.named_scenes import load_scene
+from longwave.scenes.description.scene import Scene
+from longwave.scenes.observed.observables import (
     OBSERVABLES,
     Observable,
     axis_values,
     extremum,
     observable_named,
 )
-from longwave.scenes.recorders import LOOK_EVALUATIONS
-from longwave.scenes.scene import Scene
-from longwave.scenes.view import SiteView
+from longwave.scenes.observed.recorders import LOOK_EVALUATIONS
+from longwave.scenes.observed.view import SiteView
 from longwave.solutions.numeric_wave import NumericWave
 
 FLOPS = 9

@@ -11,8 +11,8 @@ import sympy as sp
 
 from longwave.runs import load_run, save_run
 from longwave.scenes import resume, run
-from longwave.scenes.named_scenes import scene_of
-from longwave.scenes.scene import Scene
+from longwave.scenes.description.named_scenes import scene_of
+from longwave.scenes.description.scene import Scene
 from longwave.solutions import ClosedForm, closed_form
 
 SHIPPED = closed_form("kink")

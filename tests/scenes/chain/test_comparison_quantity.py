@@ -6,7 +6,7 @@ import sympy as sp
 from hypothesis import given
 from hypothesis import strategies as st
 
-from longwave.scenes.lattice_derivation import exact_parameters
+from longwave.scenes.starts.lattice_derivation import exact_parameters
 
 
 def alpha(text: str) -> sp.Expr:

@@ -12,10 +12,10 @@ from longwave.lattice.state import BlowUp
 from longwave.scenes import run
 from longwave.scenes.chain.domain import SiteRing
 from longwave.scenes.chain.stencil_search import ChainSites
-from longwave.scenes.named_scenes import load_scene, scene_of
-from longwave.scenes.scene import Scene
-from longwave.scenes.stated_run import refined
-from longwave.scenes.view import SiteView
+from longwave.scenes.description.named_scenes import load_scene, scene_of
+from longwave.scenes.description.scene import Scene
+from longwave.scenes.engines.stated_run import refined
+from longwave.scenes.observed.view import SiteView
 
 Y2 = replace(load_scene("rational_2_eps_0.05"), observables=("strain",), snapshots=(0.0,))
 

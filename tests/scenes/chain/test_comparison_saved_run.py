@@ -9,8 +9,8 @@ import pytest
 
 from longwave.runs import load_run, save_run
 from longwave.scenes import resume, run
-from longwave.scenes.named_scenes import scene_of
-from longwave.scenes.scene import Scene
+from longwave.scenes.description.named_scenes import scene_of
+from longwave.scenes.description.scene import Scene
 
 NAMES = ("strain", "state", "error_curve")
 

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from longwave.scenes import run
-from longwave.scenes.named_scenes import load_scene, shipped_scenes
-from longwave.scenes.scene import Scene
+from longwave.scenes.description.named_scenes import load_scene, shipped_scenes
+from longwave.scenes.description.scene import Scene
 
 TEXT = """
 wave = "breather_sn"

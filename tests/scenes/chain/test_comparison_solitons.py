@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from longwave.scenes import run
-from longwave.scenes.named_scenes import load_scene
-from longwave.scenes.scene import Scene
+from longwave.scenes.description.named_scenes import load_scene
+from longwave.scenes.description.scene import Scene
 
 WANTED = ("strain", "domain_error")
 Y2 = load_scene("rational_2_eps_0.05")

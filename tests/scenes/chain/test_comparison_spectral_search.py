@@ -16,7 +16,7 @@ from longwave.scenes.chain import spectral_run
 from longwave.scenes.chain.moving_wave import MovingWave
 from longwave.scenes.chain.spectral_data import ring_data
 from longwave.scenes.chain.spectral_search import solve_on_rings
-from longwave.scenes.named_scenes import load_scene
+from longwave.scenes.description.named_scenes import load_scene
 from longwave.solutions import Wave, closed_form
 
 SCENES = {

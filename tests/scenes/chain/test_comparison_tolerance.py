@@ -11,9 +11,13 @@ from longwave.lattice.spectral.evolution import SpectralRing
 from longwave.scenes.chain import spectral_search
 from longwave.scenes.chain.chain_run import choose_engine
 from longwave.scenes.chain.spectral_data import ring_data
-from longwave.scenes.named_scenes import load_scene, rational_family_scenes, shipped_scenes
-from longwave.scenes.scene import Scene
-from longwave.scenes.scene_run import run
+from longwave.scenes.description.named_scenes import (
+    load_scene,
+    rational_family_scenes,
+    shipped_scenes,
+)
+from longwave.scenes.description.scene import Scene
+from longwave.scenes.engines.scene_run import run
 
 Array = NDArray[np.float64]
 
@@ -157,7 +161,7 @@ def test_a_stencil_run_carries_the_scene_that_was_run(
     window_scene: Callable[..., Scene],
 ) -> None:
     """So that it can be repeated to the bit without planning again."""
-    from longwave.scenes.named_scenes import scene_of
+    from longwave.scenes.description.named_scenes import scene_of
 
     measured = run(window_scene(observables=("strain",)).with_tolerance(1e-3))
     stated = scene_of(measured)

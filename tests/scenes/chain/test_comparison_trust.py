@@ -16,8 +16,8 @@ from longwave.scenes.chain.trust import (
     trust_attributes,
     trust_in,
 )
-from longwave.scenes.named_scenes import load_scene
-from longwave.scenes.run_record import RunRecord
+from longwave.scenes.description.named_scenes import load_scene
+from longwave.scenes.observed.run_record import RunRecord
 
 
 def test_a_scenes_horizon() -> None:

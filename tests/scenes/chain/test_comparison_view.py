@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from longwave.scenes.view import relative_sup_error
+from longwave.scenes.observed.view import relative_sup_error
 
 ONE = np.ones(4)
 

@@ -15,10 +15,10 @@ from longwave.derive import LATTICES, read_lattice
 from longwave.derive.lattice_file import document_of_lattice, lattice_of
 from longwave.lattice.numeric_lattice import numeric_lattice
 from longwave.lattice.sensitivities import Sensor
+from longwave.scenes.description.scene import Scene
+from longwave.scenes.description.scene_file import toml_text
 from longwave.scenes.fits.scene_fit import SceneFit, SceneModel, fit_scene
 from longwave.scenes.fits.sensor_records import SensorRecord, read_record
-from longwave.scenes.scene import Scene
-from longwave.scenes.scene_file import toml_text
 
 Array = NDArray[np.float64]
 

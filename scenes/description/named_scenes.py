@@ -1,0 +1,148 @@
+"""Scenes that come with the package, and scenes found by their name or in a file."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import cache
+from importlib.resources import as_file, files
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from longwave.scenes.description.scene import Scene
+from longwave.scenes.description.scene_file import read_document
+from longwave.support.known_names import one_of
+from longwave.support.user_files import STANDARD_INPUT, parse_toml, shown
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+def shipped_scenes(folder: str = "paper") -> tuple[str, ...]:
+    """Names of the scenes that come with the package, sorted: of the paper, or of a `FOLDERS`.
+
+    >>> "rational_2_eps_0.05" in shipped_scenes(), "toda_soliton" in shipped_scenes("lattices")
+    (True, True)
+    """
+    if folder not in FOLDERS:
+        raise ValueError(
+            f"folder must be a known one, got {shown(folder)} ({one_of(folder, FOLDERS)})"
+        )
+    return _names(folder)
+
+
+def load_scene(text: str | Path, tolerance: float | None = None) -> Scene:
+    """The scene in a TOML file, or the shipped one of that name.
+
+    ``-`` is the standard input, a file of a lattice being looked for in the working folder. A
+    ``tolerance`` is taken in the place of the scene's own, or of its step.
+
+    Raises ValueError for a file that cannot be read and a name that is none.
+    """
+    if tolerance is not None:
+        return _named(text, {"tolerance": tolerance}).with_tolerance(tolerance)
+    return _named(text, {})
+
+
+def names_a_file(name: str, folder: Path = Path()) -> bool:
+    """Whether a scene of that name is in a file, in the ``folder`` or the standard input."""
+    return name == STANDARD_INPUT or name.endswith(".toml") or (folder / name).is_file()
+
+
+def _named(text: str | Path, usual: Mapping[str, Any]) -> Scene:
+    """The scene, of a file that states no step with what is ``usual``."""
+    name = str(text)
+    if names_a_file(name):
+        document = read_document(name)
+        return _of_document({**({} if "scheme" in document else usual), **document}, Path(name))
+    family = rational_family_scenes()
+    if name in family:
+        return family[name]
+    for folder in FOLDERS:
+        if name in _names(folder):
+            with as_file(files(FOLDERS[folder]) / f"{name}.toml") as path:
+                return Scene.from_toml(path)
+    known = one_of(name, (one for folder in FOLDERS for one in _names(folder)))
+    raise ValueError(f"scene must be a TOML file or a shipped scene, got {shown(text)} ({known})")
+
+
+def scene_of_toml(text: str) -> Scene:
+    """The scene that ``toml`` wrote; ValueError in one line for what is none."""
+    return _of_document(parse_toml(text.encode(), "a text", "scene"), Path("scene"))
+
+
+def scene_of(run: xr.Dataset) -> Scene:
+    """The scene that a run carries, with step and domain where those were chosen.
+
+    Raises KeyError for a data set without one, ValueError for what is no scene.
+    """
+    return scene_of_toml(run.attrs["plan" if "plan" in run.attrs else "scene"])
+
+
+def _of_document(document: Mapping[str, Any], path: Path) -> Scene:
+    swept = {"grid", "list", "random"} & document.keys()
+    if "scene" in document and swept:
+        raise ValueError(
+            f"{path}: a scene must be one, got a sweep, which has [{min(swept)}] (run it with "
+            "`longwave sweep`)"
+        )
+    return Scene.of_document(document, path)
+
+
+KINDS = ("paper", "further", "lattices", "bench")
+"""Scenes of the paper, beyond it, on other lattices, of chains on a bench."""
+
+FOLDERS = {name: f"longwave.scenes.shipped.{name}" for name in KINDS}
+"""The packages that hold the files."""
+
+
+@cache
+def _names(folder: str) -> tuple[str, ...]:
+    found = (entry.name for entry in files(FOLDERS[folder]).iterdir())
+    return tuple(sorted(name.removesuffix(".toml") for name in found if name.endswith(".toml")))
+
+
+ORDERS = (2, 3, 4, 5)
+EPS = (0.1, 0.05, 0.025, 0.0125, 0.00625)
+
+SLOW_START = -1.25
+"""T = eps^3 t at the beginning: t = -10000 at eps = 0.05, as in the paper's scene."""
+
+SLOW_SNAPSHOTS = (-0.625, 0.0, 0.625)
+"""Slow times of the snapshots: those of the paper's scene."""
+
+HALF_WIDTH = 75.0
+"""Half-width of the compared region in X, 1500 sites at eps = 0.05."""
+
+
+def rational_family_scenes(
+    orders: Sequence[int] = ORDERS, eps: Sequence[float] = EPS, tolerance: float = 1e-4
+) -> dict[str, Scene]:
+    """The scenes Y_j at each eps by name, same slow times and same range of X.
+
+    >>> scene = rational_family_scenes()["Y5_eps_0.025"]
+    >>> scene.wave, scene.t0, scene.compared
+    ('rational_5', -80000.0, 3000)
+    """
+    scenes = [_member(order, value, tolerance) for order in orders for value in eps]
+    return {scene.name: scene for scene in scenes}
+
+
+def _member(order: int, eps: float, tolerance: float) -> Scene:
+    return Scene.of(
+        name=f"Y{order}_eps_{eps:g}",
+        title=f"Rational solution of order {order}, eps = {eps:g}",
+        wave=f"rational_{order}",
+        eps=eps,
+        t0=_time(SLOW_START, eps),
+        snapshots=tuple(_time(T, eps) for T in SLOW_SNAPSHOTS),
+        K2=4.0,
+        K4=1.0,
+        compared=round(HALF_WIDTH / eps),
+        tolerance=tolerance,
+        observables=("strain",),
+    )
+
+
+def _time(T: float, eps: float) -> float:
+    """The lattice time of a slow time, rounded to whole units."""
+    return float(round(T / eps**3))

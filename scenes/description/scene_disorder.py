@@ -1,0 +1,116 @@
+"""What a scene says of disorder: what deviates from cell to cell, by how much, drawn how and where.
+
+[disorder]
+of = "mass"                 # all masses, or a constant of the springs, such as "K2"
+spread = 0.1                # the largest deviation: m (1 + d) with |d| <= 0.1
+seed = 1                    # of the realisation, which belongs to the cells and not to a ring
+distribution = "uniform"    # or "binary": d is -spread or spread
+sites = [0, 999]            # the first and the last cell that deviate; all without it
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from longwave.lattice.random_sites import DISTRIBUTIONS, site_deviations
+from longwave.scenes.description.scene_checks import finite, known_fields, one_of, text, whole
+from longwave.support.user_files import shown
+
+Array = NDArray[np.float64]
+
+MASS = "mass"
+"""What `Disorder.of` says where masses deviate."""
+
+FARTHEST = 2**53
+"""Cells are told apart by doubles."""
+
+LARGEST_SEED = 2**63 - 1
+
+
+@dataclass(frozen=True)
+class Disorder:
+    """Deviations of a lattice's masses, or of one constant of its springs, from cell to cell.
+
+    ``of``: "mass" or the constant's name. ``spread``: the largest size of a deviation.
+    ``distribution``: one of `DISTRIBUTIONS`. ``sites``: the first and the last cell that deviate,
+    None for all. Raises ValueError in one line for what is none of these.
+
+    >>> Disorder("K2", 0.1, seed=1, sites=(0, 9)).deviations([-1, 0, 1]).round(3)
+    array([ 0.   , -0.04 , -0.092])
+    """
+
+    of: str
+    spread: float
+    seed: int
+    distribution: str = "uniform"
+    sites: tuple[int, int] | None = None
+
+    def __post_init__(self) -> None:
+        text("of in [disorder]", self.of)
+        spread = finite("spread in [disorder]", self.spread)
+        if not 0.0 <= spread < 1.0:
+            raise ValueError(
+                f"spread in [disorder] must satisfy 0 <= spread < 1, got {spread:g} (it is the "
+                "largest deviation as a share: with 1 a mass or a spring may vanish)"
+            )
+        object.__setattr__(self, "spread", spread)
+        object.__setattr__(self, "seed", whole("seed in [disorder]", self.seed, 0, LARGEST_SEED))
+        one_of("distribution in [disorder]", self.distribution, DISTRIBUTIONS)
+        if self.sites is not None:
+            object.__setattr__(self, "sites", _ends(self.sites))
+
+    @classmethod
+    def of_pairs(cls, given: object) -> Disorder:
+        """Return the disorder of names and values, as pairs, a mapping or a record."""
+        if isinstance(given, Disorder):
+            return given
+        pairs = list(given.items()) if isinstance(given, Mapping) else given
+        if not isinstance(pairs, list | tuple) or not all(
+            isinstance(pair, list | tuple) and len(pair) == 2 and isinstance(pair[0], str)
+            for pair in pairs
+        ):
+            raise ValueError(
+                f"disorder must be pairs of names and values, got {shown(given)} (such as "
+                '{"of": "mass", "spread": 0.1, "seed": 1})'
+            )
+        found: dict[str, Any] = {str(name): value for name, value in pairs}
+        known_fields(found, [field.name for field in fields(cls)])
+        for name in ("of", "spread", "seed"):
+            if name not in found:
+                raise ValueError(f"{name} in [disorder] must be stated, got nothing (state it)")
+        return cls(**found)
+
+    @property
+    def pairs(self) -> tuple[tuple[str, Any], ...]:
+        """Names and values that `of_pairs` reads, without those that are usual."""
+        usual = {field.name: field.default for field in fields(self)}
+        found = ((name, getattr(self, name)) for name in usual)
+        return tuple((name, value) for name, value in found if value != usual[name])
+
+    def deviations(self, cells: ArrayLike, row: int = 0) -> Array:
+        """The deviations of consecutive cells; ``row`` tells apart what deviates in a cell."""
+        where = np.asarray(cells)
+        found = self.spread * site_deviations(where, self.seed, row, self.distribution)
+        if self.sites is None:
+            return found
+        return np.asarray(found * ((where >= self.sites[0]) & (where <= self.sites[1])))
+
+
+def _ends(given: object) -> tuple[int, int]:
+    """The first and the last of the sites."""
+    if not isinstance(given, Sequence) or isinstance(given, str) or len(given) != 2:
+        raise ValueError(
+            f"sites in [disorder] must be the first and the last cell that deviate, got "
+            f"{shown(given)} (such as [0, 999])"
+        )
+    first, last = (whole("sites in [disorder]", end, -FARTHEST, FARTHEST) for end in given)
+    if first > last:
+        raise ValueError(
+            f"sites in [disorder] must have first <= last, got {first} and {last} (swap them)"
+        )
+    return first, last

@@ -1,0 +1,122 @@
+"""Functions of time that drive a chain: formulas and measured values."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from longwave.lattice.time_integral import ROUNDING
+from longwave.scenes.description.csv_table import number_list
+from longwave.support.user_files import shown
+
+if TYPE_CHECKING:
+    from scipy.interpolate import BSpline
+
+    from longwave.lattice.force_program import ForceProgram
+
+Array = NDArray[np.float64]
+Smooth: TypeAlias = "ForceProgram | Samples"
+"""A function of an array of times that has a slope."""
+
+DEGREE = 5
+"""Of the spline through measured values: its first four derivatives have no jumps, and a scheme of
+order 6 keeps its order (of order 4 with a cubic spline, of order 3 with one that is monotone)."""
+
+OUTSIDE = 0.5
+"""Share of the range of measured values by which a spline may leave it: between values that follow
+what they are measured of it does by a few hundredths."""
+
+
+@dataclass(frozen=True)
+class Samples:
+    """Values at increasing times, and between them the spline of degree `DEGREE` through them."""
+
+    times: tuple[float, ...]
+    values: tuple[float, ...]
+
+    @classmethod
+    def of(cls, label: str, given: Mapping[str, Any]) -> Samples:
+        """From a table of lists ``t`` and ``value``; ValueError in one line for what is none.
+
+        >>> samples = Samples.of("value", {"t": range(7), "value": [0, 1, 4, 9, 16, 25, 36]})
+        >>> round(float(samples(np.array(2.5))), 12), round(float(samples.slope(np.array(2.5))), 12)
+        (6.25, 5.0)
+        """
+        if set(given) != {"t", "value"}:
+            raise ValueError(
+                f"{label} must be a formula in t or a table of t and value, got {shown(given)} "
+                "(such as { t = [...], value = [...] })"
+            )
+        times, values = (number_list(f"{name} of {label}", given[name]) for name in ("t", "value"))
+        if times.size != values.size or times.size <= DEGREE:
+            raise ValueError(
+                f"{label} must have at least {DEGREE + 1} times and as many values, got "
+                f"{times.size} and {values.size} (measure more)"
+            )
+        for row in np.flatnonzero(np.diff(times) <= 0.0)[:1]:
+            raise ValueError(
+                f"t of {label} must increase, got {times[row]:g} before {times[row + 1]:g} (in "
+                f"rows {row + 1} and {row + 2}; sort them)"
+            )
+        return cls(tuple(times.tolist()), tuple(values.tolist()))
+
+    @cached_property
+    def _spline(self) -> BSpline:
+        """The spline; ValueError where it leaves the range of the values far between them."""
+        from scipy.interpolate import make_interp_spline
+
+        found: BSpline = make_interp_spline(self.times, self.values, k=DEGREE)
+        rows = np.arange(8 * len(self.times)) / 8
+        times = np.interp(rows, np.arange(len(self.times)), self.times)
+        beyond = np.abs(found(times) - np.clip(found(times), min(self.values), max(self.values)))
+        allowed = OUTSIDE * np.ptp(self.values) + ROUNDING * max(map(abs, self.values))
+        if not beyond.max() <= allowed:
+            raise ValueError(
+                "measured values must be dense and even, got a spline that leaves their range by "
+                f"{beyond.max():.2g} at t = {times[beyond.argmax()]:g} (measure more often there)"
+            )
+        return found
+
+    def __call__(self, times: Array, /) -> Array:
+        """The values at these times; ValueError outside those of the table."""
+        first, last = self.times[0], self.times[-1]
+        room = 1e-9 * (last - first)
+        if not first - room <= np.min(times) <= np.max(times) <= last + room:
+            raise ValueError(
+                f"times must be within those of a table of measured values, {first:g} to {last:g}, "
+                f"got {np.min(times):g} to {np.max(times):g} (end earlier, or measure longer)"
+            )
+        return np.asarray(self._spline(times))
+
+    def slope(self, times: Array, /) -> Array:
+        """Their derivatives in time."""
+        return np.asarray(self._spline(times, 1))
+
+
+def time_function(label: str, given: object) -> Smooth:
+    """A formula in t, read with the whitelist of forces, or a table of ``t`` and ``value``.
+
+    As a function of an array of times.
+
+    >>> time_function("value", "0.3*cos(0.9*t)")(np.array([0.0]))
+    array([0.3])
+    """
+    if isinstance(given, Mapping):
+        return Samples.of(label, given)
+    from sympy import Abs, sign
+
+    from longwave.derive.lattice_file import time_formula
+    from longwave.lattice.force_program import program_of
+
+    formula = time_formula(label, given)
+    if formula.has(Abs, sign):
+        raise ValueError(
+            f"{label} must have a slope without jumps, got {shown(given)}, which turns at a corner "
+            "(round it: sqrt((t - 5)**2 + 1/10**6))"
+        )
+    return program_of(formula)

@@ -1,0 +1,287 @@
+"""Running a scene on any lattice: derive, start from the wave, integrate, compare."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import lru_cache
+from time import perf_counter
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from longwave.lattice.refine import Announce
+from longwave.scenes.description.numerics import Tolerance
+from longwave.scenes.description.scene import Scene
+from longwave.scenes.description.scene_checks import enough_steps
+from longwave.scenes.engines.ring_cost import SHOWN, USUAL_RUNS, search_cost
+from longwave.scenes.engines.ring_runs import (
+    ComparedCells,
+    RingCells,
+    SiteRingEngine,
+    WaveRings,
+    expected_rings,
+)
+from longwave.scenes.engines.stated_run import run_from, stated_runs
+from longwave.scenes.observed.observables import MEASURED, observable_named
+from longwave.scenes.observed.recorders import MOMENT_BYTES, exact_times
+from longwave.scenes.observed.run_record import (
+    RunRecord,
+    UnfinishedRun,
+    error_unit,
+    judged,
+    searched,
+    searched_on_part,
+)
+from longwave.scenes.starts.lattice_derivation import LatticeDerivation, derivation, lattice_wave
+from longwave.scenes.starts.pulse_meter import PULSE_VARIABLES, crest, pulse_track
+from longwave.support.request_limits import ExpectedCost, check_request
+
+if TYPE_CHECKING:
+    from longwave.lattice.state import State
+    from longwave.lattice.trial import Progress
+    from longwave.scenes.engines.ring_spectral import SceneSpectralEngine
+    from longwave.scenes.starts.lattice_wave import LatticeWave
+
+ACROSS = 2
+"""``Z = eps**2 m``."""
+
+
+def compared_cells(scene: Scene, wave: LatticeWave) -> ComparedCells:
+    """The cells of a scene's region; a half-width in X is one in Z, too."""
+    powers = (1, *(ACROSS,) * (wave.lattice.dimension - 1))
+    return ComparedCells(wave.speed, tuple(map(scene.cells_within, powers)))
+
+
+def scene_cost(scene: Scene) -> ExpectedCost:
+    """What the scene is expected to cost, by its lattice's waves about the rest.
+
+    Raises ValueError as `record_scene` does for what is wrong before anything is run.
+    """
+    if isinstance(scene.numerics, Tolerance) and scene.numerics.engine == "spectral":
+        return engine_of(*wave_rings(scene)).expected
+    wave = lattice_wave(scene)
+    timed = in_lattice_times(scene, wave.slow)
+    _check_axes(timed, wave)
+    compared = compared_cells(scene, wave)
+    if scene.tolerance is None:
+        found = _stated_cost(timed, wave, compared)
+    else:
+        found = expected_rings(wave, compared, (timed.t0, *timed.snapshots))
+    return replace(found, memory_bytes=found.memory_bytes + _moments_bytes(timed))
+
+
+def _stated_cost(timed: Scene, wave: LatticeWave, compared: ComparedCells) -> ExpectedCost:
+    """What is taken by a scene that states its step and its sites, with runs that refine it."""
+    stated, runs = timed.discretisation, stated_runs(timed)
+    duration = timed.end - timed.t0
+    enough_steps(stated.step, duration)
+    sites = stated.sites * (2.0 if "domain_error" in timed.observables else 1.0)
+    kept = SHOWN * (2.0 * compared.reach[0] + 1.0) * len(timed.snapshots)
+    steps = duration / stated.step
+    share = runs / USUAL_RUNS * stated.sites / sites
+    found = search_cost(wave.lattice, sites, steps * share, stated.table.stages, kept)
+    return replace(found, steps=steps * runs)
+
+
+def _moments_bytes(timed: Scene) -> float:
+    """The memory that the times of curves and looks take."""
+    seen = {observable_named(name).seen for name in timed.observables}
+    looks = timed.look_points or timed.curve_points
+    return MOMENT_BYTES * (timed.curve_points * ("curve" in seen) + looks * ("looks" in seen))
+
+
+def engine_of(timed: Scene, rings: WaveRings) -> SiteRingEngine | SceneSpectralEngine:
+    """The engine that the scene names, or the one site by site."""
+    if timed.target.engine != "spectral":
+        return SiteRingEngine(timed, rings)
+    from longwave.scenes.engines.ring_spectral import (
+        SceneSpectralEngine,  # with a library of its own
+    )
+
+    return SceneSpectralEngine(timed, rings)
+
+
+def wave_size(scene: Scene, t: float, far_field: bool) -> float:
+    """The wave's largest deviation from its background (`Scene.wave_size`)."""
+    wave = _started_wave(scene)
+    cells = compared_cells(scene, wave).cells(t)
+    found = np.max(np.abs(wave.strain(cells, t) - wave.background(cells, t)))
+    return math.nan if far_field else float(found)
+
+
+@lru_cache(maxsize=4)
+def _started_wave(scene: Scene) -> LatticeWave:
+    wave = lattice_wave(scene)
+    wave.start(in_lattice_times(scene, wave.slow).t0)
+    return wave
+
+
+def in_lattice_times(scene: Scene, slow: int) -> Scene:
+    """The scene with t0 and snapshots in the place of slow times; ``T = eps**slow t``."""
+    times = scene.lattice_times(slow)
+    timed = scene.changed(t0=times[0], snapshots=times if scene.keeps_start else times[1:])
+    if getattr(scene.numerics, "engine", "") != "spectral" or scene.look_points is not None:
+        return timed
+    return timed.changed(look_points=scene.curve_points)  # it stops nowhere by itself
+
+
+def _stops(timed: Scene) -> Sequence[float]:
+    return sorted({timed.t0, *exact_times(timed)})
+
+
+def wave_rings(scene: Scene) -> tuple[Scene, WaveRings]:
+    """The scene in the lattice's times, and the rings of its wave from then on."""
+    wave = lattice_wave(scene)
+    timed = in_lattice_times(scene, wave.slow)
+    _check_axes(timed, wave)
+    compared = compared_cells(scene, wave)
+    seen = ExpectedCost(memory_bytes=_moments_bytes(timed))
+    check_request(timed.name, seen, "take fewer curve_points or look_points")
+    if scene.tolerance is None:
+        stated = _stated_cost(timed, wave, compared)
+        check_request(timed.name, stated, "take a larger step or fewer sites, or end earlier")
+    wave.start(timed.t0)
+    return timed, WaveRings(wave, compared, _stops(timed))
+
+
+def _check_axes(scene: Scene, wave: LatticeWave) -> None:
+    """Refuse what lattices of several axes, or without an energy, do not have."""
+    if wave.lattice.dimension > 1:
+        if scene.tolerance is None:
+            raise ValueError(
+                f"tolerance must be given on {scene.lattice}, got {scene.numerics} (a step may be "
+                "stated on chains alone)"
+            )
+        for name in scene.observables:
+            if observable_named(name).one_axis:
+                raise ValueError(
+                    f"observables must have no {name} on {scene.lattice}, which has "
+                    f"{wave.lattice.dimension} axes (it is for chains)"
+                )
+    if "energy" in scene.observables and not wave.lattice.conserves_energy:
+        raise ValueError(
+            f"observables must have no energy on {scene.lattice}, whose equations conserve none "
+            "that is known (take a lattice of displacements)"
+        )
+
+
+def record_scene(
+    scene: Scene,
+    progress: Progress | None = None,
+    announce: Announce | None = None,
+    restart: State | None = None,
+) -> RunRecord:
+    """Derive the scene's equation, start its lattice from the wave, and compare at all times.
+
+    ``progress`` is called with the share of the work that is done, ``announce`` with the seconds
+    that are expected to pass; ``restart`` is a state of a run of the same scene to begin at. Raises
+    ValueError in one line for everything that lattice, wave and ansatz do not admit, for what would
+    take too long, and for a lattice that blows up.
+    """
+    begun = perf_counter()
+    derived = derivation(scene)
+    timed, rings = wave_rings(scene)
+    announce = announce or (lambda _: None)
+    try:
+        if scene.tolerance is None:
+            announce(_stated_cost(timed, rings.wave, rings.compared).seconds)
+            record = run_from(RingCells(timed, rings), restart, progress)
+        else:
+            record = _to_tolerance(scene, engine_of(timed, rings), progress, announce, begun)
+    except UnfinishedRun as stop:
+        _tell(stop.record, derived, rings.wave)
+        raise
+    _tell(record, derived, rings.wave)
+    return record
+
+
+def _tell(record: RunRecord, derived: LatticeDerivation, wave: LatticeWave) -> None:
+    """Tell the equation, the frame, and the unit of errors."""
+    if "strains" in record.variables:
+        told = {"units": "name", "long_name": "what is compared"}
+        record.variables["quantity"] = ("quantity",), np.array(wave.quantities), told
+    record.attrs |= {
+        "equation": derived.text(),
+        "frame_speed": wave.speed,
+        "power": wave.power,
+    }
+    is_moved = derived.lattice.has_displacements and not any(" " in q for q in wave.quantities)
+    changes = {name: {"long_name": text} for name, text in LONG_NAMES.items()}
+    changes |= {name: {"units": error_unit(wave.power)} for name in ("sup_error", *MEASURED)}
+    for name in changes.keys() & record.variables.keys():
+        dimensions, values, told = record.variables[name]
+        record.variables[name] = dimensions, values, told | changes[name]
+    if is_moved:
+        _tell_displacements(record)
+
+
+def _tell_displacements(record: RunRecord) -> None:
+    """Name displacements in units and long names, where the fields themselves are compared."""
+    record.attrs["field_kind"] = DISPLACEMENT
+    for name, (dimensions, values, told) in record.variables.items():
+        words = {
+            key: text.replace("strain", DISPLACEMENT).replace("what is compared", DISPLACEMENT)
+            for key, text in told.items()
+        }
+        record.variables[name] = dimensions, values, words
+
+
+DISPLACEMENT = "displacement"
+
+LONG_NAMES = {
+    "strain": "what is compared, on the lattice",
+    "analytic": "the same of the closed-form wave",
+    "background": "the same of the wave's background",
+}
+"""On other lattices it need be no strain."""
+
+
+def _to_tolerance(
+    scene: Scene,
+    engine: SiteRingEngine | SceneSpectralEngine,
+    progress: Progress | None,
+    announce: Announce,
+    begun: float,
+) -> RunRecord:
+    announce(engine.expected.seconds)
+    progress, found = progress or (lambda _: None), None
+    if isinstance(engine, SiteRingEngine):
+        parts = engine.parts()
+        found = parts and searched_on_part(*parts, scene, progress, announce)
+    found = found or searched(engine, scene, progress, announce)
+    record: RunRecord | None = found.trial.payload
+    if record is None or (math.isinf(found.error) and not record.attrs["blow_up"]):
+        raise ValueError(
+            f"times must end before {scene.lattice} blows up, got {engine.times[-1]:g} (steps "
+            f"down to {found.trial.choices.step:.2g} do not follow it; end earlier or take a "
+            "smaller eps)"
+        )
+    judged(record, found, scene, begun)
+    if isinstance(engine, SiteRingEngine):
+        _add_pulse(record, engine, found.trial.choices.step)
+    if not isinstance(engine, SiteRingEngine) or engine.rings.wave.lattice.dimension > 1:
+        record.scene = scene  # a spectral ring, and that of a plane, has no sites that say it
+    return record
+
+
+def _add_pulse(record: RunRecord, engine: SiteRingEngine, step: float) -> None:
+    """Add what disorder left of the wave, where it was metered."""
+    metered, wave = engine.metered.get(step), engine.rings.wave
+    if metered is None or not metered.size:
+        return
+    assert wave.disorder is not None
+    theory = []
+    for t in engine.times:
+        cells = engine.rings.compared.cells(t)
+        theory.append(crest(cells, wave.strain(cells, t)[0] - wave.background(cells, t)[0]))
+    columns, numbers = pulse_track(metered, engine.metered_before(step), theory)
+    kept = [engine.times.index(t) for t in record.reached]
+    for name, values in columns.items():
+        units, long_name = PULSE_VARIABLES[name]
+        told = {"units": units, "long_name": long_name}
+        record.variables[name] = ("time",), values[kept], told
+    record.attrs |= numbers
+    if not math.isnan(speed := wave.disorder.effective_speed):
+        record.attrs["effective_speed"] = speed

@@ -1,0 +1,60 @@
+"""Table of how scenes of each kind are run; a kind's modules are imported when it is run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+
+if TYPE_CHECKING:
+    from longwave.lattice.refine import Announce
+    from longwave.lattice.state import State
+    from longwave.lattice.trial import Progress
+    from longwave.scenes.description.scene import Scene
+    from longwave.scenes.observed.run_record import RunRecord
+    from longwave.support.request_limits import ExpectedCost
+
+    Record: TypeAlias = Callable[[Scene, Progress | None, Announce | None, State | None], RunRecord]
+
+
+class Method(NamedTuple):
+    """What runs a scene, what a run is expected to cost, and the size of the wave compared.
+
+    ``size`` takes the scene, a time, and whether the far field is meant; None without a wave.
+    """
+
+    record: Record
+    cost: Callable[[Scene], ExpectedCost]
+    size: Callable[[Scene, float, bool], float] | None = None
+
+
+def _bench() -> Method:
+    from longwave.scenes.engines import bench_run
+
+    return Method(bench_run.record_scene, bench_run.scene_cost)
+
+
+def _moving_wave() -> Method:
+    from longwave.scenes.chain import chain_run
+
+    return Method(chain_run.record_scene, chain_run.scene_cost, chain_run.wave_size)
+
+
+def _ring() -> Method:
+    from longwave.scenes.engines import lattice_run
+
+    return Method(lattice_run.record_scene, lattice_run.scene_cost, lattice_run.wave_size)
+
+
+def _sidebands() -> Method:
+    from longwave.scenes.engines import sideband_growth
+
+    return Method(sideband_growth.record_scene, sideband_growth.scene_cost)
+
+
+METHODS: Mapping[str, Callable[[], Method]] = {
+    "bench": _bench,
+    "moving_wave": _moving_wave,
+    "ring": _ring,
+    "sidebands": _sidebands,
+}
+"""By `Scene.method`."""

@@ -1,0 +1,190 @@
+"""Runs of a scene's ring of cells by the spectral engine, for `lattice.refine` to judge.
+
+The data are those of the run site by site, on a ring on which no compared cell sees the seam. They
+are taken on as few points as hold them, which for a long wave is far fewer than one a cell, and at
+most on the cells themselves, where the ring is the lattice exactly, whatever the data are. What is
+compared stands at the cells, to which the Fourier series is continued.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from longwave.lattice.numeric_lattice import NumericLattice
+from longwave.lattice.spectral.field_ring import FieldRing, fast_count
+from longwave.lattice.spectral.ring_search import run_facts
+from longwave.lattice.spectral.spectral_integration import FieldRingEngine
+from longwave.lattice.state import State
+from longwave.lattice.trial import Choices, Kind, Progress, Trial
+from longwave.scenes.description.scene import Scene
+from longwave.scenes.engines.ring_cost import USUAL_RUNS, search_cost
+from longwave.scenes.engines.ring_runs import (
+    AROUND,
+    WIDER,
+    CellView,
+    Ends,
+    RingCells,
+    WaveRings,
+    sites_of,
+    tell_energies,
+)
+from longwave.scenes.observed.recorders import Variables, build_recorders
+from longwave.scenes.observed.run_record import RunRecord
+from longwave.support.checkpoint import Memory
+from longwave.support.request_limits import ExpectedCost, check_request
+
+Array = NDArray[np.float64]
+
+SECONDS_PER_WORK = 1e-8
+"""For a field, per step, point and log2(points)."""
+
+LONGER = 2.5
+"""First step of a carrier's wave, in units of what a ring's own waves call for: with it, the error
+of the step is a thirtieth of the tolerance or less (the shipped Peregrine wave on a dimer)."""
+
+BYTES_PER_POINT = 500.0
+"""For a field: the engine's modes, tables and past values."""
+
+WIDER_SIZE = 2.0
+"""The size of a ring that is wider by `WIDER` cells along each axis."""
+
+
+class SceneSpectralEngine(FieldRingEngine):
+    """Runs of a scene's wave on rings, as `SiteRingEngine` has them.
+
+    The scene has times of the lattice, and states how often it is looked at. The ring's size is 1
+    where it is the least that is causal. Raises ValueError, before anything large is made, for what
+    would take too much memory or too long, and for a lattice that is not the same in all cells.
+    """
+
+    def __init__(self, scene: Scene, rings: WaveRings) -> None:
+        self.scene, self.rings, self.times = scene, rings, rings.times
+        wave, lattice = rings.wave, rings.wave.lattice
+        self._held: dict[tuple[float, ...], RingCells] = {}
+        self._states: dict[bool, FieldRing] = {}
+        state = self._state_of(wider=False)
+        ring = self._held[state.circumferences].ring
+        self._limit = rings.limit(ring)
+        super().__init__(
+            ring.lattice,
+            state,
+            np.array(rings.times),
+            (wave.speed, *(0.0,) * (lattice.dimension - 1)),
+            scene.target.tolerance,
+            self._judged_of,
+            unit=wave.scale,
+            at_sites=True,
+        )
+        if wave.frequency:
+            step = min(LONGER * self._first.step, max(self._first.step, self._telling))
+            self._first = replace(self._first, step=step)
+        self.amplifies_rounding = math.isinf(max(map(abs, wave.support(self.times[0]))))
+        self.expected = self._expected()
+        check_request(
+            f"scene of {sites_of(self._ends(wider=True)):.3g} cells on a spectral ring",
+            self.expected,
+            "take a larger eps, end earlier or compare fewer cells",
+        )
+
+    def _expected(self) -> ExpectedCost:
+        """What the search takes, by its first run."""
+        first, fields = self.first(), len(self.rings.wave.lattice.fields)
+        cells = float(sites_of(self._ends(wider=True)))
+        kept = math.prod(2.0 * reach + 1.0 for reach in self.rings.compared.reach)
+        found = search_cost(self.rings.wave.lattice, cells, 0.0, 1, kept * len(self.times))
+        work, points = self.work(first), math.prod(self._counts(first))
+        return replace(
+            found,
+            seconds=found.seconds + USUAL_RUNS * SECONDS_PER_WORK * fields * work,
+            memory_bytes=found.memory_bytes + BYTES_PER_POINT * fields * points,
+        )
+
+    def control(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
+        """A shorter step on a wider ring, or from that on the ring as it must be; more points."""
+        size = choices.size
+        if "step" in kinds:
+            size = WIDER_SIZE if size == 1.0 else 1.0
+        return replace(super().control(choices, kinds), size=size)
+
+    def improved(self, choices: Choices, kind: Kind, excess: float) -> Choices:
+        """A shorter step or more points on the ring as it must be."""
+        return replace(super().improved(choices, kind, excess), size=1.0)
+
+    def _begun(self, choices: Choices) -> tuple[NumericLattice, FieldRing]:
+        state = self._state_of(wider=choices.size > 1.0)
+        return self._held[state.circumferences].ring.lattice, state
+
+    def _ends(self, wider: bool) -> list[Ends]:
+        """First and last cell along each axis, with as many between them as transform fast.
+
+        A wave that ends does so on the ring, for its data to be smooth over the seam.
+        """
+        ends = self.rings.ends()
+        low, high = self.rings.wave.support(self.times[0])
+        if math.isfinite(high - low):
+            ends[0] = min(ends[0][0], math.floor(low)), max(ends[0][1], math.ceil(high))
+        counts = [fast_count(high + 1 - low) for low, high in ends]
+        firsts = [low for low, _ in ends]
+        if wider:
+            counts = [fast_count(count + WIDER) for count in counts]
+            firsts = [low - WIDER // 2 for low in firsts]
+        return [(low, low + count - 1) for low, count in zip(firsts, counts, strict=True)]
+
+    def _state_of(self, wider: bool) -> FieldRing:
+        """The data on all cells of a ring."""
+        if wider not in self._states:
+            cells = RingCells(self.scene, self.rings, self._ends(wider))
+            ring, left = cells.ring, tuple(float(low) for low, _ in cells.ends)
+            circumferences = tuple(map(float, ring.f.shape[1:]))
+            self._held[circumferences] = cells
+            self._states[wider] = FieldRing(ring.t, left, circumferences, ring.f, ring.v)
+        return self._states[wider]
+
+    def _view(self, state: FieldRing) -> CellView:
+        cells = self._held[state.circumferences]
+        whole = state.sampled(cells.ring.f.shape[1:])
+        return CellView(cells, State(state.t, whole.f, whole.v))
+
+    def _judged_of(self, state: FieldRing) -> Array:
+        return self._view(state).judged()
+
+    def _kept(self, state: FieldRing) -> Memory:
+        """What observables measure; at the ends the energy and what is around the compared cells.
+
+        Only what is measured is kept: at other times than theirs it is nothing.
+        """
+        view = self._view(state)
+        seen = {
+            item.dimension: item.measured(view)
+            for item in build_recorders(self.scene)
+            if item.moments.due(state.t)
+        }
+        if state.t not in (self.times[0], self.times[-1]):
+            return {"seen": seen}
+        return {"seen": seen, "energy": view.energy, "around": view.judged(AROUND)}
+
+    def _run(self, choices: Choices, progress: Progress) -> Trial:
+        trial = super()._run(choices, progress)
+        assert trial.values is not None
+        ring, kept = trial.payload
+        recorders = build_recorders(self.scene)
+        variables: Variables = {}
+        for item in recorders:
+            for t, row in zip(self.times, kept, strict=True):
+                if item.dimension in row["seen"]:
+                    item.add(t, row["seen"][item.dimension])
+            variables |= item.variables()
+        steps, evaluations = ring.integrator.steps, ring.integrator.evaluations
+        told = run_facts(trial, steps, evaluations, math.prod(ring.start.counts), "")
+        reach = self.rings.compared.reach
+        record = RunRecord(self.scene, reach, self.scene.snapshots, variables, told)
+        if self.rings.wave.lattice.conserves_energy:
+            tell_energies(record, kept[0]["energy"], kept[-1]["energy"])
+        if not np.all(np.abs(trial.values) <= self._limit):
+            return replace(trial, values=None, payload=record)
+        return replace(trial, payload=record, around=kept[-1]["around"])

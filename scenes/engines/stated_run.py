@@ -1,0 +1,217 @@
+"""Running a scene whose step and domain are stated, cell by cell, for observers at their moments.
+
+Recorders measure what the scene asks for. Discretisation errors are measured on request: the same
+scene with half the step, with twice the sites.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+
+from longwave.scenes.observed.observables import observable_named
+from longwave.scenes.observed.recorders import (
+    Observer,
+    Recorder,
+    Samples,
+    Variables,
+    build_recorders,
+    exact_times,
+)
+from longwave.scenes.observed.run_record import RunRecord, UnfinishedRun
+from longwave.scenes.observed.view import Array
+from longwave.support.checkpoint import Memory, begin_loop
+
+if TYPE_CHECKING:
+    from longwave.lattice.state import State
+    from longwave.lattice.stepper import Stepper
+    from longwave.lattice.trial import Progress
+    from longwave.scenes.chain.stencil_search import ChainSites
+    from longwave.scenes.description.scene import Scene
+    from longwave.scenes.engines.ring_runs import RingCells
+
+    SteppedScene: TypeAlias = ChainSites | RingCells
+
+
+@dataclass(frozen=True)
+class Recording:
+    """How far a run got, and what it cost (seconds without compilation).
+
+    ``stopped`` if Ctrl-C ended it.
+    """
+
+    stepper: Stepper
+    step_limit: float
+    seconds: float
+    stopped: bool = False
+
+
+def record(
+    stepped: SteppedScene,
+    observers: Sequence[Observer],
+    progress: Progress,
+    restart: State | None = None,
+    stops: Collection[float] = (),
+) -> Recording:
+    """Run the scene to its end, a blow-up or Ctrl-C, showing it to each observer at its moments.
+
+    A run from ``restart`` shows nothing before or at the time of that state. ``stops`` are times
+    that are hit exactly beside the observers'.
+    """
+    scene = stepped.scene
+    stepper, step_limit = stepped.stepper(restart)
+    begin = stepper.state.t
+    exact = {t for observer in observers for t in observer.moments.times}.union(stops)
+    first = {begin} if restart is None else set()
+    times = sorted({t for t in exact if t > begin} | first | {scene.end})
+    loop, stopped = begin_loop(f"{stepped.task} from {begin!r}"), False
+    if loop.memory is not None:
+        stepper.recall(loop.memory)
+        for observer, memory in zip(observers, loop.memory["observers"], strict=True):
+            observer.recall(memory)
+        times = [t for t in times if t > stepper.state.t]
+
+    def remember(arrays: bool = True) -> Memory:
+        return stepper.memory(arrays) | {"observers": [one.memory() for one in observers]}
+
+    try:
+        for state in stepper.stops(times) if times else ():
+            view = stepped.view(state)
+            for observer in observers:
+                if observer.moments.due(state.t):
+                    observer.see(view)
+            progress(_share(begin, scene.end, state.t))
+            if state.t < scene.end:
+                loop.offer(remember)
+    except KeyboardInterrupt:
+        stopped = True
+    if times and not stopped and stepper.blow_up is None:
+        loop.end(lambda: remember(arrays=False))
+    return Recording(stepper, step_limit, time.perf_counter() - loop.begun, stopped)
+
+
+def _share(begin: float, end: float, t: float) -> float:
+    return (t - begin) / (end - begin) if end > begin else 1.0
+
+
+REFINED_COST = 2.0
+"""Work of a run with half the step or twice the sites, relative to the run itself."""
+
+
+def refinements(scene: Scene) -> list[str]:
+    """The observables that are measured by running the scene again."""
+    return [name for name in scene.observables if observable_named(name).seen == "refinement"]
+
+
+def stated_runs(scene: Scene) -> float:
+    """The work of a stated scene with its refinements, in units of its run alone."""
+    return 1.0 + REFINED_COST * len(refinements(scene))
+
+
+def refined(scene: Scene, measure: str) -> Scene:
+    """The scene with half the step (``time_step_error``) or twice the sites (``domain_error``)."""
+    stated = scene.discretisation
+    if measure == "time_step_error":
+        finer = replace(stated, step=stated.step / 2.0)
+    else:
+        finer = replace(stated, sites=2 * stated.sites)
+    return replace(scene, numerics=finer, observables=())
+
+
+def measured_error(
+    stepped: SteppedScene, measure: str, samples: Sequence[Array], progress: Progress
+) -> list[float]:
+    """Largest difference of what is compared between a run and its refinement, in its unit.
+
+    One number for each of the snapshots in ``samples``, the values of the run itself. Steps are
+    fitted to the same times in both. Raises KeyboardInterrupt on Ctrl-C.
+    """
+    scene = stepped.scene
+    finer = Samples(scene.snapshots[: len(samples)])
+    again = stepped.refined(refined(scene, measure))
+    if record(again, [finer], progress, stops=exact_times(scene)).stopped:
+        raise KeyboardInterrupt
+    return [
+        float(np.max(np.abs(fine - coarse))) / stepped.scale
+        for coarse, fine in zip(samples, finer.samples, strict=False)
+    ]
+
+
+def run_from(
+    stepped: SteppedScene,
+    restart: State | None,
+    progress: Progress | None,
+    witnesses: Sequence[Observer] = (),
+) -> RunRecord:
+    """Run from the wave's initial data or from a state of an earlier run of the same scene.
+
+    ``witnesses`` see the run as well; what they see is no part of it. Raises UnfinishedRun with
+    what was recorded on Ctrl-C.
+    """
+    scene = stepped.scene
+    measures = refinements(scene)
+    whole, *parts = _parts(progress or (lambda _: None), [1.0, *[REFINED_COST] * len(measures)])
+    recorders = build_recorders(scene)
+    samples = Samples(scene.snapshots)
+    seen: list[Observer] = [*recorders, *witnesses]
+    if measures:
+        seen.append(samples)
+    recording = record(stepped, seen, whole, restart)
+    variables: Variables = {}
+    for recorder in recorders:
+        variables |= recorder.variables()
+    cost = _cost(scene, recording) | stepped.told(recording.stepper)
+    made = RunRecord(scene, stepped.reach, _reached(scene, recorders, recording), variables, cost)
+    if recording.stopped:
+        cost["unfinished"] = f"Ctrl-C after t = {recording.stepper.state.t:g} of {scene.end:g}"
+        raise UnfinishedRun(made)
+    for measure, part in zip(measures, parts, strict=True):
+        try:
+            values = measured_error(stepped, measure, samples.samples, part)
+        except KeyboardInterrupt:
+            cost["unfinished"] = f"Ctrl-C before the {measure} was measured"
+            raise UnfinishedRun(made) from None
+        attributes = observable_named(measure).variables[0].attributes
+        variables[measure] = (("time",), values, attributes)
+    return made
+
+
+def _reached(
+    scene: Scene, recorders: Sequence[Recorder], recording: Recording
+) -> tuple[float, ...]:
+    """The snapshots that were recorded; without a recorder for them, those that were passed."""
+    if recording.stopped:
+        for recorder in recorders:
+            if recorder.dimension == "time":
+                return tuple(recorder.times)
+    elif recording.stepper.blow_up is None:
+        return scene.snapshots
+    return tuple(t for t in scene.snapshots if t < recording.stepper.state.t)
+
+
+def _parts(progress: Progress, costs: Sequence[float]) -> list[Progress]:
+    """The progress of each part of the work, as progress of the whole."""
+
+    def part(start: float, cost: float) -> Progress:
+        return lambda share: progress(min(1.0, (start + share * cost) / sum(costs)))
+
+    return [part(sum(costs[:place]), cost) for place, cost in enumerate(costs)]
+
+
+def _cost(scene: Scene, recording: Recording) -> dict[str, Any]:
+    stepper, scheme = recording.stepper, recording.stepper.scheme
+    return {
+        "engine": "stencil",
+        "scheme": scheme.name,
+        "order": scheme.order,
+        "steps": stepper.steps,
+        "force_evaluations": stepper.steps * scheme.stages,
+        "sites": scene.discretisation.sites,
+        "step_limit": recording.step_limit,
+        "seconds": recording.seconds,
+        "blow_up": "" if stepper.blow_up is None else str(stepper.blow_up),
+    }

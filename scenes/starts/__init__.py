@@ -1,0 +1,1 @@
+"""What runs start from: waves with their derivation and their data, and chains on a bench."""

@@ -1,0 +1,220 @@
+"""A bench with its lattice: the chain that is run, how it starts, and what is watched of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from longwave.lattice.driving import DrivenChain, End, driven_chain
+from longwave.lattice.energy_balance import Flow
+from longwave.lattice.numeric_lattice import NumericLattice
+from longwave.lattice.state import State
+from longwave.lattice.time_integral import Integral
+from longwave.scenes.description.bench import ACTING, Bench, Cells, Drive, Impact
+from longwave.scenes.description.losses import LossRates
+from longwave.scenes.description.time_functions import time_function
+from longwave.support.known_names import one_of
+from longwave.support.user_files import shown
+
+Array = NDArray[np.float64]
+
+
+class Moment(NamedTuple):
+    """A chain at a time: fields and velocities, and the energy that flowed, if that is followed."""
+
+    chain: DrivenChain
+    f: Array
+    v: Array
+    total: Flow = Flow()
+    rate: Flow = Flow()
+
+
+Reader = Callable[[Moment], ArrayLike]
+
+
+@dataclass(frozen=True)
+class Watched:
+    """One variable of a run: its dimensions beside time, and how it is read."""
+
+    name: str
+    dimensions: tuple[str, ...]
+    units: str
+    long_name: str
+    read: Reader
+
+
+_UNIT, _NEXT = "lattice units", "the bond to the next cell"
+
+READINGS = {
+    found.name: found
+    for found in (
+        Watched("displacement", ("field",), _UNIT, "displacement", lambda at: at.f),
+        Watched("velocity", ("field",), "per lattice time", "velocity", lambda at: at.v),
+        Watched(
+            "strain", ("bond",), _UNIT, f"stretch of {_NEXT}", lambda at: at.chain.stretches(at.f)
+        ),
+        Watched("force", ("bond",), _UNIT, f"force in {_NEXT}", lambda at: at.chain.forces(at.f)),
+    )
+}
+"""What sensors read, in all cells, which come last."""
+
+
+def chain_on_bench(
+    bench: Bench,
+    lattice: NumericLattice,
+    span: tuple[float, float],
+    losses: LossRates | None = None,
+) -> DrivenChain:
+    """The chain, from one time to another; ValueError for fields that it does not have."""
+    for given in bench.masses.values():
+        for name in given if isinstance(given, Mapping) else ():
+            _field(lattice, name, "[defects]")
+    left, right = (
+        _end(side, given, *span) for side, given in zip(("left", "right"), bench.ends, strict=True)
+    )
+    forces = [
+        ACTING[push.kind](
+            push.site,
+            time_function(f"value in [[{push.kind}]]", push.value),
+            _field(lattice, push.field, f"[[{push.kind}]]"),
+        )
+        for push in bench.forces
+    ]
+    return driven_chain(
+        lattice,
+        bench.sites,
+        left=left,
+        right=right,
+        losses=losses.sites if losses else 0.0,
+        dashpots=losses.bonds if losses else 0.0,
+        forces=forces,
+        mass_factors={
+            cell: [given.get(name, 1.0) for name in lattice.fields]
+            if isinstance(given, Mapping)
+            else given
+            for cell, given in bench.masses.items()
+        },
+        spring_factors=bench.springs,
+    )
+
+
+def _end(side: str, given: str | Mapping[str, Drive], begin: float, end: float) -> End:
+    if isinstance(given, str):
+        return "free" if given == "free" else "fixed"
+    [(kind, value)] = given.items()
+    moved = time_function(f"{kind} of {side}", value)
+    return moved if kind == "displacement" else Integral.of(moved, begin, end)
+
+
+def _field(lattice: NumericLattice, name: str, where: str) -> int:
+    """The place of a field; the first for none."""
+    if name and name not in lattice.fields:
+        raise ValueError(
+            f"field in {where} must be one of {lattice.name}, got {shown(name)} "
+            f"({one_of(name, lattice.fields)})"
+        )
+    return lattice.fields.index(name) if name else 0
+
+
+def start_on_bench(bench: Bench, chain: DrivenChain, t: float) -> State:
+    """The cells at the start."""
+    f, v = np.zeros((2, len(chain.fields), bench.sites))
+    for part in bench.start:
+        if isinstance(part, Impact):
+            v[_field(chain, part.field, "impact"), part.site] += part.velocity
+        elif isinstance(part, Cells):
+            for name, values in part.values.items():
+                moved = f if name in chain.fields else v
+                place = _field(chain, name if moved is f else name.removeprefix("d"), "state")
+                moved[place, list(part.sites)] += values
+        else:
+            f += part.amplitude * _mode(bench, part.number)
+    return State(t, f, v)
+
+
+def _mode(bench: Bench, number: int) -> Array:
+    """A mode of a chain between fixed walls; ValueError for one that it does not have."""
+    if number > bench.sites:
+        raise ValueError(
+            f"modes must be 1 to {bench.sites}, got {number} (a chain has as many as cells)"
+        )
+    place = np.arange(1, bench.sites + 1)
+    return np.asarray(np.sin(np.pi * number * place / (bench.sites + 1)))
+
+
+def watched_cuts(bench: Bench, chain: DrivenChain) -> Sequence[int] | None:
+    """Through which cuts energy is followed; None if no balance is kept."""
+    return bench.flux if bench.flux or is_balanced(bench, chain) else None
+
+
+def is_balanced(bench: Bench, chain: DrivenChain) -> bool:
+    """Whether work and heat are told beside the energy; what a bath does is not followed."""
+    return bench.energy and bench.noise is None and chain.exchanges_energy
+
+
+def watched(bench: Bench, chain: DrivenChain) -> Iterator[Watched]:
+    """All that is observed, in the order of its values."""
+    for name in bench.sensed if bench.sensors else ():
+        yield _in_cells(f"sensor_{name}", "sensor", name, bench.sensors)
+    if bench.energy:
+        yield Watched("energy", (), _UNIT, "energy of chain and bonds", _energy)
+    if is_balanced(bench, chain):
+        yield from _balance(chain)
+    if bench.flux:
+        name = "energy sent to the right"
+        yield Watched("transmitted", ("cut",), _UNIT, name, lambda at: at.total.through)
+        name, unit = "power to the right", "lattice units per lattice time"
+        yield Watched("flux", ("cut",), unit, name, lambda at: at.rate.through)
+    if bench.modes:
+        what = "energy of the mode of a linear chain"
+        read = partial(_mode_energies, bench=bench)
+        yield Watched("mode_energy", ("mode",), _UNIT, what, read)
+    for name in ("displacement", "velocity") if bench.state else ():
+        yield _in_cells(name, "cell", name, range(bench.sites))
+
+
+def _balance(chain: DrivenChain) -> Iterator[Watched]:
+    """What the energy of a chain is made of, beside that at the start."""
+    unit, since = "lattice units", "since the start"
+    yield Watched("work", (), unit, f"work done {since}", lambda at: at.total.work.sum())
+    yield Watched("heat", (), unit, f"energy lost {since}", lambda at: at.total.heat.sum())
+    if len(chain.drivers) > 1:
+        name = f"work done by a wall or force {since}"
+        yield Watched("driver_work", ("driver",), unit, name, lambda at: at.total.work)
+
+
+def _in_cells(name: str, dimension: str, what: str, places: Sequence[int]) -> Watched:
+    """What is read in some cells, by field or bond."""
+    whole, at = READINGS[what], list(places)
+    return replace(
+        whole,
+        name=name,
+        dimensions=(dimension, *whole.dimensions),
+        read=lambda now: np.asarray(whole.read(now))[:, at].T,
+    )
+
+
+def _energy(at: Moment) -> float:
+    return at.chain.energy(at.f, at.v)
+
+
+def _mode_energies(at: Moment, bench: Bench) -> Array:
+    """The energies of modes of displacement and velocity, by the slope of the force at rest."""
+    chain, f, v = at[:3]
+    is_even = bench.ends == ("fixed", "fixed") and not (bench.masses or bench.springs)
+    if len(chain.fields) > 1 or not is_even:
+        raise ValueError(
+            "mode_energies must be of a chain of one field between fixed walls without defects, "
+            f"got {chain.name} with {shown(bench.ends)} (leave them out)"
+        )
+    shapes = np.array([_mode(bench, number) for number in bench.modes])
+    squares = chain.squared_frequencies(
+        np.pi * np.array(bench.modes)[:, None] / (bench.sites + 1), chain.rest_slopes()
+    )[:, 0]
+    along, moving = shapes @ f[0, : bench.sites], shapes @ v[0, : bench.sites]
+    return np.asarray(chain.masses[0] * (moving**2 + squares * along**2) / (bench.sites + 1))

@@ -1,0 +1,204 @@
+"""The face of every wave on a lattice: what to start the lattice from, what to compare it with.
+
+Cells are real numbers: an array (sites,) on a chain, (axes, *sites) on a lattice of more axes.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from longwave.lattice.numeric_lattice import NumericLattice, place_text
+from longwave.lattice.trial import nudged
+
+if TYPE_CHECKING:
+    from longwave.scenes.description.losses import LossRates
+    from longwave.scenes.starts.disordered_wave import WaveDisorder
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class CellRing:
+    """A state on a ring of ``cells``, consecutive along each axis; ``f``, ``v``: (fields, *sites).
+
+    ``f`` is periodic: of displacements it is what ``mean_strain`` times the cells leaves, and
+    ``lattice`` has its bonds stretched by that.  A kernel is given ``lattice``, ``f`` and ``v``.
+    """
+
+    lattice: NumericLattice
+    mean_strain: tuple[float, ...]
+    cells: Array
+    t: float
+    f: Array
+    v: Array
+
+    @property
+    def slopes(self) -> list[Array]:
+        """The slope of each bond's force in each cell."""
+        return self.lattice.slopes(self.lattice.stretches(self.f))
+
+    def smoothed(self, room: int) -> CellRing:
+        """A chain of displacements whose strain and velocity pass smoothly from end to end.
+
+        They do so within ``room`` cells of the seam; the mean strain stays.
+        """
+        if not room:
+            return self
+        share = np.sin(np.pi / 4 * (np.arange(room) + 0.5) / room) ** 2
+        f, v = self.f.copy(), self.v.copy()
+        strains = (f[:, 1] - f[:, 0]) - (f[:, -1] - f[:, -2])
+        moved = np.cumsum(strains[:, np.newaxis] * share, axis=1)
+        turned = (v[:, 0] - v[:, -1])[:, np.newaxis] * share
+        f[:, -room:] += moved
+        f[:, :room] += moved[:, ::-1]
+        v[:, -room:] += turned
+        v[:, :room] -= turned[:, ::-1]
+        return replace(self, f=f, v=v)
+
+    def nudged(self, times: float = 1.0) -> CellRing:
+        """The ring with the last digits of its state changed (`trial.nudged`)."""
+        f, v = nudged(self.f, self.v, times=times)
+        return replace(self, f=f, v=v)
+
+
+class LatticeWave(ABC):
+    """A long wave or an envelope on a lattice with numbers.
+
+    ``lattice``: without mean strain.  ``eps``, ``order``: the ansatz, one of `ORDERS`.  ``power``:
+    what is compared is of the size ``eps**power``.  ``slow``: ``T = eps**slow t``.  ``speed``: the
+    frame moves so many cells a unit of time along the first axis.  ``disorder`` is that of its
+    rings, and of ``lattice``, which then has no cells: it tells of frequencies and speeds alone.
+    So are the ``losses``.
+    """
+
+    lattice: NumericLattice
+    eps: float
+    order: str
+    power: int
+    slow: int
+    speed: float
+    disorder: WaveDisorder | None = None
+    losses: LossRates | None = None
+
+    @abstractmethod
+    def state(self, cells: ArrayLike, t: float) -> tuple[Array, Array]:
+        """Fields and their time derivatives, (fields, *sites): data at the first time.
+
+        Of displacements all of them, with what grows with the cell.
+        """
+
+    @abstractmethod
+    def strain(self, cells: ArrayLike, t: float) -> Array:
+        """What is compared, (quantities, *sites): the theory at a time."""
+
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """What is compared, as lattice files write it: the fields themselves unless overridden."""
+        here = (0,) * self.lattice.dimension
+        return tuple(place_text(name, here) for name in self.lattice.fields)
+
+    @abstractmethod
+    def measured(self, f: ArrayLike, mean_strain: tuple[float, ...]) -> Array:
+        """The same from the periodic parts of the fields on a ring with this mean strain."""
+
+    @abstractmethod
+    def support(self, t: float) -> tuple[float, float]:
+        """The cells, along the first axis, between which there is a wave; infinite where it fills
+        the line.
+        """
+
+    @abstractmethod
+    def strained(self, mean_strain: tuple[float, ...]) -> NumericLattice:
+        """The lattice about this uniform strain, one entry an axis."""
+
+    def start(self, t: float) -> None:
+        """Let what is solved for, of the next order, begin at this time; nothing unless overridden.
+
+        To be called before anything is asked for.
+        """
+        return
+
+    def crest(self, t: float) -> float | None:
+        """The first quantity at the crest by the law of losses; None, unless overridden."""
+        return None
+
+    @property
+    def scale(self) -> float:
+        """The unit in which errors are told."""
+        return float(self.eps**self.power)
+
+    @property
+    def frequency(self) -> float:
+        """The carrier's; 0, unless overridden, where the wave itself is long."""
+        return 0.0
+
+    @abstractmethod
+    def background(self, cells: ArrayLike, t: float) -> Array:
+        """What the wave deviates from, as `strain`: the bare wave on its uniform strain."""
+
+    def uniform(self) -> Array:
+        """The strain of each quantity that the wave is added to; 0 unless overridden."""
+        return np.zeros(len(self.strain(np.arange(3.0), 0.0)))
+
+    def mean_strain(self, cells: Array, t: float) -> tuple[float, ...]:
+        """What displacements grow by in a cell, on average over a ring of these cells.
+
+        It makes their rest periodic: a soliton's displacement ends elsewhere than it began. Zero on
+        every axis unless overridden.
+        """
+        return (0.0,) * self.lattice.dimension
+
+    @property
+    def growth_shares(self) -> tuple[float, ...]:
+        """The share of the mean strain by which each field grows; all of it unless overridden."""
+        return (1.0,) * len(self.lattice.fields)
+
+    def ring(self, cells: ArrayLike, t: float) -> CellRing:
+        """The state at a time on a ring of these consecutive cells.
+
+        Where the wave does not end, its ring has a seam, which must be farther from what is
+        compared than signals come.
+        """
+        where = np.asarray(cells, dtype=np.float64)
+        mean = self.mean_strain(where, t)
+        f, v = self.state(where, t)
+        axes = where if len(mean) > 1 else where[np.newaxis]
+        grown = sum(slope * axis for slope, axis in zip(mean, axes, strict=True))
+        f -= np.multiply.outer(self.growth_shares, grown)
+        lattice = self.strained(mean)
+        if self.disorder is not None:
+            lattice = self.disorder.on(lattice, where)
+        if self.losses is not None:
+            lattice = self.losses.on(lattice, where.size)
+        return CellRing(lattice, mean, where, t, f, v)
+
+    def seam_room(self, t: float) -> int:
+        """Cells at either end of a ring in which the ends are made to meet; 0 unless overridden."""
+        return 0
+
+    def rest_slopes(self, ring: CellRing) -> list[float]:
+        """The slope of each bond's force beside the wave.
+
+        A long wave is all but uniform about each cell, so that the ring's first one tells it.
+        """
+        corner = (0,) * ring.lattice.dimension
+        return [float(found[corner]) for found in ring.slopes]
+
+
+def largest_group_velocity(lattice: NumericLattice, slopes: list[float], axis: int = 0) -> float:
+    """max |dw/dk| along an axis over all branches of a lattice, forces linearised."""
+    k = np.linspace(0.0, np.pi, WAVENUMBERS)
+    waves = np.zeros((k.size, lattice.dimension))
+    waves[:, axis] = k
+    squares = lattice.squared_frequencies(waves, slopes)
+    w = np.sqrt(np.maximum(squares, 0.0))
+    return float(np.max(np.abs(np.diff(w, axis=0)))) / float(k[1])
+
+
+WAVENUMBERS = 1025
+"""Of a grid over half the zone; slopes are differences of neighbours."""

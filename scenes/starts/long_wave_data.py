@@ -1,0 +1,486 @@
+"""A long wave on a lattice: the fields of the ansatz, as the reduction has them, with numbers in.
+
+``f_j = background + eps^p (e_j W + G_j)``, and f_j' by the chain rule with time derivatives along
+the reduced equation.  All of it is one series in eps of polynomials in X-derivatives of the wave.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Protocol, cast
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from longwave.derive import Reduction
+from longwave.derive.algebra.elimination import TimeElimination
+from longwave.derive.algebra.exact_numbers import Number, exact
+from longwave.derive.algebra.jets import DifferentialPolynomial, EpsSeries, raised
+from longwave.derive.expansion import Expansion
+from longwave.derive.lattice import Lattice
+from longwave.derive.symbols import eps as EPS
+from longwave.lattice.numeric_lattice import NumericLattice, numeric_lattice, place_text
+from longwave.scenes.starts.damped_soliton import DampedSoliton
+from longwave.scenes.starts.first_correction import FirstCorrection
+from longwave.scenes.starts.jet_polynomial import JetPolynomial, with_numbers
+from longwave.scenes.starts.lattice_wave import LatticeWave
+from longwave.solutions import WaveValues
+from longwave.solutions.pieces import PIECE
+
+if TYPE_CHECKING:
+    from sympy import Expr, Symbol
+
+    from longwave.solutions.numeric_wave import PlanarValues
+
+Array = NDArray[np.float64]
+
+FLAT = 1e-9
+"""A wave has ended where it changes by less than that share of its size."""
+
+FARTHEST = 400.0
+"""A wave that has not ended so far in X fills the line."""
+
+
+class JetWave(Protocol):
+    """A solution of the reduced equation: `solutions.Wave`, or one computed."""
+
+    def jets(self, X: ArrayLike, T: float, highest: int) -> Array:
+        """Y, Y_X, Y_XX, ...: an array (highest + 1, *points)."""
+
+    def antiderivative(self, X: ArrayLike, T: float) -> Array:
+        """W with W_X = Y, up to a constant at each T."""
+
+    def background(self, X: ArrayLike, T: float) -> WaveValues:
+        """The bare wave, or the constant, that the wave deviates from."""
+
+
+class LongWaveData(LatticeWave):
+    """The data and the theory of a wave on a lattice under one reduction.
+
+    ``numbers``: values of the constants.  ``order``: "leading", the wave alone; "slaved", with the
+    fields that follow it, as far as the reduction was taken; "corrected", with the reduced
+    equation's first correction as well, see `FirstCorrection`.  ``lattice``: what is run, where the
+    reduction expanded forces that are no polynomials.  ``interval``: of X, for the correction of a
+    wave that does not end: many times its width, or whole periods, so that it closes.
+
+    Raises ValueError for constants without a value or not allowed, and where the reduction has no
+    correction.
+    """
+
+    def __init__(
+        self,
+        reduction: Reduction,
+        numbers: Mapping[str, Number],
+        wave: JetWave,
+        eps: float,
+        order: str = "slaved",
+        lattice: Lattice | None = None,
+        interval: tuple[float, float] | None = None,
+    ) -> None:
+        self.reduction, self.wave = reduction, wave
+        self.eps, self.order = eps, order
+        scaling = reduction.scaling
+        self._space = scaling.space[0]
+        self._values: Mapping[Symbol, Expr] = {
+            **reduction.values(numbers),
+            EPS: exact("eps", eps),
+        }
+        self._declared = lattice or reduction.lattice
+        self._numbers = dict(numbers)
+        self._is_displacement = reduction.is_displacement
+        self.power = scaling.amplitude + self._space.exponent * self._is_displacement
+        self.slow = scaling.time
+        self._frame = float(scaling.speed.xreplace(self._values))
+        self._direction = [float(step.xreplace(self._values)) for step in self._space.direction]
+        self.speed = self._frame / self._direction[0]
+        self.lattice = self.strained((0.0,) * self._declared.dimension)
+        self._planar: PlanarFields | None = None
+        self.correction = self._correction(interval) if order == "corrected" else None
+        if reduction.pde.transverse:
+            self._planar = PlanarFields(reduction, self._values, cast(PlanarWave, wave), eps)
+            return
+        self._series = [
+            (with_numbers(place, self._values, eps), with_numbers(change, self._values, eps))
+            for place, change in FieldSeries(reduction, order).fields
+        ]
+
+    def strained(self, mean_strain: tuple[float, ...]) -> NumericLattice:
+        """The lattice about this uniform strain."""
+        small = {EPS: self._values[EPS]}
+        bonds = tuple(
+            replace(bond, force=bond.force.xreplace(small)) for bond in self._declared.bonds
+        )
+        lattice = replace(self._declared, bonds=bonds)
+        lattice = lattice.with_losses() if lattice.has_losses else lattice
+        known = {str(symbol) for symbol in lattice.constants}
+        given = {name: value for name, value in self._numbers.items() if name in known}
+        defined = {str(s): self._values[s] for s, _ in self.reduction.lattice.definitions}
+        given |= {name: value for name, value in defined.items() if name in known}
+        used = mean_strain if any(mean_strain) else ()
+        return numeric_lattice(lattice, given, used, self.growth_shares)
+
+    @cached_property
+    def growth_shares(self) -> tuple[float, ...]:
+        """The shares of the fields in the wave, which alone grows from cell to cell."""
+        shares = (share for share, _ in self.reduction.slaved.values())
+        return tuple(float(share.as_expr().xreplace(self._values)) for share in shares)
+
+    def _correction(self, interval: tuple[float, float] | None) -> FirstCorrection:
+        reduction, powers = self.reduction, sorted(self.reduction.corrections)
+        if not powers:
+            ended = reduction.obstruction
+            why = (
+                f"its reduction to a one-way equation ends at eps^{ended[0]}, with a term that is "
+                "no X-derivative"
+                if ended
+                else f"none was derived through eps^{reduction.highest_order}"
+            )
+            raise ValueError(
+                f"order must be leading or slaved for {reduction.lattice.name}, got 'corrected' "
+                f"({why})"
+            )
+        flow, further = (
+            with_numbers(polynomial, self._values)
+            for polynomial in (reduction.pde.flow, reduction.corrections[powers[0]])
+        )
+        if interval is not None:
+            return FirstCorrection(flow, further, self.wave, powers[0], interval, repeats=True)
+        low, high = wave_ends(lambda X: self._profile(X, 0.0))
+        if math.isinf(low):
+            raise ValueError(
+                "interval must be given for the correction of a wave that does not end, got None "
+                "(whole periods of X, or many times its width)"
+            )
+        if not low < high:
+            raise ValueError(
+                f"wave must be wide enough for its correction, got one between X = {low:g} and "
+                f"{high:g} (take a smaller kappa)"
+            )
+        middle, half = (low + high) / 2.0, MARGIN * (high - low) / 2.0
+        return FirstCorrection(flow, further, self.wave, powers[0], (middle - half, middle + half))
+
+    def crest(self, t: float) -> float | None:
+        """The first quantity at a soliton's crest by the law of its losses."""
+        if not isinstance(self.wave, DampedSoliton):
+            return None
+        share = self.growth_shares[0] * (self._direction[0] if self._is_displacement else 1.0)
+        height = self.wave.crest(self.slow_time(t))
+        return float(self.uniform()[0] + share * self.scale * height)
+
+    def slow_time(self, t: float) -> float:
+        """T at the time t."""
+        return float(self.eps**self.slow * t)
+
+    def slow_place(self, cells: ArrayLike, t: float) -> Array:
+        """X at cells and a time."""
+        places = np.asarray(cells, dtype=np.float64)
+        axes = places if len(self._direction) > 1 else places[np.newaxis]
+        along = sum(step * axis for step, axis in zip(self._direction, axes, strict=True))
+        return np.asarray(self.eps**self._space.exponent * (along - self._frame * t))
+
+    def start(self, t: float) -> None:
+        """Let the corrected wave be the closed form at this time; nothing for other orders."""
+        if self.correction is not None:
+            self.correction.start(self.slow_time(t))
+
+    def state(self, cells: ArrayLike, t: float) -> tuple[Array, Array]:
+        """Fields and their time derivatives, (fields, *sites)."""
+        if self._planar is not None:
+            return self._planar.state(cells, t)
+        places, rates = zip(*self._series, strict=True)
+        f, v = self._valued([places, rates], cells, t)
+        return f, v
+
+    def _valued(
+        self, groups: Sequence[Sequence[JetPolynomial]], cells: ArrayLike, t: float
+    ) -> list[Array]:
+        """The values of groups of polynomials in the unknown, each (polynomials, *sites).
+
+        Jets are made for `PIECE` cells at a time, of which they take many times the memory.
+        """
+        place, T = self.slow_place(cells, t), self.slow_time(t)
+        X = place.ravel()
+        highest = max(polynomial.highest for group in groups for polynomial in group)
+        W = self._displacement(X, T) if self._is_displacement else None
+        found = [np.empty((len(group), X.size)) for group in groups]
+        for first in range(0, X.size, PIECE):
+            piece = slice(first, first + PIECE)
+            jets = self._unknown(X[piece], T, highest, None if W is None else W[piece])
+            for values, group in zip(found, groups, strict=True):
+                for row, polynomial in zip(values, group, strict=True):
+                    row[piece] = polynomial(jets)
+        return [values.reshape(-1, *place.shape) for values in found]
+
+    def strain(self, cells: ArrayLike, t: float) -> Array:
+        """The fields of strains; of displacements what they grow by along each axis of the wave."""
+        if not self._is_displacement:
+            return self._fields(cells, t)
+        n = np.asarray(cells, dtype=np.float64)
+        if n.ndim == 1 and n.size > PIECE and np.all(np.diff(n) == 1.0):
+            return np.diff(self._fields(np.append(n, n[-1] + 1.0), t))
+        here = self._fields(cells, t)
+        rows = []
+        for axis in self._axes:
+            step = np.zeros(len(self._direction))
+            step[axis] = 1.0
+            places = np.asarray(cells, dtype=np.float64)
+            shift = step.reshape(-1, *(1,) * (places.ndim - 1)) if step.size > 1 else step[0]
+            rows.append(self._fields(places + shift, t) - here)
+        return np.concatenate(rows)
+
+    def _fields(self, cells: ArrayLike, t: float) -> Array:
+        """The fields without their rates."""
+        if self._planar is not None:
+            return self._planar.state(cells, t)[0]
+        return self._valued([[place for place, _ in self._series]], cells, t)[0]
+
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """What displacements grow by along the axes that the wave moves on, or the strains."""
+        if not self._is_displacement:
+            return super().quantities
+        here = (0,) * self.lattice.dimension
+        next_cells = (tuple(int(at == axis) for at in range(len(here))) for axis in self._axes)
+        return tuple(
+            f"{place_text(name, there)} - {place_text(name, here)}"
+            for there in next_cells
+            for name in self.lattice.fields
+        )
+
+    def measured(self, f: ArrayLike, mean_strain: tuple[float, ...]) -> Array:
+        """The same from the periodic parts of the fields on a ring with this mean strain."""
+        fields = np.asarray(f, dtype=np.float64)
+        if not self._is_displacement:
+            return fields
+        shares = np.reshape(self.growth_shares, (-1, *(1,) * (fields.ndim - 1)))
+        rows = [
+            np.roll(fields, -1, 1 + axis) - fields + shares * mean_strain[axis]
+            for axis in self._axes
+        ]
+        return np.concatenate(rows)
+
+    def uniform(self) -> Array:
+        """The uniform strain that the wave is added to."""
+        mean = sum(
+            self.eps**power * float(value.xreplace(self._values))
+            for power, value in self.reduction.scaling.background
+        )
+        return np.full(self._quantities, mean)
+
+    def background(self, cells: ArrayLike, t: float) -> Array:
+        """The uniform strain, with the bare wave that the wave deviates from, to leading order."""
+        X = self.slow_place(cells, t)
+        found = np.add.outer(self.uniform(), np.zeros(X.shape))
+        if self._planar is None:
+            bare = self.eps**self.power * self.wave.background(X, self.slow_time(t)).Y
+            steps = [self._direction[axis] for axis in self._axes] if self._is_displacement else [1]
+            shares = np.multiply.outer(steps, self.growth_shares).ravel()
+            found += np.multiply.outer(shares, bare)
+        return found
+
+    def mean_strain(self, cells: Array, t: float) -> tuple[float, ...]:
+        """What displacements grow by in a cell, on average over a ring of these cells.
+
+        Of a wave in two dimensions, what it grows by from end to end is averaged over the ends.
+        """
+        if not self._is_displacement:
+            return (0.0,) * self.lattice.dimension
+        places = cells if len(self._direction) > 1 else cells[np.newaxis]
+        slopes = [0.0] * len(self._direction)
+        shares = self.growth_shares
+        leader = next(j for j, share in enumerate(shares) if share)
+        for axis in self._axes:
+            first, last = (np.take(places, [end], 1 + axis) for end in (0, -1))
+            last[axis] += 1.0
+            low, high = (
+                self._fields(end if len(slopes) > 1 else end[0], t) for end in (first, last)
+            )
+            grown = float(np.mean(high[leader] - low[leader])) / shares[leader]
+            slopes[axis] = grown / places.shape[1 + axis]
+        return tuple(slopes)
+
+    def support(self, t: float) -> tuple[float, float]:
+        """The cells between which there is a wave; infinite where it does not end."""
+        T = self.slow_time(t)
+        low, high = wave_ends(lambda X: self._profile(X, T))
+        unit = self._direction[0] * self.eps**self._space.exponent
+        ends = sorted((X / unit + self.speed * t) for X in (low, high))
+        return ends[0], ends[1]
+
+    def seam_room(self, t: float) -> int:
+        """Half a kink's width: where strains to its left and right met at once, they overshot."""
+        low, high = self.support(t)
+        if not self._is_displacement or len(self._direction) > 1 or math.isinf(high - low):
+            return 0
+        left, right = self.strain(np.array([low, high]), t)[0]
+        return math.ceil((high - low) / 2.0) if abs(right - left) > FLAT * self.scale else 0
+
+    def _profile(self, X: Array, T: float) -> Array:
+        """The wave along X, where Z is 0."""
+        if self._planar is not None:
+            return cast(PlanarWave, self.wave)(X, T, Z=0.0).Y
+        return self.wave.jets(X, T, 0)[0]
+
+    @cached_property
+    def _axes(self) -> list[int]:
+        return [axis for axis, step in enumerate(self._direction) if step]
+
+    @property
+    def _quantities(self) -> int:
+        return len(self.lattice.fields) * (len(self._axes) if self._is_displacement else 1)
+
+    def _unknown(self, X: Array, T: float, highest: int, W: Array | None) -> Array:
+        """The jets that the series are written in: of W, which is given, or of Y."""
+        if W is None:
+            return self._corrected(self.wave.jets(X, T, highest), X, T, highest)
+        jets = np.empty((highest + 1, *X.shape))
+        jets[0] = W
+        if highest:
+            found = self.wave.jets(X, T, highest - 1)
+            jets[1:] = self._corrected(found, X, T, highest - 1)
+        return jets
+
+    def _displacement(self, X: Array, T: float) -> Array:
+        """W with ``W_X = Y``."""
+        W = self.wave.antiderivative(X, T)
+        if self.correction is not None:
+            W = W + self._share * self.correction.antiderivative(X, T)
+        return W
+
+    def _corrected(self, jets: Array, X: Array, T: float, highest: int) -> Array:
+        if self.correction is None:
+            return jets
+        return np.asarray(jets + self._share * self.correction.jets(X, T, highest))
+
+    @property
+    def _share(self) -> float:
+        assert self.correction is not None
+        return float(self.eps**self.correction.power)
+
+
+SAMPLES = 4097
+"""Of a wave where its ends are looked for."""
+
+MARGIN = 3.0
+"""The interval of a correction, in units of the wave's."""
+
+
+def wave_ends(profile: Callable[[Array], Array]) -> tuple[float, float]:
+    """The places in X between which a function of X changes; infinite if it does not end."""
+    reach = 1.0
+    while reach <= FARTHEST:
+        X = np.linspace(-2.0 * reach, 2.0 * reach, SAMPLES)
+        Y = profile(X)
+        left, right = np.abs(Y - Y[0]), np.abs(Y - Y[-1])
+        level = FLAT * max(float(left.max()), float(right.max()))
+        risen, fallen = np.flatnonzero(left > level), np.flatnonzero(right > level)
+        if risen.size and fallen.size and -reach <= X[risen[0]] and X[fallen[-1]] <= reach:
+            return float(X[risen[0]]), float(X[fallen[-1]])
+        reach *= 2.0
+    return -math.inf, math.inf
+
+
+class FieldSeries:
+    """Each field and its time derivative as series in eps of polynomials in X-jets of the unknown.
+
+    The unknown is W on a lattice of displacements, Y on one of strains.
+    """
+
+    def __init__(self, reduction: Reduction, order: str) -> None:
+        self._reduction = reduction
+        series = next(iter(reduction.slaved.values()))[1]
+        self._field, self._limit = series.field, series.limit
+        self._expansion = Expansion(reduction.lattice, reduction.scaling, self._limit, self._field)
+        self._order = order
+        self._elimination = TimeElimination(self._flow(), len(reduction.scaling.axes))
+
+    @property
+    def fields(self) -> list[tuple[EpsSeries, EpsSeries]]:
+        """For each field itself and its time derivative."""
+        found = []
+        for share, slaved in self._reduction.slaved.values():
+            field = share * self._expansion.ansatz()
+            field = field if self._order == "leading" else field + slaved
+            moved = field.apply(self._expansion.time_derivative)
+            found.append((self._elimination.series(field), self._elimination.series(moved)))
+        return found
+
+    def _flow(self) -> EpsSeries:
+        """T-derivative of the unknown: of Y as the reduction has it, of W its antiderivative.
+
+        A correction that has no local antiderivative is left out: it would change the velocity of
+        displacements at its power and that of d/dT, which is of the next correction's size.
+        """
+        flows = {0: self._reduction.pde.flow}
+        if self._order == "corrected":
+            power = min(self._reduction.corrections)
+            flows[power] = self._reduction.corrections[power]
+        if self._reduction.is_displacement:
+            found = {power: _of_displacement(flow) for power, flow in flows.items()}
+            if found[0] is None:
+                raise ValueError("the reduced equation must be a conservation law of the strain")
+            flows = {power: flow for power, flow in found.items() if flow is not None}
+        return EpsSeries(self._field, self._limit, flows)
+
+
+def _of_displacement(flow: DifferentialPolynomial) -> DifferentialPolynomial | None:
+    """W_T, from Y_T as a polynomial in jets of Y = W_X; None if it is not local."""
+    items = ((tuple(sorted(raised(j, 0) for j in m)), value) for m, value in flow.terms.items())
+    return DifferentialPolynomial.collect(flow.field, items).antiderivative()
+
+
+class PlanarWave(Protocol):
+    """A solution of a reduced equation with Z, such as a `solutions.Wave` of KP."""
+
+    def potential(self, X: ArrayLike, T: ArrayLike, *, Z: ArrayLike) -> PlanarValues:
+        """W with ``W_X = Y``, and its derivatives."""
+
+    def __call__(self, X: ArrayLike, T: ArrayLike, *, Z: ArrayLike) -> PlanarValues:
+        """Y and its derivatives."""
+
+
+class PlanarFields:
+    """The one field of a wave with a slow variable across, and its time derivative.
+
+    That is not local in jets: it is by the chain rule through X, Z and T.
+
+    Raises ValueError for more than one field: those that follow are not evaluated across.
+    """
+
+    def __init__(
+        self, reduction: Reduction, values: Mapping[Symbol, Expr], wave: PlanarWave, eps: float
+    ) -> None:
+        scaling = reduction.scaling
+        if len(reduction.slaved) > 1 or len(scaling.space) != 2:
+            raise ValueError(
+                "a wave with a variable across must be one of one field and one such variable, got "
+                f"{len(reduction.slaved)} fields and {len(scaling.space) - 1} variables "
+                f"({reduction.lattice.name})"
+            )
+        self._wave, self._is_displacement = wave, reduction.is_displacement
+        self._amplitude = eps**scaling.amplitude
+        self._unit = eps**scaling.time
+        self._frames = [
+            (
+                eps**variable.exponent,
+                [float(step.xreplace(values)) for step in variable.direction],
+                float(variable.speed.xreplace(values)),
+            )
+            for variable in scaling.space
+        ]
+
+    def state(self, cells: ArrayLike, t: float) -> tuple[Array, Array]:
+        """The field and its time derivative, (1, *sites)."""
+        axes = np.asarray(cells, dtype=np.float64)
+        X, Z = (
+            unit * (sum(d * axis for d, axis in zip(steps, axes, strict=True)) - speed * t)
+            for unit, steps, speed in self._frames
+        )
+        ask = self._wave.potential if self._is_displacement else self._wave
+        values = ask(X, self._unit * t, Z=Z)
+        (along, _, c), (across, _, drift) = self._frames
+        moved = self._unit * values.Y_T - along * c * values.Y_X - across * drift * values.Y_Z
+        return self._amplitude * values.Y[None], self._amplitude * moved[None]

@@ -1,0 +1,82 @@
+"""Catches: a ring on which a carrier does not close, and its blow-up told of the lattice."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from longwave.lattice.state import BlowUp
+from longwave.scenes.description.scene import Scene
+from longwave.scenes.engines import ring_runs, run
+from longwave.scenes.engines.lattice_run import wave_rings
+from longwave.scenes.starts.lattice_derivation import lattice_wave
+
+SOFT = Scene.of(
+    name="soft",
+    lattice="klein_gordon",
+    constants={"K2": 0.91, "g1": 1, "g2": 0, "g3": -1},
+    eps=0.5,
+    wave="nls_plane",
+    parameters={"A": 1},
+    carrier="pi",
+    order="slaved",
+    times=[0, 100],
+    compared=3,
+    tolerance=1e-3,
+)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("order", ["slaved", "leading"])
+def test_neighbours_that_move_against_each_other_do_so_all_round_the_ring(order: str) -> None:
+    """Against the equation of one of them, by SciPy; it blew up at the seam of an odd ring."""
+    scene = SOFT.changed(order=order)
+    found = run(scene)
+    f, v = (float(values[0, 0]) for values in lattice_wave(scene).state(np.zeros(1), 0.0))
+    exact = solve_ivp(
+        lambda _, y: [y[1], -(4 * 0.91 + 1) * y[0] + y[0] ** 3],
+        (0.0, 100.0), [f, v], "DOP853", rtol=1e-12, atol=1e-14,
+    ).y[0, -1]  # fmt: skip
+    middle = float(found.strain[-1].sel(site=0))
+    assert not found.attrs["blow_up"]
+    assert abs(middle - exact) < 0.5 * found.attrs["error_estimate"] <= 0.5e-3
+
+
+@pytest.mark.parametrize(
+    "k",
+    [
+        *("pi", "pi/2", "2*pi/3", "3*pi/4"),
+        *(pytest.param(k, marks=pytest.mark.slow) for k in ("3*pi/5", "5*pi/12", "7*pi/9")),
+    ],
+)
+def test_rings_are_commensurate_with_carriers_that_can_be(k: str) -> None:
+    _, rings = wave_rings(SOFT.changed(carrier=k, times=[0, 3]))
+    for wider in (0, ring_runs.WIDER):
+        ends = rings.ends(wider)
+        [(low, high)], [(_, least)] = ends, rings.plain_ends(wider)
+        assert rings.gaps(ends)[0] < 1e-9
+        assert least <= high < least + ring_runs.FITTING
+        turns = (high + 1 - low) * float(lattice_wave(SOFT.changed(carrier=k)).carrier.k)
+        assert abs(turns / (2 * np.pi) - round(turns / (2 * np.pi))) < 1e-9
+
+
+def test_a_carrier_that_closes_on_no_ring_does_so_as_well_as_it_can() -> None:
+    found = run(SOFT.changed(carrier=3))
+    assert not found.attrs["blow_up"]
+    _, rings = wave_rings(SOFT.changed(carrier=3, times=[0, 3]))
+    assert rings.gaps(rings.ends())[0] < 0.1 * rings.gaps(rings.plain_ends(0))[0]
+
+
+@pytest.mark.slow
+def test_what_blows_up_at_a_seam_is_told_as_from_there(monkeypatch: pytest.MonkeyPatch) -> None:
+    _, rings = wave_rings(SOFT.changed(times=[0, 3]))
+    closed = rings.ends()
+    torn = [(closed[0][0], closed[0][1] + 1)]
+    found = BlowUp("the fields are not finite", 2.0, torn[0][0] + 1)
+    assert rings.located(found, torn).from_seam == 1
+    assert "and not the lattice" in str(rings.located(found, torn))
+    assert rings.located(found, closed).from_seam is None
+    far = BlowUp("the fields are not finite", 0.01, (torn[0][0] + torn[0][1]) // 2)
+    assert rings.located(far, torn).from_seam is None
+    monkeypatch.setattr(ring_runs, "FITTING", 1)
+    told = run(SOFT).attrs["blow_up"]
+    assert "from the ring's seam" in told
