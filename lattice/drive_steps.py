@@ -50,18 +50,19 @@ def drive_steps(
 
     ``tolerance`` is that of the velocities that drives give.
     """
-    stops, spans = [np.zeros(0)], [np.zeros((2, 0))]
+    stops, spans, missed = [np.zeros(0)], [np.zeros((2, 0))], 0.0
     for value in drives:
         formula = value.slope if isinstance(value, Integral) else value
         if isinstance(formula, ForceProgram) and isinstance(scheme, DriftKick) and begin < end:
-            step, found = _followed(formula, begin, end, step, scheme, tolerance)
+            step, found, off = _followed(formula, begin, end, step, scheme, tolerance)
             if found.size:
+                missed += off
                 stops.append(np.unique(found))
                 spans.append(_joined(*found))
     own = np.unique(np.concatenate(stops))
     followed = _joined(*np.concatenate(spans, axis=1))
     within, turns = looked_at(drives, begin, end, followed)
-    return DriveSteps(step, own[(begin < own) & (own < end)], turns), within
+    return DriveSteps(step, own[(begin < own) & (own < end)], turns, missed), within
 
 
 @lru_cache(maxsize=16)
@@ -81,14 +82,17 @@ def _followed(
     step: float,
     scheme: DriftKick,
     tolerance: float,
-) -> tuple[float, Array]:
-    """The step at most times, and the panels, (2, panels), that are followed with shorter ones."""
+) -> tuple[float, Array, float]:
+    """Return the step at most times, and the panels, (2, panels), followed with shorter ones.
+
+    And the sum of what the scheme's stages miss of the integral on each of these panels.
+    """
     exact, nothing = _exact(formula, begin, end), np.zeros((2, 0))
     if exact is None or not np.isfinite(exact.sums).all():
-        return step, nothing
+        return step, nothing, 0.0
     count = max(2, math.ceil((end - begin) / step))
     if count > MOST_HALVED:
-        return step, nothing
+        return step, nothing, 0.0
     inner = begin + (end - begin) * (np.arange(1, count - 1) + ASIDE) / count
     edges = np.concatenate([[begin], inner, [end]])
     allowed = FOLLOWED * tolerance
@@ -99,9 +103,21 @@ def _followed(
         if lengths[short].sum() <= SHORT * (end - begin):
             found = _halved(exact, panels[:, short], allowed, scheme)
             if found.shape[1] <= MOST_STOPS:
-                return bound, found
+                return bound, found, float(_missed(exact, found[0], found[1], scheme).sum())
         bound /= 2.0
-    return bound, nothing
+    return bound, nothing, 0.0
+
+
+def _missed(exact: Integral, low: Array, high: Array, scheme: DriftKick | None) -> Array:
+    """Return how far Gauss's rule, or a scheme's stages, are off the integral on each panel."""
+    if scheme is None:
+        found = integrated(exact.slope, low, high)
+    else:
+        nodes = np.cumsum(scheme.drifts)[:-1]
+        with np.errstate(all="ignore"):
+            found = exact.slope(np.add.outer(low, 0.0 * nodes) + np.outer(high - low, nodes))
+        found = (high - low) * (found @ scheme.kicks)
+    return np.asarray(np.abs(found - exact(high) + exact(low)))
 
 
 def _halved(exact: Integral, panels: Array, allowed: float, scheme: DriftKick | None) -> Array:
@@ -110,14 +126,7 @@ def _halved(exact: Integral, panels: Array, allowed: float, scheme: DriftKick | 
     rounding = ROUNDING * float(np.abs(exact.sums).max())
     while panels.size and count <= MOST_HALVED:
         low, high = panels
-        if scheme is None:
-            found = integrated(exact.slope, low, high)
-        else:
-            nodes = np.cumsum(scheme.drifts)[:-1]
-            with np.errstate(all="ignore"):
-                found = exact.slope(np.add.outer(low, 0.0 * nodes) + np.outer(high - low, nodes))
-            found = (high - low) * (found @ scheme.kicks)
-        apart = np.abs(found - exact(high) + exact(low))
+        apart = _missed(exact, low, high, scheme)
         rough = ~(apart <= exact.rounding(low, high) + rounding + allowed)
         rough |= exact.hides(low, high, allowed)
         rough &= high - low > 2.0 * LEAST_PANEL * np.maximum(np.abs(low), np.abs(high))

@@ -295,6 +295,7 @@ class CellRingEngine(StepSearch):
         opens = opens or driven.turns
         order = min(scheme.order, ORDER_AT_OPENINGS) if opens else scheme.order
         self._most_kept = KEPT_AT_OPENINGS if opens else 1.0
+        self._missed = driven.missed * tolerance / self._push
         if driven.stops.size:
             stops = np.append(stops[0], np.union1d(stops[1:], driven.stops))
         super().__init__(order, driven.step, stops, state.size)
@@ -372,6 +373,7 @@ class CellRingEngine(StepSearch):
                 self.dynamics.largest(stepper.ranges), stepper.steps * self.scheme.stages
             ),
             (stepper.blow_up, stepper.steps, f, v),
+            common_error=self._missed,
             shown=False,
         )
 

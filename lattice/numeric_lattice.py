@@ -100,11 +100,12 @@ class NumericBond:
 @dataclass(frozen=True)
 class DriveSteps:
     """The longest ``step`` at all times, ``stops`` at which steps end, whether a drive has corners
-    beside them."""
+    beside them, and what integrals of drives between the stops are off by."""
 
     step: float
     stops: Array
     turns: bool
+    missed: float = 0.0
 
 
 @dataclass(frozen=True)

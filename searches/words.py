@@ -293,8 +293,9 @@ class Judgement:
         return self.faults
 
     def _look_at_proof(self, verdict: StatementVerdict) -> None:
-        sites = {line.partition("the site n = ")[2] for line in verdict.singularities}
-        rough = any(" where " in line for line in verdict.singularities)
+        words = (*verdict.singularities, verdict.sides)
+        sites = {*re.findall(r"(?:the site|apart from|,) n = (-?\d+)", " ".join(words))}
+        rough = any(" where " in line for line in verdict.singularities) or " more" in verdict.sides
         for point in [*self.points(self.typed), *self._sites()]:
             if self.typed.holds(point):
                 continue

@@ -156,8 +156,17 @@ class _Finder:
         if self._moves(argument) and not right:
             yield Seam(f"{part}({self._text(argument)}) = 0", False)
 
-    def _zero(self, argument: FormulaTree) -> Iterator[Seam]:
-        """Yield where a formula is 0, if it contains a variable and may be 0."""
+    def _zero(self, argument: FormulaTree, line: str = "") -> Iterator[Seam]:
+        """Yield where a formula is 0, if it contains a variable and may be 0.
+
+        A product is 0 where one of its factors is. ``line`` is said of the whole of it.
+        """
+        line = line or corner_line(argument)
+        match argument:
+            case Product(parts=factors) | Call(name="abs" | "sign", parts=factors):
+                for factor in factors:
+                    yield from self._zero(factor, line)
+                return
         value = self._value(argument)
         if not self._moves(argument) or (value is not None and self._is_nonzero(value)):
             return
@@ -169,7 +178,7 @@ class _Finder:
         if value is not None and len(place) > LONGEST:
             place = f"{abbreviated(value, DEPTH)} = 0"
         if place:
-            yield Seam(place, at_sites, corner_line(argument))
+            yield Seam(place, at_sites, line)
 
     def _solved(self, argument: FormulaTree) -> str | None:
         """Return ``x = ...`` for a polynomial of degree 1 in x; "" where no real x or site is."""

@@ -154,3 +154,12 @@ def test_the_peakons_of_the_library_carry_them(name: str) -> None:
     verdict = decide_statement(text.problem().statement)
     assert verdict.outcome == "PROVED"
     assert verdict.restriction == f"on each side of {PEAKONS[name]}{ACROSS}"
+
+
+def test_a_product_is_0_where_a_factor_is() -> None:
+    """Catches: "each side of n*t = 0" of a lattice, whose site n = 0 was not named."""
+    statement = read_statement("u[n+1] + u[n]", "u = (-1)**n*abs(sign(n*t))**2", "", "t < 0")
+    verdict = decide_statement(statement)
+    assert verdict.sides == "apart from n = 0, n = -1, nothing said of them"
+    places = [seam.place for seam in seams(read_statement("u_xx", "u = sign((x - 1)*sign(x*t))"))]
+    assert places == ["x = 1", "x = 0", "t = 0"]
