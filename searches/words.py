@@ -294,12 +294,13 @@ class Judgement:
 
     def _look_at_proof(self, verdict: StatementVerdict) -> None:
         words = (*verdict.singularities, verdict.sides)
-        sites = {*re.findall(r"(?:the site|apart from|,) n = (-?\d+)", " ".join(words))}
+        named = {*re.findall(r"(?:at|the site|apart from|,) (\w+) = (-?\d+)", " ".join(words))}
         rough = any(" where " in line for line in verdict.singularities) or " more" in verdict.sides
         for point in [*self.points(self.typed), *self._sites()]:
             if self.typed.holds(point):
                 continue
-            if not ("n" in point and (str(int(point["n"])) in sites or rough)):
+            at = {(name, str(int(point[name]))) for name in {"n", "k"} & point.keys()}
+            if not (at & named or ("n" in point and rough)):
                 self.faults.append(f"PROVED, but it fails at {_shown(point)}")
 
     def _sites(self) -> Iterator[Point]:

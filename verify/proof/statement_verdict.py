@@ -7,6 +7,7 @@ equality of its residual with 0: the formulas are put in and differentiated by S
 
 from __future__ import annotations
 
+import re
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
@@ -412,10 +413,27 @@ def verified_sentence(statement: Statement, verdict: StatementVerdict) -> str:
         only = f", {restriction}," if restriction else ""
         heading = f"We verified (certificate {digests}) that{only}"
         verb, last = "satisfies", f"{scope_latex(statement)} at which it is smooth."
-        sites = [line.partition("at the site ")[2] for line in verdict.singularities]
-        if sites := [rf"${site}$" for site in sites if site]:
-            last = f"{last[:-1]}; nothing is said at {', '.join(sites)}."
+        if places := _corners_latex(verdict.singularities):
+            last = f"{last[:-1]}; nothing is said at {', '.join(places)}."
     return f"{heading}\n\\[ {formulas} \\]\n{verb}\n\\[ {equations} \\]\n{last}"
+
+
+def _corners_latex(lines: Sequence[str]) -> list[str]:
+    """Return the places of jumps and corners, where formulas have values, as equations in LaTeX."""
+    found = []
+    for line in lines:
+        if place := re.fullmatch(r"jump or corner (?:at the site|at|where) (.*) = (.*)", line):
+            sides = map(_shown_latex, place.groups())
+            found.append(f"${' = '.join(sides)}$")
+    return found
+
+
+def _shown_latex(text: str) -> str:
+    """Return a formula in LaTeX; one with dots in it as it is."""
+    if "..." in text:
+        escaped = text.replace("_", r"\_")
+        return rf"\texttt{{{escaped}}}"
+    return formula_latex(tree_of(text))
 
 
 def _values_latex(statement: Statement, witness: Mapping[str, str]) -> Iterator[str]:

@@ -49,11 +49,12 @@ def typed_places(statement: Statement) -> tuple[str, ...]:
         solutions={name: mapped(formula, _smooth) for name, formula in trees.solutions.items()},
         definitions={name: mapped(formula, _smooth) for name, formula in trees.definitions.items()},
     )
+    variables = {str(variable) for variable in statement.variables}
     found = [
         line
         for equation in trees.equations
         for node in typed_nodes(replace(statement, trees=trees), equation)
-        for line in _lines(node, signs, domains)
+        for line in _lines(node, signs, domains, variables)
     ]
     if names := ", ".join(statement.complexes):
         found.append(f"poles and branch points where {names} is not real")
@@ -69,7 +70,7 @@ def _smooth(node: FormulaTree) -> FormulaTree | None:
     return None
 
 
-def _lines(node: Typed, signs: DomainSigns, domains: Domains) -> Iterator[str]:
+def _lines(node: Typed, signs: DomainSigns, domains: Domains, variables: set[str]) -> Iterator[str]:
     for words, argument in rough_places(node.plain, signs):
         part = node.tree if argument is None else node.tree.inner()[argument]
         sites = _sites(node.plain.args[argument], domains) if words.endswith(ZERO) else None
@@ -77,8 +78,9 @@ def _lines(node: Typed, signs: DomainSigns, domains: Domains) -> Iterator[str]:
             part = _base(part) if words.endswith(ZERO) else part
             yield words.format(plain_text(_shallow(part, DEPTH)))
             continue
-        for site in sites:
-            yield words.removesuffix(ZERO).replace("where", f"at the site {site}")
+        for place in sites:
+            at = "at the site" if place.partition(" ")[0] in variables else "at"
+            yield words.removesuffix(ZERO).replace("where", f"{at} {place}")
 
 
 ZERO = " {} = 0"

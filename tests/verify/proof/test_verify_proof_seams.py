@@ -163,3 +163,20 @@ def test_a_product_is_0_where_a_factor_is() -> None:
     assert verdict.sides == "apart from n = 0, n = -1, nothing said of them"
     places = [seam.place for seam in seams(read_statement("u_xx", "u = sign((x - 1)*sign(x*t))"))]
     assert places == ["x = 1", "x = 0", "t = 0"]
+
+
+@pytest.mark.parametrize(
+    ("solution", "parameters", "line", "sentence"),
+    [
+        ("-x*sign(k - 3)**2", "k: integer", "at k = 3", "nothing is said at $k = 3$."),
+        ("-x*sign(m**2 - 3)**2", "", "where m**2 - 3 = 0", "nothing is said at $m^{2} - 3 = 0$."),
+    ],
+)
+def test_values_of_parameters_at_which_a_formula_jumps_are_named(
+    solution: str, parameters: str, line: str, sentence: str
+) -> None:
+    """Catches: a sentence in LaTeX "for all real m", and "the site k = 3" of a parameter."""
+    statement = read_statement("u_x + 1", f"u = {solution}", parameters)
+    verdict = decide_statement(statement)
+    assert verdict.singularities == (f"jump or corner {line}",)
+    assert verified_sentence(statement, verdict).endswith(sentence)
