@@ -27,6 +27,9 @@ UNREAD = b"This is a netCDF dimension but not a netCDF variable."
 DEFLATE, SHUFFLE, CHECKSUM = 1, 2, 3
 """Filters of the library's own; each once, as two that shrink would shrink by their product."""
 
+SINGLE = 4
+"""Bytes of the shortest floating-point number that NetCDF has; pandas warns of shorter ones."""
+
 OBJECT, COPIES = 64, 8
 """Bytes that a text in memory takes beside its letters, and those that a letter takes while the
 libraries make texts (5.8 were measured); in a file that was written here each letter is there."""
@@ -131,6 +134,8 @@ class _Look:
         of, h5t = kind.get_class(), h5py.h5t
         if of not in (h5t.INTEGER, h5t.FLOAT, h5t.STRING, h5t.ENUM):
             raise ValueError(f"{thing.name} is of no numbers and no texts")
+        if of == h5t.FLOAT and kind.get_size() < SINGLE:
+            raise ValueError(f"{thing.name} is of numbers of {kind.get_size()} bytes")
         if self._leaves_lengths and of != h5t.STRING and _is_unread(thing):
             return
         places = prod(thing.shape or ())

@@ -22,6 +22,7 @@ import numpy as np
 
 from longwave.runs.hdf_contents import check_contents
 from longwave.support.atomic_file import write_atomically
+from longwave.support.user_files import reason_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -127,7 +128,17 @@ def _looked_through(stream: BinaryIO, size: int, opened: ExitStack) -> xr.Datase
     held = opened.enter_context(
         h5netcdf.File(file, "r", phony_dims="access", decode_vlen_strings=True)
     )
+    _check_shapes(held, file)
     return xr.open_dataset(H5NetCDFStore(held), decode_times=False, mask_and_scale=False)
+
+
+def _check_shapes(held: Any, file: Any) -> None:
+    """Refuse an array that is shorter than its dimensions: h5netcdf fills it up to any length."""
+    for name, variable in held.variables.items():
+        if variable.shape != file[name].shape:
+            raise ValueError(
+                f"{name} has the shape {file[name].shape}, its dimensions {variable.shape}"
+            )
 
 
 def scene_of_run(run: xr.Dataset) -> Scene:
@@ -211,8 +222,9 @@ def _check_coordinates(run: xr.Dataset) -> None:
 
 
 def _damaged(path: str | Path, error: Exception) -> ValueError:
-    reason = " ".join(str(error).split())[:150]
-    return ValueError(f"run must be a whole NetCDF-4 file, got {path}: {reason} ({REMEDY})")
+    return ValueError(
+        f"run must be a whole NetCDF-4 file, got {path}: {reason_of(error)} ({REMEDY})"
+    )
 
 
 def _encoding(run: xr.Dataset) -> dict[str, dict[str, Any]]:
@@ -236,6 +248,8 @@ def _encoded(run: xr.Dataset) -> xr.Dataset:
             dims, values = (*dims, PARTS), parts.reshape(*values.shape, 2)
         elif values.dtype.kind == "O":
             values = values.astype(str)  # as objects, xarray 2025.1 writes none
+        elif values.dtype == np.float16:
+            raise ValueError(f"{name} must be of a type that NetCDF has, got float16 (use float32)")
         variables[name] = xr.Variable(dims, values, attributes)
     coordinates = {name: variables.pop(name) for name in run.coords}
     return xr.Dataset(variables, coordinates, _plain(run.attrs))

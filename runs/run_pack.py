@@ -33,6 +33,7 @@ from longwave.support.sealed_file import (
     open_plain,
     write_sealed,
 )
+from longwave.support.user_files import reason_of
 
 if TYPE_CHECKING:
     import h5py
@@ -329,7 +330,7 @@ def open_pack(path: Path) -> Iterator[h5py.File]:
         try:
             file = h5py.File(stream)
         except OSError as error:
-            raise ValueError(f"{path} is no pack ({error})") from None
+            raise ValueError(f"{path} is no pack ({reason_of(error)})") from None
         with file:
             if not checked:
                 check_contents(file, state.st_size, deepest=2)
@@ -361,7 +362,7 @@ def read_pack(path: Path) -> CellTable:
     except (FileNotFoundError, DamagedPackError):
         raise
     except Exception as error:  # what the library raises for such a file is not documented
-        raise ValueError(f"{path} is no pack ({error})") from None
+        raise ValueError(f"{path} is no pack ({reason_of(error)})") from None
 
 
 def is_pack(path: Path) -> bool:
@@ -413,4 +414,6 @@ def load_row(path: Path, group: int, row: int) -> xr.Dataset:
                 found[name] = (json.loads(held.attrs["dims"]), values_of(held[row]), texts)
             return xr.Dataset(data, coordinates, json.loads(held_group["attributes"][row]))
         except Exception as error:  # see read_pack
-            raise ValueError(f"a pack must hold whole runs, got {path}: {error}") from None
+            raise ValueError(
+                f"a pack must hold whole runs, got {path}: {reason_of(error)}"
+            ) from None

@@ -40,6 +40,7 @@ from longwave.runs.run_pack import (
 from longwave.support.atomic_file import not_stale
 from longwave.support.file_lock import locked
 from longwave.support.sealed_file import LOG, check_no_link, read_sealed, write_sealed
+from longwave.support.user_files import reason_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -239,7 +240,7 @@ def _kept_index(folder: Path) -> dict[str, tuple[PackStamp, CellTable]]:
         if np.any(np.diff(table.pack) < 0) or ends[0] != 0 or ends[-1] != len(table):
             raise ValueError("its rows are of other packs")
     except Exception as error:  # see run_pack.read_pack
-        LOG.warning("%s is no index: it is made anew (%s)", path, error)
+        LOG.warning("%s is no index: it is made anew (%s)", path, reason_of(error))
         return {}
     parts = (np.arange(*pair) for pair in pairwise(ends))
     return {

@@ -1,9 +1,10 @@
-"""Files in HDF5 of hostile structure, as runs, packs and indices: no foreign byte, little memory.
+"""Files of hostile structure, as runs, packs and checkpoints: no foreign byte, little memory.
 
-Each file is built from a whole one by a few changes of structure: arrays in other files, virtual
-ones, filters, links of all kinds, fill values of arrays of any size, texts of any length, names and
-attributes that h5netcdf knows. A reader must give what was written, or refuse in one line. Prints
-what it found; the exit status is 1 if there is anything.
+Each file is built from a whole one by a few changes of structure. In HDF5 these are arrays in other
+files, virtual ones, filters, links of all kinds, fill values of arrays of any size, texts of any
+length, names and attributes that h5netcdf knows; in a checkpoint they are changes of its JSON. A
+reader must give what was written, or refuse in one line, without a warning. Prints what it found;
+the exit status is 1 if there is anything.
 
     python -m searches.hdf_structures [--count 20000] [--seed 0]
 """
@@ -11,11 +12,13 @@ what it found; the exit status is 1 if there is anything.
 from __future__ import annotations
 
 import argparse
+import json
 import logging
 import shutil
 import sys
 import tempfile
 import time
+import warnings
 from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
@@ -25,18 +28,22 @@ from typing import Any, NamedTuple
 import h5py
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from longwave.runs.run_file import load_run, save_run
 from longwave.runs.run_pack import DONE, CellRecord, load_row, read_pack, write_pack
 from longwave.runs.store_packs import PACKS, pack_index
+from longwave.support.checkpoint import LOOP, CheckpointFolder, Memory
+from longwave.support.plain_data import HEAD
 from longwave.support.sealed_file import LOG, SEAL_LENGTH, write_sealed
+from searches.fuzz_mutations import changed_json, few
 from searches.peak_memory import peak_bytes, reset_peak
 
 SECRET = 666.0
 """The value that stands in files that nobody named."""
 
 SECONDS, MEGABYTES = 5.0, 200.0
-MOST_CHANGES = 3
+MOST_CHANGES, MOST_LINKS = 3, 500
 
 TEXT = h5py.string_dtype()
 NAMES = (
@@ -50,6 +57,10 @@ LISTS = ("DIMENSION_LIST", "REFERENCE_LIST")
 ATTRIBUTES = ("NAME", "CLASS", "DIMENSION_LIST", "REFERENCE_LIST", "_Netcdf4Dimid", "units")
 
 Change = Callable[[Any, Random, Path], None]
+Reader = Callable[[Path], list[NDArray[Any]]]
+
+STAMP, TASK = "stamp", "task"
+"""Run and loop of the checkpoints."""
 
 
 def _groups(file: Any) -> list[Any]:
@@ -116,6 +127,16 @@ def linked(file: Any, random: Random, secret: Path) -> None:
     )
 
 
+def linked_often(file: Any, random: Random, _: Path) -> None:
+    """The same groups in a group, each with the same arrays."""
+    group, arrays = random.choice(_groups(file)), _arrays(file)
+    count = random.choice((2, MOST_LINKS))
+    for number in range(count if arrays else 0):
+        group[f"array{number}"] = arrays[0]
+        if group.name != "/":
+            group.parent[f"{10 + number}"] = group
+
+
 def filled(file: Any, random: Random, _: Path) -> None:
     """An array of any size that was never written."""
     group, name, shape, kept = _place(file, random)
@@ -168,7 +189,8 @@ def grouped(file: Any, random: Random, _: Path) -> None:
 
 
 CHANGES: tuple[Change, ...] = (
-    in_another_file, virtual, linked, filled, filtered, of_another_kind, attributed, grouped,
+    in_another_file, virtual, linked, linked_often, filled, filtered, of_another_kind, attributed,
+    grouped,
 )  # fmt: skip
 
 
@@ -191,38 +213,71 @@ def _run() -> xr.Dataset:
     )
 
 
-def _read_run(path: Path) -> list[xr.Dataset]:
-    return [load_run(path)]
+def _values(run: xr.Dataset) -> list[NDArray[Any]]:
+    return [variable.values for variable in run.variables.values()]
 
 
-def _read_pack(path: Path) -> list[xr.Dataset]:
+def _read_run(path: Path) -> list[NDArray[Any]]:
+    return _values(load_run(path))
+
+
+def _read_pack(path: Path) -> list[NDArray[Any]]:
     table = read_pack(path)
     rows = zip(table.group.tolist(), table.row.tolist(), strict=True)
-    return [load_row(path, group, row) for group, row in rows if row >= 0]
+    return [v for group, row in rows if row >= 0 for v in _values(load_row(path, group, row))]
 
 
-def _read_index(path: Path) -> list[xr.Dataset]:
+def _read_index(path: Path) -> list[NDArray[Any]]:
     held = pack_index(path.parents[1])
     places = [cell for key in ("k0", "k1") if (cell := held.get(key)) is not None]
-    return [place.load() for _, place in places if place is not None]
+    return [v for _, place in places if place is not None for v in _values(place.load())]
 
 
-def wholes(folder: Path) -> dict[str, tuple[Path, Callable[[Path], list[xr.Dataset]]]]:
+def _read_checkpoint(path: Path) -> list[NDArray[Any]]:
+    keeper = CheckpointFolder(path.parent, STAMP)
+    keeper.tell(path.stem)
+    memory = keeper.read(path.stem, TASK)
+    return [] if memory is None else [v for v in memory.values() if isinstance(v, np.ndarray)]
+
+
+def _memory() -> Memory:
+    state = np.ones((2, 3))
+    return {"seconds": 1.0, "state": state, "steps": [1, (2, 3j)], "last": state[0, 0], "at": "x"}
+
+
+def wholes(folder: Path) -> dict[str, tuple[Path, Reader]]:
     """Whole files of each kind, with their readers."""
     store = folder / "store"
     pack, run = store / PACKS / "0.h5", folder / "run.nc"
     save_run(_run(), run)
     pack.parent.mkdir(parents=True)
     write_pack(pack, [CellRecord(f"k{number}", DONE, run=_run()) for number in range(2)])
+    CheckpointFolder(folder / "checkpoint", STAMP).write("1", TASK, _memory())
     return {
         "run": (run, _read_run),
         "pack": (pack, _read_pack),
         "pack of a store": (pack, _read_index),
+        "checkpoint": (folder / "checkpoint" / f"1{LOOP}", _read_checkpoint),
     }
+
+
+def _changed_checkpoint(whole: Path, path: Path, random: Random) -> str:
+    """Write a checkpoint with its JSON changed, or how long that is said to be."""
+    content = whole.read_bytes()[:-SEAL_LENGTH]
+    end = HEAD + int.from_bytes(content[:HEAD], "little")
+    tree, count = json.loads(content[HEAD:end]), few(random)
+    for _ in range(count):
+        tree = changed_json(random, tree)
+    text = json.dumps(tree).encode()
+    length = random.choice((*6 * (len(text),), 0, end, 2**62))
+    write_sealed(path, b"".join([length.to_bytes(HEAD, "little"), text, content[end:]]))
+    return f"{count} changes of JSON"
 
 
 def changed(whole: Path, path: Path, random: Random, secret: Path) -> str:
     """Write the file with some changes; return their names."""
+    if whole.suffix == LOOP:
+        return _changed_checkpoint(whole, path, random)
     sealed = whole.suffix == ".h5"
     content = whole.read_bytes()
     path.write_bytes(content[:-SEAL_LENGTH] if sealed else content)
@@ -240,26 +295,27 @@ def changed(whole: Path, path: Path, random: Random, secret: Path) -> str:
     return ", ".join(names)
 
 
-def fault(path: Path, read: Callable[[Path], list[xr.Dataset]]) -> str:
+def fault(path: Path, read: Reader) -> str:
     """What is wrong with how a file is read, in words; "" if nothing is."""
     reset_peak()
     begin, before = time.perf_counter(), peak_bytes()
-    try:
-        runs = read(path)
-    except (ValueError, OSError, MemoryError) as error:
-        runs, said = [], str(error)
-        if "\n" in said or len(said) > 2000:
-            return f"an error of several lines: {said[:80]!r}"
-    except Exception as error:
-        return f"{type(error).__name__}: {error}"
-    values = [v.values for run in runs for v in run.variables.values()]
+    with warnings.catch_warnings(record=True) as warned:
+        warnings.simplefilter("always")
+        try:
+            values = read(path)
+        except (ValueError, OSError, MemoryError) as error:
+            values, said = [], str(error)
+            if "\n" in said or len(said) > 2000:
+                return f"an error of several lines: {said[:80]!r}"
+        except Exception as error:
+            return f"{type(error).__name__}: {error}"
     if any(v.dtype.kind == "f" and np.any(v == SECRET) for v in values):
         return "bytes of another file"
     if (seconds := time.perf_counter() - begin) > SECONDS:
         return f"{seconds:.1f} s"
     if (more := (peak_bytes() - before) / 1e6) > MEGABYTES + sum(v.nbytes for v in values) / 1e6:
         return f"{more:.0f} MB"
-    return ""
+    return f"a warning: {warned[0].message}" if warned else ""
 
 
 def search(count: int, seed: int) -> tuple[Counter[str], list[str]]:

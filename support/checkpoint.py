@@ -35,6 +35,9 @@ from longwave.support.sealed_file import LOG, read_sealed, write_sealed
 Memory = dict[str, Any]
 """By name: numbers, texts, arrays, and lists, tuples and dictionaries of them."""
 
+LOOP = ".loop"
+"""Suffix of a checkpoint's file."""
+
 FIRST_COST = 0.01
 """Seconds that keeping a memory is taken to cost before it was done: two flushes to a disk."""
 
@@ -166,12 +169,12 @@ class CheckpointFolder:
         if os.path.islink(self._folder):  # nobody has typed its name
             return []
         try:
-            return sorted(self._folder.glob("[!.]*.loop"))
+            return sorted(self._folder.glob(f"[!.]*{LOOP}"))
         except OSError:  # a name that is too long, say
             return []
 
     def _path(self, name: str) -> Path:
-        return self._folder / f"{name}.loop"
+        return self._folder / f"{name}{LOOP}"
 
 
 def _read(data: bytes) -> tuple[str | None, str | None, Memory | None]:

@@ -82,6 +82,15 @@ def on_one_line(text: str) -> str:
     return printable(text).replace("\n", "\\n")
 
 
+def reason_of(error: BaseException) -> str:
+    """Return what a library says of a file, on one short line: it may quote the file's content.
+
+    >>> len(reason_of(ValueError(1000 * "x")))
+    200
+    """
+    return cut(on_one_line(str(error)), QUOTED)
+
+
 def printable(text: str) -> str:
     r"""The text with what would steer the terminal written out, but for the ends of its lines.
 

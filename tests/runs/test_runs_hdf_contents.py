@@ -157,6 +157,39 @@ def a_long_class(file: Any, _: Path) -> None:
     file["a"].attrs["CLASS"] = np.array([b"DIMENSION_SCALE"] * 9)
 
 
+def half_precision(file: Any, _: Path) -> None:
+    file["a"] = np.zeros(2, "f2")
+
+
+def _padded(file: Any, change: Callable[[Any], None]) -> None:
+    """An array of three numbers with dimension x, and the length of a dimension 10^9."""
+    file.create_dataset("long", 10**9, "i1", chunks=(10**5,))
+    file["long"].make_scale(NAMES[1])
+    file["x"] = [1.0, 2.0, 3.0]
+    file["x"].make_scale("x")
+    change(file)
+
+
+def one_number_of_two_dimensions(file: Any, _: Path) -> None:
+    """Coordinates name their dimensions by numbers, of which the last in the file counts."""
+
+    def change(file: Any) -> None:
+        for name in ("long", "x"):
+            file[name].attrs["_Netcdf4Dimid"] = np.int32(0)
+        file["x"].attrs["_Netcdf4Coordinates"] = np.array([0], np.int32)
+        file.move("long", "zlong")
+
+    _padded(file, change)
+
+
+def a_dimension_that_is_longer(file: Any, _: Path) -> None:
+    def change(file: Any) -> None:
+        file["a"] = [1.0, 2.0, 3.0]
+        file["a"].dims[0].attach_scale(file["long"])
+
+    _padded(file, change)
+
+
 ATTACKS = [
     (a_fill_value, "are claimed to be in"),
     (a_fill_value_in_two_directions, "texts"),
@@ -180,6 +213,9 @@ ATTACKS = [
     (dimensions_of_another_array, "DIMENSION_LIST of /b is not what"),
     (numbers_as_references, "REFERENCE_LIST of /a is not what"),
     (a_long_class, "CLASS of /a is not what"),
+    (half_precision, "numbers of 2 bytes"),
+    (one_number_of_two_dimensions, "its dimensions"),
+    (a_dimension_that_is_longer, "its dimensions"),
 ]
 
 

@@ -2,6 +2,7 @@
 
 from typing import Any
 
+import h5py
 import pytest
 
 from longwave.runs import hdf_contents
@@ -15,17 +16,37 @@ def test_no_structure_gives_foreign_bytes() -> None:
     assert not faults
 
 
+def _unless_named(look: hdf_contents._Look, thing: Any) -> None:
+    """As it was: a name of which the library's own is the beginning switches all checks off."""
+    name = thing.attrs.get("NAME")
+    if not (isinstance(name, bytes) and hdf_contents.UNREAD[:-1] in name):
+        ARRAY(look, thing)
+
+
+def _unless_elsewhere(look: hdf_contents._Look, thing: Any) -> None:
+    """Arrays in other files are not looked at."""
+    if not (isinstance(thing, h5py.Dataset) and thing.id.get_create_plist().get_external_count()):
+        ARRAY(look, thing)
+
+
+ARRAY = hdf_contents._Look.array
+FAULTS = {
+    "names": (hdf_contents._Look, "array", _unless_named, "in_another_file", "bytes of another"),
+    "other files": (
+        hdf_contents._Look, "array", _unless_elsewhere, "in_another_file", "bytes of another",
+    ),
+    "links": (hdf_contents, "_check_new", lambda *_: None, "linked_often", " s"),
+    "sizes": (hdf_contents._Look, "count", lambda *_: None, "filled", "MB"),
+    "half precision": (hdf_contents, "SINGLE", 0, "of_another_kind", "a warning"),
+}  # fmt: skip
+
+
 @pytest.mark.slow
-def test_checks_that_a_name_switches_off_are_found(monkeypatch: pytest.MonkeyPatch) -> None:
-    """As they were: for a name of which the library's own is the beginning."""
-    checked = hdf_contents._Look.array
-
-    def unless_named(look: hdf_contents._Look, thing: Any) -> None:
-        name = thing.attrs.get("NAME")
-        if not (isinstance(name, bytes) and hdf_contents.UNREAD[:-1] in name):
-            checked(look, thing)
-
-    monkeypatch.setattr(hdf_contents._Look, "array", unless_named)
-    monkeypatch.setattr(hdf_structures, "CHANGES", (hdf_structures.in_another_file,))
-    _, faults = search(60, 3)
-    assert any("bytes of another file" in fault for fault in faults)
+@pytest.mark.parametrize("fault", FAULTS)
+def test_checks_that_are_left_out_are_found(fault: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Catches: a search that sees nothing. The faults are those that files once came through by."""
+    owner, name, value, change, said = FAULTS[fault]
+    monkeypatch.setattr(owner, name, value)
+    monkeypatch.setattr(hdf_structures, "CHANGES", (getattr(hdf_structures, change),))
+    monkeypatch.setattr(hdf_structures, "SECONDS", 1.0)
+    assert any(said in found for found in search(60, 3)[1])

@@ -413,27 +413,26 @@ def verified_sentence(statement: Statement, verdict: StatementVerdict) -> str:
         only = f", {restriction}," if restriction else ""
         heading = f"We verified (certificate {digests}) that{only}"
         verb, last = "satisfies", f"{scope_latex(statement)} at which it is smooth."
-        if places := _corners_latex(verdict.singularities):
+        if places := _corners_latex(statement, verdict.singularities):
             last = f"{last[:-1]}; nothing is said at {', '.join(places)}."
     return f"{heading}\n\\[ {formulas} \\]\n{verb}\n\\[ {equations} \\]\n{last}"
 
 
-def _corners_latex(lines: Sequence[str]) -> list[str]:
-    """Return the places of jumps and corners, where formulas have values, as equations in LaTeX."""
+def _corners_latex(statement: Statement, lines: Sequence[str]) -> list[str]:
+    """Return the places of jumps and corners, where formulas have values, as equations in LaTeX.
+
+    A place that is shown with dots, or in no formula's words, stays as it is.
+    """
     found = []
     for line in lines:
         if place := re.fullmatch(r"jump or corner (?:at the site|at|where) (.*) = (.*)", line):
-            sides = map(_shown_latex, place.groups())
-            found.append(f"${' = '.join(sides)}$")
+            try:
+                trees = [tree_of(side, statement.functions) for side in place.groups()]
+                found.append(f"${' = '.join(map(formula_latex, trees))}$")
+            except ValueError:
+                escaped = " = ".join(place.groups()).replace("_", r"\_")
+                found.append(rf"\texttt{{{escaped}}}")
     return found
-
-
-def _shown_latex(text: str) -> str:
-    """Return a formula in LaTeX; one with dots in it as it is."""
-    if "..." in text:
-        escaped = text.replace("_", r"\_")
-        return rf"\texttt{{{escaped}}}"
-    return formula_latex(tree_of(text))
 
 
 def _values_latex(statement: Statement, witness: Mapping[str, str]) -> Iterator[str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 
@@ -136,9 +136,10 @@ def typed_case(
     ), trees
 
 
-def tree_of(text: str) -> FormulaTree:
-    """The tree of a formula in any names."""
-    words = Vocabulary(FUNCTIONS, unknown_name=sp.Symbol)
+def tree_of(text: str, functions: Iterable[str] = ()) -> FormulaTree:
+    """Return the tree of a formula in any names, ``functions`` of one argument among them."""
+    own = {name: (sp.Function(name), 1) for name in functions}
+    words = Vocabulary({**FUNCTIONS, **own}, unknown_name=sp.Symbol)
     return Parser(text, tokens(text), words, "value").whole()
 
 

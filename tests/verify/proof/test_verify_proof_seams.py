@@ -168,6 +168,12 @@ def test_a_product_is_0_where_a_factor_is() -> None:
 @pytest.mark.parametrize(
     ("solution", "parameters", "line", "sentence"),
     [
+        (
+            "-x*sign(f(m))**2",
+            "f: function",
+            "where f(m) = 0",
+            r"nothing is said at $f\left(m\right) = 0$.",
+        ),
         ("-x*sign(k - 3)**2", "k: integer", "at k = 3", "nothing is said at $k = 3$."),
         ("-x*sign(m**2 - 3)**2", "", "where m**2 - 3 = 0", "nothing is said at $m^{2} - 3 = 0$."),
     ],
