@@ -96,11 +96,9 @@ def test_three_processes_share_a_store_of_a_thousand_runs(
 
 
 @pytest.mark.slow
-def test_three_processes_share_a_store_of_a_hundred_runs_that_are_made(
-    ask: Ask, tmp_path: Path
-) -> None:
-    check_shared(ask, tmp_path, 100, (WORK,) * 3, real=True)
-    check_shared(ask, tmp_path / "other", 100, (BLIND,) * 3, real=True)
+def test_three_processes_share_a_store_of_many_runs_that_are_made(ask: Ask, tmp_path: Path) -> None:
+    check_shared(ask, tmp_path, 40, (WORK,) * 3, real=True)
+    check_shared(ask, tmp_path / "other", 40, (BLIND,) * 3, real=True)
 
 
 def test_two_that_are_let_in_remove_nothing_of_each_other(

@@ -130,7 +130,7 @@ def test_a_file_whose_writer_is_killed_is_whole_or_not_there(
     store, name = RunStore(tmp_path), "stated ring"
     path = store.path(SCENES[name])
     seen = []
-    for _ in range(30):
+    for _ in range(15):
         assert server.killed(server.ask("keep", name, tmp_path), rng.uniform(0.0, 0.2))
         seen.append(store.find(SCENES[name]))
         assert seen[-1] == (path if path.exists() else None)

@@ -64,6 +64,9 @@ def _first_ones(form: ClosedForm) -> list[Mutant]:
     return list({_kind(mutant): mutant for mutant in reversed(list(_wrong(form)))}.values())
 
 
+MOST = 100
+"""Misprints of a form that are looked at."""
+
 QUICK_FORMS = [
     form for form in CATALOGUE.of("mKdV") if form.name not in ("rogue_cn", "breather_sn")
 ]
@@ -80,8 +83,11 @@ def test_a_misprint_of_each_form_and_of_each_kind_is_refuted() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("form", CATALOGUE, ids=lambda form: form.name)
-def test_every_misprint_is_refuted(form: ClosedForm) -> None:
-    passed = [m for m in _wrong(form) if not _refuted(form, m)]
+def test_misprints_of_every_form_are_refuted(form: ClosedForm) -> None:
+    """All of a short form, of a longer one some `MOST` throughout it."""
+    wrong = [*_wrong(form)]
+    some = wrong[:: max(1, len(wrong) // MOST)]
+    passed = [m for m in some if not _refuted(form, m)]
     assert [m.description for m in passed if not _is_a_solution(form, m)] == []
 
 
