@@ -24,6 +24,7 @@ from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import lru_cache
 from typing import Any
 
 from mpmath import mp
@@ -119,7 +120,7 @@ class Made:
 
     def read(self) -> Statement:
         """What the prover makes of the texts."""
-        return read_statement(self.equation, self.solution, self.parameters, self.domain)
+        return _read(self.equation, self.solution, self.parameters, self.domain)
 
     def point(self, draw: random.Random) -> dict[str, Any]:
         """A random admissible point."""
@@ -132,6 +133,12 @@ class Made:
             if self.kinds[name] == "complex":
                 found[name] = mp.mpc(found[name], mp.mpf(draw.randint(-900, 900)) / 613)
         return found
+
+
+@lru_cache(maxsize=4)
+def _read(equation: str, solution: str, parameters: str, domain: str) -> Statement:
+    """Read texts once: a statement is read where it is drawn and where it is decided."""
+    return read_statement(equation, solution, parameters, domain)
 
 
 def made(seed: int, index: int) -> Made:

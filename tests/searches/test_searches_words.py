@@ -70,6 +70,14 @@ def test_derivatives_and_sites_are_read() -> None:
     assert abs(value - (5 - 12)) < 1e-12
 
 
+def test_residuals_follow_a_point_that_is_changed() -> None:
+    reading = Reading([text_tree("u", "xtn", ("u",))], {"u": text_tree("x**2", "xtn", ("u",))})
+    point = {"x": mp.mpf(2)}
+    assert [reading.residuals(point)[0][0] for _ in range(2)] == [4, 4]
+    point["x"] = mp.mpf(3)
+    assert reading.residuals(point)[0][0] == 9
+
+
 def as_sympy_reads(statement: Statement) -> str:
     return ", ".join(f"u = {sp.latex(f)}" for f in statement.solutions.values())
 
