@@ -11,7 +11,12 @@ from mpmath import mp
 from longwave.verify.proof import kept_verdict, statement_verdict
 from longwave.verify.proof.conditions import ConditionalVerdict
 from longwave.verify.proof.statement_scope import scope
-from longwave.verify.proof.statement_verdict import StatementVerdict
+from longwave.verify.proof.statement_text import read_statement
+from longwave.verify.proof.statement_verdict import (
+    StatementVerdict,
+    decide_statement,
+    verified_sentence,
+)
 from longwave.verify.proof.text_prover import prove
 from longwave.verify.proof.typed_statement import Statement
 from longwave.verify.verdict import Outcome
@@ -33,6 +38,15 @@ def test_nothing_is_false_today(index: int) -> None:
     outcome, given, faults = judged(3, index, 4)
     assert outcome != "error", given
     assert not faults
+
+
+def test_a_jump_where_an_arbitrary_function_of_a_parameter_is_0_is_in_the_sentence() -> None:
+    """Catches: places read without the declared functions, a FormulaError instead of a sentence."""
+    statement = read_statement("u_x - 1", "u = x*sign(f(m))**2", "m: m<0; f: function")
+    verdict = decide_statement(statement)
+    assert verdict.outcome == "PROVED"
+    last = verified_sentence(statement, verdict).splitlines()[-1]
+    assert last.endswith(r"nothing is said at $f\left(m\right) = 0$.")
 
 
 def test_a_statement_is_the_same_each_time() -> None:
