@@ -5,8 +5,9 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from longwave.lattice.state import BlowUp
+from longwave.scenes import run
 from longwave.scenes.description.scene import Scene
-from longwave.scenes.engines import ring_runs, run
+from longwave.scenes.engines import ring_runs
 from longwave.scenes.engines.lattice_run import wave_rings
 from longwave.scenes.starts.lattice_derivation import lattice_wave
 
