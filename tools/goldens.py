@@ -78,31 +78,34 @@ def of_dataset(name: str, path: Path) -> Golden:
             )
 
 
-def scenes(folder: Path) -> Golden:
-    """Runs of the shipped scenes."""
+def shipped_runs(folder: Path) -> Iterator[tuple[str, Path]]:
+    """Run every shipped scene; yield its name and its file, which is not there if it failed."""
     for kind in ("scenes", "lattice-scenes", "bench-scenes"):
         for name in names(kind):
             path = folder / f"{name}.nc"
             longwave("run", name, "--output", str(path))
-            yield from of_dataset(name, path)
+            yield name, path
+
+
+def scenes(folder: Path) -> Golden:
+    """Runs of the shipped scenes."""
+    for name, path in shipped_runs(folder):
+        yield from of_dataset(name, path)
 
 
 def values(folder: Path) -> Golden:
     """Variables of the runs of the shipped scenes, with the error of each."""
-    for kind in ("scenes", "lattice-scenes", "bench-scenes"):
-        for name in names(kind):
-            path = folder / f"{name}.nc"
-            longwave("run", name, "--output", str(path))
-            if not path.is_file():
-                yield name, "no file"
-                continue
-            with xr.open_dataset(path, engine="h5netcdf", decode_timedelta=False) as data:
-                error = run_error(data)
-                for variable, held in data.data_vars.items():
-                    if held.dtype.kind == "f" and "seconds" not in str(variable):
-                        allowed = error / error_unit(data, str(variable))
-                        found = [repr(float(value)) for value in held.to_numpy().ravel()]
-                        yield f"{name}/{variable}", {"error": allowed, "values": found}
+    for name, path in shipped_runs(folder):
+        if not path.is_file():
+            yield name, "no file"
+            continue
+        with xr.open_dataset(path, engine="h5netcdf", decode_timedelta=False) as data:
+            error = run_error(data)
+            for variable, held in data.data_vars.items():
+                if held.dtype.kind == "f" and "seconds" not in str(variable):
+                    allowed = error / error_unit(data, str(variable))
+                    found = [repr(float(value)) for value in held.to_numpy().ravel()]
+                    yield f"{name}/{variable}", {"error": allowed, "values": found}
 
 
 def run_error(data: xr.Dataset) -> float:

@@ -183,6 +183,8 @@ class Bench:
     @classmethod
     def of_tables(cls, tables: Mapping[str, Any]) -> Bench:
         """The bench that a scene's tables describe; ValueError in one line."""
+        stated = StatedTables(tables, "tables of a bench")
+        tables = stated.tables  # without arrays
         chain = _table(tables.get("chain", {}), "chain")
         if "sites" not in chain:
             raise ValueError("sites in [chain] must be stated, got nothing (such as sites = 24)")
@@ -207,7 +209,7 @@ class Bench:
             _truth("state", watched.get("state", not set(watched) - {"every"})),
             _every(watched.get("every", sensors.get("every"))),
             _noise(tables["noise"]) if "noise" in tables else None,
-            StatedTables(tables),
+            stated,
         )
 
 
@@ -417,5 +419,4 @@ def bench_of(given: Mapping[str, Any]) -> Bench | None:
             f"{first} must be with a chain on a bench, got no [chain] (state its sites, its ends "
             "and how it starts)"
         )
-    made = StatedTables(with_columns(stated, Path()), "tables of a bench")
-    return Bench.of_tables(made.tables)
+    return Bench.of_tables(with_columns(stated, Path()))

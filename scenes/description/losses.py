@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from longwave.scenes.description import scene_checks as check
+from longwave.scenes.description.scene_checks import Value
 from longwave.support.known_names import one_of
 from longwave.support.user_files import shown
 
@@ -26,8 +27,6 @@ if TYPE_CHECKING:
 KINDS = {"site": 3, "bond": 1}
 """Keys of the table, and powers of eps with which numbers under a long wave are weighed."""
 
-Entry = str | float
-
 
 @dataclass(frozen=True)
 class Losses:
@@ -40,8 +39,8 @@ class Losses:
     Losses(site='eps**3*gamma', bond=0.5)
     """
 
-    site: Entry | tuple[tuple[str, Entry], ...] | None = None
-    bond: Entry | tuple[Entry, ...] | None = None
+    site: Value | tuple[tuple[str, Value], ...] | None = None
+    bond: Value | tuple[Value, ...] | None = None
 
     @classmethod
     def of(cls, given: object) -> Losses | None:
@@ -61,7 +60,7 @@ class Losses:
         return cls.of_rates(given, _checked) if given else None
 
     @classmethod
-    def of_rates(cls, table: Mapping[str, Any], change: Callable[[str, Any], Entry]) -> Losses:
+    def of_rates(cls, table: Mapping[str, Any], change: Callable[[str, Any], Value]) -> Losses:
         """Return the losses of a table with each rate changed, given its key and value."""
         found: dict[str, Any] = {}
         for key, given in table.items():
@@ -92,7 +91,7 @@ class Losses:
         Losses(site=None, bond='eps**1*(0.5/0.1**1)')
         """
 
-        def formula(key: str, given: Entry) -> str:
+        def formula(key: str, given: Value) -> str:
             if isinstance(given, str):
                 return given
             return f"eps**{KINDS[key]}*({given!r}/{eps!r}**{KINDS[key]})"
@@ -100,7 +99,7 @@ class Losses:
         return self.of_rates(self.table, formula)
 
 
-def _checked(key: str, given: object) -> Entry:
+def _checked(key: str, given: object) -> Value:
     found = check.value(f"{key} in [losses]", given)
     if not isinstance(found, str) and found < 0:
         raise ValueError(f"{key} in [losses] must be 0 or more, got {found:g} (a loss)")
