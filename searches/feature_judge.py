@@ -4,8 +4,8 @@ Differential evolution over the place, the width and the height of a feature, an
 chains of 2 to 6 cells: a bump, a wiggle, a step or a corner of a force law, of a force in time, or
 of a wall given by its displacement or its velocity, with and without a fast carrier and losses. Its
 population moves to where the true error is largest in units of its estimate. The true error is
-measured against SciPy's DOP853, which is given the equations of each cell and made to see the
-feature: it is split at its time, or takes no step that passes its stretches.
+measured against DOP853 (`searches.feature_reference`), which is given the equations of each cell
+and made to see the feature: it is split at its time, or takes no step that passes its stretches.
 
     python -m searches.feature_judge [--count 20000] [--seed 0]
 """
@@ -13,17 +13,14 @@ feature: it is split at its time, or takes no step that passes its stretches.
 from __future__ import annotations
 
 import argparse
-import math
 import sys
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.integrate import solve_ivp
 
 from longwave.derive.lattice_file import time_formula
 from longwave.lattice import SiteForce, State, driven_chain, integrate
@@ -31,19 +28,9 @@ from longwave.lattice.force_program import force_program
 from longwave.lattice.numeric_lattice import Entry, NumericBond, NumericLattice
 from longwave.lattice.time_integral import Integral
 from longwave.scenes.description.time_functions import time_function
+from searches.feature_reference import KINDS, SHAPES, feature, solved
 
 Array = NDArray[np.float64]
-Scalar = Callable[[float], float]
-
-KINDS = ("law", "force", "displacement", "velocity")
-SHAPES = ("bump", "wiggle", "step", "corner")
-PROFILES: dict[str, Scalar] = {
-    "bump": lambda z: math.exp(-z * z),
-    "wiggle": lambda z: math.exp(-z * z) * math.sin(3.0 * z),
-    "step": math.tanh,
-    "corner": lambda z: math.hypot(z, 1e-3),
-}
-"""The shapes as functions of the distance from their place in widths."""
 
 POPULATION, GENERATIONS = 8, 6
 """Members of a family, and how often it is renewed."""
@@ -60,7 +47,7 @@ SHORTER = 0.37
 NEAR = 0.3
 """Errors above this share of their estimate are told, and their reference is looked at."""
 
-DEAREST = 60_000
+DEAREST = 1_000_000
 """Evaluations that a reference may take."""
 
 FALSE_REASONS = ("blows up", "flies apart", "run away", "rounding or an instability")
@@ -142,22 +129,19 @@ class Member:
             found += f" + 0.1*sin({carrier}*{name})"
         return found
 
-    @cached_property
-    def value(self) -> Scalar:
-        """The feature in other words than its formula's."""
-        place, width, height = self.place, self.width, self.height
-        shape = PROFILES[self.family.shape]
-        height *= width if self.family.shape == "corner" else 1.0
-        carrier = self.family.carrier if self.family.kind != "law" else 0.0
-        if not carrier:
-            return lambda s: height * shape((s - place) / width)
-        return lambda s: height * shape((s - place) / width) + 0.1 * math.sin(carrier * s)
+    @property
+    def numbers(self) -> Array:
+        """The feature for the reference: shape, place, width, height and carrier."""
+        family = self.family
+        carrier = family.carrier if family.kind != "law" else 0.0
+        shape = SHAPES.index(family.shape)
+        return np.array([shape, self.place, self.width, self.height, carrier])
 
 
 def _law(member: Member) -> NumericBond:
     text = f"x + {member.family.quartic!r}*x**3"
     if member.family.kind == "law":
-        text += f" + {member.text('x')} - ({member.value(0.0)!r})"
+        text += f" + {member.text('x')} - ({feature(0.0, member.numbers)!r})"
     formula = time_formula("force", text.replace("x", "t").replace("etp", "exp"))
     formula -= formula.subs(next(iter(formula.free_symbols)), 0)
     stretch = (Entry((1,), 1.0, 0), Entry((0,), -1.0, 0))
@@ -186,68 +170,40 @@ def answer(member: Member) -> tuple[Array, float]:
     return found.f[-1, 0], found.error_estimate
 
 
-def _slopes(member: Member) -> Callable[[float, Array], list[float]]:
-    """Velocities, accelerations and the wall's velocity; TimeoutError after `DEAREST` calls."""
-    family, n, calls, value = member.family, member.family.cells, 0, member.value
-    kind, quartic, loss = family.kind, family.quartic, family.loss
-    base = value(0.0) if kind == "law" else 0.0
-
-    def slopes(t: float, y: Array) -> list[float]:
-        nonlocal calls
-        calls += 1
-        if calls > DEAREST:
-            raise TimeoutError
-        state = y.tolist()
-        wall = value(t) if kind == "displacement" else state[-1]
-        places = [wall if kind in ("displacement", "velocity") else 0.0, *state[:n], 0.0]
-        pulls = [(x := b - a) + quartic * x * x * x for a, b in pairwise(places)]
-        if kind == "law":
-            pulls = [
-                p + value(b - a) - base for p, (a, b) in zip(pulls, pairwise(places), strict=True)
-            ]
-        if family.free:
-            pulls[-1] = 0.0
-            pulls[0] *= kind != "law"
-        v = state[n : 2 * n]
-        pushed = [b - a - loss * s for (a, b), s in zip(pairwise(pulls), v, strict=True)]
-        pushed[0] += value(t) if kind == "force" else 0.0
-        return [*v, *pushed, value(t) if kind == "velocity" else 0.0]
-
-    return slopes
-
-
 def reference(member: Member, rtol: float, share: float = 1.0) -> Array | None:
     """Displacements at the end by DOP853; None where it takes too long.
 
     ``share`` shortens its longest steps.
     """
     family, n = member.family, member.family.cells
-    slopes = _slopes(member)
     y = np.zeros(2 * n + 1)
     y[n] = 0.3 if family.kind == "law" else 0.0
-    at, w = member.place, member.width
+    found, came = solved(
+        y,
+        _spans(member, share),
+        rtol,
+        DEAREST,
+        KINDS.index(family.kind),
+        family.quartic,
+        family.loss,
+        family.free,
+        member.numbers,
+    )
+    return np.asarray(found[:n]) if came else None
+
+
+def _spans(member: Member, share: float) -> Array:
+    """Times between which a reference goes, with its longest step: it sees the feature."""
+    family, at, w = member.family, member.place, member.width
     around = np.array([-12.0, -6.0, -3.0, -1.0, 0.0, 1.0, 3.0, 6.0, 12.0])
     if family.shape == "corner":  # which turns within a thousandth of its width
         around = np.union1d(around, np.outer([1e-3, 1e-2, 1e-1], around))
-    marks = [0.0, *(at + w * around).tolist(), family.end]
-    if family.kind == "law":
-        marks = [0.0, family.end]
-    marks = [t for t in marks if 0.0 <= t <= family.end]
-    longest = share * min(0.5, 2.0 * w if family.kind == "law" else 0.5 / max(family.carrier, 1))
-    try:
-        for a, b in pairwise(marks):
-            near = family.kind != "law" and a >= at - 12.5 * w and b <= at + 12.5 * w
-            cap = min(longest, share * w) if near else longest
-            with np.errstate(all="ignore"):
-                solved = solve_ivp(
-                    slopes, (a, b), y, "DOP853", rtol=rtol, atol=1e-3 * rtol, max_step=cap
-                )
-            if not solved.success:
-                return None
-            y = solved.y[:, -1]
-    except (TimeoutError, OverflowError):
-        return None
-    return np.asarray(y[:n])
+    marks = at + w * around if family.kind != "law" else around[:0]
+    marks = np.concatenate([[0.0], marks[(marks > 0.0) & (marks < family.end)], [family.end]])
+    begin, end = marks[:-1], marks[1:]
+    longest = min(0.5, 2.0 * w if family.kind == "law" else 0.5 / max(family.carrier, 1))
+    near = (family.kind != "law") & (begin >= at - 12.5 * w) & (end <= at + 12.5 * w)
+    return np.column_stack([begin, end, share * np.where(near, min(longest, w), longest)])
 
 
 @dataclass(frozen=True)
