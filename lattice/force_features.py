@@ -35,6 +35,14 @@ SEEN = 1e-3
 """Share of the largest slope by which slopes between samples may differ from a cubic through them:
 there a law is smooth, and two runs that are compared show what steps cost."""
 
+GAPS, FITTED, FINEST = 8, 8, 9
+"""Gaps between samples of a slope at first, points of the polynomials through them, and how often
+the gaps are halved."""
+
+SMOOTH, MARGIN = 64.0, 0.1
+"""The factor by which halving gaps lessens what polynomials are off by where a law is smooth (256
+in the end), and the share of a range at its ends that is not looked at."""
+
 ROUNDING = 1e-13
 """Share of the largest force, times a panel, that is taken for rounding."""
 
@@ -48,47 +56,50 @@ class Feature:
     turns: bool = False
 
 
-def find_feature(force: ForceProgram, low: float, high: float, impulse: float) -> Feature:
+def find_feature(
+    force: ForceProgram, low: float, high: float, impulse: float, gaps: int = GAPS
+) -> Feature:
     """The narrowest feature of a law between two stretches.
 
-    ``impulse`` is the energy that may go unseen, a velocity times the rate of stretch.
+    ``impulse`` is the energy that may go unseen, a velocity times the rate of stretch. Samples of
+    the slope with so many ``gaps`` between them show what is smooth.
     """
     if force.is_smooth or not low < high:
         return Feature(math.inf)
     with np.errstate(all="ignore"):
         if not np.isfinite(force(np.linspace(low, high, PLACES))).all():  # a run through a pole
             return Feature(math.inf)
-        return _feature(force, low, high, impulse)
+        return _feature(force, low, high, impulse, gaps)
 
 
-def _feature(force: ForceProgram, low: float, high: float, impulse: float) -> Feature:
-    width = _narrowest(force, low, high, FOLLOWED * impulse)
+def _feature(force: ForceProgram, low: float, high: float, impulse: float, gaps: int) -> Feature:
+    width = _narrowest(force, low, high, FOLLOWED * impulse, gaps)
     if width == math.inf:
         return Feature(math.inf)
-    turns = _narrowest(force, low, high, FINER * FOLLOWED * impulse) < width / CORNER
+    turns = _narrowest(force, low, high, FINER * FOLLOWED * impulse, gaps) < width / CORNER
     seen = float(np.max(np.abs(force.slope(np.linspace(low, high, PLACES)))))
     if turns and force.steepest_between(low, high, seen) == seen:
         return Feature(math.inf, True)
     return Feature(width, turns)
 
 
-def _narrowest(force: ForceProgram, low: float, high: float, allowed: float) -> float:
+def _narrowest(force: ForceProgram, low: float, high: float, allowed: float, gaps: int) -> float:
     """The shortest panel of a feature that is no contact's opening; infinite if there is none."""
     with np.errstate(all="ignore"):
         largest = float(np.max(np.abs(force(np.linspace(low, high, PLACES)))))
-    rounding = ROUNDING * largest * (high - low) / PANELS
+    allowed += ROUNDING * largest * (high - low) / PANELS
     try:
-        edges = Integral.of(force, low, high, PANELS, allowed + rounding).edges
+        edges = Integral.of(force, low, high, PANELS, allowed).edges
     except ValueError:
         return 0.0
-    lengths = np.diff(edges)
+    fitted, lengths = _fitted(force, low, high, allowed, gaps), np.diff(edges)
     if _is_seen(force, low, high, edges):
-        return math.inf
+        return fitted
     halved = lengths < 0.6 * (high - low) / PANELS
     if force.opening is not None:
         apart = np.fmax(edges[:-1] - force.opening, force.opening - edges[1:])
         halved &= lengths < 0.5 * apart
-    return float(lengths.min(initial=math.inf, where=halved))
+    return min(fitted, float(lengths.min(initial=math.inf, where=halved)))
 
 
 def _is_seen(force: ForceProgram, low: float, high: float, edges: Array) -> bool:
@@ -98,25 +109,62 @@ def _is_seen(force: ForceProgram, low: float, high: float, edges: Array) -> bool
     if force.opening is not None:
         x = x[np.abs(x - force.opening) > 3.0 * gap]
     slopes = force.slope(np.linspace(low, high, PLACES))
-    first = np.clip(((x - low) / gap).astype(np.int64) - 1, 0, PLACES - 4)
-    t = (x - low) / gap - first
-    weights = (
-        (t - 1.0) * (t - 2.0) * (t - 3.0) / -6.0,
-        t * (t - 2.0) * (t - 3.0) / 2.0,
-        t * (t - 1.0) * (t - 3.0) / -2.0,
-        t * (t - 1.0) * (t - 2.0) / 6.0,
-    )
-    expected = sum(weight * slopes[first + place] for place, weight in enumerate(weights))
-    off = np.abs(force.slope(x) - expected).max(initial=0.0)
-    return bool(off <= SEEN * np.abs(slopes).max())
+    off = _off_polynomials(slopes, (x - low) / gap, force.slope(x), 4)
+    return bool(off.max(initial=0.0) <= SEEN * np.abs(slopes).max())
+
+
+def _fitted(force: ForceProgram, low: float, high: float, allowed: float, gaps: int) -> float:
+    """Twice the distance of samples from which on polynomials through slopes give the force.
+
+    They do where what they are off by falls as it does for a smooth law: then two runs that are
+    compared show what steps cost. Infinite where ``gaps`` between samples are enough.
+    """
+    width, before = math.inf, 0.0
+    for level in range(FINEST):
+        gap = (high - low) / (gaps << level)
+        off = _off_samples(force, low, high, gaps << level)
+        if before > allowed and off > before / SMOOTH:
+            width = 2.0 * gap
+        before = off
+    return width
+
+
+def _off_samples(force: ForceProgram, low: float, high: float, gaps: int) -> float:
+    """How far, times a gap squared, slopes between samples are off polynomials through these.
+
+    Beyond what there is about a contact's opening, and away from the range's ends.
+    """
+    gap = (high - low) / gaps
+    samples = low + gap * np.arange(gaps + 1)
+    x = samples[:-1] + 0.5 * gap
+    x = x[(x - low > MARGIN * (high - low)) & (high - x > MARGIN * (high - low))]
+    slopes, between = force.slope(samples), force.slope(x)
+    off = _off_polynomials(slopes, (x - low) / gap, between, FITTED)
+    if force.opening is not None:
+        apart = np.abs(x - force.opening) / gap
+        off -= np.where(apart < FITTED, np.inf, np.abs(between) / np.fmax(apart, 1.0) ** 6)
+    return float(gap**2 * np.maximum(off, 0.0).max(initial=0.0))
+
+
+def _off_polynomials(samples: Array, t: Array, values: Array, points: int) -> Array:
+    """How far values at ``t``, in gaps, are off polynomials through ``points`` samples nearby."""
+    first = np.clip(t.astype(np.int64) - (points // 2 - 1), 0, samples.size - points)
+    t = t - first
+    expected = np.zeros_like(t)
+    for place in range(points):
+        others = [other for other in range(points) if other != place]
+        weight = np.prod([(t - other) / (place - other) for other in others], axis=0)
+        expected += weight * samples[first + place]
+    return np.asarray(np.abs(values - expected))
 
 
 def finite_range(force: ForceProgram, low: float, high: float, room: float) -> tuple[float, float]:
-    """The range widened by ``room`` to either side, as far as there are forces."""
+    """The range widened by ``room`` to either side, as far as slopes are bounded."""
     found = []
     for end, side in ((low, -1.0), (high, 1.0)):
         places = end + side * room * np.linspace(0.0, 1.0, PLACES)
+        pairs = np.sort([places[:-1], places[1:]], axis=0)
         with np.errstate(all="ignore"):
-            broken = ~(np.isfinite(force(places)) & np.isfinite(force.slope(places)))
-        found.append(float(places[max(0, int(np.argmax(broken)) - 1) if broken.any() else -1]))
+            broken = ~np.isfinite([force(places[1:]), *force.slope_enclosed(*pairs)]).all(axis=0)
+        found.append(float(places[int(np.argmax(broken)) if broken.any() else -1]))
     return found[0], found[1]

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from longwave.lattice.driving import DrivenChain
 from longwave.lattice.dynamics import WIDER, Dynamics
 from longwave.lattice.energy_balance import EnergyBalance
-from longwave.lattice.force_features import TRAVEL, find_feature, finite_range
+from longwave.lattice.force_features import GAPS, TRAVEL, find_feature, finite_range
 from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.lattice.refine import refine
 from longwave.lattice.run_times import check_positive, checked_times
@@ -418,7 +418,8 @@ class CellRingEngine(StepSearch):
             force, (least, most) = self.lattice.bonds[place].force, ranges[place].tolist()
             room = NEAR * (most - least + rate / self._highest_at_rest)
             ends = finite_range(force, least, most, room)
-            feature = find_feature(force, *ends, self._push * max(rate, room))
+            gaps = round(GAPS * (1.0 + 2.0 * NEAR))
+            feature = find_feature(force, *ends, self._push * max(rate, room), gaps)
             if feature.width < math.inf or feature.turns:
                 self._has_features, self.unstable = True, PATIENT
                 self.most_work = max(self.most_work, 4.0 * MOST_FOLLOWED)
