@@ -141,7 +141,7 @@ class Member:
 def _law(member: Member) -> NumericBond:
     text = f"x + {member.family.quartic!r}*x**3"
     if member.family.kind == "law":
-        text += f" + {member.text('x')} - ({feature(0.0, member.numbers)!r})"
+        text += f" + {member.text('x')}"
     formula = time_formula("force", text.replace("x", "t").replace("etp", "exp"))
     formula -= formula.subs(next(iter(formula.free_symbols)), 0)
     stretch = (Entry((1,), 1.0, 0), Entry((0,), -1.0, 0))
