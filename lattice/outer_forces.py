@@ -63,8 +63,11 @@ class SiteForce:
 
     def at(self, f: Array, times: Array, masses: Array) -> Array:
         """The forces on the cells at these times, where these are the fields, (times, cells)."""
-        found = values_at(self.value, times)[:, np.newaxis] * self.shares(masses)
-        return found if self.law is None else found * self.law(f[self.field, :, : masses.size])
+        shares = self.shares(masses)
+        found = values_at(self.value, times)[:, np.newaxis] * shares
+        if self.law is not None:
+            found[:, shares != 0.0] *= self.law(f[self.field, :, : masses.size][:, shares != 0.0])
+        return found
 
 
 def slope_of(value: TimeFunction | None) -> TimeFunction:

@@ -34,6 +34,9 @@ __all__ = ["LaneCode", "lane_force", "passage_text"]
 WHOLE = 64
 """Largest whole exponent that is taken by products."""
 
+CUT = {"kept": -1.0, "felt": 0.0}
+"""The share at which a stream of each kind is nothing, whatever is there."""
+
 MOVED = 256
 """Vectors to which cells are copied at a time."""
 
@@ -134,10 +137,10 @@ class LaneCode:
         none = self.constant(0.0)
         return self.builder.select(self.builder.fcmp_ordered(">", value, none), value, none)
 
-    def where_kept(self, share: Any, value: Any) -> Any:
-        """The value, whatever it is, but 0 where the share of it is -1."""
-        is_kept = self.builder.fcmp_unordered("!=", share, self.constant(-1.0))
-        return self.builder.select(is_kept, value, self.constant(0.0))
+    def where_not(self, share: Any, cut: float, value: Any) -> Any:
+        """The value, whatever it is, but 0 where the share of it is ``cut``."""
+        is_there = self.builder.fcmp_unordered("!=", share, self.constant(cut))
+        return self.builder.select(is_there, value, self.constant(0.0))
 
     def _vector_function(self, word: str, *values: Any) -> Any:
         """A function that LLVM knows, of all lanes."""
@@ -301,9 +304,10 @@ class _Stage:
             values = [self.value(tap, stream.lag) for tap in stream.taps]
             if stream.kind == "force":
                 made = lane_force(code, values[0], stream.law, self._numbers)
-            elif stream.kind in ("varied", "kept"):
+            elif stream.kind in ("varied", *CUT):
                 made = code.fma(values[1], values[2], values[0])
-                made = code.where_kept(values[1], made) if stream.kind == "kept" else made
+                if stream.kind in CUT:
+                    made = code.where_not(values[1], CUT[stream.kind], made)
             elif stream.kind == "kicked":
                 made = code.fma(self._kicks[stream.field], values[1], values[0])
             elif stream.kind == "spread":

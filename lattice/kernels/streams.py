@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from longwave.lattice.numeric_lattice import Entry, NumericLattice
 
 Kind = Literal[
-    "position", "velocity", "sum", "force", "varied", "kept", "kicked", "pulsed", "spread"
+    "position", "velocity", "sum", "force", "varied", "kept", "felt", "kicked", "pulsed", "spread"
 ]
 Polynomial = Mapping[int, float]
 """A stencil: weights by shift."""
@@ -96,7 +96,8 @@ class StreamRead(NamedTuple):
 class Stream(NamedTuple):
     """One value a cell: what it is made of, and how far it stays behind the front.
 
-    What is ``kept`` is a varied force, and nothing where its share is -1: the bond is cut.
+    What is ``kept`` is a varied force, and nothing where its share is -1: the bond is cut. What is
+    ``felt`` from outside is nothing where its share is 0, whatever its law is there.
     ``number`` is the place of a sum's offset, of the factor with which a sum kicks ``field``, of
     the pulse that does so from outside, or of the weight with which a series takes a term.
     ``lowest`` is the furthest cell below its own of which it feels a position.
@@ -180,7 +181,7 @@ class StagePlan(NamedTuple):
                 total += max(len(stream.taps) - 1, 0) + scaled + (stream.number is not None)
             elif stream.kind == "force":
                 total += _operations(stream.law)
-            elif stream.kind in ("varied", "kept", "kicked", "pulsed", "spread"):
+            elif stream.kind in ("varied", "kept", "felt", "kicked", "pulsed", "spread"):
                 total += 1
         return total
 
@@ -507,7 +508,7 @@ class _Builder:
         law, unit = force_formula(factor, self.number)
         assert law is not None
         own, none = self.force(self.positions[place], law), self.add("sum", [])
-        return StreamRead(self.varied(StreamRead(none), share, StreamRead(own))), unit
+        return StreamRead(self.add("felt", [StreamRead(none), share, StreamRead(own)])), unit
 
     def kicked(
         self,

@@ -9,9 +9,10 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from longwave.derive import LATTICES
+from longwave.derive.lattice_file import time_formula
 from longwave.lattice import DrivenChain, SiteForce, State, driven_chain, integrate
 from longwave.lattice.energy_balance import EnergyBalance
-from longwave.lattice.force_program import ForceProgram
+from longwave.lattice.force_program import ForceProgram, program_of
 from longwave.lattice.integration import CellRingEngine
 from longwave.lattice.numeric_lattice import numeric_lattice
 from longwave.lattice.outer_forces import looked_at
@@ -43,6 +44,15 @@ class Shaken(SiteForce):
     def shares(self, masses: Array) -> Array:
         """By mass."""
         return -masses
+
+
+class RootPull(SitePull):
+    """``k(t) sqrt(1/4 - u)`` on a cell, and nothing on those that are further away."""
+
+    @property
+    def law(self) -> ForceProgram:
+        """No number beyond 1/4."""
+        return program_of(time_formula("law", "(1/4 - t)**(1/2)"))
 
 
 def pulled_chain() -> DrivenChain:
@@ -86,6 +96,31 @@ def test_a_kind_of_force_is_an_entry() -> None:
     trial = engine.run(replace(engine.first(), step=0.05), True)
     assert trial.values is not None
     assert trial.values[0, 0] == pytest.approx(work, abs=1e-8)
+
+
+def test_a_law_is_evaluated_where_its_force_acts_alone() -> None:
+    """Catches nothing times the root of a negative number, which is no number."""
+    made = driven_chain(
+        BETA, CELLS, left="fixed", right="free", forces=[RootPull(3, time_function("k", "0.01"))]
+    )
+    far = start()
+    far.f[0, 6:] += 0.4
+    run = integrate(made, far, [2.0], tolerance=1e-7, judged=lambda f, v, t: f)
+
+    def slopes(_: float, y: Array) -> Array:
+        u, v = y[:CELLS], y[CELLS:]
+        x = np.diff(np.append(0.0, u))
+        pull = np.diff(np.append(x + 2.0 * x**3, 0.0))
+        pull[3] += 0.01 * np.sqrt(0.25 - u[3])
+        return np.concatenate([v, pull])
+
+    begin = np.concatenate([far.f[0], far.v[0]])
+    u = solve_ivp(slopes, (0.0, 2.0), begin, "DOP853", rtol=1e-12, atol=1e-12).y[:CELLS, -1]
+    assert np.abs(run.f[-1, 0] - u).max() < run.error_estimate <= 1e-7
+    assert np.isfinite(made.outer_forces[0].at(run.f, run.times, np.ones(CELLS))).all()
+    times = np.array([2.0])
+    read = VariedChain(made, []).readings(far, times, 0.02, [Sensor("displacement", 0, 5)])
+    assert read[0, 0, 0] == pytest.approx(u[5], abs=1e-6)
 
 
 class _Worked(CellRingEngine):
