@@ -19,7 +19,8 @@ Array = NDArray[np.float64]
 SHAPES = ("bump", "wiggle", "step", "corner")
 KINDS = ("law", "force", "displacement", "velocity")
 
-STAGES = 12
+STAGES, SIZE = 12, 0.1
+"""Of the method; what values must exceed for errors to be measured by their size."""
 _A = np.ascontiguousarray(dop853.A[:STAGES, :STAGES])
 _B, _C = np.ascontiguousarray(dop853.B), np.ascontiguousarray(dop853.C[:STAGES])
 _E3, _E5 = np.ascontiguousarray(dop853.E3), np.ascontiguousarray(dop853.E5)
@@ -98,7 +99,7 @@ def solved(
             after = end if step >= end - t else t + step
             stages[STAGES] = slopes(after, tried, kind, quartic, loss, free, numbers)
             calls += STAGES
-            scale = rtol * (1e-3 + np.maximum(np.abs(y), np.abs(tried)))
+            scale = rtol * (SIZE + np.maximum(np.abs(y), np.abs(tried)))
             five = np.sum(((_E5 @ stages) / scale) ** 2)
             three = np.sum(((_E3 @ stages) / scale) ** 2)
             error = 0.0
