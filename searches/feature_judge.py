@@ -28,7 +28,7 @@ from longwave.lattice.force_program import force_program
 from longwave.lattice.numeric_lattice import Entry, NumericBond, NumericLattice
 from longwave.lattice.time_integral import Integral
 from longwave.scenes.description.time_functions import time_function
-from searches.feature_reference import KINDS, SHAPES, feature, solved
+from searches.feature_reference import KINDS, SHAPES, solved
 
 Array = NDArray[np.float64]
 
