@@ -385,7 +385,7 @@ class Judgement:
     def _look_at_hint(self, verdict: StatementVerdict) -> None:
         if not verdict.hint:
             return
-        _, _, text = verdict.hint.partition(": ")
+        _, _, text = verdict.hint.rpartition(": ")
         if " in the equation: " in verdict.hint:
             reading = self._text_reading([text.removesuffix(" = 0")], self.given.solution)
         else:
