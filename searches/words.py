@@ -259,6 +259,8 @@ class Judgement:
     def __init__(self, given: Made, statement: Statement, seed: int, index: int) -> None:
         self.given, self.statement, self.draw = given, statement, random.Random(f"{seed}.{index}")
         self.typed = self._text_reading([given.equation], given.solution)
+        self.drawn = [*self.points(self.typed)]
+        self.shown: set[tuple[str, str]] = set()
         self.faults: list[str] = []
 
     def _text_reading(self, equations: list[str], solution: str) -> Reading:
@@ -303,7 +305,7 @@ class Judgement:
         words = (*verdict.singularities, verdict.sides)
         named = {*re.findall(r"(?:at|the site|apart from|,) (\w+) = (-?\d+)", " ".join(words))}
         rough = any(" where " in line for line in verdict.singularities) or " more" in verdict.sides
-        for point in [*self.points(self.typed), *self._sites()]:
+        for point in [*self.drawn, *self._sites()]:
             if self.typed.holds(point):
                 continue
             at = {(name, str(int(point[name]))) for name in {"n", "k"} & point.keys()}
@@ -336,6 +338,9 @@ class Judgement:
             self.faults.append(f"{verdict.detail}, but the residual is {mp.nstr(value, 10)}")
 
     def _look_at_latex(self, formula: str, equation: str, where: str) -> None:
+        if (formula, equation) in self.shown:
+            return
+        self.shown.add((formula, equation))
         functions = ("f",) if "f(" in self.given.solution else ()
         try:
             _, _, right = formula.partition("=")
@@ -348,7 +353,7 @@ class Judgement:
                 f"LaTeX of the {where} cannot be read ({error}): {equation} {formula}"
             )
             return
-        for point in self.points(self.typed):
+        for point in self.drawn:
             pairs = zip(shown.residuals(point), self.typed.residuals(point), strict=True)
             far = any(abs(a - b) > mp.mpf(10) ** -15 * size for (a, _), (b, size) in pairs)
             values = [r.value(r.solutions["u"], point) for r in (shown, self.typed)]

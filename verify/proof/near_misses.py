@@ -33,6 +33,7 @@ from longwave.derive.algebra.formula_tree import (
 from longwave.verify.verdict import Outcome
 
 from .domain_signs import JUMP
+from .domains import Domains
 from .seams import left_open
 from .statement_problem import typed_domains
 from .statement_text import read_statement
@@ -92,11 +93,9 @@ def with_hint(statement: Statement, verdict: StatementVerdict) -> StatementVerdi
     """
     if verdict.outcome is not Outcome.REFUTED or statement.wanted:
         return verdict
-    witness = verdict.witness or {}
+    place = _Place(statement, typed_domains(statement), verdict.witness or {})
     for miss in near_misses(statement):
-        if not _leaves_nothing(statement, miss.trees, witness):
-            continue
-        if not _says_as_much(statement, miss.trees, witness):
+        if not (place.leaves_nothing(miss.trees) and _says_as_much(place, miss.trees)):
             continue
         with suppress(FormulaError):
             changed = miss.statement(statement.name)
@@ -112,34 +111,41 @@ def _jumps(statement: Statement) -> int:
     return len(found) + sum(line.startswith(JUMP) for line in lines)
 
 
-def _leaves_nothing(
-    statement: Statement, trees: StatementTrees, witness: Mapping[str, str]
-) -> bool:
-    """Whether the residuals of trees are small at the point."""
-    trees, point = witness_trees(statement, trees, witness)
-    return TypedValues(trees, typed_domains(statement)).fails_at(point, QUICK) is False
+@dataclass(frozen=True)
+class _Place:
+    """The point of a refutation, with the domains of the statement."""
+
+    statement: Statement
+    domains: Domains
+    witness: Mapping[str, str]
+
+    def leaves_nothing(self, trees: StatementTrees) -> bool:
+        """Whether the residuals of trees are small at the point."""
+        trees, point = witness_trees(self.statement, trees, self.witness)
+        return TypedValues(trees, self.domains).fails_at(point, QUICK) is False
 
 
-def _says_as_much(statement: Statement, trees: StatementTrees, witness: Mapping[str, str]) -> bool:
+def _says_as_much(place: _Place, trees: StatementTrees) -> bool:
     """Whether no equation of trees holds for everything, as ``2*u_x - 2*u_x = 0`` does.
 
     The formulas must vary with all variables that they varied with.
     """
-    assert statement.trees is not None
+    typed = place.statement.trees
+    assert typed is not None
     letters = [Name(name) for name in trees.variables]
-    terms = [Product((Number(Fraction(1, place + 3)), v)) for place, v in enumerate(letters)]
+    terms = [Product((Number(Fraction(1, i + 3)), v)) for i, v in enumerate(letters)]
     terms.append(Product((*letters, *letters)))
     others = {
-        name: Call((Sum((Number(Fraction(place, 7)), *terms)),), "exp")
-        for place, name in enumerate(trees.solutions)
+        name: Call((Sum((Number(Fraction(i, 7)), *terms)),), "exp")
+        for i, name in enumerate(trees.solutions)
     }
     arbitrary = (replace(trees, equations=(e,), solutions=others) for e in trees.equations)
-    if any(_leaves_nothing(statement, made, witness) for made in arbitrary):
+    if any(map(place.leaves_nothing, arbitrary)):
         return False
     slopes = [_slope(name, v) for name in trees.solutions for v in trees.variables]
     return all(
-        _leaves_nothing(statement, replace(statement.trees, equations=(slope,)), witness)
-        or not _leaves_nothing(statement, replace(trees, equations=(slope,)), witness)
+        place.leaves_nothing(replace(typed, equations=(slope,)))
+        or not place.leaves_nothing(replace(trees, equations=(slope,)))
         for slope in slopes
     )
 

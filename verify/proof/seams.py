@@ -79,8 +79,12 @@ def seams(statement: Statement) -> tuple[Seam, ...]:
     >>> [seam.place for seam in seams(read_statement("u_x", "u = sign(x - c*t)"))]
     ['x = c*t']
     """
-    found = (seam for seam in _all_seams(statement) if seam.place)
-    return tuple({seam.place: seam for seam in found}.values())
+    return _places(_all_seams(statement))
+
+
+def _places(found: Sequence[Seam]) -> tuple[Seam, ...]:
+    """Return the seams that have places, each once."""
+    return tuple({seam.place: seam for seam in found if seam.place}.values())
 
 
 def left_open(statement: Statement) -> tuple[tuple[Seam, ...], tuple[str, ...]]:
@@ -95,7 +99,7 @@ def left_open(statement: Statement) -> tuple[tuple[Seam, ...], tuple[str, ...]]:
     covered = {seam.line for seam in found}
     lines = (line for line in typed_places(statement) if line not in covered)
     own = (seam.own_line for seam in found if seam.own_line)
-    return seams(statement), tuple(dict.fromkeys((*lines, *own)))
+    return _places(found), tuple(dict.fromkeys((*lines, *own)))
 
 
 def _all_seams(statement: Statement) -> tuple[Seam, ...]:
