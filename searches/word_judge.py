@@ -304,13 +304,14 @@ class Reading:
     equations: Sequence[Tree]
     solutions: Mapping[str, Tree]
     definitions: Mapping[str, Tree] = field(default_factory=dict)
-    _cached: tuple[dict[str, Any], list[tuple[Any, Any]]] | None = field(default=None, repr=False)
+    _cached: dict[tuple[Any, ...], list[tuple[Any, Any]]] = field(default_factory=dict, repr=False)
 
     def residuals(self, point: Point) -> list[tuple[Any, Any]]:
         """For each equation its residual at a point, and the size of its largest term."""
-        if self._cached is None or self._cached[0] != point:
-            self._cached = dict(point), self._computed(point)
-        return self._cached[1]
+        key = tuple(point.items())
+        if key not in self._cached:
+            self._cached[key] = self._computed(point)
+        return self._cached[key]
 
     def _computed(self, point: Point) -> list[tuple[Any, Any]]:
         with mp.workdps(DIGITS):

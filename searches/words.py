@@ -34,6 +34,7 @@ from longwave.derive.algebra.formula_text import FormulaError
 from longwave.support.processes import OutOfTime, time_limit
 from longwave.verify.proof.conditions import ConditionalVerdict
 from longwave.verify.proof.kept_verdict import kept_record, taken_again
+from longwave.verify.proof.mistyped_statements import split_outside
 from longwave.verify.proof.near_misses import with_hint
 from longwave.verify.proof.statement_text import read_statement
 from longwave.verify.proof.statement_verdict import (
@@ -43,7 +44,7 @@ from longwave.verify.proof.statement_verdict import (
 )
 from longwave.verify.proof.text_prover import prove
 from longwave.verify.proof.typed_statement import Statement
-from searches.word_judge import CannotJudge, Point, Reading, latex_tree, names_in, text_tree
+from searches.word_judge import NEAR, CannotJudge, Point, Reading, latex_tree, names_in, text_tree
 from searches.word_solves import Solved, faults, solved
 
 LIMIT = 20.0
@@ -259,6 +260,8 @@ class Judgement:
     def __init__(self, given: Made, statement: Statement, seed: int, index: int) -> None:
         self.given, self.statement, self.draw = given, statement, random.Random(f"{seed}.{index}")
         self.typed = self._text_reading([given.equation], given.solution)
+        self.drawn = [*self.points(self.typed)]
+        self.shown: set[tuple[str, str]] = set()
         self.faults: list[str] = []
 
     def _text_reading(self, equations: list[str], solution: str) -> Reading:
@@ -300,23 +303,48 @@ class Judgement:
         return self.faults
 
     def _look_at_proof(self, verdict: StatementVerdict) -> None:
+        for point in [*self.drawn, *self._sites(self.typed), *self._zeros(self.typed)]:
+            if not (self.typed.holds(point) or self._is_named(verdict, point)):
+                self.faults.append(f"PROVED, but it fails at {_shown(point)}")
+
+    def _is_named(self, verdict: StatementVerdict, point: Point) -> bool:
+        """Whether a verdict says that it says nothing at a point."""
         words = (*verdict.singularities, verdict.sides)
         named = {*re.findall(r"(?:at|the site|apart from|,) (\w+) = (-?\d+)", " ".join(words))}
         rough = any(" where " in line for line in verdict.singularities) or " more" in verdict.sides
-        for point in [*self.points(self.typed), *self._sites()]:
-            if self.typed.holds(point):
-                continue
-            at = {(name, str(int(point[name]))) for name in {"n", "k"} & point.keys()}
-            if not (at & named or ("n" in point and rough)):
-                self.faults.append(f"PROVED, but it fails at {_shown(point)}")
+        at = {(name, str(int(point[name]))) for name in {"n", "k"} & point.keys()}
+        if at & named or ("n" in point and rough) or " more" in verdict.sides:
+            return True
+        return any(self._is_at(place, point) for place in _places(verdict))
 
-    def _sites(self) -> Iterator[Point]:
+    def _is_at(self, place: str, point: Point) -> bool:
+        """Whether a point is at a place in words; where that is not known it is."""
+        left, sign, right = place.partition(" = ")
+        if not sign or "..." in place:
+            return True
+        try:
+            sides = [text_tree(text, "xtn", ("u",)) for text in (left, right)]
+            low, high = (self.typed.value(tree, point) for tree in sides)
+        except (CannotJudge, ValueError, IndexError, KeyError, ZeroDivisionError):
+            return True
+        return bool(abs(low - high) < NEAR)
+
+    def _zeros(self, reading: Reading) -> Iterator[Point]:
+        """Points at which one name is 0."""
+        for name in sorted(self.given.ranges.keys() - {"n", "k"}):
+            point = self.given.point(self.draw) | {name: mp.mpf(0)}
+            with suppress(CannotJudge, ZeroDivisionError, ValueError, OverflowError):
+                if self._admits(point):
+                    reading.residuals(point)
+                    yield point
+
+    def _sites(self, reading: Reading) -> Iterator[Point]:
         """A point at every site that is looked at."""
         low, high = self.given.ranges.get("n", (0, 0))
         for site in range(low + 1, high):
             point = self.given.point(self.draw) | {"n": mp.mpf(site)}
             with suppress(CannotJudge, ZeroDivisionError, ValueError, OverflowError):
-                self.typed.residuals(point)
+                reading.residuals(point)
                 yield point
 
     def _look_at_witness(self, verdict: StatementVerdict) -> None:
@@ -336,6 +364,9 @@ class Judgement:
             self.faults.append(f"{verdict.detail}, but the residual is {mp.nstr(value, 10)}")
 
     def _look_at_latex(self, formula: str, equation: str, where: str) -> None:
+        if (formula, equation) in self.shown:
+            return
+        self.shown.add((formula, equation))
         functions = ("f",) if "f(" in self.given.solution else ()
         try:
             _, _, right = formula.partition("=")
@@ -348,7 +379,7 @@ class Judgement:
                 f"LaTeX of the {where} cannot be read ({error}): {equation} {formula}"
             )
             return
-        for point in self.points(self.typed):
+        for point in self.drawn:
             pairs = zip(shown.residuals(point), self.typed.residuals(point), strict=True)
             far = any(abs(a - b) > mp.mpf(10) ** -15 * size for (a, _), (b, size) in pairs)
             values = [r.value(r.solutions["u"], point) for r in (shown, self.typed)]
@@ -385,13 +416,18 @@ class Judgement:
     def _look_at_hint(self, verdict: StatementVerdict) -> None:
         if not verdict.hint:
             return
-        _, _, text = verdict.hint.partition(": ")
+        _, _, text = verdict.hint.rpartition(": ")
         if " in the equation: " in verdict.hint:
             reading = self._text_reading([text.removesuffix(" = 0")], self.given.solution)
         else:
             reading = self._text_reading([self.given.equation], text)
-        for point in self.points(reading):
-            if not reading.holds(point):
+        proof = verdict.hint_verdict
+        left = () if proof is None else (proof.restriction, *proof.nonsmooth_lines)
+        for words in left:
+            if words not in verdict.hint:
+                self.faults.append(f"hint {verdict.hint!r} leaves out: {words}")
+        for point in [*self.points(reading), *self._sites(reading), *self._zeros(reading)]:
+            if not (reading.holds(point) or (proof and self._is_named(proof, point))):
                 self.faults.append(f"hint {verdict.hint!r} fails at {_shown(point)}")
                 return
 
@@ -414,6 +450,15 @@ class Judgement:
         elif (again.hint, again.assumptions) != (verdict.hint, verdict.assumptions):
             self.faults.append(f"on resumption: {again.hint}, {again.assumptions}")
         return self.faults
+
+
+def _places(verdict: StatementVerdict) -> Iterator[str]:
+    """The places at which a proof says nothing, in words."""
+    for line in verdict.singularities:
+        yield re.sub(r"^.*? (?:at the site|at|where|of) ", "", line)
+    for part in re.split("^| and (?=apart)", verdict.sides):
+        listed = re.sub(r"^(?:on each side of|apart from) |, nothing said .*$", "", part)
+        yield from (text.strip() for text in split_outside(listed, ",") if text.strip())
 
 
 def _plain_scope(text: str) -> str:

@@ -168,6 +168,11 @@ class ProofVerdict(Verdict):
         return self.sides if self.outcome is Outcome.PROVED else ""
 
     @property
+    def nonsmooth_lines(self) -> tuple[str, ...]:
+        """One line for each place at which the formula may not be smooth."""
+        return tuple(f"possibly not smooth: {line}" for line in self.singularities)
+
+    @property
     def heading(self) -> str:
         """The outcome, with its restriction."""
         return f"{self.outcome} {self.restriction}".strip()

@@ -407,7 +407,7 @@ def _lines(decision: Decision) -> list[str]:
     lines = [f"{front}{verdict.name}: {first}", *more]
     if verdict.witness:
         lines.append(f"at {verdict.point}")
-    lines += [f"possibly not smooth: {line}" for line in verdict.singularities]
+    lines += verdict.nonsmooth_lines
     lines += [verdict.hint] if verdict.hint else []
     lines += [f"expected was {expected}"] if expected else []
     return [lines[0], *(f"    {line}" for line in lines[1:])]

@@ -10,6 +10,8 @@ from mpmath import mp
 
 from longwave.verify.proof import kept_verdict, statement_verdict
 from longwave.verify.proof.conditions import ConditionalVerdict
+from longwave.verify.proof.near_misses import with_hint
+from longwave.verify.proof.seams import seams
 from longwave.verify.proof.statement_scope import scope
 from longwave.verify.proof.statement_text import read_statement
 from longwave.verify.proof.statement_verdict import (
@@ -113,6 +115,16 @@ def unproved(statement: Statement, verdict: StatementVerdict) -> StatementVerdic
     return replace(verdict, hint="it holds with -x in the place of x: u = -x*sign(exp(I*x))**2")
 
 
+def everywhere(statement: Statement, verdict: StatementVerdict) -> StatementVerdict:
+    found = with_hint(statement, verdict)
+    front, text = found.hint.partition(", on")[0], found.hint.rpartition(": ")[2]
+    return replace(found, hint=f"{front}: {text}")
+
+
+def seams_alone(statement: Statement) -> Any:
+    return seams(statement), ()
+
+
 def believed(statement: Statement, record: Any) -> StatementVerdict:
     found = kept_verdict.undecided(statement, "as it was")
     return replace(
@@ -124,16 +136,20 @@ def believed(statement: Statement, record: Any) -> StatementVerdict:
 MISREAD = stated("u_x + 1", "u = x*sign(exp(I*x))**2", x=(-3, 3))
 CANCELS = stated("u - 1", "u = abs(m)/m + 0*x", "m: m>0", m=(0, 3), x=(-3, 3))
 PARITY = stated("diff(u[n], t)", "u = (-1)**n", n=(-7, 8), t=(-3, 3))
+MOVING = stated("u_t + u_x", "u = abs(x + t)", t=(-3, 3), x=(-3, 3))
+FACTOR = stated("u - 1", "u = sign(m*x)**2", m=(-3, 3), x=(-3, 3))
 ONCE: dict[str, tuple[Made, list[tuple[Any, str, Callable[..., Any]]]]] = {
     "LaTeX": (MISREAD, [(statement_verdict, "formulas_latex", as_sympy_reads)]),
     "names": (CANCELS, [(statement_verdict, "scope", real_names)]),
     "sites": (PARITY, [(statement_verdict, "scope", real_names)]),
     "residual": (MISREAD, [(statement_verdict, "refuted", of_sympy)]),
     "hint": (MISREAD, [(words, "with_hint", unproved)]),
+    "open hint": (MOVING, [(words, "with_hint", everywhere)]),
+    "factor": (FACTOR, [(statement_verdict, "left_open", seams_alone)]),
     "resumption": (CANCELS, [(words, "taken_again", believed)]),
     "places": (
         stated("u[n] - 1", "u = sign(n - 3)**2", n=(2, 4)),
-        [(statement_verdict, name, lambda _: ()) for name in ("typed_places", "seams")],
+        [(statement_verdict, "left_open", lambda _: ((), ()))],
     ),
 }
 """What was false once: a statement, and what makes it so again."""

@@ -200,6 +200,8 @@ class Signs:
                 return made("Pow", inside(base), exponent)
             case ("conjugate", inner):
                 return int(inner)
+            case ("sign", _):  # of modulus 1 wherever it is defined
+                return made("Pow", node, fmpq(-1))
             case ("diff", inner, *variables):
                 return made("diff", inside(inner), *variables)
             case (str(name), z, *rest) if name in FUNCTIONS:

@@ -384,7 +384,9 @@ def corners(
     return tuple(dict.fromkeys(f"{_short(f)} = 0" for f in may_be_zero))
 
 
-CORNER = "jump or corner where {} = 0"
+JUMP = "jump or corner"
+
+CORNER = f"{JUMP} where {{}} = 0"
 """Words for where abs and sign have them, with the place of their argument."""
 
 Place = tuple[str, int | None]

@@ -19,7 +19,7 @@ from longwave.verify.kernel.check import check_certificate
 from longwave.verify.kernel.limits import CertificateError
 from longwave.verify.verdict import Outcome
 
-from .certificate_writer import Certificate, as_data
+from .certificate_writer import as_data
 from .near_misses import near_misses
 from .statement_problem import typed_domains
 from .statement_verdict import StatementVerdict, proved, refuted, undecided
@@ -90,6 +90,5 @@ def _refuted_again(statement: Statement, record: Mapping[str, Any]) -> Statement
         if certificates[0]["statement"]["solutions"] != list(miss.texts.solutions):
             continue
         if is_proof_of(miss.texts, certificates):
-            accepted = tuple(map(Certificate, certificates))
-            return replace(found, hint=miss.words, hint_certificates=accepted)
+            return miss.hint(found, proved(miss.statement(statement.name), certificates))
     return found

@@ -32,6 +32,9 @@ from longwave.derive.algebra.formula_tree import (
 )
 from longwave.verify.verdict import Outcome
 
+from .domain_signs import JUMP
+from .domains import Domains
+from .seams import left_open
 from .statement_problem import typed_domains
 from .statement_text import read_statement
 from .statement_verdict import StatementVerdict, decide_statement, witness_trees
@@ -58,9 +61,10 @@ Change = tuple[int, FormulaTree]
 
 @dataclass(frozen=True)
 class NearMiss:
-    """A statement that differs from another by one change, in words."""
+    """A statement with one ``change``, in words; ``text`` is the equation or formula with it."""
 
-    words: str
+    change: str
+    text: str
     texts: StatementTexts
     trees: StatementTrees
 
@@ -70,6 +74,13 @@ class NearMiss:
         named = "" if {*texts.variables} <= {*CONTINUOUS, SITE} else ", ".join(texts.variables)
         limits = "; ".join(texts.parameters), "; ".join(texts.domain)
         return read_statement(texts.equations, texts.solutions, *limits, name=name, variables=named)
+
+    def hint(self, verdict: StatementVerdict, proof: StatementVerdict) -> StatementVerdict:
+        """Return a refutation with this change as its hint, and all that its proof leaves open."""
+        only = f", {proof.restriction}" if proof.restriction else ""
+        places = f" ({'; '.join(proof.nonsmooth_lines)})" if proof.nonsmooth_lines else ""
+        words = f"it holds with {self.change}{only}{places}: {self.text}"
+        return replace(verdict, hint=words, hint_verdict=proof)
 
 
 def with_hint(statement: Statement, verdict: StatementVerdict) -> StatementVerdict:
@@ -82,47 +93,59 @@ def with_hint(statement: Statement, verdict: StatementVerdict) -> StatementVerdi
     """
     if verdict.outcome is not Outcome.REFUTED or statement.wanted:
         return verdict
-    witness = verdict.witness or {}
+    place = _Place(statement, typed_domains(statement), verdict.witness or {})
     for miss in near_misses(statement):
-        if not _leaves_nothing(statement, miss.trees, witness):
-            continue
-        if not _says_as_much(statement, miss.trees, witness):
+        if not (place.leaves_nothing(miss.trees) and _says_as_much(place, miss.trees)):
             continue
         with suppress(FormulaError):
-            found = decide_statement(miss.statement(statement.name))
-            if found.outcome is Outcome.PROVED:
-                return replace(verdict, hint=miss.words, hint_certificates=found.certificates)
+            changed = miss.statement(statement.name)
+            proof = decide_statement(changed)
+            if proof.outcome is Outcome.PROVED and _jumps(changed) <= _jumps(statement):
+                return miss.hint(verdict, proof)
     return verdict
 
 
-def _leaves_nothing(
-    statement: Statement, trees: StatementTrees, witness: Mapping[str, str]
-) -> bool:
-    """Whether the residuals of trees are small at the point."""
-    trees, point = witness_trees(statement, trees, witness)
-    return TypedValues(trees, typed_domains(statement)).fails_at(point, QUICK) is False
+def _jumps(statement: Statement) -> int:
+    """The number of places at which formulas may jump or have corners."""
+    found, lines = left_open(statement)
+    return len(found) + sum(line.startswith(JUMP) for line in lines)
 
 
-def _says_as_much(statement: Statement, trees: StatementTrees, witness: Mapping[str, str]) -> bool:
+@dataclass(frozen=True)
+class _Place:
+    """The point of a refutation, with the domains of the statement."""
+
+    statement: Statement
+    domains: Domains
+    witness: Mapping[str, str]
+
+    def leaves_nothing(self, trees: StatementTrees) -> bool:
+        """Whether the residuals of trees are small at the point."""
+        trees, point = witness_trees(self.statement, trees, self.witness)
+        return TypedValues(trees, self.domains).fails_at(point, QUICK) is False
+
+
+def _says_as_much(place: _Place, trees: StatementTrees) -> bool:
     """Whether no equation of trees holds for everything, as ``2*u_x - 2*u_x = 0`` does.
 
     The formulas must vary with all variables that they varied with.
     """
-    assert statement.trees is not None
+    typed = place.statement.trees
+    assert typed is not None
     letters = [Name(name) for name in trees.variables]
-    terms = [Product((Number(Fraction(1, place + 3)), v)) for place, v in enumerate(letters)]
+    terms = [Product((Number(Fraction(1, i + 3)), v)) for i, v in enumerate(letters)]
     terms.append(Product((*letters, *letters)))
     others = {
-        name: Call((Sum((Number(Fraction(place, 7)), *terms)),), "exp")
-        for place, name in enumerate(trees.solutions)
+        name: Call((Sum((Number(Fraction(i, 7)), *terms)),), "exp")
+        for i, name in enumerate(trees.solutions)
     }
     arbitrary = (replace(trees, equations=(e,), solutions=others) for e in trees.equations)
-    if any(_leaves_nothing(statement, made, witness) for made in arbitrary):
+    if any(map(place.leaves_nothing, arbitrary)):
         return False
     slopes = [_slope(name, v) for name in trees.solutions for v in trees.variables]
     return all(
-        _leaves_nothing(statement, replace(statement.trees, equations=(slope,)), witness)
-        or not _leaves_nothing(statement, replace(trees, equations=(slope,)), witness)
+        place.leaves_nothing(replace(typed, equations=(slope,)))
+        or not place.leaves_nothing(replace(trees, equations=(slope,)))
         for slope in slopes
     )
 
@@ -140,8 +163,8 @@ def near_misses(statement: Statement) -> list[NearMiss]:
 
     >>> from longwave.verify.proof.statement_text import read_statement
     >>> wrong = read_statement("u_x - 1", "u = jacobi_sn(x, m)")
-    >>> near_misses(wrong)[0].words.partition(":")[0]
-    'it holds with m**2 in the place of m as the parameter of elliptic functions'
+    >>> near_misses(wrong)[0].change
+    'm**2 in the place of m as the parameter of elliptic functions'
     """
     assert statement.texts is not None
     assert statement.trees is not None
@@ -161,7 +184,7 @@ def _of_formulas(texts: StatementTexts, trees: StatementTrees) -> Iterator[tuple
             text = f"{heading} = {plain_text(new)}"
             changed = replace(texts, solutions=_put(texts.solutions, place, text))
             solutions = {**trees.solutions, name: new}
-            yield rank, NearMiss(f"{words}: {text}", changed, replace(trees, solutions=solutions))
+            yield rank, NearMiss(words, text, changed, replace(trees, solutions=solutions))
     for name, formula in trees.definitions.items():
         place = next(
             i for i, p in enumerate(texts.parameters) if p.partition("=")[0].strip() == name
@@ -171,7 +194,7 @@ def _of_formulas(texts: StatementTexts, trees: StatementTrees) -> Iterator[tuple
             changed = replace(texts, parameters=_put(texts.parameters, place, text))
             definitions = {**trees.definitions, name: new}
             made = replace(trees, definitions=definitions)
-            yield rank, NearMiss(f"{words}: {text}", changed, made)
+            yield rank, NearMiss(words, text, changed, made)
 
 
 def _of_equations(texts: StatementTexts, trees: StatementTrees) -> Iterator[tuple[int, NearMiss]]:
@@ -180,8 +203,8 @@ def _of_equations(texts: StatementTexts, trees: StatementTrees) -> Iterator[tupl
             text = plain_text(new)
             changed = replace(texts, equations=_put(texts.equations, place, text))
             equations = (*trees.equations[:place], new, *trees.equations[place + 1 :])
-            said = f"{words} in the equation: {text} = 0"
-            yield rank, NearMiss(said, changed, replace(trees, equations=equations))
+            made = replace(trees, equations=equations)
+            yield rank, NearMiss(f"{words} in the equation", f"{text} = 0", changed, made)
 
 
 def _put(texts: tuple[str, ...], place: int, text: str) -> tuple[str, ...]:
@@ -192,11 +215,11 @@ def _changes(formula: FormulaTree) -> Iterator[tuple[int, str, FormulaTree]]:
     """The formula with one change, and the words for it."""
     names = _names(formula)
     for words, changed in _moduli(formula):
-        yield -1, f"it holds with {words}", changed
+        yield -1, words, changed
     for rank, changed in chain(_in_one_place(formula), _everywhere(formula)):
         if _names(changed) == names:
             old, new = _difference(formula, changed)
-            yield rank, f"it holds with {_instead(new, old)}", changed
+            yield rank, _instead(new, old), changed
 
 
 def _names(formula: FormulaTree) -> set[str]:

@@ -29,7 +29,7 @@ from longwave.derive.algebra.formula_tree import (
     Power,
     Product,
     Sum,
-    formula_text,
+    plain_text,
     rational,
 )
 from longwave.verify.subexpressions import abbreviated
@@ -40,7 +40,7 @@ from .domains import REAL
 from .simplification import Rewriting
 from .statement_problem import all_domains
 from .typed_hints import put_in, vocabulary
-from .typed_places import corner_line
+from .typed_places import DOTS, corner_line, typed_places
 from .typed_statement import Statement
 
 ENDS = {"asin": (1, -1), "acos": (1, -1), "atanh": (1, -1), "acosh": (1, -1)}
@@ -60,11 +60,16 @@ ONE = Fraction(1)
 
 @dataclass(frozen=True)
 class Seam:
-    """A place as an equation in text; ``line`` is what `typed_places` says of it."""
+    """A place as an equation in text; ``line`` is what `typed_places` says of it.
+
+    Without a place the line is of a formula that is never 0; ``own_line`` is what is said of a
+    place that contains no variable.
+    """
 
     place: str
     at_sites: bool
     line: str = ""
+    own_line: str = ""
 
 
 def seams(statement: Statement) -> tuple[Seam, ...]:
@@ -74,13 +79,37 @@ def seams(statement: Statement) -> tuple[Seam, ...]:
     >>> [seam.place for seam in seams(read_statement("u_x", "u = sign(x - c*t)"))]
     ['x = c*t']
     """
+    return _places(_all_seams(statement))
+
+
+def _places(found: Sequence[Seam]) -> tuple[Seam, ...]:
+    """Return the seams that have places, each once."""
+    return tuple({seam.place: seam for seam in found if seam.place}.values())
+
+
+def left_open(statement: Statement) -> tuple[tuple[Seam, ...], tuple[str, ...]]:
+    """Return where a proof says nothing: the seams, and lines on all other places.
+
+    >>> from longwave.verify.proof.statement_text import read_statement
+    >>> found, lines = left_open(read_statement("u_x", "u = sign(m*(x - t))"))
+    >>> [seam.place for seam in found], lines
+    (['x = t'], ('jump or corner where m = 0',))
+    """
+    found = _all_seams(statement)
+    covered = {seam.line for seam in found}
+    lines = (line for line in typed_places(statement) if line not in covered)
+    own = (seam.own_line for seam in found if seam.own_line)
+    return _places(found), tuple(dict.fromkeys((*lines, *own)))
+
+
+def _all_seams(statement: Statement) -> tuple[Seam, ...]:
+    """Return the seams, and what is said of the factors of their formulas."""
     if statement.trees is None:
         return ()
     finder, trees = _Finder(statement), statement.trees
     own = (finder.seams(put_in(trees, tree)) for tree in trees.solutions.values())
     of_equations = (finder.seams(put_in(trees, tree), None) for tree in trees.equations)
-    found = chain.from_iterable((*own, *of_equations))
-    return tuple({seam.place: seam for seam in found}.values())
+    return tuple(chain.from_iterable((*own, *of_equations)))
 
 
 def sides(found: Sequence[Seam]) -> str:
@@ -99,6 +128,7 @@ class _Finder:
         self._build = ExpressionBuilder(vocabulary(statement)).expression
         self._domains = all_domains(statement, *statement.equations)
         self._signs = DomainSigns(self._domains)
+        self._has_complexes = bool(statement.complexes)
         self._variables = {str(v): v for v in statement.variables}
 
     def seams(self, formula: FormulaTree, inside: bool | None = False) -> Iterator[Seam]:
@@ -111,7 +141,7 @@ class _Finder:
             case Power(parts=(Call(name="abs", parts=parts), exponent)) if _is_even(exponent):
                 pass  # f times its conjugate
             case Call(name="abs" | "sign", parts=(argument,) as parts):
-                yield from self._zero(argument)
+                yield from self._zero(argument, jumps=True)
             case Call(name="sqrt", parts=(argument,) as parts):
                 yield from self._branch(argument)
             case Call(name="log", parts=(argument,) as parts):
@@ -156,19 +186,31 @@ class _Finder:
         if self._moves(argument) and not right:
             yield Seam(f"{part}({self._text(argument)}) = 0", False)
 
-    def _zero(self, argument: FormulaTree, line: str = "") -> Iterator[Seam]:
+    def _zero(self, argument: FormulaTree, line: str = "", jumps: bool = False) -> Iterator[Seam]:
         """Yield where a formula is 0, if it contains a variable and may be 0.
 
-        A product is 0 where one of its factors is. ``line`` is said of the whole of it.
+        A product is 0 where one of its factors is. ``line`` is said of the whole of it. If it
+        ``jumps`` there, its factors without variables have lines of their own.
         """
+        if not (line or self._moves(argument)):
+            return
         line = line or corner_line(argument)
+        never = Seam("", False, "" if DOTS in line or self._has_complexes else line)
         match argument:
+            case Power(parts=(_, exponent)) if (rational(exponent) or 0) < 0:
+                yield never
+                return
             case Product(parts=factors) | Call(name="abs" | "sign", parts=factors):
                 for factor in factors:
-                    yield from self._zero(factor, line)
+                    yield from self._zero(factor, line, jumps)
                 return
         value = self._value(argument)
-        if not self._moves(argument) or (value is not None and self._is_nonzero(value)):
+        if value is not None and self._is_nonzero(value):
+            yield never
+            return
+        if not self._moves(argument):
+            named = any(isinstance(node, Name) for node in argument.nodes())
+            yield Seam("", False, line, corner_line(argument) if jumps and named else "")
             return
         moving = {n.name for n in argument.nodes() if isinstance(n, Name)} & {*self._variables}
         at_sites = all(self._is_site(name) for name in moving)
@@ -177,8 +219,7 @@ class _Finder:
             place = f"{self._text(argument)} = 0"
         if value is not None and len(place) > LONGEST:
             place = f"{abbreviated(value, DEPTH)} = 0"
-        if place:
-            yield Seam(place, at_sites, line)
+        yield Seam(place, at_sites, line) if place else never
 
     def _solved(self, argument: FormulaTree) -> str | None:
         """Return ``x = ...`` for a polynomial of degree 1 in x; "" where no real x or site is."""
@@ -197,7 +238,7 @@ class _Finder:
             if self._signs.is_nonzero(slope):
                 end = sp.expand(-rest / slope)
                 missed = self._is_site(name) and end.is_Rational and not end.is_Integer
-                if missed or end.is_real is False:
+                if missed or (end.is_real is False and not self._has_complexes):
                     return ""
                 return f"{name} = {formula_as_text(end)}"
         return None
@@ -209,7 +250,7 @@ class _Finder:
         plain = map(_is_polynomial, argument.nodes())
         if value is not None and all(a or b for a, b in zip(safe, plain, strict=True)):
             return formula_as_text(value)
-        return formula_text(argument)
+        return plain_text(argument)
 
     def _is_site(self, name: str) -> bool:
         return self._domains.get(self._variables[name], REAL).integer

@@ -33,7 +33,7 @@ from .balls import ball_value
 from .certificate_writer import Certificate, as_data
 from .problem import solution_problem
 from .samples import sample
-from .seams import seams, sides
+from .seams import left_open, sides
 from .statement_latex import equations_latex, formulas_latex, scope_latex, statement_latex
 from .statement_problem import (
     all_domains,
@@ -46,7 +46,6 @@ from .statement_problem import (
 from .statement_scope import scope
 from .typed_balls import TextPoint
 from .typed_hints import typed_proof, with_conjugates
-from .typed_places import typed_places
 from .typed_statement import Statement, StatementTrees, tree_of
 from .typed_values import TypedValues, failing_values, typed_values
 
@@ -73,13 +72,18 @@ class StatementVerdict(ProofVerdict):
     """The verdict on a statement: ``statement`` is what was read, in LaTeX.
 
     ``certificates`` has one for each equation of a proof; ``hint`` says what holds in the place of
-    a refuted formula, which is proved by ``hint_certificates``.
+    a refuted formula, and where ``hint_verdict``, the proof of it, leaves that open.
     """
 
     statement: str = ""
     hint: str = ""
     certificates: tuple[Mapping[str, Any], ...] = field(default=(), compare=False)
-    hint_certificates: tuple[Mapping[str, Any], ...] = field(default=(), compare=False)
+    hint_verdict: StatementVerdict | None = field(default=None, compare=False)
+
+    @property
+    def hint_certificates(self) -> tuple[Mapping[str, Any], ...]:
+        """The certificates of what holds in the place of a refuted formula."""
+        return self.hint_verdict.certificates if self.hint_verdict else ()
 
     @property
     def told(self) -> dict[str, str]:
@@ -195,10 +199,9 @@ def _together(statement: Statement, found: Sequence[ProofVerdict]) -> StatementV
 def proved(statement: Statement, certificates: Sequence[Mapping[str, Any]]) -> StatementVerdict:
     """The verdict on a statement with accepted certificates of its texts."""
     found = tuple(map(Certificate, certificates))
-    covered = {seam.line for seam in seams(statement)}
-    places = tuple(line for line in typed_places(statement) if line not in covered)
+    jumps, places = left_open(statement)
     return StatementVerdict(
-        **said_of(statement) | {"sides": sides(seams(statement))},
+        **said_of(statement) | {"sides": sides(jumps)},
         outcome=Outcome.PROVED,
         detail=f"numerator 0 in {found[0].generators} generators, accepted by the checker",
         residual=0.0,

@@ -83,6 +83,9 @@ def _lines(node: Typed, signs: DomainSigns, domains: Domains, variables: set[str
             yield words.removesuffix(ZERO).replace("where", f"{at} {place}")
 
 
+DOTS = "..."
+"""What stands for a part of a formula that lies too deep."""
+
 ZERO = " {} = 0"
 
 
@@ -120,4 +123,4 @@ def _shallow(formula: FormulaTree, depth: int) -> FormulaTree:
     if not formula.inner() or depth > 0:
         parts = tuple(_shallow(part, depth - 1) for part in formula.inner())
         return formula.made_of(parts) if parts else formula
-    return Name("...")
+    return Name(DOTS)

@@ -30,6 +30,8 @@ VALUES: list[tuple[str, str, str, tuple[str, ...], list[str], Hints]] = [
     ("sqrt((1 + I*x)**2)", "1 + I*x", "-1 - I*x", ATOMS, [],
      {"values": {"sqrt((1 + I*x)**2)": "1 + I*x"}}),
     ("conjugate((1 + I*x)/(y - I))", "(1 - I*x)/(y + I)", "(1 + I*x)/(y - I)", ATOMS, [], {}),
+    ("conjugate(sign(1 + I*x))", "1/sign(1 + I*x)", "sign(1 + I*x)",
+     (*ATOMS, "abs(1 + I*x)"), [], {}),
     ("conjugate(conjugate(x + I))", "x + I", "x - I", ATOMS, [], {}),
     ("re(exp(I*x))", "(exp(I*x) + 1/exp(I*x))/2", "exp(I*x)", (*ATOMS, "exp(I*x)"), [],
      {"sums": {"exp(I*x)": {"I*x": "1"}, "exp(-I*x)": {"I*x": "-1"}}}),

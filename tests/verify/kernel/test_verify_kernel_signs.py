@@ -229,7 +229,8 @@ CONJUGATES = {
     "tan(I*x)": "tan((-I)*x)", "log(I*x)": None, "atan(I*x)": None,
     "jacobi_sn(I*x, b)": "jacobi_sn((-I)*x, b)", "jacobi_sn(x, I*b)": None, "f(I*x)": "f((-I)*x)",
     "diff(I*x, x)": "diff((-I)*x, x)", "weierstrass_p(I*x, a, b)": "weierstrass_p((-I)*x, a, b)",
-    "bessel_j(I, x)": None, "abs(z)": "abs(z)", "sign(z)": None,
+    "bessel_j(I, x)": None, "abs(z)": "abs(z)", "sign(z)": "1/sign(z)",
+    "sign(a)": "sign(a)", "sign(x + I*y)": "1/sign(x + I*y)",
     "jacobi_theta_1'(I*x, b)": "jacobi_theta_1'((-I)*x, b)",
 }  # fmt: skip
 

@@ -54,6 +54,24 @@ def test_values_are_not_excluded_where_what_was_typed_is_something_else(
     assert "not excluded (what was typed has another residual" in verdict.detail
 
 
+@pytest.mark.parametrize(
+    ("equation", "solution", "solve", "answer"),
+    [
+        ("u_t + c*u_x", "u = exp(k*x - w*t)*sign(x)", "w", "if and only if w = c*k"),
+        ("u_t + c*u_x", "u = sign(x - w*t)*abs(x - w*t)", "c", "if and only if c = w"),
+        (NLS, f"u = sign(exp(2*I*x))*{WAVE}", "w", "if and only if w = (a - 2)*(a + 2); or a = 0"),
+    ],
+)
+def test_slopes_of_signs_are_0_on_each_side(
+    equation: str, solution: str, solve: str, answer: str
+) -> None:
+    """Catches: SymPy's delta functions at jumps, of which nothing is said, as no known function."""
+    verdict = solved(equation, solution, solve)
+    assert verdict.outcome is Outcome.PROVED
+    front = f"{verdict.restriction}: " if verdict.restriction else ""
+    assert verdict.detail.startswith(f"{front}holds {answer}")
+
+
 def test_a_polynomial_may_vanish_at_finitely_many_sites() -> None:
     """n = 1 is the only site, and c = 0 holds there."""
     verdict = solved("u[n-2] - u[n] + c", "u[n] = abs(n)", "c", "c: c<1", "0<n<2")

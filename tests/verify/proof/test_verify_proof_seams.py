@@ -8,7 +8,7 @@ import sympy as sp
 from longwave.__main__ import main
 from longwave.verify.proof.conditions import conditional_sentence, solve_statement
 from longwave.verify.proof.kept_verdict import kept_record, taken_again
-from longwave.verify.proof.seams import seams, sides
+from longwave.verify.proof.seams import left_open, seams, sides
 from longwave.verify.proof.statement_text import read_statement
 from longwave.verify.proof.statement_verdict import decide_statement, verified_sentence
 from longwave.verify.proof.text_prover import prove
@@ -186,3 +186,24 @@ def test_values_of_parameters_at_which_a_formula_jumps_are_named(
     verdict = decide_statement(statement)
     assert verdict.singularities == (f"jump or corner {line}",)
     assert verified_sentence(statement, verdict).endswith(sentence)
+
+
+LEFT_OPEN = [
+    ("u = sign(m*(x - t))**2", ["x = t"], ["jump or corner where m = 0"]),
+    ("u = sign(m*(1 + I*x))**2", [], ["jump or corner where m = 0"]),
+    ("u = sign(x**(-1))**2", ["x = 0"], ["pole where x = 0"]),
+    ("u = sign(x/t)**2", ["x = 0", "t = 0"], ["pole where t = 0"]),
+    ("u = sign(1 + I*(x - 2))**2", [], []),
+    ("u = sign((1 + m**2)*x)**2 + abs(0*t)", ["x = 0", "t = 0"], []),
+    ("u = sign(diff(f(x), x)*f(m))**2", ["diff(f(x), x) = 0"], ["jump or corner where f(m) = 0"]),
+]
+
+
+@pytest.mark.parametrize(("solution", "places", "lines"), LEFT_OPEN)
+def test_a_product_is_0_where_a_factor_without_variables_is(
+    solution: str, places: list[str], lines: list[str]
+) -> None:
+    """Catches: m = 0 hidden behind x = t, where u = 0; places at which nothing can be 0."""
+    functions = "f: function" if "f(" in solution else ""
+    found, left = left_open(read_statement("u - 1", solution, functions))
+    assert ([seam.place for seam in found], list(left)) == (places, lines)
