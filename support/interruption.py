@@ -5,7 +5,7 @@ that is in compiled code, waits for workers or has lost the interrupt in a final
 watching thread, which the signal wakes without Python's help. A second Ctrl-C ends it at once.
 
 SIGTERM, by which schedulers of clusters end their jobs, does the same to a command's process, and
-so does SIGALRM, when the time of `ended_after` is over. A command whose limits are stated is watched
+so does SIGALRM, when the time of `ended_after` is over. A command that states limits is watched
 from another process as well (`supervision`), which is told here what there is to say of it.
 """
 
