@@ -14,8 +14,8 @@ import time
 from collections.abc import Sequence
 from types import ModuleType
 
-CHUNK, PAUSE = 5_000_000, 0.02
-"""Bytes that are taken at once, and seconds between: some 200 MB a second."""
+CHUNK, PAUSE = 5_000_000, 0.01
+"""Bytes that are taken at once, and seconds between: less than 500 MB a second."""
 
 
 def take_memory(*_: object, **__: object) -> None:
