@@ -154,9 +154,10 @@ def test_a_command_ends_within_its_memory(command: str, tmp_path: Path) -> None:
 def test_compiled_code_that_does_not_end_is_ended(command: str, tmp_path: Path) -> None:
     """It keeps Python's lock, so that nothing in its process can end it."""
     words, function = TOO_LARGE[command]
-    ended = watched([*words.split(), "--max-time", f"{TIME}s"], tmp_path, f"time {function}")
-    check_ended(command, ended, f"must end within {TIME:g} s and had not")
-    assert ended.seconds < TIME + LATE + BUSY
+    seconds = 2.0 * TIME  # in which it is reached
+    ended = watched([*words.split(), "--max-time", f"{seconds}s"], tmp_path, f"time {function}")
+    check_ended(command, ended, f"must end within {seconds:g} s and had not")
+    assert ended.seconds < seconds + LATE + BUSY
 
 
 def write_fill_values(path: Path, sites: int) -> None:
