@@ -133,9 +133,9 @@ def copy_tree(tree: Path) -> None:
         ["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, check=True, text=True
     )
     for name in listed.stdout.rstrip("\0").split("\0"):
-        if (ROOT / name).is_file():
+        if (ROOT / name).exists():
             (tree / name).parent.mkdir(parents=True, exist_ok=True)
-            shutil.copy2(ROOT / name, tree / name)
+            shutil.copy2(ROOT / name, tree / name, follow_symlinks=False)  # rooms are links
 
 
 def install(python: str, tree: Path, venv: Path) -> str:
