@@ -150,13 +150,12 @@ def test_a_command_ends_within_its_memory(command: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("command", ["derive", "library"])
-def test_compiled_code_that_does_not_end_is_ended(command: str, tmp_path: Path) -> None:
+def test_compiled_code_that_does_not_end_is_ended(tmp_path: Path) -> None:
     """It keeps Python's lock, so that nothing in its process can end it."""
-    words, function = TOO_LARGE[command]
+    words, function = TOO_LARGE["derive"]
     seconds = 2.0 * TIME  # in which it is reached
     ended = watched([*words.split(), "--max-time", f"{seconds}s"], tmp_path, f"time {function}")
-    check_ended(command, ended, f"must end within {seconds:g} s and had not")
+    check_ended("derive", ended, f"must end within {seconds:g} s and had not")
     assert ended.seconds < seconds + LATE + BUSY
 
 

@@ -15,7 +15,7 @@ from tests.conftest import PATIENCE
 HOUSE = Path(__file__).parents[3]
 HOSTILE = Path(__file__).parent / "hostile_start"
 
-LOOK, ENDING = 0.02, 20.0
+LOOK, ENDING = 0.05, 20.0
 """Seconds between two looks at the memory, and for what was killed to be gone."""
 
 
