@@ -122,7 +122,7 @@ def _held() -> int:
 
 def apart(part: str, wave: str, sites: int, asked: argparse.Namespace) -> list[float]:
     """What a process of its own finds."""
-    words = [sys.executable, __file__, "--part", part, "--wave", wave, "--sites", str(sites)]
+    words = [sys.executable, "-P", __file__, "--part", part, "--wave", wave, "--sites", str(sites)]
     words += ["--steps", str(asked.steps)]
     if asked.tolerance is not None and part == "whole":
         words += ["--tolerance", str(asked.tolerance)]

@@ -221,7 +221,8 @@ class Copy:
     def _tests_pass(self) -> bool:
         """Run the tests; what takes too long has failed, and is killed with what it started."""
         words = ["-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *self._tests]
-        command = ["env", "PYTHONDONTWRITEBYTECODE=1", sys.executable, *words]
+        settings = [f"PYTHONPATH={self._folder}", "PYTHONDONTWRITEBYTECODE=1"]
+        command = ["env", *settings, sys.executable, "-P", *words]
         try:
             return run_program(command, self._folder, self._seconds)[0] == 0
         except OutOfTime:

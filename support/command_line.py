@@ -17,9 +17,11 @@ import click
 from longwave.support.interruption import (
     call_it,
     ended_after,
+    ended_beyond,
     interrupted,
     interruptible,
     owns_process,
+    stated_memory,
     was_interrupted,
 )
 from longwave.support.known_names import did_you_mean, one_of
@@ -30,6 +32,7 @@ from longwave.support.request_limits import (
     check_request,
     duration,
     enforced_memory,
+    memory_text,
     request_limits,
 )
 from longwave.support.slow_work import announce, time_told
@@ -123,7 +126,12 @@ def _enforced_memory(given: str | None) -> Iterator[None]:
     with ExitStack() as held:
         limits = held.enter_context(_estimated_memory(given))
         if given and owns_process():
-            held.enter_context(enforced_memory(limits.memory_bytes))
+            allowed = limits.memory_bytes
+            limit = (
+                f"must fit {memory_text(allowed)} and did not (take less, or raise --max-memory)"
+            )
+            held.enter_context(ended_beyond(allowed, limit))
+            held.enter_context(enforced_memory(allowed))
         yield
 
 
@@ -253,12 +261,21 @@ def run_words(command: click.Command, program: str, argv: Sequence[str] | None =
     its own.
     """
     arguments = list(sys.argv[1:] if argv is None else argv)
-    known = command.commands if isinstance(command, click.Group) else ()
-    called = f"{program} {arguments[0]}" if arguments and arguments[0] in known else program
+    called = _called(command, program, arguments)
     call_it(called)
     whole = argv is None
     with time_told(called) if whole else nullcontext():
         return interruptible(called, lambda: _run(command, program, called, arguments), whole)
+
+
+def _called(command: click.Command, program: str, argv: Sequence[str]) -> str:
+    """Return what the command of these words is called by, as in `longwave verify mutations`."""
+    for word in argv:
+        inner = command.commands.get(word) if isinstance(command, click.Group) else None
+        if inner is None:
+            break
+        command, program = inner, f"{program} {word}"
+    return program
 
 
 def _run(command: click.Command, program: str, called: str, argv: Sequence[str]) -> int:
@@ -281,10 +298,9 @@ def _run(command: click.Command, program: str, called: str, argv: Sequence[str])
             _drop_output()
         return fail(error)
     except MemoryError:
-        return fail(
-            "the request must fit the memory, got one that does not (make it smaller, or raise "
-            "--max-memory)"
-        )
+        if limit := stated_memory():
+            return fail(f"{called} {limit}")
+        return fail("the request must fit the memory, got one that does not (make it smaller)")
 
 
 def _flushed(status: int) -> int:
@@ -360,6 +376,8 @@ def _quoting_little(message: str, argv: Iterable[str]) -> str:
 
 def fail_for_memory(error: MemoryError, what: str = "sites") -> int:
     """`fail` for a scene with too many ``what``."""
+    if limit := stated_memory():
+        return fail(f"{called_by()} {limit}")
     return fail(f"{what} must fit the memory, got a scene that does not: {error} (take fewer)")
 
 

@@ -5,12 +5,14 @@ that is in compiled code, waits for workers or has lost the interrupt in a final
 watching thread, which the signal wakes without Python's help. A second Ctrl-C ends it at once.
 
 SIGTERM, by which schedulers of clusters end their jobs, does the same to a command's process, and
-so does SIGALRM, when the time of `ended_after` is over.
+so does SIGALRM, when the time of `ended_after` is over. A command that states limits is watched
+from another process as well (`supervision`), which is told here what there is to say of it.
 """
 
 from __future__ import annotations
 
 import atexit
+import math
 import os
 import signal
 import sys
@@ -21,19 +23,17 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from typing import NoReturn
 
+from longwave.support.supervision import OVERDUE, TOO_LARGE, supervised, tell
 from longwave.support.user_files import on_one_line
 
-ENDING = signal.SIGINT, signal.SIGTERM, signal.SIGALRM
-"""What Ctrl-C sends, what a scheduler does, and what a timer does."""
+ENDING = signal.SIGINT, signal.SIGTERM, signal.SIGALRM, TOO_LARGE
+"""What Ctrl-C sends, what a scheduler does, what a timer does, and what a full memory does."""
 
 SIGNALLED = 128
 """Exit status after a signal, less its number."""
 
 INTERRUPTED = SIGNALLED + signal.SIGINT
 """That after Ctrl-C."""
-
-OVERDUE = 2
-"""Exit status of a command whose time is over: that of a request beyond a limit."""
 
 LONGEST_TIMER = 1e7
 """Seconds from which on no timer is set."""
@@ -58,7 +58,7 @@ class _Watch:
     """A running command: what it is called by, what it keeps, and since when it is to end."""
 
     def __init__(self, called: str) -> None:
-        self.called, self.kept, self.limit = called, "", ""
+        self.called, self.kept, self.limit, self.memory_limit = called, "", "", ""
         self.since: float | None = None
         self.status = INTERRUPTED
         self.patience = PATIENCE
@@ -70,8 +70,9 @@ class _Watch:
         if self.over or (self.since is not None and now > self.since + SAME_PRESS):
             self.end()
         if self.since is None:
-            overdue = number == signal.SIGALRM
+            overdue = number in (signal.SIGALRM, TOO_LARGE)
             self.since, self.status = now, OVERDUE if overdue else SIGNALLED + number
+            self.limit = self.memory_limit if number == TOO_LARGE else self.limit
             raise KeyboardInterrupt
 
     def watch(self, reading: int) -> None:
@@ -90,6 +91,7 @@ class _Watch:
         """Say in one line that the command was interrupted, once."""
         if not self.told:
             self.told = True
+            tell(said=True)
             print(self._line(kept), file=sys.stderr, flush=True)
 
     def _line(self, kept: str) -> str:
@@ -109,6 +111,7 @@ class _Watch:
         else:
             shown = SHOW_CURSOR if os.isatty(2) else ""
             kept = f" ({self.kept})" if self.kept else ""
+            tell(said=True)
             os.write(2, f"{shown}{self._line(kept)}\n".encode())
         os._exit(self.status)
 
@@ -123,6 +126,12 @@ def interruptible(called: str, work: Callable[[], int], whole_process: bool) -> 
     command, and the signals stay in these hands until the process has ended. Inside another one
     SIGTERM is left to that; where a signal is ignored, this only tells.
     """
+    if whole_process and _watch is None:
+        return supervised(sys.argv[1:], lambda: _interruptible(called, work, whole_process))
+    return _interruptible(called, work, whole_process)
+
+
+def _interruptible(called: str, work: Callable[[], int], whole_process: bool) -> int:
     main = threading.current_thread() is threading.main_thread()
     numbers = [
         number
@@ -192,10 +201,36 @@ def ended_after(seconds: float, limit: str) -> Iterator[None]:
         return
     _watch.limit = limit
     signal.setitimer(signal.ITIMER_REAL, seconds)
+    tell(end=time.monotonic() + seconds, time_limit=limit)
     try:
         yield
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0.0)
+        if _watch.since is None:
+            tell(end=math.inf)
+
+
+@contextmanager
+def ended_beyond(size: float, limit: str) -> Iterator[None]:
+    """End the command where it has more than ``size`` bytes, all its processes together.
+
+    Only where the command `owns_process`, and is watched from another one.
+    """
+    if _watch is None or not owns_process() or math.isinf(size):
+        yield
+        return
+    _watch.memory_limit = limit
+    tell(memory=size, memory_limit=limit)
+    try:
+        yield
+    finally:
+        if _watch.since is None:
+            tell(memory=math.inf)
+
+
+def stated_memory() -> str:
+    """What the line says of a command beyond the memory that is stated; "" if none is."""
+    return _watch.memory_limit if _watch is not None else ""
 
 
 def _ignore_from_here() -> None:
@@ -230,6 +265,7 @@ def call_it(called: str) -> None:
     """Say what the running command is called by, once that is known."""
     if _watch is not None:
         _watch.called = called
+        tell(called=called)
 
 
 def interrupted(called: str = "", kept: str = "") -> int:
@@ -244,6 +280,7 @@ def will_keep(kept: str) -> None:
     """Say what of the work there is by now, for the line that ends it from outside."""
     if _watch is not None:
         _watch.kept = on_one_line(kept)
+        tell(kept=_watch.kept)
 
 
 @contextmanager
@@ -253,8 +290,10 @@ def keeping() -> Iterator[None]:
         yield
         return
     _watch.patience += KEEPING
+    tell(keeping=_watch.patience - PATIENCE)
     try:
         yield
     finally:
         if _watch is not None:
             _watch.patience -= KEEPING
+            tell(keeping=_watch.patience - PATIENCE)

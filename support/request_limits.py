@@ -34,9 +34,10 @@ LONG = 5.0
 UNKNOWN_MACHINE = 4e9
 """Bytes that a machine is taken to have which does not say."""
 
-PROGRAM, BESIDE = 4.2e8, 1.6e8
+PROGRAM, BESIDE = 4.8e8, 2.2e8
 """Bytes of data that a command may have in any case, for its libraries and threads (0.39 GB with
-`longwave plot` of a scene, of which 0.28 were in use), and those that it has and does not use."""
+`longwave plot` of a scene, of which 0.28 were in use), and those that it has and does not use (0.19
+with `longwave fit`). What is in use is limited by `supervision`."""
 
 CGROUPS = ("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes")
 

@@ -311,6 +311,41 @@ def test_no_text_is_evaluated() -> None:
     assert not [place for place in called if place[1] in {"eval", "exec", "parse_expr"}]
 
 
+WITHOUT_SAFE_PATH = {
+    "benchmarks/halo_exchange.py": "its script imports those beside it",
+    "benchmarks/large_rings.py": "its script imports those beside it",
+    "longwave/cli/health.py": "it is shown, and nothing is started",
+}
+"""Files that name this Python without ``-P`` behind it, each with the reason."""
+
+
+def unsafe_starts(tree: ast.AST) -> Iterator[int]:
+    """Yield the lines that name this Python other than in a list of words with ``-P`` behind it."""
+    safe = set[ast.AST]()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.List | ast.Tuple):
+            pairs = zip(node.elts, node.elts[1:], strict=False)
+            safe |= {one for one, following in pairs if ast.unparse(following) == "'-P'"}
+    named = (node for node in ast.walk(tree) if isinstance(node, ast.Attribute))
+    for node in named:
+        if node not in safe and ast.unparse(node) == "sys.executable":
+            yield node.lineno
+
+
+def test_python_is_started_without_the_current_folder_in_its_path() -> None:
+    """A file there, such as a `numpy.py`, would be imported and run."""
+    folders = [*ROOMS, "benchmarks", "searches", "tools", "docs"]
+    files = [path for folder in folders for path in sorted((HOUSE / folder).rglob("*.py"))]
+    naming = {path for path in files if "sys.executable" in path.read_text(encoding="utf-8")}
+    unsafe = {name_of(path) for path in naming if [*unsafe_starts(tree_of(path))]}
+    assert unsafe == {*WITHOUT_SAFE_PATH}
+
+
+def test_a_start_without_the_option_is_seen() -> None:
+    text = 'run([sys.executable, "-m", "a"])\nrun([*mpi, sys.executable, "-P", "b"])\n'
+    assert sorted(unsafe_starts(ast.parse(text + "run(sys.executable)\n"))) == [1, 3]
+
+
 def test_kernels_are_compiled_through_the_cache_that_follows_sources() -> None:
     """Numba's own ``cache=True`` serves old machine code after a change in another file."""
     compilers = {f"numba.{name}" for name in ("njit", "jit", "vectorize", "guvectorize", "cfunc")}

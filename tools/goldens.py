@@ -52,7 +52,7 @@ def digest(content: bytes) -> str:
 
 def longwave(*argv: str, folder: Path = HOUSE) -> str:
     """What a command prints; what is wrong instead, if it fails."""
-    command = [sys.executable, "-m", "longwave", *argv]
+    command = [sys.executable, "-P", "-m", "longwave", *argv]
     environment = {**os.environ, "PYTHONPATH": str(HOUSE)}
     ended = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True)
     return ended.stdout if ended.returncode < 2 else f"{ended.returncode}: {ended.stderr}"
@@ -172,7 +172,7 @@ def search(folder: Path) -> Golden:
     """The digests by seed."""
     for seed in SEEDS:
         argv = ["--count", str(STATEMENTS), "--seed", str(seed), "--kind", "all", "--workers", "1"]
-        command = [sys.executable, "-m", "searches.verdicts", *argv]
+        command = [sys.executable, "-P", "-m", "searches.verdicts", *argv]
         environment = {**os.environ, "PYTHONPATH": str(HOUSE)}
         ended = subprocess.run(command, env=environment, capture_output=True, text=True)
         found = [line for line in ended.stdout.splitlines() if line.startswith("digest ")]

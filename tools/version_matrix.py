@@ -104,7 +104,7 @@ def pythons() -> dict[tuple[int, ...], str]:
 
 def _runs(python: Path) -> bool:
     """Whether it is an interpreter and no pointer to one that is not chosen."""
-    return subprocess.run([python, "-c", "import venv"], capture_output=True).returncode == 0
+    return subprocess.run([python, "-P", "-c", "import venv"], capture_output=True).returncode == 0
 
 
 def run_job(job: str, folder: Path, limit: float) -> Row:
@@ -133,17 +133,17 @@ def copy_tree(tree: Path) -> None:
         ["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, check=True, text=True
     )
     for name in listed.stdout.rstrip("\0").split("\0"):
-        if (ROOT / name).is_file():
+        if (ROOT / name).exists():
             (tree / name).parent.mkdir(parents=True, exist_ok=True)
-            shutil.copy2(ROOT / name, tree / name)
+            shutil.copy2(ROOT / name, tree / name, follow_symlinks=False)  # rooms are links
 
 
 def install(python: str, tree: Path, venv: Path) -> str:
     """Make the environment; returns what is wrong, or nothing."""
     shutil.rmtree(venv, ignore_errors=True)
-    subprocess.run([python, "-m", "venv", venv], check=True)
+    subprocess.run([python, "-P", "-m", "venv", venv], check=True)
     tools = [text for text in requirements()[1] if re.split(r"[<>=]", text)[0] in TOOLS]
-    words = ["-m", "pip", "install", "-q", "-c", "constraints.txt", "--only-binary", ":all:"]
+    words = ["-P", "-m", "pip", "install", "-q", "-c", "constraints.txt", "--only-binary", ":all:"]
     words += ["-e", f"tree[{','.join(EXTRAS)}]", *tools]
     done = subprocess.run(
         [venv / "bin" / "python", *words], cwd=venv.parent, capture_output=True, text=True
@@ -158,13 +158,16 @@ def tested(job: str, tree: Path, python: Path, limit: float) -> Row:
     """Run the tests, each group until time is up."""
     failed: list[str] = []
     passed, begun, remark = 0, time.monotonic(), ""
+    settings = {**os.environ, "PYTHONPATH": str(tree)}
     for group in TESTS:
         left = limit - (time.monotonic() - begun)
-        words = [python, "-m", "pytest", "-q", "-rfE", "-p", "no:cacheprovider", group]
+        words = [python, "-P", "-m", "pytest", "-q", "-rfE", "-p", "no:cacheprovider", group]
         try:
             if left <= 0:
                 raise subprocess.TimeoutExpired(words, limit)
-            done = subprocess.run(words, cwd=tree, capture_output=True, text=True, timeout=left)
+            done = subprocess.run(
+                words, cwd=tree, env=settings, capture_output=True, text=True, timeout=left
+            )
         except subprocess.TimeoutExpired:
             remark = f"stopped after {limit:g} s in {group}"
             break
@@ -182,7 +185,8 @@ def tested(job: str, tree: Path, python: Path, limit: float) -> Row:
 
 
 def _said(python: Path, code: str) -> str:
-    return subprocess.run([python, "-c", code], capture_output=True, text=True).stdout.strip()
+    words = [python, "-P", "-c", code]
+    return subprocess.run(words, capture_output=True, text=True).stdout.strip()
 
 
 def main() -> int:

@@ -34,7 +34,7 @@ from longwave.support.processes import (
     as_ended,
     time_limit,
 )
-from longwave.support.request_limits import duration
+from longwave.support.request_limits import current_limits, duration
 from longwave.support.slow_work import announce, give_notice
 from longwave.verify.problem_file import (
     ProblemText,
@@ -348,7 +348,8 @@ def _decide(
         words = f"no verdict within {limit:g} s (it had come to {stage[0]}"
         verdict = undecided(statement, f"{words}{_doing(error.__traceback__)})", limit)
     except MemoryError:
-        verdict = undecided(statement, f"no verdict within {MEMORY // 10**6} MB of memory")
+        allowed = min(MEMORY, current_limits().memory_bytes)
+        verdict = undecided(statement, f"no verdict within {allowed / 1e6:.0f} MB of memory")
     except Exception as error:  # a crash of the prover is no verdict, and not the user's mistake
         words = f"{type(error).__name__}: {' '.join(str(error).split())}"
         verdict = undecided(statement, f"the prover failed ({words[:200]})")

@@ -1,90 +1,166 @@
-"""Catches: a limit that is stated, and that a formula or a file goes past in silence."""
+"""Catches: a limit that is stated, and that a formula, a file or a command goes past in silence."""
 
-import os
-import subprocess
-import sys
-import time
+import re
+from collections.abc import Iterator
 from pathlib import Path
 
+import click
 import h5py
 import numpy as np
 import pytest
 import xarray as xr
 
+from longwave.cli.command_tree import longwave
 from longwave.runs import save_run
-
-HOUSE = Path(__file__).parents[3]
+from tests.longwave.cli.watched_command import Ended, watched
 
 LARGE = "x+(x+K1+K2+K3+K4+K5+K6)**30"
 NESTED = "exp(" * 38 + "A*x" + ")" * 38
-BESIDE, LATE = 2e8, 2.0
-"""Bytes and seconds that a command may take beyond its limits."""
+TERMS = "x+t+" + "+".join(f"k{number}" for number in range(1, 14))
+
+TIME, MEMORY = 2.0, 320e6
+"""The limits that are stated."""
+
+LATE, BESIDE = 2.0, 2e8
+"""Seconds and bytes that a command may take beyond its limits."""
+
+BUSY = 60.0
+"""Seconds more on a busy machine."""
+
+OF_EACH = {"explore"}
+"""Commands whose limits are those of each run, and are compared with estimates."""
 
 
-def _lattice(force: str, folder: Path) -> str:
-    path = folder / "lattice.toml"
-    springs = f'fields = ["u"]\n[[spring]]\nbetween = ["u[n]", "u[n+1]"]\nforce = "{force}"\n'
-    path.write_text(springs)
-    return str(path)
+SCENE = """lattice = "lattice.toml"
+wave = "kdv_soliton"
+eps = 0.1
+slow_times = [0, 1]
+half_width = 8
+tolerance = 1e-3
+constants = {K1 = 1, K2 = 1, K3 = 1, K4 = 1, K5 = 1, K6 = 1}
+parameters = {kappa = 1}
+"""
 
 
-def _points(folder: Path) -> str:
-    path = folder / "points.csv"
-    path.write_text("".join(f"{x / 10},{x / 10 + x**2 / 500}\n" for x in range(1, 9)))
-    return str(path)
-
-
-def _run(*arguments: str) -> tuple[int, str, float]:
-    """Exit status, stderr and seconds of a command."""
-    begin = time.monotonic()
-    done = subprocess.run(
-        [sys.executable, "-m", "longwave", *arguments],
-        env={**os.environ, "PYTHONPATH": str(HOUSE)},
-        capture_output=True,
-        text=True,
-        timeout=600,
-        check=False,
-    )
-    return done.returncode, _without_notices(done.stderr), time.monotonic() - begin
-
-
-def _without_notices(said: str) -> str:
-    """What a command says on stderr, but for how long it has been at work on a busy machine."""
-    lines = said.splitlines(keepends=True)
-    return "".join(line for line in lines if "(Ctrl-C stops it)" not in line)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("force", [LARGE, NESTED], ids=["a high power", "nested exponentials"])
-@pytest.mark.parametrize("command", ["derive", "fit"])
-def test_a_formula_that_does_not_end_is_ended(command: str, force: str, tmp_path: Path) -> None:
-    """Within two seconds of the limit, of which half a one is Python's start."""
-    if command == "derive":
-        arguments = ["derive", _lattice(force, tmp_path)]
-    else:
-        arguments = ["fit", _points(tmp_path), "--law", force]
-    status, said, seconds = _run(*arguments, "--max-time", "3s")
-    assert status == 2, said
-    assert said.count("\n") == 1
-    if "must end within" in said:
-        assert said.startswith(f"error: longwave {command} must end within 3 s")
-        assert seconds < 3.0 + LATE + 60.0  # another minute where the machine is busy
-    else:
-        assert said.startswith("error: ")
-
-
-@pytest.mark.slow
-def test_time_ends_a_command_as_ctrl_c_does_and_says_why(tmp_path: Path) -> None:
-    status, said, _ = _run("derive", _lattice(LARGE, tmp_path), "--max-time", "2s")
-    assert (status, said) == (
-        2,
-        "error: longwave derive must end within 2 s and had not (take less, or raise --max-time)\n",
+def write_inputs(folder: Path) -> None:
+    """Write the hostile texts that the commands read."""
+    for name, force in (("lattice", LARGE), ("nested", NESTED)):
+        springs = f'[[spring]]\nbetween = ["u[n]", "u[n+1]"]\nforce = "{force}"\n'
+        (folder / f"{name}.toml").write_text(f'fields = ["u"]\n{springs}')
+    rows = "".join(f"{x / 10},{x / 10 + x**2 / 500}\n" for x in range(1, 9))
+    (folder / "points.csv").write_text(f"stretch,force\n{rows}")
+    (folder / "scene.toml").write_text(SCENE)
+    (folder / "sweep.toml").write_text(f"[scene]\n{SCENE}[grid]\neps = [0.1, 0.2]\n")
+    (folder / "small.toml").write_text('scene = "toda_soliton"\n[grid]\neps = [0.1, 0.2]\n')
+    solution = "+".join(f"sqrt({TERMS}+{number})" for number in range(40))
+    (folder / "problems.toml").write_text(
+        f'[[problem]]\nequation = "u_t + u*u_x"\nsolution = "u = {solution}"\n'
     )
 
 
+TOO_LONG = {
+    "derive": "derive nested.toml",
+    "prove": "prove problems.toml --limit 1000",
+    "library": "library",
+    "verify": "verify",
+    "verify recheck": "verify recheck",
+    "verify mutations": "verify mutations",
+    "verify accuracy": "verify accuracy",
+    "fit": f"fit points.csv --law {LARGE}",
+    "run": "run scene.toml",
+    "sweep": "sweep sweep.toml",
+    "plot": "plot scene.toml",
+    "animate": "animate scene.toml",
+    "report": "report",
+    "converge": "converge scene.toml",
+}
+"""Texts and works that take more than the time that is stated, by command."""
+
+TOO_LARGE = {
+    "derive": ("derive", "longwave.derive.output.printout:print_derivation"),
+    "prove": ("prove problems.toml", "longwave.cli.statements:answer"),
+    "library": ("library kdv_one_soliton", "longwave.cli.statements:answer"),
+    "verify": ("verify --only kink", "longwave.cli.verdicts:prove_all"),
+    "verify recheck": ("verify recheck --only kink", "longwave.cli.recheck:written_out"),
+    "verify mutations": ("verify mutations --only kink", "longwave.cli.verdicts:count_mutants"),
+    "verify accuracy": (
+        "verify accuracy --only kink --jobs 1",
+        "longwave.reports.studies.evaluation_accuracy:measure_accuracy",
+    ),
+    "fit": ("fit points.csv", "longwave.cli.fit:fit_points"),
+    "run": ("run toda_soliton", "longwave.cli.scene_command:_run_with_bar"),
+    "sweep": ("sweep small.toml --processes 1", "longwave.runs.sweep_cells:run_cell"),
+    "plot": ("plot toda_soliton", "longwave.reports.pictures.plotting:plot"),
+    "animate": ("animate toda_soliton", "longwave.reports.pictures.animation:animate"),
+    "report": ("report", "longwave.reports.build:write_report"),
+    "converge": ("converge toda_soliton", "longwave.cli.converge:measured_convergence"),
+}
+"""Works that need little, and the function of each, here or in a worker, that takes all memory."""
+
+
+def limited_commands(command: click.Command = longwave, above: str = "") -> Iterator[str]:
+    """The words of all commands that have a limit as an option."""
+    if any({"--max-time", "--max-memory"} & {*parameter.opts} for parameter in command.params):
+        yield above
+    if isinstance(command, click.Group):
+        for name, inner in command.commands.items():
+            yield from limited_commands(inner, f"{above} {name}".strip())
+
+
+def test_every_command_that_has_limits_is_tested() -> None:
+    """Catches: a command that is added with limits, and nothing that exceeds them."""
+    assert {*limited_commands()} - OF_EACH == {*TOO_LONG} == {*TOO_LARGE}
+
+
+NOTICES = re.compile(r".*\(Ctrl-C stops it\)|measuring \w+|not installed: .*")
+"""Lines that tell what a command is at."""
+
+
+def without_notices(said: str) -> list[str]:
+    """The lines on stderr, but for those that are no errors."""
+    return [line for line in said.splitlines() if not NOTICES.fullmatch(line)]
+
+
+def check_ended(command: str, ended: Ended, line: str) -> None:
+    """Check that a command ended in one line that tells the limit, and left no process."""
+    said = without_notices(ended.errors)
+    assert (ended.status, len(said)) == (2, 1), ended
+    assert said[0].startswith(f"error: longwave {command} {line}")
+    assert not ended.left
+
+
 @pytest.mark.slow
-def test_a_file_of_fill_values_is_read_within_the_memory_that_is_stated(tmp_path: Path) -> None:
-    path, sites = tmp_path / "run.nc", 40_000_000
+@pytest.mark.parametrize("command", TOO_LONG)
+def test_a_command_ends_within_its_time(command: str, tmp_path: Path) -> None:
+    write_inputs(tmp_path)
+    ended = watched([*TOO_LONG[command].split(), "--max-time", f"{TIME}s"], tmp_path)
+    check_ended(command, ended, f"must end within {TIME:g} s and had not (take less, or raise --")
+    assert ended.seconds < TIME + LATE + BUSY
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("command", TOO_LARGE)
+def test_a_command_ends_within_its_memory(command: str, tmp_path: Path) -> None:
+    write_inputs(tmp_path)
+    words, function = TOO_LARGE[command]
+    limit = [*words.split(), "--max-memory", f"{MEMORY / 1e6:.0f}M"]
+    ended = watched(limit, tmp_path, f"memory {function}")
+    check_ended(command, ended, "must fit 320 MB and did not (take less, or raise --max-memory)")
+    assert ended.memory < MEMORY + BESIDE
+
+
+@pytest.mark.slow
+def test_compiled_code_that_does_not_end_is_ended(tmp_path: Path) -> None:
+    """It keeps Python's lock, so that nothing in its process can end it."""
+    words, function = TOO_LARGE["derive"]
+    seconds = 2.0 * TIME  # in which it is reached
+    ended = watched([*words.split(), "--max-time", f"{seconds}s"], tmp_path, f"time {function}")
+    check_ended("derive", ended, f"must end within {seconds:g} s and had not")
+    assert ended.seconds < seconds + LATE + BUSY
+
+
+def write_fill_values(path: Path, sites: int) -> None:
+    """Write the file of a run that is small on the disk and large when it is read."""
     run = xr.Dataset({"strain": (("time", "site"), np.zeros((2, 4)))}, {"site": np.arange(4)})
     save_run(run, path)
     with h5py.File(path, "r+") as file:
@@ -100,19 +176,16 @@ def test_a_file_of_fill_values_is_read_within_the_memory_that_is_stated(tmp_path
         file["strain"].dims[1].attach_scale(file["site"])
         noise = np.random.default_rng(1).integers(0, 255, 2_000_000, dtype="u1")
         file.create_dataset("pad", data=noise)
-    code = (
-        "import sys; from longwave.__main__ import main\n"
-        "from searches.peak_memory import peak_bytes\n"
-        "status = main()\n"
-        "print(peak_bytes()); sys.exit(status)"
-    )
-    done = subprocess.run(
-        [sys.executable, "-c", code, "plot", str(path), "--output", str(tmp_path / "a.png"),
-         "--max-memory", "200M"],
-        env={**os.environ, "PYTHONPATH": str(HOUSE)}, capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    assert done.returncode == 2, done.stdout + done.stderr
-    said = _without_notices(done.stderr)
-    assert said.count("\n") == 1
-    assert "memory" in said
-    assert int(done.stdout.split()[-1]) < 200e6 + BESIDE
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("command", ["plot", "run"])
+def test_a_file_of_fill_values_is_read_within_the_memory_that_is_stated(
+    command: str, tmp_path: Path
+) -> None:
+    write_fill_values(tmp_path / "run.nc", 40_000_000)
+    ended = watched([command, "run.nc", "--max-memory", "320M"], tmp_path)
+    said = without_notices(ended.errors)
+    assert (ended.status, len(said)) == (2, 1), ended
+    assert "memory" in said[0]
+    assert ended.memory < MEMORY + BESIDE
