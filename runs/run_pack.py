@@ -267,11 +267,14 @@ def pack_content(records: Iterable[CellRecord]) -> bytes:
     return _content(map(_Stack.of, kinds.values()))
 
 
-def merged_content(packs: Iterable[Path]) -> bytes:
-    """The bytes of a pack of all that these packs hold. Raises as `open_pack`."""
+def merged_content(packs: Iterable[tuple[Path, int]]) -> bytes:
+    """The bytes of a pack of all that these packs hold, each with what `open_pack` takes.
+
+    Raises as that does.
+    """
     kinds: dict[str, list[_Stack]] = defaultdict(list)
-    for path in packs:
-        with open_pack(path) as file:
+    for path, untyped in packs:
+        with open_pack(path, untyped) as file:
             for group in file.values():
                 stack = _Stack.read(group)
                 kinds[stack.kind].append(stack)
@@ -312,15 +315,17 @@ class DamagedPackError(ValueError):
 
 
 @contextmanager
-def open_pack(path: Path) -> Iterator[h5py.File]:
+def open_pack(path: Path, untyped: int = 1) -> Iterator[h5py.File]:
     """A pack, open to be read, whose bytes were looked through by this process.
+
+    None of the last ``untyped`` names of its path may be a link.
 
     The file is opened once: what is checked is what is read. Raises FileNotFoundError where none
     is, as when it was merged since, DamagedPackError, and ValueError for what is no pack.
     """
     import h5py
 
-    with _plain_pack(path) as stream:
+    with _plain_pack(path, untyped) as stream:
         state = os.fstat(stream.fileno())
         stamp = state.st_dev, state.st_ino, state.st_size, state.st_mtime_ns, state.st_ctime_ns
         checked = stamp in _checked
@@ -341,10 +346,10 @@ def open_pack(path: Path) -> Iterator[h5py.File]:
             yield file
 
 
-def _plain_pack(path: Path) -> BinaryIO:
+def _plain_pack(path: Path, untyped: int) -> BinaryIO:
     """The open file; DamagedPackError for a link or what is no file."""
     try:
-        return open(open_plain(path), "rb")
+        return open(open_plain(path, untyped=untyped), "rb")
     except FileNotFoundError:
         raise
     except OSError as error:
@@ -354,10 +359,10 @@ def _plain_pack(path: Path) -> BinaryIO:
         raise DamagedPackError(f"{path} is a link, or no file") from None
 
 
-def read_pack(path: Path) -> CellTable:
+def read_pack(path: Path, untyped: int = 1) -> CellTable:
     """What a pack holds, its runs left on the disk. Raises as `open_pack`."""
     try:
-        with open_pack(path) as file:
+        with open_pack(path, untyped) as file:
             return joined_tables([_table(int(name), group) for name, group in file.items()])
     except (FileNotFoundError, DamagedPackError):
         raise
@@ -365,10 +370,10 @@ def read_pack(path: Path) -> CellTable:
         raise ValueError(f"{path} is no pack ({reason_of(error)})") from None
 
 
-def is_pack(path: Path) -> bool:
+def is_pack(path: Path, untyped: int = 1) -> bool:
     """Whether a pack can be read; FileNotFoundError where none is."""
     try:
-        read_pack(path)
+        read_pack(path, untyped)
     except FileNotFoundError:
         raise
     except (ValueError, OSError):
@@ -399,13 +404,27 @@ def checked_table(columns: Mapping[str, Any], numbers: Any) -> CellTable:
     return CellTable(**made, numbers=held)
 
 
-def load_row(path: Path, group: int, row: int) -> xr.Dataset:
-    """One of a pack's runs, with the bits that it had. Raises as `open_pack`."""
+def check_keys(group: Any, rows: Sequence[int], keys: Sequence[str]) -> None:
+    """Raise ValueError if rows of a pack's group are not those of these keys.
+
+    The pack may be another one than when it was indexed. An empty key is any.
+    """
+    asked = [(row, key) for row, key in zip(rows, keys, strict=True) if key]
+    if any(group["key"].asstr()[row] != key for row, key in asked):
+        raise ValueError("it holds other runs than it did")
+
+
+def load_row(path: Path, group: int, row: int, key: str = "", untyped: int = 1) -> xr.Dataset:
+    """One of a pack's runs, which has the ``key`` if there is one, with the bits that it had.
+
+    Raises as `open_pack`.
+    """
     import xarray as xr
 
-    with open_pack(path) as file:
+    with open_pack(path, untyped) as file:
         try:
             held_group = file[str(group)]
+            check_keys(held_group, [row], [key])
             data: dict[str, Any] = {}
             coordinates: dict[str, Any] = {}
             for name, held in held_group["arrays"].items():
