@@ -579,7 +579,12 @@ LINES = """{{"key": "a", "verdict": {0}}}
 
 def a_scene(folder: Folder) -> Case:
     """A scene."""
-    return _text(folder, SCENE.format, lambda path: load_scene(path).json(), 10**6)
+
+    def read(path: Path) -> object:
+        stated = json.loads(load_scene(path).json())
+        return [float(number) for _, number in stated["constants"] + stated["parameters"]]
+
+    return _text(folder, SCENE.format, read, 10**6)
 
 
 def a_scenes_lattice(folder: Folder) -> Case:

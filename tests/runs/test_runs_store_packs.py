@@ -111,9 +111,9 @@ def test_with_an_index_only_new_packs_are_opened(
     opened: list[Path] = []
     read = store_packs.read_pack
 
-    def counted(path: Path) -> Any:
+    def counted(path: Path, untyped: int) -> Any:
         opened.append(path)
-        return read(path)
+        return read(path, untyped)
 
     monkeypatch.setattr(store_packs, "read_pack", counted)
     assert len(pack_index(tmp_path)) == len(before)
