@@ -22,6 +22,7 @@ import numpy as np
 
 from longwave.runs.hdf_contents import check_contents
 from longwave.support.atomic_file import write_atomically
+from longwave.support.sealed_file import is_sealed, open_plain
 from longwave.support.user_files import reason_of
 
 if TYPE_CHECKING:
@@ -91,6 +92,8 @@ def open_run(path: str | Path, follow: bool = True) -> xr.Dataset:
     path = Path(path)
     with ExitStack() as opened:
         stream = opened.enter_context(_opened(path, follow))
+        if not follow and not is_sealed(stream):
+            raise ValueError(f"run must be as it was written, got {path}, damaged (try again)")
         size = _checked_size(path, stream)
         try:
             run = _looked_through(stream, size, opened)
@@ -107,23 +110,12 @@ def open_run(path: str | Path, follow: bool = True) -> xr.Dataset:
 def _opened(path: Path, follow: bool) -> BinaryIO:
     """Open a file to be read; ValueError for what is none, without waiting for a pipe."""
     if not follow:
-        return _opened_whole(path)
+        return open(open_plain(path, untyped=2), "rb")
     number = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
     if not stat.S_ISREG(os.fstat(number).st_mode):
         os.close(number)
         raise ValueError(f"run must be a file, got {path}, which is none ({REMEDY})")
     return open(number, "rb")
-
-
-def _opened_whole(path: Path) -> BinaryIO:
-    """Open a store's file, whose seal is looked at in what was opened."""
-    from longwave.support.sealed_file import is_sealed, open_plain
-
-    stream = open(open_plain(path, untyped=2), "rb")
-    if not is_sealed(stream):
-        stream.close()
-        raise ValueError(f"run must be as it was written, got {path}, which is damaged (try again)")
-    return stream
 
 
 def _looked_through(stream: BinaryIO, size: int, opened: ExitStack) -> xr.Dataset:

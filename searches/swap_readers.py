@@ -12,7 +12,6 @@ import os
 import re
 import shutil
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import suppress
 from io import BytesIO
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -29,6 +28,7 @@ from longwave.reports.studies.estimates import Judged, judged_scenes
 from longwave.runs.run_file import file_content, load_run, names_a_run, open_run
 from longwave.runs.run_pack import (
     DONE,
+    REFUSED,
     CellRecord,
     is_pack,
     load_row,
@@ -48,7 +48,7 @@ from longwave.solutions.data_store import DataStore
 from longwave.support.checkpoint import LOOP, CheckpointFolder
 from longwave.support.compiled.kernel_folder import CacheFolder
 from longwave.support.plain_data import plain_bytes
-from longwave.support.sealed_file import SEAL_LENGTH, write_sealed
+from longwave.support.sealed_file import write_sealed
 from longwave.verify.problem_file import problem_texts
 
 FIRST, SECOND, OTHER, FOREIGN = 1.0, 2.0, 11.0, 666.0
@@ -60,7 +60,7 @@ NOBODY = 65534
 EARLIER = 1_600_000_000 * 10**9
 """When all files were last written, in nanoseconds: a swapped one is told by no time."""
 
-SHAPE = 30, 2000
+SHAPE = 20, 1000
 """Of a run's arrays: reading them takes some milliseconds."""
 
 SCALES = "DIMENSION_LIST", "REFERENCE_LIST"
@@ -323,7 +323,7 @@ def _packed(folder: Folder, read: Callable[[Any], Values]) -> Case:
     path = folder.place / PACKS / "ab" / "p.h5"
     path.parent.mkdir(parents=True)
     for number in range(WORTH_AN_INDEX):
-        content = _pack([OTHER], [f"other{number}"])
+        content = pack_content([CellRecord(f"other{number}", REFUSED)])
         write_sealed(path.with_name(f"{number}.h5"), content, durable=False)
     contents = [
         _pack([FIRST, OTHER]),
@@ -620,7 +620,7 @@ def certificates(folder: Folder) -> Case:
 
 def estimates(folder: Folder) -> Case:
     """Records of estimates."""
-    fields = {name: 0 for name in Judged.__dataclass_fields__}
+    fields = dict.fromkeys(Judged.__dataclass_fields__, 0)
 
     def written(value: float) -> str:
         return json.dumps(fields | {"estimate": value, "own": value}) + "\n"

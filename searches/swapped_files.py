@@ -172,7 +172,7 @@ def alone(case: Case) -> list[str]:
 def search(
     reader: str, calls: int, seconds: float = math.inf, seed: int = 0, stop: bool = False
 ) -> Found:
-    """Call a reader so often, or so long, while its file is swapped; ``stop`` at the first fault."""
+    """Call a reader so often, or so long, while its file is swapped; ``stop`` at a fault."""
     found = Found()
     with tempfile.TemporaryDirectory() as name:
         case = READERS[reader](Folder(Path(name) / "case"))
