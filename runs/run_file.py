@@ -22,7 +22,6 @@ import numpy as np
 
 from longwave.runs.hdf_contents import check_contents
 from longwave.support.atomic_file import write_atomically
-from longwave.support.sealed_file import is_sealed, open_plain
 from longwave.support.user_files import reason_of
 
 if TYPE_CHECKING:
@@ -92,8 +91,8 @@ def open_run(path: str | Path, follow: bool = True) -> xr.Dataset:
     path = Path(path)
     with ExitStack() as opened:
         stream = opened.enter_context(_opened(path, follow))
-        if not follow and not is_sealed(stream):
-            raise ValueError(f"run must be as it was written, got {path}, damaged (try again)")
+        if not follow:
+            _check_seal(path, stream)
         size = _checked_size(path, stream)
         try:
             run = _looked_through(stream, size, opened)
@@ -110,12 +109,22 @@ def open_run(path: str | Path, follow: bool = True) -> xr.Dataset:
 def _opened(path: Path, follow: bool) -> BinaryIO:
     """Open a file to be read; ValueError for what is none, without waiting for a pipe."""
     if not follow:
+        from longwave.support.sealed_file import open_plain
+
         return open(open_plain(path, untyped=2), "rb")
     number = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
     if not stat.S_ISREG(os.fstat(number).st_mode):
         os.close(number)
         raise ValueError(f"run must be a file, got {path}, which is none ({REMEDY})")
     return open(number, "rb")
+
+
+def _check_seal(path: Path, stream: BinaryIO) -> None:
+    """Raise ValueError for an open file that is not as it was written."""
+    from longwave.support.sealed_file import is_sealed
+
+    if not is_sealed(stream):
+        raise ValueError(f"run must be as it was written, got {path}, damaged (try again)")
 
 
 def _looked_through(stream: BinaryIO, size: int, opened: ExitStack) -> xr.Dataset:

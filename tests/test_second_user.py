@@ -167,7 +167,13 @@ def test_a_cache_is_neither_read_nor_written_by_another(
         assert cache.path.parent == bases[0]
         DataStore("maker", "key", cache).write("data", 1.0)
     kept = cache.path / "code"
-    for attempt in ((read, kept), (listed, cache.path), (write, kept, b""), (link, kept, common)):
+    for attempt in (
+        (read, kept),
+        (listed, cache.path),
+        (write, kept, b""),
+        (link, kept, common),
+        (other_folder, cache.path, {}, 0o700),
+    ):
         assert as_nobody(*attempt) == "PermissionError"
     assert cache.read("code") == b"secret"
     cache.path.chmod(0o755)  # what stands in the way is the mode
@@ -180,10 +186,11 @@ def test_a_cache_is_neither_read_nor_written_by_another(
 def test_a_planted_cache_is_not_read(
     mode: int, bases: tuple[Path, Path], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    with mask(0):  # by which the place of the caches is everybody's
-        cache = cache_folder(MODULE)
-        assert cache.path is not None
-        cache.write("code", b"mine")
+    bases[0].mkdir()
+    bases[0].chmod(0o777)  # as NUMBA_CACHE_DIR may be
+    cache = cache_folder(MODULE)
+    assert cache.path is not None
+    cache.write("code", b"mine")
     store = DataStore("maker", "key", cache)
     files = {
         "code": _forged(cache, "code", b"planted"),
