@@ -14,6 +14,7 @@ from xarray import Variable
 from xarray.backends import BackendArray
 from xarray.core import indexing
 
+from longwave.runs.hdf_contents import own
 from longwave.runs.run_file import load_run
 from longwave.runs.run_pack import check_keys, open_pack, values_of
 from longwave.runs.store_packs import PackedRun, moved
@@ -58,9 +59,9 @@ def _rows(field: str, places: Iterable[Place]) -> NDArray[Any]:
         return np.stack([run.variables[field].values for run in runs])
     try:
         with open_pack(packed[0].path, packed[0].untyped) as file:
-            group = file[str(packed[0].group)]
+            group = own(file, str(packed[0].group))
             check_keys(group, [place.row for place in packed], [place.key for place in packed])
-            held = group["arrays"][field]
+            held = own(own(group, "arrays"), field)
             return np.asarray(values_of(np.stack([held[place.row] for place in packed])))
     except FileNotFoundError:
         return np.stack([place.load().variables[field].values for place in moved(packed)])

@@ -17,6 +17,7 @@ from longwave.cli import verdict_lines
 from longwave.runs import run_file, run_pack
 from longwave.support import checkpoint, sealed_file, user_files
 from longwave.support.compiled import kernel_folder
+from searches import swapped_files
 from searches.swap_readers import READERS
 from searches.swapped_files import search
 
@@ -114,6 +115,7 @@ FAULTS: dict[str, tuple[Any, str, Any, str]] = {
 @pytest.mark.parametrize("fault", FAULTS)
 def test_a_name_that_is_opened_twice_is_found(fault: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Catches: a search that sees nothing. Some of these faults were found by it."""
+    monkeypatch.setattr(swapped_files, "RESTING", 0.02)
     owner, name, twice, reader = FAULTS[fault]
     monkeypatch.setattr(owner, name, twice)
     found = search(reader, MOST_CALLS, MOST_SECONDS, seed=1, stop=True)
