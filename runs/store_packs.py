@@ -39,6 +39,7 @@ from longwave.runs.run_pack import (
 )
 from longwave.support.atomic_file import not_stale
 from longwave.support.file_lock import locked
+from longwave.support.request_limits import current_limits
 from longwave.support.sealed_file import LOG, check_no_link, read_sealed, write_sealed
 from longwave.support.user_files import reason_of
 
@@ -238,7 +239,7 @@ def _kept_index(folder: Path) -> dict[str, tuple[PackStamp, CellTable]]:
     import h5py
 
     path = folder / PACKS / INDEX
-    content = read_sealed(path, untyped=2)
+    content = read_sealed(path, current_limits().memory_bytes, untyped=2)
     if content is None:
         return {}
     try:
@@ -272,26 +273,33 @@ def forget_index(folder: Path) -> None:
 
 
 def _packs(folder: Path) -> dict[str, PackStamp]:
-    """The packs there by name, sorted, without following links."""
+    """The packs there by name, sorted, without following links; one of many names has one."""
     found: dict[str, PackStamp] = {}
     packs = folder / PACKS
     if not_stale(packs.is_symlink):
         return found
-    _list(packs, "", found)
+    _list(packs, "", found, set())
     return dict(sorted(found.items()))
 
 
-def _list(folder: Path, inside: str, found: dict[str, PackStamp]) -> None:
+def _list(
+    folder: Path, inside: str, found: dict[str, PackStamp], seen: set[tuple[int, int]]
+) -> None:
+    """Add the packs of a folder; ``seen`` are files of several names."""
     with suppress(FileNotFoundError, NotADirectoryError), os.scandir(folder) as entries:
         for entry in entries:
             if entry.name.startswith(".") or entry.is_symlink():
                 continue
             if entry.is_dir():
                 if not inside and len(entry.name) == 2:
-                    _list(folder / entry.name, f"{entry.name}/", found)
+                    _list(folder / entry.name, f"{entry.name}/", found, seen)
             elif entry.name.endswith(SUFFIX):
                 with suppress(FileNotFoundError):
                     told = not_stale(partial(entry.stat, follow_symlinks=False))
+                    if told.st_nlink > 1:  # hard links cost nothing, and reading each does
+                        if (told.st_dev, told.st_ino) in seen:
+                            continue
+                        seen.add((told.st_dev, told.st_ino))
                     found[inside + entry.name] = PackStamp(told.st_size, told.st_mtime_ns)
 
 
