@@ -40,12 +40,42 @@ def check_contents(file: Any, size: int, deepest: int = 0) -> None:
 
     Raises ValueError for what no run's file or pack has, and one that would take more bytes than
     such a file can hold. Without groups it is read by h5netcdf, which leaves arrays alone that are
-    there for their length.
+    there for their length. What was looked at stays in memory while the file is open, and is not
+    read again: somebody may write into the file meanwhile.
     """
+    _keep_structure(file)
     look = _Look(size, leaves_lengths=deepest == 0)
     for thing in _things(file["/"], deepest, set()):
         look.attributes(thing)
         look.array(thing)
+
+
+def _keep_structure(file: Any) -> None:
+    """Have the library keep what it reads of objects and links, and read none of it again."""
+    plan = file.id.get_mdc_config()
+    plan.evictions_enabled = False
+    plan.incr_mode = plan.flash_incr_mode = plan.decr_mode = 0  # as it must be then
+    file.id.set_mdc_config(plan)
+
+
+def own(parent: Any, name: str) -> Any:
+    """What has that name in an open file that was looked through when it was opened before.
+
+    Raises ValueError if it stands in another file: that is asked of the open object, which is what
+    is read, as the file may have been written into since.
+    """
+    import h5py
+
+    thing = parent[name]
+    files = [h5py.h5o.get_info(one.id).fileno for one in (parent, thing)]
+    if files[0] != files[1] or (isinstance(thing, h5py.Dataset) and _is_elsewhere(thing)):
+        raise ValueError(f"{name} is in other files")
+    return thing
+
+
+def _is_elsewhere(array: Any) -> bool:
+    """Whether an array is made of others, or its bytes stand in another file."""
+    return bool(array.id.get_create_plist().get_external_count() or array.is_virtual)
 
 
 def _things(group: Any, deepest: int, seen: set[Any]) -> Iterator[Any]:
@@ -126,7 +156,7 @@ class _Look:
         if not isinstance(thing, h5py.Dataset):
             return
         layout, kind = thing.id.get_create_plist(), thing.id.get_type()
-        if layout.get_external_count() or thing.is_virtual:
+        if _is_elsewhere(thing):
             raise ValueError(f"{thing.name} is in other files")
         filters = sorted(layout.get_filter(place)[0] for place in range(layout.get_nfilters()))
         if not {*filters} <= {DEFLATE, SHUFFLE, CHECKSUM} or len({*filters}) < len(filters):

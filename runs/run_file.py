@@ -68,7 +68,8 @@ def file_content(run: xr.Dataset) -> bytes:
 def load_run(path: str | Path, follow: bool = True) -> xr.Dataset:
     """Read a run back into memory.
 
-    A name that nobody has typed, as in a store, is one to ``follow`` only to a file, not by a link.
+    A name that nobody has typed, as in a store, is not one to ``follow``: neither it nor its folder
+    may be a link, and the file must be sealed.
     Raises OSError if there is none, ValueError in one line if the file is no run, damaged or of an
     older kind, and MemoryError for what does not fit.
     """
@@ -90,6 +91,8 @@ def open_run(path: str | Path, follow: bool = True) -> xr.Dataset:
     path = Path(path)
     with ExitStack() as opened:
         stream = opened.enter_context(_opened(path, follow))
+        if not follow:
+            _check_seal(path, stream)
         size = _checked_size(path, stream)
         try:
             run = _looked_through(stream, size, opened)
@@ -108,12 +111,20 @@ def _opened(path: Path, follow: bool) -> BinaryIO:
     if not follow:
         from longwave.support.sealed_file import open_plain
 
-        return open(open_plain(path), "rb")
+        return open(open_plain(path, untyped=2), "rb")
     number = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
     if not stat.S_ISREG(os.fstat(number).st_mode):
         os.close(number)
         raise ValueError(f"run must be a file, got {path}, which is none ({REMEDY})")
     return open(number, "rb")
+
+
+def _check_seal(path: Path, stream: BinaryIO) -> None:
+    """Raise ValueError for an open file that is not as it was written."""
+    from longwave.support.sealed_file import is_sealed
+
+    if not is_sealed(stream):
+        raise ValueError(f"run must be as it was written, got {path}, damaged (try again)")
 
 
 def _looked_through(stream: BinaryIO, size: int, opened: ExitStack) -> xr.Dataset:
@@ -183,9 +194,12 @@ def strain_fault(run: xr.Dataset) -> str:
 
 
 def is_run_file(path: Path) -> bool:
-    """Whether a file begins as runs do, older ones as well."""
-    with path.open("rb") as stream:
-        return _kind(stream) is not None
+    """Whether a file begins as runs do, older ones as well; what is no file does not."""
+    try:
+        with _opened(path, follow=True) as stream:
+            return _kind(stream) is not None
+    except ValueError:
+        return False
 
 
 def _kind(stream: BinaryIO) -> str | None:

@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
-from longwave.runs.hdf_contents import check_contents
+from longwave.runs.hdf_contents import check_contents, own
 from longwave.runs.run_file import as_json
 from longwave.support.sealed_file import (
     DAMAGED,
@@ -207,10 +207,12 @@ class _Stack:
     @staticmethod
     def read(group: Any) -> _Stack:
         """What a group of a pack holds."""
+        inner = own(group, "arrays")
+        arrays = {name: own(inner, name) for name in inner}
         return _Stack(
-            {name: list(group[name].asstr()[()]) for name in TEXTS},
-            {name: group[name][()] for name in NUMBERS if name in group},
-            {name: (held[()], dict(held.attrs)) for name, held in group["arrays"].items()},
+            {name: list(own(group, name).asstr()[()]) for name in TEXTS},
+            {name: own(group, name)[()] for name in NUMBERS if name in group},
+            {name: (held[()], dict(held.attrs)) for name, held in arrays.items()},
         )
 
     @property
@@ -267,13 +269,16 @@ def pack_content(records: Iterable[CellRecord]) -> bytes:
     return _content(map(_Stack.of, kinds.values()))
 
 
-def merged_content(packs: Iterable[Path]) -> bytes:
-    """The bytes of a pack of all that these packs hold. Raises as `open_pack`."""
+def merged_content(packs: Iterable[tuple[Path, int]]) -> bytes:
+    """The bytes of a pack of all that these packs hold, each with what `open_pack` takes.
+
+    Raises as that does.
+    """
     kinds: dict[str, list[_Stack]] = defaultdict(list)
-    for path in packs:
-        with open_pack(path) as file:
-            for group in file.values():
-                stack = _Stack.read(group)
+    for path, untyped in packs:
+        with open_pack(path, untyped) as file:
+            for name in file:
+                stack = _Stack.read(own(file, name))
                 kinds[stack.kind].append(stack)
     return _content(map(_joined, kinds.values()))
 
@@ -312,15 +317,17 @@ class DamagedPackError(ValueError):
 
 
 @contextmanager
-def open_pack(path: Path) -> Iterator[h5py.File]:
+def open_pack(path: Path, untyped: int = 1) -> Iterator[h5py.File]:
     """A pack, open to be read, whose bytes were looked through by this process.
+
+    None of the last ``untyped`` names of its path may be a link.
 
     The file is opened once: what is checked is what is read. Raises FileNotFoundError where none
     is, as when it was merged since, DamagedPackError, and ValueError for what is no pack.
     """
     import h5py
 
-    with _plain_pack(path) as stream:
+    with _plain_pack(path, untyped) as stream:
         state = os.fstat(stream.fileno())
         stamp = state.st_dev, state.st_ino, state.st_size, state.st_mtime_ns, state.st_ctime_ns
         checked = stamp in _checked
@@ -341,10 +348,10 @@ def open_pack(path: Path) -> Iterator[h5py.File]:
             yield file
 
 
-def _plain_pack(path: Path) -> BinaryIO:
+def _plain_pack(path: Path, untyped: int) -> BinaryIO:
     """The open file; DamagedPackError for a link or what is no file."""
     try:
-        return open(open_plain(path), "rb")
+        return open(open_plain(path, untyped=untyped), "rb")
     except FileNotFoundError:
         raise
     except OSError as error:
@@ -354,21 +361,21 @@ def _plain_pack(path: Path) -> BinaryIO:
         raise DamagedPackError(f"{path} is a link, or no file") from None
 
 
-def read_pack(path: Path) -> CellTable:
+def read_pack(path: Path, untyped: int = 1) -> CellTable:
     """What a pack holds, its runs left on the disk. Raises as `open_pack`."""
     try:
-        with open_pack(path) as file:
-            return joined_tables([_table(int(name), group) for name, group in file.items()])
+        with open_pack(path, untyped) as file:
+            return joined_tables([_table(int(name), own(file, name)) for name in file])
     except (FileNotFoundError, DamagedPackError):
         raise
     except Exception as error:  # what the library raises for such a file is not documented
         raise ValueError(f"{path} is no pack ({reason_of(error)})") from None
 
 
-def is_pack(path: Path) -> bool:
+def is_pack(path: Path, untyped: int = 1) -> bool:
     """Whether a pack can be read; FileNotFoundError where none is."""
     try:
-        read_pack(path)
+        read_pack(path, untyped)
     except FileNotFoundError:
         raise
     except (ValueError, OSError):
@@ -377,9 +384,9 @@ def is_pack(path: Path) -> bool:
 
 
 def _table(number: int, group: Any) -> CellTable:
-    columns = {name: group[name].asstr()[()] for name in TEXTS[:3]}
+    columns = {name: own(group, name).asstr()[()] for name in TEXTS[:3]}
     count = len(columns["key"])
-    rows = np.arange(count) if len(group["arrays"]) else np.full(count, -1)
+    rows = np.arange(count) if len(own(group, "arrays")) else np.full(count, -1)
     columns |= {"pack": np.zeros(count), "group": np.full(count, number), "row": rows}
     return checked_table(columns, group)
 
@@ -391,7 +398,7 @@ def checked_table(columns: Mapping[str, Any], numbers: Any) -> CellTable:
     """
     count = len(columns["key"])
     made = {name: np.asarray(columns[name]).astype(kind) for name, kind in PLAIN.items()}
-    held = {n: np.asarray(numbers[n][()]).astype(np.float64) for n in NUMBERS if n in numbers}
+    held = {n: np.asarray(own(numbers, n)[()]).astype(np.float64) for n in NUMBERS if n in numbers}
     if any(column.shape != (count,) for column in (*made.values(), *held.values())):
         raise ValueError("its columns differ in length")
     for name in ("key", "status"):
@@ -399,20 +406,36 @@ def checked_table(columns: Mapping[str, Any], numbers: Any) -> CellTable:
     return CellTable(**made, numbers=held)
 
 
-def load_row(path: Path, group: int, row: int) -> xr.Dataset:
-    """One of a pack's runs, with the bits that it had. Raises as `open_pack`."""
+def check_keys(group: Any, rows: Sequence[int], keys: Sequence[str]) -> None:
+    """Raise ValueError if rows of a pack's group are not those of these keys.
+
+    The pack may be another one than when it was indexed. An empty key is any.
+    """
+    asked = [(row, key) for row, key in zip(rows, keys, strict=True) if key]
+    if any(own(group, "key").asstr()[row] != key for row, key in asked):
+        raise ValueError("it holds other runs than it did")
+
+
+def load_row(path: Path, group: int, row: int, key: str = "", untyped: int = 1) -> xr.Dataset:
+    """One of a pack's runs, which has the ``key`` if there is one, with the bits that it had.
+
+    Raises as `open_pack`.
+    """
     import xarray as xr
 
-    with open_pack(path) as file:
+    with open_pack(path, untyped) as file:
         try:
-            held_group = file[str(group)]
+            held_group = own(file, str(group))
+            check_keys(held_group, [row], [key])
             data: dict[str, Any] = {}
             coordinates: dict[str, Any] = {}
-            for name, held in held_group["arrays"].items():
+            inner = own(held_group, "arrays")
+            for name in inner:
+                held = own(inner, name)
                 found = data if not held.attrs["coordinate"] else coordinates
                 texts = json.loads(held.attrs["attributes"])
                 found[name] = (json.loads(held.attrs["dims"]), values_of(held[row]), texts)
-            return xr.Dataset(data, coordinates, json.loads(held_group["attributes"][row]))
+            return xr.Dataset(data, coordinates, json.loads(own(held_group, "attributes")[row]))
         except Exception as error:  # see read_pack
             raise ValueError(
                 f"a pack must hold whole runs, got {path}: {reason_of(error)}"

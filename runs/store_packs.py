@@ -39,6 +39,7 @@ from longwave.runs.run_pack import (
 )
 from longwave.support.atomic_file import not_stale
 from longwave.support.file_lock import locked
+from longwave.support.request_limits import current_limits
 from longwave.support.sealed_file import LOG, check_no_link, read_sealed, write_sealed
 from longwave.support.user_files import reason_of
 
@@ -92,16 +93,33 @@ class PackedRun:
         """The pack's file."""
         return self.folder / PACKS / self.pack
 
+    @property
+    def untyped(self) -> int:
+        """How many of the last names of its path nobody has typed."""
+        return untyped_names(self.pack)
+
     def load(self) -> xr.Dataset:
         """The run, with the bits that it had; ValueError where its pack holds none there."""
         try:
-            return load_row(self.path, self.group, self.row)
+            return self._row()
         except FileNotFoundError:
             (place,) = moved([self])
-            return load_row(place.path, place.group, place.row)
+            return place._row()
         except ValueError:
             forget_index(self.folder)
             raise
+
+    def _row(self) -> xr.Dataset:
+        return load_row(self.path, self.group, self.row, self.key, self.untyped)
+
+
+def untyped_names(pack: str) -> int:
+    """How many of the last names of a pack's path nobody has typed: all within the store.
+
+    >>> untyped_names("ab/p.h5")
+    3
+    """
+    return 2 + pack.count("/")
 
 
 def moved(places: Sequence[PackedRun]) -> list[PackedRun]:
@@ -173,7 +191,7 @@ def pack_index(folder: Path) -> PackIndex:
         for name, stamp in here.items():
             if known.get(name, (None,))[0] != stamp and (name, stamp) not in bad:
                 try:
-                    known[name] = stamp, read_pack(folder / PACKS / name)
+                    known[name] = stamp, read_pack(folder / PACKS / name, untyped_names(name))
                 except FileNotFoundError:  # it was merged in between, into one to be listed
                     if (name, stamp) not in gone:
                         gone.add((name, stamp))
@@ -221,7 +239,7 @@ def _kept_index(folder: Path) -> dict[str, tuple[PackStamp, CellTable]]:
     import h5py
 
     path = folder / PACKS / INDEX
-    content = None if not_stale(path.parent.is_symlink) else read_sealed(path)
+    content = read_sealed(path, current_limits().memory_bytes, untyped=2)
     if content is None:
         return {}
     try:
@@ -255,26 +273,33 @@ def forget_index(folder: Path) -> None:
 
 
 def _packs(folder: Path) -> dict[str, PackStamp]:
-    """The packs there by name, sorted, without following links."""
+    """The packs there by name, sorted, without following links; one of many names has one."""
     found: dict[str, PackStamp] = {}
     packs = folder / PACKS
     if not_stale(packs.is_symlink):
         return found
-    _list(packs, "", found)
+    _list(packs, "", found, set())
     return dict(sorted(found.items()))
 
 
-def _list(folder: Path, inside: str, found: dict[str, PackStamp]) -> None:
+def _list(
+    folder: Path, inside: str, found: dict[str, PackStamp], seen: set[tuple[int, int]]
+) -> None:
+    """Add the packs of a folder; ``seen`` are files of several names."""
     with suppress(FileNotFoundError, NotADirectoryError), os.scandir(folder) as entries:
         for entry in entries:
             if entry.name.startswith(".") or entry.is_symlink():
                 continue
             if entry.is_dir():
                 if not inside and len(entry.name) == 2:
-                    _list(folder / entry.name, f"{entry.name}/", found)
+                    _list(folder / entry.name, f"{entry.name}/", found, seen)
             elif entry.name.endswith(SUFFIX):
                 with suppress(FileNotFoundError):
                     told = not_stale(partial(entry.stat, follow_symlinks=False))
+                    if told.st_nlink > 1:  # hard links cost nothing, and reading each does
+                        if (told.st_dev, told.st_ino) in seen:
+                            continue
+                        seen.add((told.st_dev, told.st_ino))
                     found[inside + entry.name] = PackStamp(told.st_size, told.st_mtime_ns)
 
 
@@ -320,13 +345,13 @@ def _parts(alike: Sequence[tuple[int, str]]) -> Iterator[list[str]]:
 
 def _merge(folder: Path, names: Sequence[str]) -> None:
     """Write one pack of these, and remove them when it is on the disk; damaged ones stay."""
-    paths = [folder / PACKS / name for name in names]
+    paths = {folder / PACKS / name: untyped_names(name) for name in names}
     try:
-        whole = [path for path in paths if is_pack(path)]
+        whole = [(path, untyped) for path, untyped in paths.items() if is_pack(path, untyped)]
         content = merged_content(whole)
     except FileNotFoundError:  # another process merged it, where files have no locks
         return
     write_sealed(new_pack(folder), content, force=False)
-    for path in whole:
+    for path, _ in whole:
         with suppress(OSError):
             path.unlink()

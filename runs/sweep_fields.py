@@ -14,8 +14,9 @@ from xarray import Variable
 from xarray.backends import BackendArray
 from xarray.core import indexing
 
+from longwave.runs.hdf_contents import own
 from longwave.runs.run_file import load_run
-from longwave.runs.run_pack import open_pack, values_of
+from longwave.runs.run_pack import check_keys, open_pack, values_of
 from longwave.runs.store_packs import PackedRun, moved
 
 Place: TypeAlias = PackedRun | Path
@@ -57,8 +58,10 @@ def _rows(field: str, places: Iterable[Place]) -> NDArray[Any]:
         runs = (load_run(path, follow=False) for path in places if isinstance(path, Path))
         return np.stack([run.variables[field].values for run in runs])
     try:
-        with open_pack(packed[0].path) as file:
-            held = file[str(packed[0].group)]["arrays"][field]
+        with open_pack(packed[0].path, packed[0].untyped) as file:
+            group = own(file, str(packed[0].group))
+            check_keys(group, [place.row for place in packed], [place.key for place in packed])
+            held = own(own(group, "arrays"), field)
             return np.asarray(values_of(np.stack([held[place.row] for place in packed])))
     except FileNotFoundError:
         return np.stack([place.load().variables[field].values for place in moved(packed)])

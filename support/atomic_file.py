@@ -66,12 +66,14 @@ def write_atomically(
         is_link = not follow and not_stale(place.is_symlink)
         if not is_link:  # which is replaced, wherever it leads
             _check_place(place, force)
+        if mode is None and follow:
+            mode = _own_mode(place)
+        if mode is not None:  # what is private is so while it is written, too
+            os.close(os.open(draft, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o600))
         write(draft)
         if durable:
             with draft.open("rb+") as stream:
                 _flush(stream.fileno())
-        if mode is None and follow:
-            mode = _own_mode(place)
         if mode is not None:
             draft.chmod(mode)
         _put(draft, place, force)

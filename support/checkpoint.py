@@ -163,7 +163,7 @@ class CheckpointFolder:
 
     def _content(self, path: Path) -> bytes | None:
         """That of a file, unless it would not fit the memory that a request may take."""
-        return read_sealed(path, current_limits().memory_bytes)
+        return read_sealed(path, current_limits().memory_bytes, untyped=2)
 
     def _loops(self) -> list[Path]:
         if os.path.islink(self._folder):  # nobody has typed its name

@@ -12,6 +12,8 @@ import logging
 import math
 import os
 import stat
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
@@ -68,12 +70,16 @@ def write_sealed(
                 raise
 
 
-def open_plain(path: str | Path, folder: int | None = None) -> int:
-    """The number of a file that is opened to be read, by a name that nobody has typed.
+def open_plain(path: str | Path, folder: int | None = None, untyped: int = 1) -> int:
+    """Open a file for reading whose last ``untyped`` names nobody has typed; return its descriptor.
 
-    ``path`` may be one in an open ``folder``. Raises OSError for what is not there and what is no
-    file: a link might lead anywhere, a pipe would be waited for.
+    ``path`` may be one in an open ``folder``. None of these names is followed if it is a link, also
+    if it becomes one meanwhile: each is opened in the folder that was opened before it. Raises
+    OSError for what is not there and what is no file: a pipe would be waited for.
     """
+    if untyped > 1:
+        with _opened_folder(Path(path).parent, untyped - 1) as inner:
+            return open_plain(Path(path).name if inner is not None else path, inner)
     flags = os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
     flags |= getattr(os, "O_BINARY", 0)
     number = not_stale(lambda: os.open(path, flags, dir_fd=folder))
@@ -83,17 +89,51 @@ def open_plain(path: str | Path, folder: int | None = None) -> int:
     return number
 
 
+@contextmanager
+def _opened_folder(folder: Path, untyped: int) -> Iterator[int | None]:
+    """Open a folder whose last ``untyped`` names nobody has typed, each in the one above it.
+
+    Gives None, having looked for links by name, where files are not opened by folder. Raises
+    OSError, ELOOP for a link.
+    """
+    names = folder.parts[-untyped:]
+    if os.open not in os.supports_dir_fd:
+        for place in (folder, *folder.parents)[:untyped]:
+            check_no_link(place)
+        yield None
+        return
+    number = os.open(folder.parents[untyped - 1], os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        for name in names:
+            outer, number = number, _inner_folder(number, name, folder)
+            os.close(outer)
+        yield number
+    finally:
+        os.close(number)
+
+
+def _inner_folder(outer: int, name: str, folder: Path) -> int:
+    flags = os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW
+    try:
+        return not_stale(lambda: os.open(name, flags, dir_fd=outer))
+    except NotADirectoryError:
+        raise OSError(errno.ELOOP, "a folder must be no link", str(folder)) from None
+
+
 def check_no_link(folder: Path) -> None:
     """Raise OSError for a folder that is a link, if nobody has typed its name."""
     if not_stale(folder.is_symlink):
         raise OSError(errno.ELOOP, "a folder in a store must be no link (remove it)", str(folder))
 
 
-def read_sealed(path: Path, most: float = math.inf) -> bytes | None:
-    """The content of such a file; None if it is not there, a link, longer than that, or damaged."""
+def read_sealed(path: Path, most: float = math.inf, untyped: int = 1) -> bytes | None:
+    """The content of such a file; None if it is not there, a link, longer than that, or damaged.
+
+    The last ``untyped`` names of the path are followed as by `open_plain`.
+    """
 
     def content() -> bytes | None:
-        with open(open_plain(path), "rb") as stream:
+        with open(open_plain(path, untyped=untyped), "rb") as stream:
             longer = os.fstat(stream.fileno()).st_size > most
             return None if longer else sealed_content(stream.read())
 
@@ -110,10 +150,13 @@ def sealed_content(held: bytes) -> bytes | None:
 
 
 def is_whole(path: Path) -> bool:
-    """Whether there is a run's file as it was written; one that is damaged is told, and a link."""
+    """Whether there is a run's file as it was written; one that is damaged is told, and a link.
+
+    The file's folder, which nobody has typed either, must be no link.
+    """
 
     def whole() -> bool:
-        with open(open_plain(path), "rb") as stream:
+        with open(open_plain(path, untyped=2), "rb") as stream:
             return is_sealed(stream)
 
     try:

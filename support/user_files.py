@@ -11,6 +11,7 @@ import re
 import stat
 import sys
 import tomllib
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -107,11 +108,17 @@ def file_stem(path: str | Path) -> str:
     return "stdin" if str(path) == STANDARD_INPUT else Path(path).stem
 
 
-def read_bytes(path: str | Path, what: str, most: int) -> bytes:
+def read_bytes(
+    path: str | Path,
+    what: str,
+    most: int,
+    check: Callable[[os.stat_result], object] = lambda _: None,
+) -> bytes:
     """The content of a regular file, or of the standard input for ``-``.
 
-    ``what`` is what the file is to be, such as "scene". Raises ValueError for another kind of file
-    and for more than ``most`` bytes, OSError as opening does.
+    ``what`` is what the file is to be, such as "scene". ``check`` is shown the state of the file
+    that was opened. Raises ValueError for another kind of file and for more than ``most`` bytes,
+    OSError as opening does, and what the check raises.
     """
     if str(path) == STANDARD_INPUT:
         content = sys.stdin.buffer.read(most + 1)
@@ -121,7 +128,9 @@ def read_bytes(path: str | Path, what: str, most: int) -> bytes:
             raise ValueError(f"{what} must be a file's name, got {shown_path(path)}")
         handle = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0))
         try:
-            _check(os.fstat(handle), path, what, most)
+            state = os.fstat(handle)
+            _check(state, path, what, most)
+            check(state)
             with open(handle, "rb", closefd=False) as file:
                 content = file.read(most + 1)
         finally:
@@ -131,9 +140,14 @@ def read_bytes(path: str | Path, what: str, most: int) -> bytes:
     return content
 
 
-def read_text(path: str | Path, what: str, most: int) -> str:
+def read_text(
+    path: str | Path,
+    what: str,
+    most: int,
+    check: Callable[[os.stat_result], object] = lambda _: None,
+) -> str:
     """The text of such a file; ValueError also for what is no UTF-8."""
-    return _text(read_bytes(path, what, most), path, what)
+    return _text(read_bytes(path, what, most, check), path, what)
 
 
 def read_toml(path: str | Path, what: str, most: int) -> dict[str, Any]:

@@ -74,23 +74,25 @@ class VerdictLines:
 
 
 def _read(path: Path) -> dict[str, Any]:
+    def check(state: os.stat_result) -> None:
+        if state.st_uid != os.geteuid() or state.st_mode & (stat.S_IWGRP | stat.S_IWOTH):
+            raise ValueError(
+                f"--lines must be a file that nobody else may write, got {shown_path(path)} "
+                "(chmod go-w, or name a new one)"
+            )
+
     try:
-        state = path.stat()
+        text = read_text(path, "--lines", MOST_BYTES, check)
     except FileNotFoundError:
         return {}
-    if state.st_uid != os.geteuid() or state.st_mode & (stat.S_IWGRP | stat.S_IWOTH):
-        raise ValueError(
-            f"--lines must be a file that nobody else may write, got {shown_path(path)} "
-            "(chmod go-w, or name a new one)"
-        )
     found = {}
-    for line in read_text(path, "--lines", MOST_BYTES).splitlines():
+    for line in text.splitlines():
         try:
             record = json.loads(line)
             found[record["key"]] = record
         except (ValueError, TypeError, KeyError, RecursionError):
             continue
-    if state.st_size and not found:
+    if text and not found:
         raise ValueError(
             f"--lines must name a file of verdicts or a new one, got {shown_path(path)}, which "
             "has none (take another name)"

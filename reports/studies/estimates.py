@@ -13,9 +13,13 @@ from pathlib import Path
 import numpy as np
 
 from longwave.support.processes import Key
+from longwave.support.user_files import read_text
 
 GOOD = 0.1
 """The reference's error, in units of the estimate, that is good enough."""
+
+MOST_BYTES = 100_000_000
+"""Bytes of a file of records."""
 
 VERDICTS = ("honest", "dishonest", "undecided", "refused", "false alarm", "no answer")
 """What is said of a scene.
@@ -80,7 +84,7 @@ class Judged:
 def judged_scenes(path: Path) -> list[Judged]:
     """The records of a file; ValueError in one line if it holds anything else."""
     try:
-        lines = path.read_text(encoding="utf-8").splitlines()
+        lines = read_text(path, "file", MOST_BYTES).splitlines()
         return [Judged(**json.loads(line)) for line in lines]
     except (OSError, TypeError, ValueError) as error:
         reason = " ".join(str(error).split())[:150]

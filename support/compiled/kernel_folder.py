@@ -35,6 +35,9 @@ if TYPE_CHECKING:
 PRIVATE, OWN, WRITABLE = 0o700, 0o600, 0o022
 """The modes of a cache's folder and its files, and rights that others may not have on them."""
 
+READABLE = 0o755
+"""The mode of the folder in which they are, at most: with the mask 0 all could move them away."""
+
 KEPT = 8
 """Versions of a module's folder that a cache keeps; the least lately used ones go first."""
 
@@ -100,7 +103,7 @@ def cache_folder(module: str, *others: str) -> CacheFolder:
     for base in _bases(Path(str(sys.modules[module].__file__))):
         folder = base / name
         try:
-            base.mkdir(parents=True, exist_ok=True)
+            base.mkdir(READABLE, parents=True, exist_ok=True)
             folder.mkdir(mode=PRIVATE, exist_ok=True)
             with _opened(folder):
                 tempfile.TemporaryFile(dir=folder).close()

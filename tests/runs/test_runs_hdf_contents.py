@@ -15,7 +15,7 @@ import xarray as xr
 
 from longwave.runs import load_run, run_file, run_pack, save_run
 from longwave.runs.hdf_contents import MOST_SHRUNK
-from longwave.runs.run_pack import DONE, CellRecord, load_row, write_pack
+from longwave.runs.run_pack import DONE, CellRecord, load_row, pack_content, write_pack
 from longwave.runs.store_packs import PACKS, pack_index
 from longwave.support.sealed_file import write_sealed
 
@@ -374,3 +374,79 @@ def test_a_link_in_a_store_leads_to_no_run_of_another_folder(tmp_path: Path) -> 
     assert load_run(tmp_path / "key.nc")["a"].values.tolist() == [1.0, 1.0]
     with pytest.raises(OSError, match=r"key\.nc"):
         load_run(tmp_path / "key.nc", follow=False)
+
+
+def _two_faces(image: bytes, group: str, name: str, secret: Path) -> tuple[bytes, bytes]:
+    """A file, and one that differs in 8 bytes: its array is a twin in another file.
+
+    The twin is there in both; the last name of the group, which led to it, is taken away.
+    """
+    stream = io.BytesIO(image)
+    with h5py.File(stream, "r+") as file:
+        array = file[group][name]
+        places = [(str(secret), 0, array.size * 8)]
+        twin = file[group].create_dataset("zzz", array.shape, "f8", external=places)
+        twin.attrs.update(array.attrs)
+        here, there = (h5py.h5o.get_info(one.id).addr for one in (array, twin))
+    held = bytearray(stream.getvalue())
+    node = held.rindex(b"SNOD", 0, held.index(there.to_bytes(8, "little"), held.index(b"SNOD")))
+    held[node + 6] -= 1
+    good = bytes(held)
+    place = held.index(here.to_bytes(8, "little"), node)
+    held[place : place + 8] = there.to_bytes(8, "little")
+    return good, bytes(held)
+
+
+def _write_into(path: Path, content: bytes) -> None:
+    with path.open("r+b") as stream:
+        stream.write(content)
+
+
+@pytest.mark.slow
+def test_a_run_that_is_written_into_after_its_check_gives_no_foreign_byte(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Catches: names that the library forgets, beside 36 MB of attributes, and reads again."""
+    path, secret, image = tmp_path / "run", tmp_path / "secret", io.BytesIO()
+    secret.write_bytes(np.full(6, 666.0).tobytes())
+    with h5py.File(image, "w") as file:
+        file["first"] = np.ones(6)
+        for number in range(600):
+            name = f"heavy{number % 6}"
+            heavy = file.require_dataset(name, (6,), "f8")
+            heavy.attrs[f"a{number}"] = np.bytes_(60_000 * b"x")
+    good, bad = _two_faces(image.getvalue(), "/", "first", secret)
+    checked = run_file.check_contents
+
+    def written_into(*given: Any) -> None:
+        checked(*given)
+        _write_into(path, bad)
+
+    path.write_bytes(bad)
+    with pytest.raises(ValueError, match="in other files"):
+        load_run(path)
+    path.write_bytes(good)
+    monkeypatch.setattr(run_file, "check_contents", written_into)
+    assert load_run(path)["first"].values.tolist() == 6 * [1.0]
+
+
+def test_a_pack_that_is_written_into_after_its_check_gives_no_foreign_byte(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Catches: a pack that was looked through before, and is not while it is changed."""
+    path, secret = tmp_path / "pack", tmp_path / "secret"
+    secret.write_bytes(np.full(2, 666.0).tobytes())
+    image = pack_content([CellRecord("k", DONE, run=_a_run(1.0))])
+    good, bad = _two_faces(image, "0/arrays", "a", secret)
+    write_sealed(path, good)
+    monkeypatch.setattr(run_pack, "YOUNG", -1)
+    assert load_row(path, 0, 0)["a"].values.tolist() == [1.0, 1.0]
+    opened = h5py.File
+
+    def written_into(*given: Any, **named: Any) -> Any:
+        _write_into(path, bad)
+        return opened(*given, **named)
+
+    monkeypatch.setattr(h5py, "File", written_into)
+    with pytest.raises(ValueError, match="a is in other files"):
+        load_row(path, 0, 0)

@@ -111,9 +111,9 @@ def test_with_an_index_only_new_packs_are_opened(
     opened: list[Path] = []
     read = store_packs.read_pack
 
-    def counted(path: Path) -> Any:
+    def counted(path: Path, untyped: int) -> Any:
         opened.append(path)
-        return read(path)
+        return read(path, untyped)
 
     monkeypatch.setattr(store_packs, "read_pack", counted)
     assert len(pack_index(tmp_path)) == len(before)
@@ -359,6 +359,27 @@ def test_links_among_packs_are_not_followed(tmp_path: Path) -> None:
     assert len(pack_index(tmp_path / "linked")) == 0
     with pytest.raises(OSError, match="no link"):
         new_pack(tmp_path / "linked")
+
+
+def test_a_pack_of_many_names_is_read_once(tmp_path: Path) -> None:
+    """Catches: as many packs as somebody makes hard links to one."""
+    fill(tmp_path, 2)
+    before = len(pack_index(tmp_path))
+    first = files(tmp_path)[0]
+    for number in range(50):
+        os.link(first, first.with_name(f"{number}.h5"))
+    found = pack_index(tmp_path)
+    assert len(found.packs) == 2
+    assert len(found) == before
+
+
+def test_an_index_that_does_not_fit_the_memory_is_made_anew(tmp_path: Path) -> None:
+    """Catches: a sparse file, which costs nothing, read as a whole."""
+    fill(tmp_path, 2)
+    before = len(pack_index(tmp_path))
+    with (tmp_path / PACKS / INDEX).open("wb") as stream:
+        stream.truncate(2**42)
+    assert len(pack_index(tmp_path)) == before
 
 
 def test_an_attempt_that_failed_is_behind_one_that_did_not(tmp_path: Path) -> None:

@@ -163,15 +163,18 @@ class FailingFolder:
         return found
 
     def _open(self, path: Any, flags: int, *given: Any, **options: Any) -> int:
-        if options.get("dir_fd") is None and self._holds(path):
-            self._go_stale(path)
+        place, folder = path, options.get("dir_fd")
+        if folder is not None:
+            place = os.path.join(os.readlink(f"/proc/self/fd/{folder}"), path)
+        if self._holds(place):
+            self._go_stale(place)
             if flags & os.O_CREAT:
-                self._forget(path)
+                self._forget(place)
             for follow in (True, False):
-                since, found = self._cached.get((str(path), follow), (-1e9, None))
+                since, found = self._cached.get((str(place), follow), (-1e9, None))
                 if found is None and time.monotonic() - since <= self.old:
-                    raise failure(errno.ENOENT, path)
-                self._cached.pop((str(path), follow), None)
+                    raise failure(errno.ENOENT, place)
+                self._cached.pop((str(place), follow), None)
         return self._os["open"](path, flags, *given, **options)
 
     def _scandir(self, path: Any = ".") -> Any:

@@ -43,7 +43,8 @@ if moment == "flushing":
 if moment == "naming":
     os.replace = die
 if moment == "named":
-    os.open = die
+    put = os.replace
+    os.replace = lambda *names: (put(*names), die())
 write_atomically(place, write)
 """
 
@@ -333,3 +334,19 @@ def test_a_file_of_ones_own_keeps_its_permissions_unless_a_mode_is_asked_for(
     assert place.stat().st_mode & 0o777 == 0o640
     write_atomically(place, lambda draft: draft.write_text("new"), mode=0o600)
     assert place.stat().st_mode & 0o777 == 0o600
+
+
+def test_a_private_file_is_private_while_it_is_written_anew(tmp_path: Path) -> None:
+    """Catches: a draft that all may read until it is whole."""
+    place, seen = tmp_path / "file", list[int]()
+    place.write_text("old")
+    place.chmod(0o600)
+
+    def write(draft: Path) -> None:
+        draft.write_text("new")
+        seen.append(draft.stat().st_mode & 0o077)
+
+    write_atomically(place, write)
+    write_atomically(tmp_path / "other", write, mode=0o600)
+    assert seen == [0, 0]
+    assert place.read_text() == "new"

@@ -61,8 +61,8 @@ def test_a_file_that_another_host_replaces_while_it_is_read_is_read_anew(
     write_sealed(place, CONTENT)
     left = [1, 2]
 
-    def replaced(path: Any) -> int:
-        number = opened(path)
+    def replaced(path: Any, *folder: Any, **untyped: int) -> int:
+        number = opened(path, *folder, **untyped)
         if left:
             left.pop()
             write_sealed(place, CONTENT)
