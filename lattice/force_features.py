@@ -135,7 +135,7 @@ def _off_samples(force: ForceProgram, low: float, high: float, gaps: int) -> flo
     Beyond what there is about a contact's opening, and away from the range's ends.
     """
     gap = (high - low) / gaps
-    samples: Array = low + gap * np.arange(gaps + 1)
+    samples: Array = np.linspace(low, high, gaps + 1)
     x = samples[:-1] + 0.5 * gap
     x = x[(x - low > MARGIN * (high - low)) & (high - x > MARGIN * (high - low))]
     slopes, between = force.slope(samples), force.slope(x)
