@@ -9,7 +9,6 @@ from pathlib import Path
 
 import pytest
 
-from longwave.support.supervision import memory_in_use, processes_of
 from tests.conftest import PATIENCE
 
 HOUSE = Path(__file__).parents[2]
@@ -75,16 +74,27 @@ def test_a_command_that_crashes_is_seen_to_have_crashed() -> None:
     assert running.returncode == -signal.SIGSEGV
 
 
+SHARED = """
+import os, signal, time
+from longwave.support.supervision import memory_in_use, processes_of
+
+held = b"1" * 50_000_000
+child = os.fork()
+if child == 0:
+    time.sleep(600)
+assert child in processes_of(os.getpid())
+alone, twice = memory_in_use(child), memory_in_use(os.getpid(), enough=1e15)
+once = memory_in_use(os.getpid())
+os.kill(child, signal.SIGKILL)
+os.waitpid(child, 0)
+assert twice >= alone + len(held)
+assert once < twice - len(held) // 2
+"""
+
+
 def test_memory_is_that_of_all_processes_and_shared_pages_count_once() -> None:
-    held = b"1" * 50_000_000
-    child = os.fork()
-    if child == 0:
-        time.sleep(600)
-    try:
-        assert child in processes_of(os.getpid())
-        alone, twice = memory_in_use(child), memory_in_use(os.getpid(), enough=1e15)
-        assert twice >= alone + len(held)
-        assert memory_in_use(os.getpid()) < twice - len(held) // 2
-    finally:
-        os.kill(child, signal.SIGKILL)
-        os.waitpid(child, 0)
+    command = [sys.executable, "-P", "-c", SHARED]
+    done = subprocess.run(
+        command, capture_output=True, text=True, env={**os.environ, "PYTHONPATH": str(HOUSE)}
+    )
+    assert (done.returncode, done.stderr) == (0, "")
