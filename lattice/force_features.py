@@ -35,9 +35,9 @@ SEEN = 1e-3
 """Share of the largest slope by which slopes between samples may differ from a cubic through them:
 there a law is smooth, and two runs that are compared show what steps cost."""
 
-GAPS, FITTED, FINEST = 8, 8, 9
-"""Gaps between samples of a slope at first, points of the polynomials through them, and how often
-the gaps are halved."""
+GAPS, FITTED, MOST_GAPS = 8, 8, 640
+"""Gaps between samples of a slope at first, points of the polynomials through them, and the most
+gaps: what is narrower shows on the panels of the integral."""
 
 SMOOTH, MARGIN = 64.0, 0.1
 """The factor by which halving gaps lessens what polynomials are off by where a law is smooth (256
@@ -120,12 +120,11 @@ def _fitted(force: ForceProgram, low: float, high: float, allowed: float, gaps: 
     compared show what steps cost. Infinite where ``gaps`` between samples are enough.
     """
     width, before = math.inf, 0.0
-    for level in range(FINEST):
-        gap = (high - low) / (gaps << level)
-        off = _off_samples(force, low, high, gaps << level)
+    while gaps <= MOST_GAPS:
+        off = _off_samples(force, low, high, gaps)
         if before > allowed and off > before / SMOOTH:
-            width = 2.0 * gap
-        before = off
+            width = 2.0 * (high - low) / gaps
+        gaps, before = 2 * gaps, off
     return width
 
 
