@@ -417,7 +417,7 @@ class Judgement:
         if not verdict.hint:
             return
         _, _, text = verdict.hint.rpartition(": ")
-        if " in the equation: " in verdict.hint:
+        if " in the equation" in verdict.hint:
             reading = self._text_reading([text.removesuffix(" = 0")], self.given.solution)
         else:
             reading = self._text_reading([self.given.equation], text)

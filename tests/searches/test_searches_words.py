@@ -192,3 +192,13 @@ def test_a_case_that_is_left_out_or_wrong_is_found(
     wrong = replace(first, values={s: value + 1 for s, value in first.values.items()})
     (fault, *_) = word_solves.faults(given, replace(verdict, cases=(wrong,)))
     assert fault.startswith("the case")
+
+
+def test_a_hint_in_the_equation_is_read_with_what_it_leaves_open() -> None:
+    """Catches: an equation of a hint that is read as a solution where places are named before."""
+    outcome, given, faults = judged(401, 5432, 1)
+    assert (outcome, given.equation, faults) == (
+        "REFUTED with a hint",
+        "u[n+1] - u[n] - 1",
+        [],
+    )
