@@ -115,14 +115,15 @@ def _is_held(path: Path, number: int, wait: Callable[[], None]) -> bool:
 
 
 def _check_that_it_excludes(path: Path) -> None:
-    """Raise OSError if a file that is locked can be locked by another."""
-    number = _opened(path)
-    try:
-        fcntl.flock(number, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        return
-    finally:
-        os.close(number)
+    """Raise OSError if a file that is locked can be locked, or removed, by another."""
+    with suppress(FileNotFoundError):
+        number = not_stale(lambda: os.open(path, FLAGS & ~os.O_CREAT))
+        try:
+            fcntl.flock(number, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            return
+        finally:
+            os.close(number)
     raise OSError(errno.ENOLCK, "a lock there excludes nobody")
 
 

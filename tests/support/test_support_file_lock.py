@@ -135,6 +135,24 @@ def test_a_lock_whose_file_was_removed_from_another_host_is_taken_anew(
     assert not caplog.text
 
 
+def test_a_lock_that_another_removes_while_it_is_tried_is_not_made_again(
+    place: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Catches: a lock that nobody holds and nobody removes."""
+    monkeypatch.setattr(fcntl, "flock", lambda *_: None)
+    leads = file_lock.leads_to
+
+    def removed_after(path: Path, file: os.stat_result) -> bool:
+        found = leads(path, file)
+        path.unlink(missing_ok=True)
+        return found
+
+    monkeypatch.setattr(file_lock, "leads_to", removed_after)
+    with locked(place):
+        assert not place.exists()
+    assert not place.exists()
+
+
 def test_a_lock_that_cannot_be_made_or_closed(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The one is an error, the other none: the work is done."""
     with (
