@@ -6,9 +6,11 @@ known; no text is ever evaluated.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import operator
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache, cached_property
+from itertools import count
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -164,16 +166,29 @@ class ForceProgram:
         ... ).largest_summand(np.array([-1e-9, 1e-9]))
         1.000000001
         """
-        added: list[Array] = []
-        force, largest = _run(self.instructions, stretch, added), 0.0
-        for place, size in enumerate(added):
+        sizes: list[Array] = []
+
+        def noted(a: Array, b: Array) -> Array:
+            sizes.append(np.maximum(np.abs(a), np.abs(b)))
+            return a + b
+
+        force, largest = _run(self.instructions, stretch, noted), 0.0
+        for place, size in enumerate(sizes):
             if not float(np.max(size)) <= largest:
-                moved = [np.zeros(())] * len(added)
-                moved[place] = MOVED * size
-                off = np.abs(_run(self.instructions, stretch, None, moved) - force)
-                kept = np.where(off < (1.0 - 1e-3) * moved[place], off / MOVED, size)
-                largest = max(largest, float(np.max(kept)))
+                change = MOVED * size
+                off = np.abs(self._with_sum_changed(place, change, stretch) - force)
+                felt = np.where(off < (1.0 - 1e-3) * change, off / MOVED, size)
+                largest = max(largest, float(np.max(felt)))
         return largest
+
+    def _with_sum_changed(self, place: int, change: Array, stretch: Array) -> Array:
+        """Return the forces with a ``change`` of one of the program's sums."""
+        places = count()
+
+        def changed(a: Array, b: Array) -> Array:
+            return a + b + (change if next(places) == place else 0.0)
+
+        return _run(self.instructions, stretch, changed)
 
     def potential(self, stretch: Array) -> Array:
         """The energy stored at these stretches, 0 at no stretch."""
@@ -347,15 +362,10 @@ def _log(base: Any) -> Any:
 def _run(
     instructions: tuple[Instruction, ...],
     x: Array,
-    added: list[Array] | None = None,
-    moved: Sequence[Array] = (),
+    add: Callable[[Any, Any], Any] = operator.add,
 ) -> Array:
-    """The value of a program; the larger summand of each sum goes into ``added``.
-
-    The sums are ``moved`` by so much.
-    """
+    """Return the value of a program whose sums are made by ``add``."""
     stack: list[Any] = [] if instructions else [x]
-    shifts = iter(moved)
     for word, number in instructions:
         if word == "x":
             stack.append(x)
@@ -363,11 +373,7 @@ def _run(
             stack.append(np.float64(number))
         elif word == "add":
             other = stack.pop()
-            if added is not None:
-                added.append(np.maximum(np.abs(stack[-1]), np.abs(other)))
-            stack[-1] = stack[-1] + other
-            if moved:
-                stack[-1] = stack[-1] + next(shifts)
+            stack[-1] = add(stack[-1], other)
         elif word == "multiply":
             other = stack.pop()
             stack[-1] = stack[-1] * other

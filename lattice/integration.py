@@ -74,6 +74,9 @@ FINE = 1e-9
 NEAR = 2.0
 """Room beside the stretches that were met, in units of their range, where features are sought."""
 
+NEAR_GAPS = round(GAPS * (1.0 + 2.0 * NEAR))
+"""Gaps between samples of slopes there: as long as those between samples of what was met."""
+
 UNFOLLOWED = 3
 """Runs, with shorter and shorter steps, that must meet a feature that is too narrow before it is
 refused."""
@@ -418,8 +421,7 @@ class CellRingEngine(StepSearch):
             force, (least, most) = self.lattice.bonds[place].force, ranges[place].tolist()
             room = NEAR * (most - least + rate / self._highest_at_rest)
             ends = finite_range(force, least, most, room)
-            gaps = round(GAPS * (1.0 + 2.0 * NEAR))
-            feature = find_feature(force, *ends, self._push * max(rate, room), gaps)
+            feature = find_feature(force, *ends, self._push * max(rate, room), NEAR_GAPS)
             if feature.width < math.inf or feature.turns:
                 self._has_features, self.unstable = True, PATIENT
                 self.most_work = max(self.most_work, 4.0 * MOST_FOLLOWED)

@@ -66,7 +66,8 @@ class SiteForce:
         shares = self.shares(masses)
         found = values_at(self.value, times)[:, np.newaxis] * shares
         if self.law is not None:
-            found[:, shares != 0.0] *= self.law(f[self.field, :, : masses.size][:, shares != 0.0])
+            [cells] = np.nonzero(shares)
+            found[:, cells] *= self.law(f[self.field][:, cells])
         return found
 
 

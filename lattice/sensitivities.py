@@ -60,12 +60,12 @@ class VariedChain:
         fields, bonds = len(chain.fields), len(chain.bonds)
         masses = chain.cell_masses.ravel()
         self._inverse = np.divide(1.0, masses, out=np.zeros_like(masses), where=masses > 0.0)
-        rows = [slice(at * self._ring, at * self._ring + chain.cells) for at in range(fields)]
         self._pushes = []
         for force in chain.outer_forces:
-            at = np.arange(masses.size)[rows[force.field]]
+            at = force.field * self._ring + np.arange(chain.cells)
             shares = force.shares(masses[at]) * self._inverse[at]
-            self._pushes.append((at[shares != 0.0], shares[shares != 0.0], force.law))
+            [cells] = np.nonzero(shares)
+            self._pushes.append((at[cells], shares[cells], force.law))
         self._kept = chain.bond_shares.ravel()
         stretch = self._matrix([bond.stretch for bond in chain.bonds], fields, 1)
         self._stretch = sparse.diags((self._kept != 0.0).astype(np.float64)) @ stretch

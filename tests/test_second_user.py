@@ -40,6 +40,8 @@ from longwave.support.plain_data import plain_bytes
 from longwave.support.processes import Job, LocalWorkers, run_apart
 from longwave.support.sealed_file import is_whole, write_sealed
 from tests.runs.unfinished_scenes import chain
+from tests.support.compiled.cache_places import caches_in, forget
+from tests.support.process_jobs import CLUSTER, POOL
 
 pytestmark = [
     pytest.mark.slow,
@@ -129,19 +131,10 @@ def other_folder(folder: Path, files: dict[str, bytes], mode: int) -> str:
 # caches
 
 
-def _forget() -> None:
-    cache_folder.cache_clear()
-    kernel_folder._warn.cache_clear()
-
-
 @pytest.fixture
 def bases(common: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[tuple[Path, Path]]:
     """Where caches are kept: a place that users share, and one's own."""
-    found = common / "shared", common / "own"
-    monkeypatch.setattr(kernel_folder, "_bases", lambda _: iter(found))
-    _forget()
-    yield found
-    _forget()
+    yield from caches_in(common, monkeypatch)
 
 
 MODULE = kernel_folder.__name__
@@ -199,7 +192,7 @@ def test_a_planted_cache_is_not_read(
     assert as_nobody(other_folder, cache.path, files, mode) == "planted"
     assert cache.path.stat().st_uid == NOBODY
     assert (cache.read("code"), store.read("data")) == (None, None)
-    _forget()
+    forget()
     with pytest.warns(RuntimeWarning, match="must be the user's alone"):
         again = cache_folder(MODULE)
     assert again.path is not None
@@ -413,22 +406,6 @@ def test_a_page_is_its_users_alone(browser: bool, common: Path) -> None:
 PLANTED = """import os
 with open({mark!r}, "a") as stream:
     stream.write(__name__ + chr(10))
-"""
-
-CLUSTER = """
-from longwave.support.dask_cluster import _outcome
-from longwave.support.processes import Job
-
-print(_outcome(Job(len, ("four",), seconds=60.0)))
-"""
-
-POOL = """
-if __name__ == "__main__":
-    from longwave.support.processes import Job, LocalWorkers, in_order
-
-    workers = LocalWorkers(1)
-    print(*in_order([Job(len, ("four",))], workers))
-    workers.stop()
 """
 
 

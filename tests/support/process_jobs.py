@@ -1,4 +1,4 @@
-"""Jobs that end badly, in a module that a fresh interpreter imports at once."""
+"""Jobs that end badly, in a module that a fresh interpreter imports at once; scripts with jobs."""
 
 import os
 import signal
@@ -22,3 +22,21 @@ def sleeping(file: Path, seconds: float) -> None:
 def endless(tell: Callable[[float], None]) -> None:
     while True:
         tell(0.5)
+
+
+CLUSTER = """
+from longwave.support.dask_cluster import _outcome
+from longwave.support.processes import Job
+
+print(_outcome(Job(len, ("four",), seconds=60.0)))
+"""
+
+POOL = """
+if __name__ == "__main__":
+    from longwave.support.processes import Job, LocalWorkers, in_order
+
+    workers = LocalWorkers(1)
+    print(*in_order([Job(len, ("four",))], workers))
+    workers.stop()
+"""
+"""Scripts that print 4, the length of a text, from a worker of a cluster and of a pool."""

@@ -7,29 +7,15 @@ from pathlib import Path
 
 import pytest
 
+from tests.support.process_jobs import CLUSTER, POOL
+
 HOUSE = Path(__file__).parents[2]
 
 PLANTED = "open('{mark}', 'a').close()\n"
 
-WORKER = """
-from longwave.support.dask_cluster import _outcome
-from longwave.support.processes import Job
-
-print(_outcome(Job(len, ("four",), seconds=60.0)))
-"""
-
-POOL = """
-if __name__ == "__main__":
-    from longwave.support.processes import Job, LocalWorkers, in_order
-
-    workers = LocalWorkers(1)
-    print(*in_order([Job(len, ("four",))], workers))
-    workers.stop()
-"""
-
 
 @pytest.mark.parametrize("name", ["pickle.py", "subprocess.py", "longwave/__init__.py"])
-@pytest.mark.parametrize("code", [WORKER, POOL], ids=["cluster", "processes"])
+@pytest.mark.parametrize("code", [CLUSTER, POOL], ids=["cluster", "processes"])
 def test_what_lies_in_the_folder_of_a_worker_is_not_run(
     code: str, name: str, tmp_path: Path
 ) -> None:

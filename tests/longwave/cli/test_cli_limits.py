@@ -125,11 +125,13 @@ BEFOREHAND = f"must take at most {TIME:g} s, got about"
 """What is said where a command knows at once that its work takes longer."""
 
 
-def check_ended(command: str, ended: Ended, line: str, beforehand: str = "\n") -> None:
+def check_ended(command: str, ended: Ended, line: str, *others: str) -> None:
     """Check that a command ended in one line that tells the limit, and left no process."""
     said = without_notices(ended.errors)
     assert (ended.status, len(said)) == (2, 1), ended
-    assert said[0].startswith(f"error: longwave {command} {line}") or beforehand in said[0]
+    assert said[0].startswith(f"error: longwave {command} {line}") or any(
+        other in said[0] for other in others
+    )
     assert not ended.left
 
 

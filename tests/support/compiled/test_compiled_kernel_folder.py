@@ -10,6 +10,7 @@ import pytest
 
 from longwave.support.compiled import kernel_folder
 from longwave.support.compiled.kernel_folder import CacheFolder, cache_folder
+from tests.support.compiled.cache_places import caches_in, forget
 
 MODULE = kernel_folder.__name__
 
@@ -17,16 +18,7 @@ MODULE = kernel_folder.__name__
 @pytest.fixture
 def bases(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[tuple[Path, Path]]:
     """Two places for caches, the first of which is shared."""
-    found = tmp_path / "shared", tmp_path / "own"
-    monkeypatch.setattr(kernel_folder, "_bases", lambda _: iter(found))
-    forget()
-    yield found
-    forget()
-
-
-def forget() -> None:
-    cache_folder.cache_clear()
-    kernel_folder._warn.cache_clear()
+    yield from caches_in(tmp_path, monkeypatch)
 
 
 def opened_to_others(folder: Path, _: Path) -> None:
