@@ -18,7 +18,7 @@ from longwave.lattice.force_program import ForceProgram
 from longwave.lattice.numeric_lattice import DriveSteps
 from longwave.lattice.outer_forces import TimeFunction, looked_at
 from longwave.lattice.schemes import DriftKick, Scheme
-from longwave.lattice.time_integral import LEAST_PANEL, Integral, integrated
+from longwave.lattice.time_integral import LEAST_PANEL, Integral
 
 Array = NDArray[np.float64]
 
@@ -109,15 +109,20 @@ def _followed(
 
 
 def _missed(exact: Integral, low: Array, high: Array, scheme: DriftKick | None) -> Array:
-    """Return how far Gauss's rule, or a scheme's stages, are off the integral on each panel."""
+    """Return how far Gauss's rule, or a scheme's stages, are off the integral on each panel.
+
+    What swings to and fro has no integral on a panel where it hides: Gauss's rule must give that to
+    any place between, and the stages what the integral itself comes to.
+    """
     if scheme is None:
-        found = integrated(exact.slope, low, high)
-    else:
-        nodes = np.cumsum(scheme.drifts)[:-1]
-        with np.errstate(all="ignore"):
-            found = exact.slope(np.add.outer(low, 0.0 * nodes) + np.outer(high - low, nodes))
-        found = (high - low) * (found @ scheme.kicks)
-    return np.asarray(np.abs(found - exact(high) + exact(low)))
+        return np.asarray(exact.missed_within(low, high))
+    nodes = np.cumsum(scheme.drifts)[:-1]
+    with np.errstate(all="ignore"):
+        found = exact.slope(np.add.outer(low, 0.0 * nodes) + np.outer(high - low, nodes))
+    length = high - low
+    pushed = length * (found @ scheme.kicks) - (exact(high) - exact(low))
+    moved = length * (found @ (scheme.kicks * (1.0 - nodes))) - exact.moment(low, high)
+    return np.asarray(np.maximum(np.abs(pushed), np.abs(moved)))
 
 
 def _halved(exact: Integral, panels: Array, allowed: float, scheme: DriftKick | None) -> Array:
@@ -128,7 +133,6 @@ def _halved(exact: Integral, panels: Array, allowed: float, scheme: DriftKick | 
         low, high = panels
         apart = _missed(exact, low, high, scheme)
         rough = ~(apart <= exact.rounding(low, high) + rounding + allowed)
-        rough |= exact.hides(low, high, allowed)
         rough &= high - low > 2.0 * LEAST_PANEL * np.maximum(np.abs(low), np.abs(high))
         done.append(panels[:, ~rough])
         low, high = panels[:, rough]

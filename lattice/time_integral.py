@@ -27,10 +27,12 @@ LOOSE = 0.02
 """Share of the largest slope near a panel by which bounds may be too wide, as of a product of terms
 that depend on each other: a straight line on either side of a corner would be halved for ever."""
 
-MANY = 8
-"""Short panels of an integral beyond which a longer one hides what is on them."""
-
 _POINTS, _WEIGHTS = legendre.leggauss(NODES)
+
+_LEGENDRE = (
+    (np.arange(NODES)[:, np.newaxis] + 0.5) * legendre.legvander(_POINTS, NODES - 1).T * _WEIGHTS
+)
+"""Coefficients of the polynomial through values at the points."""
 
 
 class Smooth(Protocol):
@@ -128,25 +130,34 @@ class Integral:
         own = self._rounding[self._places(np.array([low, high]))].sum(axis=0)
         return np.asarray(own + self._rounded(low, high))
 
-    @cached_property
-    def _short(self) -> Array:
-        """Running count and size of the integrals, without signs, of panels that were halved."""
-        lengths = np.diff(self.edges)
-        with np.errstate(all="ignore"):
-            ends = np.abs(
-                self.slope(
-                    np.add.outer(self.edges[:-1], np.zeros(3)) + np.outer(lengths, [0, 0.5, 1])
-                )
-            )
-        halved = lengths < 0.6 * np.median(lengths)
-        parts = np.array([halved, halved * lengths * ends.max(axis=1)])
-        return np.concatenate([np.zeros((2, 1)), np.cumsum(parts, axis=1)], axis=1)
+    def missed_within(self, low: Array, high: Array) -> Array:
+        """How far Gauss's rule is off on panels, from their beginnings to any edge of its own.
 
-    def hides(self, low: Array, high: Array, allowed: float) -> NDArray[np.bool_]:
-        """Whether so much of the function lies on short panels, many from ``low`` to ``high``."""
-        places = self._places(np.array([low, high]))
-        count, size = self._short[:, places[1] + 1] - self._short[:, places[0]]
-        return np.asarray((count > MANY) & (size > allowed))
+        On each panel the most, for all edges on it and its end: (panels,).
+        """
+        edges, sums = np.append(self.edges, high), np.append(self.sums, self(high))
+        order = np.argsort(low)
+        place = order[np.searchsorted(low[order], edges, "left") - 1]
+        on = (low[place] < edges) & (edges <= high[place])
+        edges, sums, place = edges[on], sums[on], place[on]
+        half, begun = (high - low) / 2.0, self(low)
+        with np.errstate(all="ignore"):
+            values = self.slope(low[:, np.newaxis] + half[:, np.newaxis] * (1.0 + _POINTS))
+            terms = legendre.legint(_LEGENDRE @ values.T, lbnd=-1.0)
+            found = legendre.legval(
+                (edges - low[place]) / half[place] - 1.0, terms[:, place], False
+            )
+            apart = np.abs(half[place] * found - (sums - begun[place]))
+        most = np.zeros(low.size)
+        np.maximum.at(most, place, apart)
+        return most
+
+    def moment(self, low: Array, high: Array) -> Array:
+        """What the integral itself comes to on panels, in units of their lengths."""
+        half = (high - low)[:, np.newaxis] / 2.0
+        points = low[:, np.newaxis] + half * (1.0 + _POINTS)
+        found = (self(points) - self(low)[:, np.newaxis]) @ _WEIGHTS
+        return np.asarray(found / 2.0)
 
     def _places(self, times: Array) -> NDArray[np.intp]:
         return np.clip(np.searchsorted(self.edges, times, "right"), 1, self.edges.size - 1) - 1
