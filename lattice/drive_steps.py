@@ -95,8 +95,8 @@ def _followed(
         return step, nothing, 0.0
     inner = begin + (end - begin) * (np.arange(1, count - 1) + ASIDE) / count
     edges = np.concatenate([[begin], inner, [end]])
+    panels = _halved(exact, np.array([edges[:-1], edges[1:]]), 0.0, None)
     allowed = FOLLOWED * tolerance
-    panels = _halved(exact, np.array([edges[:-1], edges[1:]]), allowed, None)
     lengths, bound = panels[1] - panels[0], step
     for _ in range(60):
         short = lengths < 0.6 * bound

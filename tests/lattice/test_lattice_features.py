@@ -142,6 +142,17 @@ def test_steps_see_what_has_no_integral(width: float, is_wall: bool, place: floa
     assert np.diff(near).max() < 2.0 * width
 
 
+@pytest.mark.parametrize(("height", "width"), [(0.00251, 1e-6), (1.456e-5, 2.124e-5), (1e-9, 1e-4)])
+def test_what_is_short_and_gives_nothing_costs_a_few_steps(height: float, width: float) -> None:
+    """All steps were as short as it, for hours, where its integral was no matter."""
+    text = f"{height}*exp(-((t - 13.5)/{width})**2)*sin(3*(t - 13.5)/{width})"
+    drive = time_function("value", text)
+    found, within = drive_steps([drive], 0.0, 15.0, 0.4, REDUCED_PHASE_6, 1e-3)
+    assert found.step >= 0.2
+    assert 3 < found.stops.size < 100
+    assert within == np.inf
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("place", [0.4641467, 0.5906537])
 def test_a_wall_whose_velocity_swings_is_followed(place: float) -> None:
