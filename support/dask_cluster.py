@@ -98,7 +98,13 @@ class DaskWorkers:
         """Count the workers; tell if there are none: others may come."""
         if time.monotonic() < self._looked + LOOKING:
             return
-        threads: dict[str, int] = self._client.nthreads()
+        try:
+            threads: dict[str, int] = self._client.nthreads()
+        except OSError as error:  # the scheduler is lost, and with it every answer
+            for call in self._futures:
+                call.error = call.error or error
+                self._answered.put(call)
+            return
         if not threads and not self._are_gone:
             LOG.info("the cluster has no workers, which are waited for (Ctrl-C stops it)")
         self._looked, self._are_gone = time.monotonic(), not threads

@@ -52,7 +52,7 @@ def test_the_kernel_takes_any_lattice(seed: int) -> None:
 
 @pytest.mark.slow
 def test_the_kernel_takes_very_many_lattices() -> None:
-    for seed in range(100, 200):
+    for seed in range(100, 130):
         random = np.random.default_rng(seed)
         chain = random_lattice(random, 0.1, axes=2)
         shape = tuple(random.integers(1, 60, 2))
@@ -119,8 +119,8 @@ def test_estimates_bound_the_error_in_two_dimensions() -> None:
 
 @pytest.mark.slow
 def test_estimates_bound_the_error_in_two_dimensions_at_length() -> None:
-    found = [ratio for ratio in map(shortfall, range(1000, 1080)) if ratio is not None]
-    assert len(found) > 60
+    found = [ratio for ratio in map(shortfall, range(1000, 1024)) if ratio is not None]
+    assert len(found) > 17
     assert max(found) <= 1.0
 
 

@@ -68,8 +68,8 @@ def test_estimates_bound_the_error_on_random_lattices() -> None:
 
 @pytest.mark.slow
 def test_estimates_bound_the_error_on_many_lattices() -> None:
-    told, ratio = worst(range(3000, 3120))
-    assert told > 100
+    told, ratio = worst(range(3000, 3040))
+    assert told > 33
     assert ratio <= 1.0
 
 
@@ -227,8 +227,8 @@ def test_estimates_know_that_the_lattices_of_a_ring_part() -> None:
 
 @pytest.mark.slow
 def test_estimates_know_that_many_lattices_of_a_ring_part() -> None:
-    found = [ratio for ratio in map(parted, range(100, 140)) if ratio is not None]
-    assert len(found) > 25
+    found = [ratio for ratio in map(parted, range(100, 114)) if ratio is not None]
+    assert len(found) > 8
     assert max(found) <= 1.0
 
 

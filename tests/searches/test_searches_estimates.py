@@ -18,7 +18,7 @@ from searches.causal_reference import CausalReference, SoftenedError
 from searches.estimate_judge import judge, judge_scene, warm_up
 from searches.estimate_scenes import WAVES, RandomScene, random_scene
 
-COUNT = 60
+COUNT = 24
 QUICK = (4, 6, 9)
 
 
@@ -194,7 +194,7 @@ def test_the_table_counts_each_scene_once() -> None:
 
 @pytest.mark.slow
 def test_no_estimate_is_dishonest(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Sixty random scenes, the program's own choice and each engine by name."""
+    """Random scenes, the program's own choice and each engine by name."""
     monkeypatch.setattr(estimate_judge, "ANSWER_SECONDS", 1200.0)  # no answer is for want of time
     warm_up()
     found = [judge(2, index) for index in range(COUNT)]

@@ -44,7 +44,7 @@ def test_no_verdict_on_thirty_statements_is_wrong() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("start", range(0, 2000, 1000))
 def test_no_verdict_on_many_statements_is_wrong(start: int) -> None:
-    found = list(judgements(1, range(start, start + 1000)))
+    found = list(judgements(1, range(start, start + 300)))
     assert findings(found) == []
     total = tallies(found)[-1]
     assert total.undecided_supported <= UNDECIDED_SHARE * total.supported

@@ -55,6 +55,17 @@ def test_an_answer_that_is_no_outcome_is_the_jobs_error(answer: Any) -> None:
     assert "a worker must answer with an outcome, got" in str(call.error)
 
 
+def test_a_scheduler_that_is_lost_while_workers_are_counted_is_every_calls_error() -> None:
+    """A lost scheduler was a traceback where it was noticed by the count."""
+    client = Answers((None, 1, None))
+    workers = workers_of(client)
+    workers.submit(Job(len, ("",)))
+    lost = OSError("Timed out trying to connect")
+    client.nthreads = lambda: (_ for _ in ()).throw(lost)  # type: ignore[method-assign]
+    (call,) = workers.ended(1.0)
+    assert call.error is lost
+
+
 def test_a_workers_folder_holds_no_part_of_the_standard_library(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -427,6 +427,11 @@ def test_on_a_phone_the_controls_are_a_drawer_and_nothing_is_wider_than_the_scre
     page = opened.page
     page.set_viewport_size({"width": 390, "height": 844})
     try:
+        page.wait_for_function(
+            "(({x, width}) => x == -390 && width == 390)"
+            "(document.querySelector('#sidebar').getBoundingClientRect())",
+            timeout=PATIENCE,
+        )  # it slides
         for selector in ("html", "#main"):
             assert page.evaluate(f"document.querySelector('{selector}').scrollWidth") <= 390
         places = [page.locator(name).bounding_box() for name in ("#main", "#sidebar")]
@@ -435,7 +440,9 @@ def test_on_a_phone_the_controls_are_a_drawer_and_nothing_is_wider_than_the_scre
             (-390, 390),
         ]
         page.locator("#sidebar-button").click()
-        page.wait_for_function("document.querySelector('#sidebar').getBoundingClientRect().x == 0")
+        page.wait_for_function(
+            "document.querySelector('#sidebar').getBoundingClientRect().x == 0", timeout=PATIENCE
+        )
         assert page.locator(".choose-wave select").is_visible()
         page.locator("#sidebar-button").click()
     finally:

@@ -116,7 +116,7 @@ def test_shipped_scenes_agree(name: str) -> None:
 @pytest.mark.slow
 def test_random_scenes_agree() -> None:
     found = []
-    for index in range(60):
+    for index in range(24):
         scene = soak_scene(5, index)
         if scene.is_growth or scene.disorder:
             continue
@@ -125,7 +125,7 @@ def test_random_scenes_agree() -> None:
                 found.append(shares(scene)[0])
         except ValueError:  # no such equation, or too much for the seconds
             continue
-    assert len(found) > 12
+    assert len(found) > 4
     assert max(found) <= 1.0
 
 

