@@ -27,7 +27,7 @@ from longwave.lattice.state import State
 from longwave.scenes.chain.stencil_search import ChainSites
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.engines.lattice_run import wave_rings
-from longwave.scenes.engines.ring_runs import RingCells
+from longwave.scenes.engines.wave_cells import RingCells
 
 STEP, SCHEME = 0.25, "reduced_phase_6"
 BESIDE = 1000

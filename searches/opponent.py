@@ -38,7 +38,7 @@ from numpy.typing import NDArray
 from scipy.optimize import differential_evolution
 
 import longwave.lattice.refine
-import longwave.scenes.engines.ring_runs
+import longwave.scenes.engines.wave_rings
 from longwave.derive import LATTICES
 from longwave.lattice import integrate
 from longwave.lattice.refine import refine
@@ -47,8 +47,8 @@ from longwave.scenes.description.scene import Scene
 from longwave.scenes.description.scene_checks import Pairs
 from longwave.scenes.description.scene_rules import PERTURBED_PLANE
 from longwave.scenes.engines.lattice_run import wave_rings
-from longwave.scenes.engines.ring_runs import SiteRingEngine
 from longwave.scenes.engines.sideband_growth import SidebandEngine, growth_plan
+from longwave.scenes.engines.site_engine import SiteEngine
 from longwave.scenes.observed.run_record import RunRecord
 from longwave.support.processes import Job, LocalWorkers, OutOfTime, as_ended, time_limit
 from searches.estimate_judge import judge_scene, warm_up
@@ -136,8 +136,9 @@ def of_lattice(scene: Scene) -> Judgement:
         return ratio_of_search(growing, growing, scene.target.tolerance)
     timed, rings = wave_rings(scene)
     wider = copy(rings)
+    wider.window = None
     wider.signals = [FASTER * speed + 1.0 / (timed.end - timed.t0) for speed in rings.signals]
-    engines = SiteRingEngine(timed, rings), SiteRingEngine(timed, wider)
+    engines = SiteEngine(timed, rings), SiteEngine(timed, wider)
     return ratio_of_search(*engines, scene.target.tolerance)
 
 
@@ -443,7 +444,7 @@ def begin(unmended: bool) -> None:
     if unmended:
         search: Any = longwave.lattice.refine._Search
         search.has_seen_law, search.lawful_change = lambda *_: True, lambda *_: 0.0
-        longwave.scenes.engines.ring_runs.LAWFUL_TURN = math.inf
+        longwave.scenes.engines.wave_rings.LAWFUL_TURN = math.inf
 
 
 def main() -> int:

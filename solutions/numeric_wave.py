@@ -263,6 +263,11 @@ class NumericWave:
         zeros = {phase.zero(t, m) for phase in self._phases("wave", self._lattice(eps))}
         return sorted(zero for zero in zeros if zero is not None)
 
+    def slow_phase_zeros(self, T: float) -> list[float]:
+        """The X at which one of the wave's phases vanishes at the slow time T, ascending."""
+        zeros = {phase.zero(T, 0.0) for phase in self._phases("wave", self._slow)}
+        return sorted(zero for zero in zeros if zero is not None)
+
     def background(self, X: ArrayLike, T: ArrayLike, *, Z: ArrayLike | None = None) -> WaveValues:
         """The bare background wave of the same phase (or the constant) at (X, T)."""
         return self._evaluate("background", self._slow, X, T, Z)

@@ -27,10 +27,11 @@ from longwave.lattice.stepper import Stepper, advance
 from longwave.reports.studies.doubledouble_ring import advance_doubled, doubled
 from longwave.reports.studies.travelling_waves import TravellingWave, fastest_mode, travelling_wave
 from longwave.scenes import resume, run
-from longwave.scenes.chain.domain import SiteRing, Window
+from longwave.scenes.chain.domain import SiteRing
 from longwave.scenes.chain.trust import UNIT_ROUNDOFF, predictability_time
 from longwave.scenes.description.named_scenes import load_scene
 from longwave.scenes.description.scene import Scene
+from longwave.scenes.engines.window import Window
 from longwave.support.processes import Job, Key
 
 Array = NDArray[np.float64]
@@ -216,7 +217,7 @@ def _wrong_feed() -> Reading:
         window = Window(scene.moving_wave, stated.sites)
         state = window.start()
         amplitude = float(np.max(np.abs(state.f)))
-        window.moving = replace(window.moving, eps=factor * scene.eps)
+        window.wave = replace(scene.moving_wave, eps=factor * scene.eps)
         run = Stepper(state, stated.table, scene.model.lattice, window, stated.step, amplitude)
         found.append((sum(1 for _ in run.stops([0.0])), run.blow_up))
     (sound_moves, sound_end), (moves, end) = found

@@ -1,13 +1,7 @@
-"""A wave that moves along the lattice: its initial data, where it is, and how large it becomes.
-
-A plan must know before any step where the wave is. It is looked for on the whole line, not on the
-compared sites alone: outwards from where its phases vanish, on a grid whose spacing grows with the
-distance. A domain that holds the bounds holds the wave at all times, so nothing of it can come back
-round a ring or be cut off by a window.
-"""
+"""A wave that moves along the lattice: its initial data, where it is, and how large it becomes."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache, cached_property, lru_cache, partial
 from typing import TYPE_CHECKING
@@ -16,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from longwave.lattice.state import Sites
+from longwave.scenes.starts.wave_extent import extent, places_about, support_of, watched_times
 from longwave.solutions import NumericWave, WaveValues, kept_data, kept_wave
 
 if TYPE_CHECKING:
@@ -141,6 +136,26 @@ class MovingWave:
         """Strain of the constant background, 0 on a periodic one."""
         return self.eps * (self.wave.constant_background or 0.0)
 
+    @property
+    def name(self) -> str:
+        """The closed form's."""
+        return self.wave.numbers.name
+
+    @property
+    def scale(self) -> float:
+        """The unit of errors."""
+        return self.eps
+
+    @cached_property
+    def fastest(self) -> float:
+        """The speed of sound on the constant background."""
+        return self.constants.sound_speed(self.level)
+
+    @property
+    def background_speed(self) -> float | None:
+        """The same, at which the far field runs; None on a periodic background."""
+        return None if self.wave.constant_background is None else self.fastest
+
     def frame(self, t: float) -> int:
         """The site nearest to c t, the middle of what is compared; ValueError if too far."""
         place = self.speed * t + 0.5
@@ -172,30 +187,15 @@ class MovingWave:
         value = self.wave(X, self.eps**3 * self.t0)
         return self._data(value._replace(Y_T=np.zeros_like(X)), speed)
 
+    def uniform(self, sites: Sites, t: float) -> float:
+        """Nothing: strains move as a whole."""
+        return 0.0
+
     def _data(self, value: WaveValues, c: float) -> tuple[Array, Array]:
         """Strain and velocity of the ansatz at speed c where the wave has the given values."""
         return self.eps * value.Y, _value(
             _initial_velocity(), {"Y_X": value.Y_X, "Y_T": value.Y_T, "c": c, "eps": self.eps}
         )
-
-
-TIMES = 17
-"""Equidistant times at which the wave is looked at, beside the snapshots (as many at most)."""
-
-DISTANCES = np.concatenate([np.linspace(0.0, 1.0, 21)[:-1], np.geomspace(1.0, 1e5, 360)])
-"""Distances from the zero of a phase, in units of the wave's variable xi; they grow by 3.2 %."""
-
-LEVEL = 0.01
-"""Deviation from the far field below which there is no wave, in units of the tolerance."""
-
-CREST_SHARE = 0.05
-"""The same in units of the largest deviation, for waves that decay like a power."""
-
-POWER = 0.05
-"""What is left of the deviation at twice the distance, at least, where it decays like a power."""
-
-DRIFT_SHARE = 0.1
-"""The lattice's wave may run this share of its drift against c t ahead of the closed form."""
 
 
 @dataclass(frozen=True)
@@ -226,12 +226,7 @@ class WaveBounds:
 
 
 def find_bounds(moving: MovingWave, tolerance: float) -> WaveBounds:
-    """The bounds of compared sites and wave at all times from the first to the last.
-
-    The wave is where y/eps deviates from its far fields by more than a share of ``tolerance``, or,
-    if it decays like a power, by more than a share of its largest deviation: the rest is a matter
-    of the domain's size.
-    """
+    """The bounds of compared sites and wave (`wave_extent`) at all times from first to last."""
     ends, strain = _wave_at_all_times(
         moving.constants, moving.wave, moving.eps, moving.times, tolerance
     )
@@ -247,27 +242,13 @@ def _wave_at_all_times(
 
     Whatever is chosen about a scene asks for it: the engine, the scout and the runs themselves.
     """
-    places = [_places(constants, wave, eps, t) for t in _watched(times)]
-    supports = [_support(x, deviation, LEVEL * tolerance) for x, deviation, _ in places]
-    ends = [support for support in supports if support is not None]
-    low, high = np.inf, -np.inf
-    if ends:
-        lows, highs = np.array(ends).T
-        low = float(lows.min()) - DRIFT_SHARE * float(np.ptp(lows))
-        high = float(highs.max()) + DRIFT_SHARE * float(np.ptp(highs))
+    places = [_places(constants, wave, eps, t) for t in watched_times(times)]
+    ends = extent([support_of(x, deviation, tolerance) for x, deviation, _ in places])
     strains = [eps * value for _, _, value in places]
     least = min(float(strain.min()) for strain in strains)
     extremes = np.array([least, max(float(strain.max()) for strain in strains)])
     extremes.flags.writeable = False
-    return (low, high), extremes
-
-
-def _watched(times: Sequence[float]) -> list[float]:
-    """Equidistant times, some of those given, and the crest's."""
-    t0, end = times[0], times[-1]
-    crest = {0.0} if t0 < 0.0 < end else set()
-    some = times[:: max(1, len(times) // TIMES)]
-    return sorted({*np.linspace(t0, end, TIMES).tolist(), *some, *crest})
+    return ends, extremes
 
 
 def _places(
@@ -275,35 +256,9 @@ def _places(
 ) -> tuple[Array, Array, Array]:
     """Positions relative to c t in order, the deviation from the far fields there, and Y."""
     origin = constants.sound_speed() * t
-    unit = 1.0 / (wave.numbers.a * eps)
-    offsets = unit * np.concatenate([-DISTANCES[:0:-1], DISTANCES])
     zeros = wave.phase_zeros(t, eps) or [origin]
-    x = np.unique(np.concatenate([zero - origin + offsets for zero in zeros]))
+    x = places_about([zero - origin for zero in zeros], 1.0 / (wave.numbers.a * eps))
     value = wave.at(origin + x, t, eps).Y
     left, right = (wave.far_field_at(origin + x, t, eps, side).Y for side in ("left", "right"))
     deviation = np.minimum(np.abs(value - left), np.abs(value - right))
     return x, deviation, value
-
-
-def _support(x: Array, deviation: Array, level: float) -> tuple[float, float] | None:
-    """The ends of what rises above the level, None if nothing does."""
-    largest = float(deviation.max())
-    if largest <= level:
-        return None
-    inside = np.flatnonzero(deviation > level)
-    first, last = int(inside[0]), int(inside[-1])
-    if _decays_like_a_power(x, deviation, first) or _decays_like_a_power(x, deviation, last):
-        inside = np.flatnonzero(deviation > max(level, CREST_SHARE * largest))
-        first, last = int(inside[0]), int(inside[-1])
-    step = 1 if last + 1 < x.size else 0
-    return float(x[max(first - 1, 0)]), float(x[last + step])
-
-
-def _decays_like_a_power(x: Array, deviation: Array, index: int) -> bool:
-    """Whether what is beyond the end at ``index`` falls slowly."""
-    crest = float(x[int(np.argmax(deviation))])
-    if index in (0, x.size - 1):
-        return True
-    beyond = crest + 2.0 * (x[index] - crest)
-    rest = x >= beyond if x[index] > crest else x <= beyond
-    return not rest.any() or float(np.max(deviation[rest])) > POWER * float(deviation[index])

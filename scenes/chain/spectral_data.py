@@ -16,8 +16,9 @@ from longwave.lattice.seam import (
     rest_at_seam,
 )
 from longwave.lattice.spectral.field_ring import FieldRing, modes_of, values_of
-from longwave.scenes.chain.domain import front, seam_room
+from longwave.scenes.chain.domain import seam_room
 from longwave.scenes.chain.moving_wave import MovingWave, WaveBounds, find_bounds
+from longwave.scenes.engines.window import front
 
 Array = NDArray[np.float64]
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Collection
 from dataclasses import replace
 from functools import lru_cache
 from typing import Any
@@ -29,22 +29,25 @@ from longwave.lattice.trial import (
     rounding_error,
     shorter_step,
 )
-from longwave.scenes.chain.domain import (
-    Array,
-    SiteRing,
-    Window,
-    front,
-    least_ring,
-    least_window,
-    seam_room,
-    sound_drift,
-    window_moves,
-)
+from longwave.scenes.chain.domain import Array, SiteRing, least_ring, seam_room
 from longwave.scenes.chain.moving_wave import MovingWave, WaveBounds, find_bounds
 from longwave.scenes.description.numerics import Discretisation
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.engines.ring_cost import LARGE, SHARE
 from longwave.scenes.engines.stated_run import run_from
+from longwave.scenes.engines.window import (
+    SIZE_RATIO,
+    WINDOW_DECAY,
+    WINDOW_SAFETY,
+    Window,
+    front,
+    judged_times,
+    least_window,
+    round_up,
+    signal_drift,
+    widened,
+    window_moves,
+)
 from longwave.scenes.observed.observables import observable_named
 from longwave.scenes.observed.recorders import Samples, exact_times
 from longwave.scenes.observed.run_record import RunRecord, UnfinishedRun, searched, searched_on_part
@@ -113,12 +116,6 @@ PREFERRED = "reduced_phase_6"
 LIMIT_SHARE = 0.9
 """Longest step tried, in units of the stability limit at the largest strain of the wave."""
 
-SITE_MULTIPLE = 64
-"""Sizes are multiples of this, which suits the kernels."""
-
-SEEN = 16
-"""Moves of a window at which runs are compared, beside the times that are asked for."""
-
 
 def domain_kind(scene: Scene, moving: MovingWave) -> str:
     """A window on a constant background, unless something asked for needs a ring."""
@@ -140,41 +137,17 @@ def least_sites(moving: MovingWave, domain: str, bounds: WaveBounds) -> int:
     """
     if domain == "ring":
         return round_up(least_ring(moving, bounds.strain) + seam_room(moving))
-    return round_up(least_window(bounds.reach + sound_drift(moving)))
-
-
-def round_up(sites: float) -> int:
-    """The next multiple of ``SITE_MULTIPLE``."""
-    return SITE_MULTIPLE * math.ceil(sites / SITE_MULTIPLE)
-
-
-def judged_times(moving: MovingWave, exact: Sequence[float], domain: str) -> tuple[float, ...]:
-    """The exact times and, in a window, some of the stops that its moves make anyway."""
-    if domain == "ring":
-        return tuple(exact)
-    moves = [t for t in window_moves(moving) if t < moving.end]
-    return tuple(sorted({*moves[:: max(1, len(moves) // SEEN)], *exact}))
+    return round_up(least_window(bounds.reach + signal_drift(moving)))
 
 
 STEP_RATIO = 0.85
 """Step of a control run, in units of the one before it."""
-
-SIZE_RATIO = 1.3
-"""Size of a control run's window."""
-
-WINDOW_SAFETY = 3.0
-"""Factor on the difference of two windows, enough where the error falls like 1/size^1.1. That of a
-small one fell by a fifth only where it grew by 1.25: it had hardly left the wave, a rational one of
-order 5."""
 
 WIDER = 256
 """Sites by which the control run's ring is wider, which is causal as it is."""
 
 CLEARANCE = 128
 """Sites beyond the wave on which runs of a scout are compared."""
-
-LARGEST_GROWTH = 4.0
-"""Largest factor on a size from one choice to the next."""
 
 PERIODS = 20
 """Of a background, on either side of a wave, that show what it does."""
@@ -229,8 +202,7 @@ class StencilEngine(StepSearch):
     """
 
     threads = 2
-    decay = 5.0
-    """Measured: between 5.8 and 7.4."""
+    decay = WINDOW_DECAY
     unstable = 1
 
     def __init__(self, scene: Scene, moving: MovingWave, judged: int | None = None) -> None:
@@ -249,7 +221,8 @@ class StencilEngine(StepSearch):
         stated = Discretisation(longest, self._domain, self._least, scheme.name)
         self._base = replace(scene, numerics=stated)
         exact = exact_times(self._base)
-        self._times = judged_times(moving, exact, self._domain)
+        is_window = self._domain == "window"
+        self._times = judged_times(moving, exact) if is_window else tuple(exact)
         moves = window_moves(moving) if self._domain == "window" else ()
         stops = sorted({scene.t0, *exact, *(t for t in moves if t < scene.end)})
         super().__init__(scheme.order, longest, np.array(stops), self._least)
@@ -311,8 +284,7 @@ class StencilEngine(StepSearch):
             return super().improved(choices, kind, excess)
         if choices.causal:
             return choices
-        factor = min(LARGEST_GROWTH, max(1.2, 1.05 * excess ** (1.0 / self.decay)))
-        return self._sized(choices, factor * choices.size)
+        return self._sized(choices, widened(choices.size, excess, self.decay))
 
     def work(self, choices: Choices) -> float:
         """Site updates."""

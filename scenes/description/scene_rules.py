@@ -117,10 +117,13 @@ def _check_numerics(scene: Scene) -> None:
     """Refuse domains and engines that are there for mKdV waves on the paper's chain alone."""
     numerics = scene.numerics
     if isinstance(numerics, Discretisation):
-        if numerics.domain != "ring" or scene.is_growth:
+        same = not (scene.is_envelope or scene.disorder or scene.losses)
+        domains = ("ring", "window")[: 1 + same]
+        if numerics.domain not in domains or scene.is_growth:
             raise ValueError(
-                f"domain must be 'ring' for {scene.wave} on {scene.lattice}, or a tolerance be "
-                f"given, got {numerics} (mKdV waves on {CHAIN} have others)"
+                f"domain must be {' or '.join(map(repr, domains))} for {scene.wave} on "
+                f"{scene.lattice}, or a tolerance be given, got {numerics} (mKdV waves on {CHAIN} "
+                "have others)"
             )
     elif numerics.engine == "spectral" and (scene.disorder or scene.losses or scene.is_growth):
         effect = "losses" if scene.losses else f"the wave {PERTURBED_PLANE}"

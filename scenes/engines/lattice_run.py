@@ -16,14 +16,10 @@ from longwave.scenes.description.numerics import Tolerance
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.description.scene_checks import enough_steps
 from longwave.scenes.engines.ring_cost import SHOWN, USUAL_RUNS, search_cost
-from longwave.scenes.engines.ring_runs import (
-    ComparedCells,
-    RingCells,
-    SiteRingEngine,
-    WaveRings,
-    expected_rings,
-)
+from longwave.scenes.engines.site_engine import SiteEngine
 from longwave.scenes.engines.stated_run import run_from, stated_runs
+from longwave.scenes.engines.wave_cells import stated_cells
+from longwave.scenes.engines.wave_rings import ComparedCells, WaveRings, expected_rings
 from longwave.scenes.observed.observables import MEASURED, observable_named
 from longwave.scenes.observed.recorders import MOMENT_BYTES, exact_times
 from longwave.scenes.observed.run_record import (
@@ -68,7 +64,9 @@ def scene_cost(scene: Scene) -> ExpectedCost:
     if scene.tolerance is None:
         found = _stated_cost(timed, wave, compared)
     else:
-        found = expected_rings(wave, compared, (timed.t0, *timed.snapshots))
+        found = expected_rings(
+            wave, compared, (timed.t0, *timed.snapshots), _window_tolerance(timed)
+        )
     return replace(found, memory_bytes=found.memory_bytes + _moments_bytes(timed))
 
 
@@ -92,10 +90,10 @@ def _moments_bytes(timed: Scene) -> float:
     return MOMENT_BYTES * (timed.curve_points * ("curve" in seen) + looks * ("looks" in seen))
 
 
-def engine_of(timed: Scene, rings: WaveRings) -> SiteRingEngine | SceneSpectralEngine:
+def engine_of(timed: Scene, rings: WaveRings) -> SiteEngine | SceneSpectralEngine:
     """The engine that the scene names, or the one site by site."""
     if timed.target.engine != "spectral":
-        return SiteRingEngine(timed, rings)
+        return SiteEngine(timed, rings)
     from longwave.scenes.engines.ring_spectral import (
         SceneSpectralEngine,  # with a library of its own
     )
@@ -143,7 +141,14 @@ def wave_rings(scene: Scene) -> tuple[Scene, WaveRings]:
         stated = _stated_cost(timed, wave, compared)
         check_request(timed.name, stated, "take a larger step or fewer sites, or end earlier")
     wave.start(timed.t0)
-    return timed, WaveRings(wave, compared, _stops(timed))
+    return timed, WaveRings(wave, compared, _stops(timed), _window_tolerance(timed))
+
+
+def _window_tolerance(timed: Scene) -> float | None:
+    """The tolerance of a scene that may be run in a window; None where it needs a ring."""
+    needs_ring = any(observable_named(name).needs_ring for name in timed.observables)
+    is_stated = timed.tolerance is None or timed.target.engine == "spectral"
+    return None if needs_ring or is_stated else timed.tolerance
 
 
 def _check_axes(scene: Scene, wave: LatticeWave) -> None:
@@ -187,7 +192,7 @@ def record_scene(
     try:
         if scene.tolerance is None:
             announce(_stated_cost(timed, rings.wave, rings.compared).seconds)
-            record = run_from(RingCells(timed, rings), restart, progress)
+            record = run_from(stated_cells(timed, rings), restart, progress)
         else:
             record = _to_tolerance(scene, engine_of(timed, rings), progress, announce, begun)
     except UnfinishedRun as stop:
@@ -240,14 +245,14 @@ LONG_NAMES = {
 
 def _to_tolerance(
     scene: Scene,
-    engine: SiteRingEngine | SceneSpectralEngine,
+    engine: SiteEngine | SceneSpectralEngine,
     progress: Progress | None,
     announce: Announce,
     begun: float,
 ) -> RunRecord:
     announce(engine.expected.seconds)
     progress, found = progress or (lambda _: None), None
-    if isinstance(engine, SiteRingEngine):
+    if isinstance(engine, SiteEngine):
         parts = engine.parts()
         found = parts and searched_on_part(*parts, scene, progress, announce)
     found = found or searched(engine, scene, progress, announce)
@@ -259,14 +264,14 @@ def _to_tolerance(
             "smaller eps)"
         )
     judged(record, found, scene, begun)
-    if isinstance(engine, SiteRingEngine):
+    if isinstance(engine, SiteEngine):
         _add_pulse(record, engine, found.trial.choices.step)
-    if not isinstance(engine, SiteRingEngine) or engine.rings.wave.lattice.dimension > 1:
+    if not isinstance(engine, SiteEngine) or engine.rings.wave.lattice.dimension > 1:
         record.scene = scene  # a spectral ring, and that of a plane, has no sites that say it
     return record
 
 
-def _add_pulse(record: RunRecord, engine: SiteRingEngine, step: float) -> None:
+def _add_pulse(record: RunRecord, engine: SiteEngine, step: float) -> None:
     """Add what disorder left of the wave, where it was metered."""
     metered, wave = engine.metered.get(step), engine.rings.wave
     if metered is None or not metered.size:

@@ -23,16 +23,8 @@ from longwave.lattice.state import State
 from longwave.lattice.trial import Choices, Kind, Progress, Trial
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.engines.ring_cost import USUAL_RUNS, search_cost
-from longwave.scenes.engines.ring_runs import (
-    AROUND,
-    WIDER,
-    CellView,
-    Ends,
-    RingCells,
-    WaveRings,
-    sites_of,
-    tell_energies,
-)
+from longwave.scenes.engines.wave_cells import CellView, RingCells, tell_energies
+from longwave.scenes.engines.wave_rings import AROUND, WIDER, Ends, WaveRings, sites_of
 from longwave.scenes.observed.recorders import Variables, build_recorders
 from longwave.scenes.observed.run_record import RunRecord
 from longwave.support.checkpoint import Memory
@@ -55,7 +47,7 @@ WIDER_SIZE = 2.0
 
 
 class SceneSpectralEngine(FieldRingEngine):
-    """Runs of a scene's wave on rings, as `SiteRingEngine` has them.
+    """Runs of a scene's wave on rings, as `SiteEngine` has them.
 
     The scene has times of the lattice, and states how often it is looked at. The ring's size is 1
     where it is the least that is causal. Raises ValueError, before anything large is made, for what

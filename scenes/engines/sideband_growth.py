@@ -28,12 +28,12 @@ from longwave.lattice.trial import Choices, Progress, StepSearch, Trial, roundin
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.description.scene_checks import positive
 from longwave.scenes.engines.ring_cost import search_cost
-from longwave.scenes.engines.ring_runs import (
+from longwave.scenes.engines.wave_cells import ring_stepper
+from longwave.scenes.engines.wave_rings import (
     LIMIT_SHARE,
     SCHEME,
     check_rest,
     longest_step,
-    ring_stepper,
     stiffest_slopes,
 )
 from longwave.scenes.observed.recorders import Variables
@@ -376,7 +376,7 @@ class SidebandEngine(StepSearch):
             evaluations = self.work(choices) * SCHEME.stages
             ring = ring.nudged(math.sqrt(max(1.0, evaluations / GROWTH_EVALUATIONS)))
         state = State(0.0, ring.f.copy(), ring.v.copy())
-        stepper = ring_stepper(ring.lattice, StillRing(state), SCHEME, choices.step)
+        stepper = ring_stepper(ring.lattice, state, StillRing(state), SCHEME, choices.step)
         measured: list[Complex] = []
         if loop.memory is not None:
             stepper.recall(loop.memory)

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from longwave.lattice.trial import Progress
     from longwave.scenes.chain.stencil_search import ChainSites
     from longwave.scenes.description.scene import Scene
-    from longwave.scenes.engines.ring_runs import RingCells
+    from longwave.scenes.engines.wave_cells import RingCells
 
     SteppedScene: TypeAlias = ChainSites | RingCells
 

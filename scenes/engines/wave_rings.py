@@ -1,17 +1,16 @@
-"""Rings of cells about a wave, and runs of them for `lattice.refine` to judge by step and ring.
+"""Rings of cells about a wave, and windows that hold it: how many cells, and what a run costs.
 
 A ring is causal: it holds every cell from which a signal reaches a compared one in time, so its
-seam is never felt there.
+seam is never felt there. A long wave on a constant background takes a window that moves with it
+where that has fewer cells.
 """
 
 from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,38 +19,20 @@ from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.lattice.schemes import (
     REDUCED_PHASE_6,
     Scheme,
-    check_step,
-    scheme_named,
     stability_limit,
 )
-from longwave.lattice.state import GROWTH, BlowUp, Sites, State
-from longwave.lattice.stepper import LEAST_CHUNK, Stepper, StillRing
+from longwave.lattice.state import GROWTH, BlowUp
 from longwave.lattice.trial import (
     DRIVEN_SHARE,
-    Choices,
-    Kind,
-    Progress,
-    StepSearch,
-    StoppedTrial,
-    Trial,
-    rounding_error,
-    shorter_step,
 )
-from longwave.scenes.chain.domain import front
-from longwave.scenes.description.numerics import Discretisation
-from longwave.scenes.description.scene import Scene
 from longwave.scenes.engines.ring_cost import (
     LARGE,
     SHARE,
     SHOWN,
     USUAL_RUNS,
-    cell_seconds,
     search_cost,
 )
-from longwave.scenes.engines.stated_run import run_from
-from longwave.scenes.observed.recorders import Samples
-from longwave.scenes.observed.run_record import RunRecord, UnfinishedRun
-from longwave.scenes.observed.view import View
+from longwave.scenes.engines.window import front, least_window, round_up
 from longwave.scenes.starts.lattice_wave import CellRing, LatticeWave, largest_group_velocity
 from longwave.solutions.pieces import PIECE
 from longwave.support.request_limits import ExpectedCost, check_request
@@ -67,17 +48,11 @@ LAWFUL_TURN = 3.3
 """Longest step tried, in radians that a carrier turns in it: up to there what a linear wave is off
 follows the law of the order within a tenth, and at 4.7 its amplitude's error changes its sign."""
 
-STEP_RATIO = 0.8
-"""Step of a control run, in units of the one before it."""
-
 WIDER = 64
 """Cells, along each axis, by which the ring of a control run is wider."""
 
 AROUND = 32
 """Cells beyond the compared ones on which is looked at what rounding has grown to."""
-
-LOOK_SECONDS = 0.02
-"""Seconds between two stops, at which it is looked whether the state is finite; Ctrl-C waits."""
 
 
 @dataclass(frozen=True)
@@ -147,13 +122,42 @@ def _signal_speeds(lattice: NumericLattice, slopes: list[float]) -> list[float]:
 
 
 def expected_rings(
-    wave: LatticeWave, compared: ComparedCells, times: Sequence[float]
+    wave: LatticeWave,
+    compared: ComparedCells,
+    times: Sequence[float],
+    tolerance: float | None = None,
 ) -> ExpectedCost:
-    """What a search is expected to take, by the lattice's waves about its rest."""
+    """What a search is expected to take, by the lattice's waves about its rest.
+
+    With a ``tolerance`` a window may be taken.
+    """
     lattice = wave.lattice
     rest = lattice.rest_slopes()
     frequency, signals = lattice.highest_frequency(rest), _signal_speeds(lattice, rest)
-    return _cost(wave, compared, times, frequency, signals)[1]
+    window = window_size(wave, compared, times, signals[0], tolerance)
+    return _cost(wave, compared, times, frequency, signals, window)[1]
+
+
+def window_size(
+    wave: LatticeWave,
+    compared: ComparedCells,
+    times: Sequence[float],
+    fastest: float,
+    tolerance: float | None,
+) -> int | None:
+    """Fewest cells of a window that holds the wave, None where there is none.
+
+    Signals from its rear, which are ``fastest``, must not reach the compared cells. A wave that
+    runs ahead of its frame makes a window so wide that a ring has fewer cells.
+    """
+    lost = wave.disorder is not None or wave.losses is not None
+    if tolerance is None or lost or wave.far_speed is None:
+        return None
+    low, high = wave.extent(times, tolerance)
+    reach = max(float(compared.reach[0]), -low, high)
+    drift = max(0.0, fastest - wave.speed) * (times[-1] - times[0])
+    size = round_up(least_window(math.ceil(reach + drift)))
+    return size if size < sites_of(compared.ring(times, [fastest], 0)) else None
 
 
 def _cost(
@@ -162,10 +166,11 @@ def _cost(
     times: Sequence[float],
     fastest: float,
     signals: Sequence[float],
+    window: int | None,
 ) -> tuple[float, ExpectedCost]:
-    """The cells of the widest ring, and what the search takes."""
+    """The cells of the widest ring, or of a window, and what the search takes."""
     spread = wave.lattice.spread_within(times[-1] - times[0])
-    cells = float(sites_of(compared.ring(times, signals, WIDER + 2 * spread)))
+    cells = float(window or sites_of(compared.ring(times, signals, WIDER + 2 * spread)))
     shortest = max(
         fastest / (LIMIT_SHARE * stability_limit(SCHEME)),
         1.0 / (DRIVEN_SHARE * wave.lattice.driven_within(*times[:2])),
@@ -174,7 +179,7 @@ def _cost(
     kept = math.prod(2.0 * reach + 1.0 for reach in compared.reach) * len(times)
     part = part_of(wave, compared, times, signals)
     share = 1.0
-    if part is not None:
+    if part is not None and window is None:
         kept *= SHOWN
         share = sites_of(part.ring(times, signals, WIDER)) / cells + 1.0 / USUAL_RUNS
     found = search_cost(wave.lattice, cells, steps * share, SCHEME.stages, kept)
@@ -186,9 +191,6 @@ FITTING = 64
 
 CLOSED, BESIDE = 1e-6, 4
 """Share of itself by which a carrier may miss itself at a seam, in so many cells beside it."""
-
-ALIKE = 1e-3
-"""By what share data may be larger or steeper elsewhere than on a part that stands for all."""
 
 REPEATED = 100.0
 """X on either side of the frame, in which a wave that does not end has shown what it does."""
@@ -220,13 +222,21 @@ class WaveRings:
     """Rings of one wave at ``times``, the first of which is the start.
 
     ``signals`` are the speeds of the fastest waves along each axis, ``fastest`` is the highest
-    frequency of any; ``room`` cells at either end of a ring make its ends meet. Raises ValueError,
-    before anything large is made, for what would take too long or too much memory, and for an
-    unstable lattice.
+    frequency of any; ``room`` cells at either end of a ring make its ends meet. ``window`` is the
+    size of a window that has fewer cells, if there is one for a run to this ``tolerance``. Raises
+    ValueError, before anything large is made, for what would take too long or too much memory, and
+    for an unstable lattice.
     """
 
-    def __init__(self, wave: LatticeWave, compared: ComparedCells, times: Sequence[float]) -> None:
+    def __init__(
+        self,
+        wave: LatticeWave,
+        compared: ComparedCells,
+        times: Sequence[float],
+        tolerance: float | None = None,
+    ) -> None:
         self.wave, self.compared, self.times = wave, compared, tuple(times)
+        self.tolerance = tolerance
         lattice = wave.lattice
         rest = lattice.rest_slopes()
         self._check_cost(lattice.highest_frequency(rest), _signal_speeds(lattice, rest))
@@ -248,7 +258,9 @@ class WaveRings:
         self.sizes = self._sizes(near)
 
     def _check_cost(self, fastest: float, signals: Sequence[float]) -> None:
-        cells, self.expected = _cost(self.wave, self.compared, self.times, fastest, signals)
+        wave, compared, times = self.wave, self.compared, self.times
+        self.window = window_size(wave, compared, times, signals[0], self.tolerance)
+        cells, self.expected = _cost(wave, compared, times, fastest, signals, self.window)
         check_request(
             f"scene of {cells:.3g} cells, from which signals arrive in time,",
             self.expected,
@@ -351,331 +363,6 @@ def _largest(seen: Array) -> Array:
     axes = tuple(range(2, seen.ndim))
     steps = np.abs(np.diff(seen, axis=2)).max(axis=axes, initial=0.0)
     return np.stack([np.abs(seen).max(axis=axes), steps])
-
-
-class RingCells:
-    """The cells of a ring as they are stepped, with the members that `ChainSites` has.
-
-    The scene has times of the lattice. Its ring has as many sites as it says, unless its ``ends``
-    are given. Raises ValueError for a ring that is too small.
-    """
-
-    def __init__(
-        self,
-        scene: Scene,
-        rings: WaveRings,
-        ends: list[Ends] | None = None,
-        nudged: bool = False,
-    ) -> None:
-        self.scene, self.rings, self._nudged = scene, rings, nudged
-        self.scale, self.reach = rings.wave.scale, rings.compared.reach
-        if ends is None:
-            least, sites = sites_of(rings.plain_ends(0)), scene.discretisation.sites
-            if sites < least:
-                raise ValueError(
-                    f"sites must satisfy sites >= {least} on this ring, got {sites} (else signals "
-                    "from the seam reach the compared sites; widen it or end earlier)"
-                )
-            ends = rings.plain_ends(sites - least)
-        self.ends = ends
-
-    @property
-    def task(self) -> str:
-        """Everything that its states follow from: scene, ring, whether last digits are changed."""
-        return f"{self.scene.json()} on {self.ends}{' nudged' if self._nudged else ''}"
-
-    @cached_property
-    def ring(self) -> CellRing:
-        """The data, until they are stepped: there is one copy of a large ring."""
-        ring = self.rings.ring(self.ends)
-        return ring.nudged() if self._nudged else ring
-
-    def stepper(self, restart: State | None) -> tuple[Stepper, float]:
-        """What steps the cells, and the largest stable step."""
-        stated = self.scene.discretisation
-        limit = check_step(stated.step, stated.table, self.rings.fastest)
-        if restart is not None:
-            self.ends = _ends_of(restart, self.rings.plain_ends(0))
-        ring = self.ring
-        state = State(ring.t, ring.f, ring.v)
-        if restart is not None:
-            shape = state.f.shape
-            state = State(restart.t, restart.f.reshape(shape), restart.v.reshape(shape))
-        domain = CellDomain(state, self.ends, self.rings)
-        return ring_stepper(ring.lattice, domain, stated.table, stated.step), limit
-
-    def view(self, state: State) -> CellView:
-        """The compared cells."""
-        return CellView(self, state)
-
-    def refined(self, scene: Scene) -> RingCells:
-        """The cells of a finer scene."""
-        return RingCells(scene, self.rings)
-
-    def told(self, stepper: Stepper) -> dict[str, Any]:
-        """The sites of the ring, which on a plane the scene does not say."""
-        return {"sites": sites_of(self.ends)}
-
-
-def _ends_of(restart: State, needed: Sequence[Ends]) -> list[Ends]:
-    """The ends of the ring that a state of a chain was kept on."""
-    first, last = restart.left, restart.left + restart.f.shape[-1] - 1
-    low, high = needed[0]
-    if low < first or high > last:
-        raise ValueError(
-            f"snapshots must leave the state's ring wide enough, got {first} .. {last} where "
-            f"signals come from {low} .. {high} (end earlier, or run the scene to the later time)"
-        )
-    return [(first, last)]
-
-
-@dataclass
-class CellDomain(StillRing):
-    """A ring of cells with these ends."""
-
-    ends: Sequence[Ends]
-    rings: WaveRings
-
-    def locate(self, found: BlowUp, state: State) -> BlowUp:
-        """``found``, with the cell in the place of where it is stored."""
-        columns = state.f[0].size // state.f.shape[1]
-        site = self.ends[0][0] + found.site // columns
-        return self.rings.located(replace(found, site=site), self.ends)
-
-
-def ring_stepper(
-    lattice: NumericLattice, domain: StillRing, scheme: Scheme, step: float
-) -> Stepper:
-    """What steps a ring, with a stop every ``LOOK_SECONDS``, of a chain or `LEAST_CHUNK` steps."""
-    state = domain.state
-    seconds = cell_seconds(lattice) * state.f[0].size
-    least = LEAST_CHUNK if lattice.dimension == 1 else 1
-    chunk = max(least, int(LOOK_SECONDS / (scheme.stages * seconds)))
-    return Stepper(state, scheme, lattice, domain, step, None, chunk)
-
-
-@dataclass(frozen=True)
-class CellView(View):
-    """A wave on any lattice, seen in the compared cells of a ring."""
-
-    held: RingCells
-    state: State
-
-    @property
-    def level(self) -> float:
-        """The uniform strain that the wave is added to."""
-        return float(self._wave.uniform()[0])
-
-    @property
-    def travelled(self) -> float:
-        """At the speed of the wave's frame."""
-        return self._wave.speed * self.t
-
-    @property
-    def crest_law(self) -> float | None:
-        """That of the first quantity, by the wave's own law."""
-        return self._wave.crest(self.t)
-
-    @cached_property
-    def sites(self) -> Sites:
-        """The compared cells along the first axis."""
-        cells = self._cells if self._cells.ndim == 1 else self._cells[0, :, 0]
-        return cells.astype(np.int64)
-
-    @cached_property
-    def numerics(self) -> Array:
-        """All quantities that are compared, of the run: a copy, for the state goes on."""
-        wide, inner = self.held.rings.beside(self._places(self.held.rings.compared))
-        found = self._wave.measured(self.state.f[:, *wide], self.held.ring.mean_strain)
-        return np.array(found[:, *inner])
-
-    @cached_property
-    def analytics(self) -> Array:
-        """The same of the wave."""
-        return self._wave.strain(self._cells, self.t)
-
-    @cached_property
-    def backgrounds(self) -> Array:
-        """The same of what it deviates from."""
-        return np.asarray(self._wave.background(self._cells, self.t), dtype=np.float64)
-
-    @property
-    def also(self) -> dict[str, Any]:
-        """The sup error in its unit, T, and all quantities if there are more than one."""
-        apart = float(np.max(np.abs(self.numerics - self.analytics))) / self.held.scale
-        found = {"sup_error": apart, "slow_time": self.t * self._wave.eps**self._wave.slow}
-        if len(self.numerics) == 1:
-            return found
-        return found | {"strains": self.numerics, "analytics": self.analytics}
-
-    def displaced(self, shift: float) -> tuple[Array, Array, Array, Array]:
-        """Wave, background and their slopes, which are differences."""
-        at = [self._cells - shift + apart for apart in (0.0, SLOPE_APART, -SLOPE_APART)]
-        found = []
-        for made in (self._wave.strain, self._wave.background):
-            value, ahead, behind = (np.asarray(made(cells, self.t)[0]) for cells in at)
-            found += [value, (ahead - behind) / (2.0 * SLOPE_APART)]
-        return found[0], found[2], found[1], found[3]
-
-    @property
-    def energy(self) -> float:
-        """That of the ring of displacements."""
-        with np.errstate(all="ignore"):
-            return self.held.ring.lattice.energy(self.state.f, self.state.v)
-
-    @property
-    def means(self) -> tuple[float, float]:
-        """Of the first quantity over the ring, and of the velocities of all masses."""
-        lattice = self.held.ring.lattice
-        strain = self._wave.measured(self.state.f, self.held.ring.mean_strain)[0]
-        masses = np.array(lattice.masses)
-        velocities = self.state.v.reshape(masses.size, -1).mean(axis=1)
-        return float(np.mean(strain)), float(np.average(velocities, weights=masses))
-
-    @property
-    def stored(self) -> tuple[int, Array, Array]:
-        """The periodic parts of the fields; without an axis for a single one."""
-        f, v = (values[0] if len(values) == 1 else values for values in self.state.arrays)
-        return self.held.ends[0][0], f.copy(), v.copy()
-
-    def judged(self, beyond: int = 0, compared: ComparedCells | None = None) -> Array:
-        """What is compared, in these cells and some beyond, and its rate, in units of the scale."""
-        places = self._places(compared or self.held.rings.compared, beyond)
-        seen = self.held.rings.seen_at(self.held.ring, *self.state.arrays, places)
-        return seen / self.held.scale
-
-    @property
-    def _wave(self) -> LatticeWave:
-        return self.held.rings.wave
-
-    @cached_property
-    def _cells(self) -> Array:
-        return self.held.rings.compared.cells(self.t)
-
-    def _places(self, compared: ComparedCells, beyond: int = 0) -> tuple[slice, ...]:
-        return compared.places(self.held.ends, self.t, beyond)
-
-
-SLOPE_APART = 1e-3
-"""Cells on either side of which the difference is a slope: a wave is much longer."""
-
-
-class SiteRingEngine(StepSearch):
-    """Runs of a scene's wave on rings.
-
-    The scene has times of the lattice. Values are what is compared, in units of the wave's scale,
-    and its rate: an error that passes through 0 at one of the times does not seem to be none. The
-    payload is a `RunRecord`; ``metered`` holds what the wave's meter gave, by step. Of the compared
-    cells only those ``judged`` are, if they are given.
-    """
-
-    def __init__(self, scene: Scene, rings: WaveRings, judged: ComparedCells | None = None) -> None:
-        self.scene, self.rings = scene, rings
-        wave, self.times = rings.wave, rings.times
-        self._scheme = scheme_named(scene.target.scheme) if scene.target.scheme else SCHEME
-        self._fields = len(wave.lattice.fields)
-        self.amplifies_rounding = math.isinf(max(map(abs, wave.support(self.times[0]))))
-        self.judged = judged or rings.compared
-        self.metered: dict[float, Array] = {}
-        longest = longest_step(rings.fastest, wave.frequency, self._scheme)
-        longest = min(longest, DRIVEN_SHARE * wave.lattice.driven_within(*self.times[:2]))
-        sites = float(sites_of(rings.ends()))
-        super().__init__(self._scheme.order, longest, np.array(self.times), sites)
-        self.expected = rings.expected
-
-    def run(self, choices: Choices, shown: bool, progress: Progress = lambda _: None) -> Trial:
-        """A run on a ring as wide as it must be, or as much wider as the size is larger.
-
-        Observables are always seen, but for nudged data: any run may become a control.
-        """
-        wave, ends = self.rings.wave, (self.times[0], self.times[-1])
-        cells = self._cells(choices)
-        judged = Samples(self.times, lambda view: view.judged(0, self.judged))
-        around = Samples(ends[1:], lambda view: view.judged(AROUND, self.judged))
-        energies = Samples(ends, lambda view: np.array(view.energy))
-        witnesses = [judged, around, energies]
-        limit, largest = self.rings.limit(cells.ring), float(np.max(np.abs(cells.ring.f)))
-        metered = Samples(self.times)
-        meter = wave.disorder.meter(cells.ring) if wave.disorder is not None else None
-        if meter is not None:
-            metered = Samples(self.times, lambda view: np.array(meter(*view.state.arrays)))
-            witnesses.append(metered)
-        try:
-            run, stopped = run_from(cells, None, progress, witnesses), False
-        except UnfinishedRun as stop:
-            run, stopped = stop.record, True
-        if not choices.nudged:
-            self.metered[choices.step] = np.array(metered.samples)
-        if metered.samples:
-            tell_energies(run, float(metered.samples[0][-1]), float(metered.samples[-1][-1]))
-        elif wave.lattice.conserves_energy and wave.losses is None:
-            tell_energies(run, float(energies.samples[0]), float(energies.samples[-1]))
-        values = np.array(judged.samples)
-        done = len(values) == len(self.times) or stopped
-        sound = done and bool(np.all(np.abs(values) <= limit))
-        trial = Trial(
-            choices,
-            values if sound else None,
-            self.work(choices),
-            float(run.attrs["seconds"]),
-            rounding_error(largest / wave.scale, run.attrs["force_evaluations"]),
-            run,
-            not choices.nudged,
-            around=around.samples[0] if sound and not stopped else None,
-        )
-        if stopped:
-            raise StoppedTrial(trial)
-        return trial
-
-    def parts(self) -> tuple[SiteRingEngine, SiteRingEngine] | None:
-        """Engines of a part that stands for all cells, and of all of them, judged there.
-
-        None where there is none: the data must be no larger, nor steeper, anywhere than there.
-        """
-        rings = self.rings
-        part = part_of(rings.wave, rings.compared, rings.times, rings.signals)
-        if part is None:
-            return None
-        inner = WaveRings(rings.wave, part, rings.times)
-        if not np.all(rings.sizes <= (1.0 + ALIKE) * inner.sizes):
-            return None
-        within = SiteRingEngine(replace(self.scene, observables=()), inner)
-        return within, SiteRingEngine(self.scene, rings, part)
-
-    def _cells(self, choices: Choices) -> RingCells:
-        wider = WIDER if choices.size > self._first.size else 0
-        ends = self.rings.ends(wider)
-        stated = Discretisation(choices.step, "ring", sites_of(ends), self._scheme.name)
-        observables = () if choices.nudged else self.scene.observables
-        plan = replace(self.scene, numerics=stated, observables=observables)
-        return RingCells(plan, self.rings, ends, choices.nudged)
-
-    def metered_before(self, step: float) -> Array:
-        """What the meter gave in the run with the next longer step; nan where there is none."""
-        longer = [one for one in self.metered if one > step]
-        found = self.metered[min(longer)] if longer else np.empty(0)
-        wanted = self.metered[step]
-        return found if found.shape == wanted.shape else np.full_like(wanted, np.nan)
-
-    def control(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
-        """A shorter step on a wider ring, or from that on the ring as it must be."""
-        step = shorter_step(self._stops, choices.step, self.order, STEP_RATIO)
-        wider = WIDER if choices.size == self._first.size else 0
-        return replace(choices, step=step, size=self._first.size + wider)
-
-    def improved(self, choices: Choices, kind: Kind, excess: float) -> Choices:
-        """A shorter step on the ring as it must be."""
-        return replace(super().improved(choices, kind, excess), size=self._first.size)
-
-    def work(self, choices: Choices) -> float:
-        """Forces on fields of cells."""
-        return super().work(choices) * self._scheme.stages * choices.size * self._fields
-
-
-def tell_energies(run: RunRecord, begin: float, end: float) -> None:
-    """Tell by how much an energy changed; nothing where it is none."""
-    if math.isfinite(begin):
-        run.attrs["energy_drift"] = abs(end - begin) / abs(begin) if begin else 0.0
 
 
 def longest_step(fastest: float, carrier: float, scheme: Scheme = SCHEME) -> float:

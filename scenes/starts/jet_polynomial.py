@@ -60,6 +60,22 @@ class JetPolynomial:
                 found[i] += math.prod(others, start=coefficient * times)
         return found
 
+    def slope(self) -> JetPolynomial:
+        """Its derivative by X.
+
+        >>> JetPolynomial(((3.0, ((0, 2),)),)).slope()
+        JetPolynomial(terms=((6.0, ((0, 1), (1, 1))),))
+        """
+        total: dict[tuple[tuple[int, int], ...], float] = {}
+        for coefficient, factors in self.terms:
+            for i, times in factors:
+                counts = Counter(dict(factors))
+                counts.subtract({i: 1})
+                counts.update({i + 1: 1})
+                key = tuple(sorted(item for item in counts.items() if item[1]))
+                total[key] = total.get(key, 0.0) + coefficient * times
+        return JetPolynomial(tuple((value, key) for key, value in sorted(total.items())))
+
     @property
     def linear(self) -> dict[int, float]:
         """The coefficients of the terms with one jet, by its X-derivatives."""

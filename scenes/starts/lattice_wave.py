@@ -5,7 +5,9 @@ Cells are real numbers: an array (sites,) on a chain, (axes, *sites) on a lattic
 
 from __future__ import annotations
 
+import itertools
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -181,6 +183,30 @@ class LatticeWave(ABC):
         """Cells at either end of a ring in which the ends are made to meet; 0 unless overridden."""
         return 0
 
+    @property
+    def far_speed(self) -> float | None:
+        """The speed of small long waves far from the wave, with which its far field moves.
+
+        None, unless overridden: a window that moves with the wave cannot be fed with that.
+        """
+        return None
+
+    @property
+    def far_rates(self) -> tuple[Array, Array]:
+        """What each field grows by far from the wave, from cell to cell and in a unit of time."""
+        raise NotImplementedError
+
+    def extent(self, times: Sequence[float], tolerance: float) -> tuple[float, float]:
+        """Cells from the frame's origin between which a wave with a `far_speed` counts.
+
+        At all times from the first to the last, with errors up to ``tolerance``.
+        """
+        raise NotImplementedError
+
+    def rigid(self, cells: ArrayLike, t: float) -> tuple[Array, Array]:
+        """Fields without what they grow by, and their slopes from cell to cell (fields, cells)."""
+        raise NotImplementedError
+
     def rest_slopes(self, ring: CellRing) -> list[float]:
         """The slope of each bond's force beside the wave.
 
@@ -199,6 +225,25 @@ def largest_group_velocity(lattice: NumericLattice, slopes: list[float], axis: i
     w = np.sqrt(np.maximum(squares, 0.0))
     return float(np.max(np.abs(np.diff(w, axis=0)))) / float(k[1])
 
+
+def sound_speed(lattice: NumericLattice, slopes: Sequence[float], near: float) -> float:
+    """The speed of waves along the first axis as they grow long: that nearest to ``near``.
+
+    Forces are linearised with these slopes. It is extrapolated from waves of three lengths.
+    """
+    k = LONG_WAVE * np.array([1.0, 2.0, 4.0])
+    waves = np.zeros((k.size, lattice.dimension))
+    waves[:, 0] = k
+    squares = lattice.squared_frequencies(waves, slopes)
+    speeds = np.sqrt(np.maximum(squares, 0.0)) / k[:, np.newaxis]
+    (one, two), (_, four) = itertools.pairwise(speeds)
+    finer, coarser = (4.0 * one - two) / 3.0, (4.0 * two - four) / 3.0
+    found = (16.0 * finer - coarser) / 15.0
+    return float(found[np.argmin(np.abs(found - near))])
+
+
+LONG_WAVE = 0.02
+"""The smallest wavenumber: what is left of dispersion is below 1e-11, of rounding 1e-12."""
 
 WAVENUMBERS = 1025
 """Of a grid over half the zone; slopes are differences of neighbours."""

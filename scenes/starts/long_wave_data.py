@@ -26,8 +26,9 @@ from longwave.lattice.numeric_lattice import NumericLattice, numeric_lattice, pl
 from longwave.scenes.starts.damped_soliton import DampedSoliton
 from longwave.scenes.starts.first_correction import FirstCorrection
 from longwave.scenes.starts.jet_polynomial import JetPolynomial, with_numbers
-from longwave.scenes.starts.lattice_wave import LatticeWave
-from longwave.solutions import WaveValues
+from longwave.scenes.starts.lattice_wave import LatticeWave, sound_speed
+from longwave.scenes.starts.wave_extent import extent, places_about, support_of, watched_times
+from longwave.solutions import NumericWave, WaveValues
 from longwave.solutions.pieces import PIECE
 
 if TYPE_CHECKING:
@@ -306,9 +307,61 @@ class LongWaveData(LatticeWave):
         """The cells between which there is a wave; infinite where it does not end."""
         T = self.slow_time(t)
         low, high = wave_ends(lambda X: self._profile(X, T))
-        unit = self._direction[0] * self.eps**self._space.exponent
-        ends = sorted((X / unit + self.speed * t) for X in (low, high))
+        ends = sorted((X / self._unit + self.speed * t) for X in (low, high))
         return ends[0], ends[1]
+
+    @cached_property
+    def far_speed(self) -> float | None:
+        """The speed of sound on the wave's constant background, if it has one along a chain."""
+        wave = self.wave
+        is_fed = isinstance(wave, NumericWave) and wave.constant_background is not None
+        if not is_fed or self.lattice.dimension > 1 or self.correction:
+            return None
+        if self.speed <= 0.0 or self._unit <= 0.0:
+            return None
+        (f, _), middle = self._far_fields(), self.lattice.reach
+        slopes = [slope[middle] for slope in self.lattice.slopes(self.lattice.stretches(f))]
+        return sound_speed(self.lattice, slopes, self.speed)
+
+    @cached_property
+    def far_rates(self) -> tuple[Array, Array]:
+        """What displacements grow by there, which move as a whole with it; of strains nothing."""
+        (f, v), middle = self._far_fields(), self.lattice.reach
+        return f[:, middle + 1] - f[:, middle], v[:, middle]
+
+    def _far_fields(self) -> tuple[Array, Array]:
+        """Fields and velocities of the constant background alone in a few cells."""
+        cells = np.arange(2.0 * self.lattice.reach + 2.0)
+        level = cast(NumericWave, self.wave).constant_background or 0.0
+        highest = max(each.highest for pair in self._series for each in pair)
+        jets = np.zeros((max(highest, 1) + 1, cells.size))
+        jets[0] = level
+        if self._is_displacement:
+            jets[:2] = level * self._unit * cells, np.full(cells.size, level)
+        f, v = (np.stack([each(jets) for each in rows]) for rows in zip(*self._series, strict=True))
+        return f, v
+
+    def extent(self, times: Sequence[float], tolerance: float) -> tuple[float, float]:
+        """Cells from the frame's origin on which the wave deviates from its background."""
+        wave, supports = cast(NumericWave, self.wave), []
+        level = wave.constant_background or 0.0
+        for T in map(self.slow_time, watched_times(times)):
+            X = places_about(wave.slow_phase_zeros(T) or [0.0], 1.0 / abs(wave.numbers.a))
+            supports.append(support_of(X, np.abs(wave(X, T).Y - level), tolerance))
+        low, high = extent(supports)
+        return low / self._unit, high / self._unit
+
+    def rigid(self, cells: ArrayLike, t: float) -> tuple[Array, Array]:
+        """Fields without the growth of the background, and their slopes from cell to cell."""
+        places = [place for place, _ in self._series]
+        f, slopes = self._valued([places, [place.slope() for place in places]], cells, t)
+        growth = self.far_rates[0][:, np.newaxis]
+        return f - growth * np.asarray(cells), self._unit * slopes - growth
+
+    @property
+    def _unit(self) -> float:
+        """X from cell to cell."""
+        return float(self._direction[0] * self.eps**self._space.exponent)
 
     def seam_room(self, t: float) -> int:
         """Half a kink's width: where strains to its left and right met at once, they overshot."""

@@ -8,11 +8,11 @@ import pytest
 
 from longwave.lattice.state import State
 from longwave.scenes import run
-from longwave.scenes.chain import domain as domain_module
-from longwave.scenes.chain.domain import INTERPOLATION_ERROR, LARGEST_MISFIT, Window
 from longwave.scenes.chain.moving_wave import MovingWave
 from longwave.scenes.description.named_scenes import load_scene
 from longwave.scenes.description.scene import Scene
+from longwave.scenes.engines import window as window_module
+from longwave.scenes.engines.window import INTERPOLATION_ERROR, LARGEST_MISFIT, Window
 
 
 def strain(scene: Scene) -> np.ndarray:
@@ -85,11 +85,11 @@ def test_a_moved_window_keeps_its_cells_and_feeds_the_front(
     state.t += 10.0
     window.follow(state)
     assert state.left == scene.moving_wave.frame(state.t) - scene.discretisation.sites // 2
-    fed = 2 * 20 + domain_module.MARGIN
+    fed = 2 * 20 + window_module.MARGIN
     np.testing.assert_array_equal(state.at(state.sites)[0][0, :-fed], kept[20 : 20 - fed])
     speed = window.background_speed
-    offsets = window.moving.rigid_offsets(speed, state.sites[-fed:], state.t)
-    expected = window.moving.rigid_data(speed, offsets)
+    offsets = window.wave.rigid_offsets(speed, state.sites[-fed:], state.t)
+    expected = window.wave.rigid_data(speed, offsets)
     bound = 1.1 * INTERPOLATION_ERROR * np.abs(expected[0]).max()
     for values, wanted in zip(state.at(state.sites[-fed:]), expected, strict=True):
         np.testing.assert_allclose(values[0], wanted, rtol=0, atol=bound)

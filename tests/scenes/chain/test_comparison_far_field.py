@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from longwave.scenes.chain.domain import INTERPOLATION_ERROR, Tail, Window, window_moves
 from longwave.scenes.chain.moving_wave import MovingWave
 from longwave.scenes.description.named_scenes import load_scene
 from longwave.scenes.description.scene import Scene
+from longwave.scenes.engines.window import INTERPOLATION_ERROR, Tail, Window, window_moves
 
 SCENE = replace(load_scene("rational_2_eps_0.05"), t0=-3000.0, snapshots=(40_000.0,))
 WAVES: dict[str, dict[str, float]] = {
@@ -36,8 +36,8 @@ def test_every_move_feeds_the_transported_wave(scene: Scene) -> None:
         state.t = t
         window.follow(state)
         fed = state.sites[-192:]
-        offsets = window.moving.rigid_offsets(window.background_speed, fed, t)
-        y, s = window.moving.rigid_data(window.background_speed, offsets)
+        offsets = window.wave.rigid_offsets(window.background_speed, fed, t)
+        y, s = window.wave.rigid_data(window.background_speed, offsets)
         f, v = state.at(fed)
         assert np.abs(f - y).max() <= 1e-14 * scene.eps
         assert np.abs(v - s).max() <= 1e-14 * scene.eps
@@ -53,7 +53,7 @@ def test_what_no_degree_resolves_is_not_interpolated(
     scene = replace(SCENE, wave=name, parameters=tuple(WAVES[name].items()), t0=0.0, eps=eps)
     one = Tail(scene.moving_wave, 2.0, low, high)
     sites = np.arange(int(low), int(high))
-    found = np.stack(one.at(sites, 0.0))
+    found = np.concatenate(one.at(sites, 0.0))
     exact = np.stack(scene.moving_wave.rigid_data(2.0, sites.astype(float)))
     bound = 2.0 * INTERPOLATION_ERROR * max(eps, float(np.abs(exact).max()))
     assert np.abs(found - exact).max() <= bound

@@ -11,7 +11,7 @@ import pytest
 from longwave.scenes.convergence import at_eps
 from longwave.scenes.description.named_scenes import load_scene, scene_of_toml, shipped_scenes
 from longwave.scenes.description.scene import Scene
-from longwave.scenes.engines.ring_runs import ComparedCells
+from longwave.scenes.engines.wave_rings import ComparedCells
 
 GIVEN: dict[str, Any] = {
     "name": "short",

@@ -11,7 +11,7 @@ from longwave.scenes import run
 from longwave.scenes.description.named_scenes import scene_of
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.engines.lattice_run import wave_rings
-from longwave.scenes.engines.ring_runs import SiteRingEngine
+from longwave.scenes.engines.site_engine import SiteEngine
 from longwave.scenes.starts.lattice_derivation import lattice_wave
 from longwave.solutions.pieces import PIECE
 from longwave.support.request_limits import OverBudgetError
@@ -138,7 +138,7 @@ def test_a_wave_that_is_not_on_the_part_is_searched_on_all_cells() -> None:
 
     def parts(T: float) -> object:
         scene = to_tolerance("dimer", 150_000).changed(times=(T * 1e3, T * 1e3 + 5.0))
-        return SiteRingEngine(*wave_rings(scene)).parts()
+        return SiteEngine(*wave_rings(scene)).parts()
 
     assert parts(0.0) is not None
     assert parts(30_000.0) is None

@@ -7,7 +7,7 @@ from scipy.integrate import solve_ivp
 from longwave.lattice.state import BlowUp
 from longwave.scenes import run
 from longwave.scenes.description.scene import Scene
-from longwave.scenes.engines import ring_runs
+from longwave.scenes.engines import wave_rings as rings_module
 from longwave.scenes.engines.lattice_run import wave_rings
 from longwave.scenes.starts.lattice_derivation import lattice_wave
 
@@ -51,11 +51,11 @@ def test_neighbours_that_move_against_each_other_do_so_all_round_the_ring(order:
 )
 def test_rings_are_commensurate_with_carriers_that_can_be(k: str) -> None:
     _, rings = wave_rings(SOFT.changed(carrier=k, times=[0, 3]))
-    for wider in (0, ring_runs.WIDER):
+    for wider in (0, rings_module.WIDER):
         ends = rings.ends(wider)
         [(low, high)], [(_, least)] = ends, rings.plain_ends(wider)
         assert rings.gaps(ends)[0] < 1e-9
-        assert least <= high < least + ring_runs.FITTING
+        assert least <= high < least + rings_module.FITTING
         turns = (high + 1 - low) * float(lattice_wave(SOFT.changed(carrier=k)).carrier.k)
         assert abs(turns / (2 * np.pi) - round(turns / (2 * np.pi))) < 1e-9
 
@@ -78,6 +78,6 @@ def test_what_blows_up_at_a_seam_is_told_as_from_there(monkeypatch: pytest.Monke
     assert rings.located(found, closed).from_seam is None
     far = BlowUp("the fields are not finite", 0.01, (torn[0][0] + torn[0][1]) // 2)
     assert rings.located(far, torn).from_seam is None
-    monkeypatch.setattr(ring_runs, "FITTING", 1)
+    monkeypatch.setattr(rings_module, "FITTING", 1)
     told = run(SOFT).attrs["blow_up"]
     assert "from the ring's seam" in told

@@ -219,7 +219,7 @@ GRANULAR = {"lattice": "granular", "constants": {"A": 1, "d": "1/100"}, "carrier
         (UNSTABLE, "constants must make waves of chain stable"),
         ({"eps": 1e-9}, "must fit 2 GB"),
         ({"slow_times": [0, 1e40]}, "must fit 2 GB"),
-        ({"eps": 0.006}, "must take at most 60 min, got about"),
+        ({"eps": 0.003}, "must take at most 60 min, got about"),
         ({"half_width": 1e12}, "must fit 2 GB"),
     ],
 )

@@ -104,7 +104,6 @@ def test_what_a_lattice_does_not_have_is_refused(
     [
         ((9.0, "ring", 4096), "step must satisfy step <= "),
         ((1.0, "ring", 64), r"sites must satisfy sites >= \d+ on this ring, got 64"),
-        ((1.0, "window", 4096), "domain must be 'ring' for kdv_soliton on toda"),
         ((1e-12, "ring", 4096), "step must satisfy step >= "),
         ((0.1, "ring", 10**9), "toda_soliton must fit 2 GB"),
         ((1e-7, "ring", 4096), "toda_soliton must take at most 60 min"),

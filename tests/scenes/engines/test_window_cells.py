@@ -1,0 +1,140 @@
+"""Long waves in moving windows, on any chain: as on rings, and told where they cannot be fed."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from longwave.derive import LATTICES
+from longwave.lattice.numeric_lattice import numeric_lattice
+from longwave.scenes import load_scene, resume, run
+from longwave.scenes.description.named_scenes import scene_of
+from longwave.scenes.description.scene import Scene
+from longwave.scenes.engines import site_engine
+from longwave.scenes.engines.lattice_run import wave_rings
+from longwave.scenes.engines.site_engine import SiteEngine
+from longwave.scenes.engines.wave_cells import FedWave
+from longwave.scenes.engines.window import Window
+from longwave.scenes.starts.lattice_wave import sound_speed
+from longwave.scenes.starts.long_wave_data import LongWaveData
+
+SHORT: dict[str, Any] = {"slow_times": (-0.1, 0, 0.1), "half_width": 6}
+SCENES = {
+    "strains about a background": load_scene("alpha_beta_rogue").changed(**SHORT, tolerance=1e-5),
+    "displacements": load_scene("gardner_soliton").changed(slow_times=(0, 0.5, 1.5)),
+    "two masses on a background": load_scene("dimer_rogue").changed(slow_times=(-0.2, 0, 0.2)),
+    "radiation of the fifth order": load_scene("kawahara_soliton").changed(slow_times=(0, 1, 2)),
+}
+
+
+@pytest.fixture(scope="module", params=SCENES.values(), ids=[*SCENES])
+def scene(request: pytest.FixtureRequest) -> Scene:
+    found: Scene = request.param
+    return found
+
+
+def on_a_ring(scene: Scene) -> xr.Dataset:
+    """The scene with an observable that asks for a ring."""
+    return run(scene.changed(observables=(*scene.observables, "momentum")))
+
+
+def test_a_window_shows_what_a_ring_does(scene: Scene) -> None:
+    moved, whole = run(scene), on_a_ring(scene)
+    assert 'kind = "window"' in moved.plan
+    assert moved.sites < whole.sites
+    apart = np.abs(moved["strain"] - whole["strain"]).max() / scene.eps**moved.power
+    assert apart <= moved.error_estimate + whole.error_estimate
+    assert moved.error_estimate >= 2.0 * moved.feed_mismatch
+
+
+def test_a_plan_in_a_window_has_the_bits_of_its_search(scene: Scene) -> None:
+    found = run(scene.changed(observables=("strain", "state")))
+    again = run(scene_of(found))
+    for name in ("strain", "state_y", "state_s", "state_left"):
+        np.testing.assert_array_equal(found[name], again[name])
+    rest = resume(again, at=float(again["time"][1]))
+    for name in ("strain", "state_y", "state_s"):
+        np.testing.assert_array_equal(rest[name], again[name][2:])
+
+
+def test_what_is_fed_wrongly_is_run_on_a_ring(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Catches: a far field at a wrong speed, which the lattice does not follow."""
+    scene = SCENES["two masses on a background"]
+    rightly = run(scene)
+    monkeypatch.setattr(LongWaveData, "far_speed", property(lambda _: 1.7))
+    wrongly = run(scene)
+    assert "window" in rightly.plan
+    assert "window" not in wrongly.plan
+    apart = np.abs(rightly["strain"] - wrongly["strain"]).max() / scene.eps
+    assert apart <= rightly.error_estimate + wrongly.error_estimate
+
+
+def test_what_a_feed_misses_is_part_of_the_estimate(monkeypatch: pytest.MonkeyPatch) -> None:
+    timed, rings = wave_rings(SCENES["two masses on a background"])
+    monkeypatch.setattr(site_engine, "LARGEST_MISFIT", 1.0)
+    monkeypatch.setattr("longwave.scenes.engines.window.LARGEST_MISFIT", 1.0)
+    monkeypatch.setattr(LongWaveData, "far_speed", property(lambda _: 1.45))
+    engine = SiteEngine(timed, rings)
+    trial = engine.run(engine.first(), shown=False)
+    mismatch = trial.payload.attrs["feed_mismatch"]
+    assert trial.common_error == 2.0 * mismatch > 1e-4
+
+
+@pytest.mark.parametrize(
+    ("lattice", "constants"),
+    [
+        ("fput", {"K2": 4, "K3": 0, "K4": 1}),
+        ("mass_dimer", {"m1": 1, "m2": 3, "K2": 16, "K3": 0, "K4": 4}),
+        ("next_nearest", {"K2": 1, "K3": 0, "K4": 0, "L2": 0.3, "L3": 0, "L4": 0}),
+    ],
+)
+def test_the_speed_of_sound_is_that_of_the_reduction(
+    lattice: str, constants: dict[str, float]
+) -> None:
+    numeric = numeric_lattice(LATTICES[lattice], constants)
+    exact = {"fput": 2.0, "mass_dimer": np.sqrt(2.0), "next_nearest": np.sqrt(2.2)}[lattice]
+    found = sound_speed(numeric, numeric.rest_slopes(), 1.1 * exact)
+    assert found == pytest.approx(exact, rel=1e-10)
+
+
+def test_a_far_field_in_strains_and_displacements_is_at_rest_or_moves_as_a_whole() -> None:
+    _, rings = wave_rings(SCENES["two masses on a background"])
+    growth, velocity = rings.wave.far_rates
+    assert growth == pytest.approx([0.05, 0.05], rel=1e-12)
+    assert velocity == pytest.approx(-rings.wave.speed * growth, rel=1e-2)
+    _, rings = wave_rings(SCENES["strains about a background"])
+    growth, velocity = rings.wave.far_rates
+    assert not growth.any()
+    assert not velocity.any()
+
+
+@pytest.mark.parametrize("name", [*SCENES])
+def test_the_feed_is_the_wave_itself_at_first(name: str) -> None:
+    _, rings = wave_rings(SCENES[name])
+    assert rings.window is not None
+    fed = FedWave(rings, rings.window)
+    state = Window(fed, rings.window).start()
+    sites = state.sites[-100:]
+    speed = fed.background_speed
+    assert speed is not None
+    f, v = fed.rigid_data(speed, fed.rigid_offsets(speed, sites, fed.t0))
+    at = state.at(sites)
+    assert np.abs(f + fed.uniform(sites, fed.t0) - at[0]).max() < 1e-10
+    assert np.abs(v - at[1]).max() < 1e-3 * fed.scale  # the wave's own rate in T is left out
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"name": "dimer_peregrine"}, r"domain must be 'ring' for .* on mass_dimer"),
+        ({"name": "alpha_fput_soliton"}, r"domain must be 'ring' for this wave on alpha_fput"),
+        ({"name": "square_lump"}, r"tolerance must be given on square"),
+        ({"name": "gardner_soliton", "sites": 128}, r"sites must satisfy sites >= 752 in this"),
+    ],
+)
+def test_a_window_where_there_is_none_is_refused(changes: dict[str, Any], message: str) -> None:
+    scene = load_scene(changes["name"])
+    stated = {"step": 0.1, "domain": "window", "sites": changes.get("sites", 4096)}
+    with pytest.raises(ValueError, match=message):
+        run(scene.changed(tolerance=None, **stated))
