@@ -274,6 +274,7 @@ class CellRingEngine(StepSearch):
         self._times, self._kept = times, times if kept is None else kept
         self._curious = [at for at, one in enumerate(lattice.bonds) if not one.force.is_smooth]
         self._has_features, self._unfollowed = False, 0
+        self._told_by, self._by_feature = math.inf, False
         ranges = self.dynamics.ranges(state)
         self.first_frequency = self.dynamics.highest_frequency(ranges)
         self._duration = float(times[-1] - state.t) or 1.0
@@ -364,12 +365,14 @@ class CellRingEngine(StepSearch):
                 loop.offer(remember)
         if times and stepper.blow_up is None:
             loop.end(lambda: remember(arrays=False))
-        self._largest = np.fmax(self._largest, self._sizes(stepper.ranges))
         if self._finds_features(stepper.ranges, met):
             return self.run(choices, shown, progress)
+        values = self._values(stepper, choices, judged, met)
+        if values is not None:  # else what the fields became is not the motion's
+            self._largest = np.fmax(self._largest, self._sizes(stepper.ranges))
         return Trial(
             choices,
-            self._values(stepper, choices, judged, met),
+            values,
             float(stepper.steps),
             perf_counter() - loop.begun,
             rounding_error(
@@ -385,12 +388,24 @@ class CellRingEngine(StepSearch):
     ) -> Array | None:
         """What was judged; None after a blow-up or with a step that does not follow the run."""
         longest, taken = self._longest_step(stepper.ranges), self._taken(choices.step)
+        followed = math.inf
         if stepper.blow_up is None and taken <= longest:  # else what was met is not the motion's
-            longest = min(longest, self._followed_step(stepper.ranges, rates, choices))
-        self._admitted = min(self._admitted, longest)
+            followed = self._followed_step(stepper.ranges, rates, choices)
+        self._note_admitted(choices.step, longest, followed)
+        longest = min(longest, followed)
         if stepper.blow_up is not None or taken > longest:
             return None
         return np.array(judged) if len(judged) > 1 else judged[0][np.newaxis]
+
+    def _note_admitted(self, step: float, stable: float, followed: float) -> None:
+        """Keep the longest step that the strains and features admit which a run has met.
+
+        What the run with the shortest step met counts: a longer one may have shown no motion.
+        """
+        if step < self._told_by:
+            self._admitted, self._told_by = math.inf, step
+        if step == self._told_by and min(stable, followed) < self._admitted:
+            self._admitted, self._by_feature = min(stable, followed), followed < stable
 
     def _chunk(self, choices: Choices) -> int | None:
         """Most steps between two stops: few enough for nudges between them."""
@@ -480,6 +495,12 @@ class CellRingEngine(StepSearch):
     def told_dear(self, work: float, tolerance: float | None) -> str:
         """Why runs of so many steps are refused: strains that grew, or the tolerance."""
         times = self._admitted_first / self._admitted if self._admitted else math.inf
+        if times > RAN_AWAY and self._by_feature:
+            return (
+                f"forces of {self.lattice.name} must change slowly enough to be followed, got one "
+                f"that asks for steps {times:.1g} times shorter than strains do ({work:.1g} in "
+                "all; widen it or end earlier)"
+            )
         if times > RAN_AWAY:
             return (
                 f"times must end before strains run away, got {self._times[-1]:g} (those met ask "

@@ -161,6 +161,26 @@ def test_a_wall_whose_velocity_swings_is_followed(place: float) -> None:
     assert np.abs(answer(member)[0] - reference(member, 1e-12)).max() < 0.1 * answer(member)[1]
 
 
+def test_a_run_that_broke_down_says_nothing_of_the_next() -> None:
+    """Last digits were changed by what its fields had become: every run with that broke down."""
+    family = Family("law", "wiggle", 2, 5.0, 0.0, 0.0, 1.0, False)
+    genes = np.array([0.1933048538487302, 0.2699874503273933, 1.0, 0.5113523306679055])
+    found, estimate = answer(Member(family, genes))
+    assert found == pytest.approx([-0.08785532063, -0.18941776927], abs=1e-10)  # DOP853 at 1e-12
+    assert estimate < 1e-8
+
+
+def test_a_refusal_names_what_asks_for_short_steps() -> None:
+    engine = engine_of(driven_chain(BETA, 4, left="free", right="free"), 20.0)
+    engine._note_admitted(1.0, 1e-50, np.inf)  # broke down
+    engine._note_admitted(0.1, 1.0, 1e-9)
+    assert "forces of beta_fput must change slowly enough" in engine.told_dear(1e9, 1e-6)
+    engine._note_admitted(0.01, 1.0, 0.5)
+    assert "tolerance must be one that" in engine.told_dear(1e9, 1e-6)
+    engine._note_admitted(0.001, 1e-12, np.inf)
+    assert "times must end before strains run away" in engine.told_dear(1e9, 1e-6)
+
+
 def engine_of(made: DrivenChain, end: float) -> CellRingEngine:
     return CellRingEngine(made, made.held(at_rest(4)), np.array([end]), REDUCED_PHASE_6)
 
