@@ -39,10 +39,10 @@ REFERENCE = 1e-12
 """Relative tolerance of the reference."""
 
 SURE = 0.1
-"""Share of the estimate that the reference may err, by what a looser one changes."""
+"""Share of the estimate that the reference may err, by what looser and finer ones change."""
 
 SHORTER = 0.37
-"""Share of its longest steps that the looser reference takes at most."""
+"""Share of its longest steps that those take at most."""
 
 NEAR = 0.3
 """Errors above this share of their estimate are told, and their reference is looked at."""
@@ -234,9 +234,10 @@ def judge(member: Member) -> Verdict:
         return Verdict("undecided")
     ratio = float(np.abs(found - exact).max()) / estimate
     if ratio > NEAR:
-        rough = reference(member, 10.0 * REFERENCE, SHORTER)
-        if rough is None or np.abs(rough - exact).max() > SURE * estimate:
-            return Verdict("undecided")
+        for rtol in (10.0 * REFERENCE, 0.1 * REFERENCE):
+            other = reference(member, rtol, SHORTER)
+            if other is None or np.abs(other - exact).max() > SURE * estimate:
+                return Verdict("undecided")
     return Verdict("dishonest" if ratio > 1.0 else "sound", ratio)
 
 
