@@ -111,9 +111,8 @@ class SiteEngine(StepSearch):
         judged = Samples(self.times, lambda view: view.judged(0, self.judged))
         around = Samples(ends[1:], lambda view: view.judged(AROUND, self.judged))
         energies = Samples(ends, lambda view: np.array(view.energy))
-        sizes = Samples(ends, lambda view: np.array(np.abs(view.state.f).max()))
-        witnesses = [judged, around, energies, sizes]
-        limit = self.rings.limit(cells.ring)
+        witnesses = [judged, around, energies]
+        limit, largest = self.rings.limit(cells.ring), float(np.max(np.abs(cells.ring.f)))
         metered = Samples(self.times)
         meter = wave.disorder.meter(cells.ring) if wave.disorder is not None else None
         if meter is not None:
@@ -137,9 +136,7 @@ class SiteEngine(StepSearch):
             values if sound else None,
             self.work(choices),
             float(run.attrs["seconds"]),
-            rounding_error(
-                float(max(sizes.samples, default=0.0)) / wave.scale, run.attrs["force_evaluations"]
-            ),
+            rounding_error(largest / wave.scale, run.attrs["force_evaluations"]),
             run,
             not choices.nudged,
             around=around.samples[0] if sound and not stopped else None,
