@@ -326,8 +326,7 @@ class CellRingEngine(StepSearch):
         balance = self._balance(start)
         ring, chunk = StillRing(start), self._chunk(choices)
         stepper = Stepper(start, self.scheme, self.lattice, ring, choices.step, None, chunk)
-        shape = (self._kept.size, *self.state.arrays[0].shape)
-        f, v = np.empty(shape), np.empty(shape)
+        f, v = np.empty((2, self._kept.size, *self.state.arrays[0].shape))
         rows = {t: row for row, t in enumerate(self._kept.tolist())}
         met = self._rates(stepper.state)
         times, judged = self.stops.tolist(), []

@@ -110,6 +110,8 @@ def resume(
     The result holds what the scene asks for after ``at``. Same bits need the same stops:
     ``curve_points`` and ``look_points`` times move with the end of the run. A wave with its next
     order is solved for from one time to the next: it is the same to within that solution's error.
+    In a window, whose feed is interpolated up to the end, a run to another end is the same to
+    within that interpolation's error.
 
     Raises ValueError if the run carries no state at ``at`` or nothing is wanted after it.
     """

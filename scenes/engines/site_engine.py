@@ -55,6 +55,9 @@ STEP_RATIO = 0.8
 ALIKE = 1e-3
 """By what share data may be larger or steeper elsewhere than on a part that stands for all."""
 
+FEED_SHARE = 0.3
+"""Most of the tolerance that is left to it."""
+
 FEED_SAFETY = 2.0
 """Factor on what a feed misses the lattice by: half of it runs on to the rear, past the compared
 cells, at each move anew."""
@@ -82,7 +85,9 @@ class SiteEngine(StepSearch):
         longest = longest_step(rings.fastest, wave.frequency, self._scheme)
         longest = min(longest, DRIVEN_SHARE * wave.lattice.driven_within(*self.times[:2]))
         self._ring = float(sites_of(rings.ends()))
-        self._misfed = False
+        self._misfed, self._widened = False, 1.0
+        allowed = FEED_SHARE * scene.target.tolerance / FEED_SAFETY
+        self._largest_misfit = min(LARGEST_MISFIT, allowed)
         stops = np.array(self.times)
         if rings.window is not None:
             self.kinds, self.safety = ("step", "domain"), WINDOW_SAFETY
@@ -95,15 +100,19 @@ class SiteEngine(StepSearch):
     def run(self, choices: Choices, shown: bool, progress: Progress = lambda _: None) -> Trial:
         """A run in a window of that size, or on a ring as wide as it must be or a little wider.
 
-        Observables are always seen, but for nudged data: any run may become a control. What a
-        window cannot be fed with runs on rings from then on.
+        Observables are always seen, but for nudged data: any run may become a control. Where a
+        window's feed misses the lattice by too much, all windows are twice as wide from then on, or
+        rings. Raises ValueError for a ring that would take too long.
         """
-        trial = self._run(choices, progress)
-        feed = trial.payload.attrs.get("feed_mismatch", 0.0)
-        if not feed > LARGEST_MISFIT:
-            return replace(trial, common_error=FEED_SAFETY * feed)
-        self._misfed = True
-        return self._run(choices, progress)
+        while True:
+            trial = self._run(choices, progress)
+            feed = trial.payload.attrs.get("feed_mismatch", 0.0)
+            if not feed > self._largest_misfit:
+                return replace(trial, common_error=FEED_SAFETY * feed)
+            self._widened *= 2.0
+            if self._widened * self._first.size >= self._ring:
+                self.rings.check_ring()
+                self._misfed = True
 
     def _run(self, choices: Choices, progress: Progress) -> Trial:
         wave, ends = self.rings.wave, (self.times[0], self.times[-1])
@@ -167,7 +176,8 @@ class SiteEngine(StepSearch):
         observables = () if choices.nudged else self.scene.observables
         scheme = self._scheme.name
         if not self._is_ring(choices):
-            stated = Discretisation(choices.step, "window", int(choices.size), scheme)
+            size = round_up(self._widened * choices.size)
+            stated = Discretisation(choices.step, "window", size, scheme)
             plan = replace(self.scene, numerics=stated, observables=observables)
             return WindowCells(plan, self.rings, choices.nudged)
         least = self._ring if choices.causal else self._first.size
@@ -178,7 +188,7 @@ class SiteEngine(StepSearch):
 
     def _sized(self, choices: Choices, cells: float) -> Choices:
         """With a window of that many cells, or a ring if that takes fewer."""
-        if cells >= self._ring:
+        if self._widened * cells >= self._ring:
             return replace(choices, size=self._ring, causal=True)
         return replace(choices, size=float(round_up(cells)))
 
@@ -215,4 +225,5 @@ class SiteEngine(StepSearch):
 
     def work(self, choices: Choices) -> float:
         """Forces on fields of cells."""
-        return super().work(choices) * self._scheme.stages * choices.size * self._fields
+        cells = choices.size if self._is_ring(choices) else self._widened * choices.size
+        return super().work(choices) * self._scheme.stages * cells * self._fields

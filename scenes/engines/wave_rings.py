@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -156,7 +156,7 @@ def window_size(
     low, high = wave.extent(times, tolerance)
     reach = max(float(compared.reach[0]), -low, high)
     drift = max(0.0, fastest - wave.speed) * (times[-1] - times[0])
-    size = round_up(least_window(math.ceil(reach + drift)))
+    size = round_up(least_window(math.ceil(reach + drift), fastest / wave.speed))
     return size if size < sites_of(compared.ring(times, [fastest], 0)) else None
 
 
@@ -241,7 +241,8 @@ class WaveRings:
         rest = lattice.rest_slopes()
         self._check_cost(lattice.highest_frequency(rest), _signal_speeds(lattice, rest))
         near = wave.ring(compared.cells(self.times[0]), self.times[0])
-        slopes = stiffest_slopes(near)
+        stiffest = np.max([stiffest_slopes(ring) for ring in (near, *self._beside())], axis=0)
+        slopes = stiffest.tolist()
         self.signals = [
             max(pair)
             for pair in zip(
@@ -264,6 +265,29 @@ class WaveRings:
         check_request(
             f"scene of {cells:.3g} cells, from which signals arrive in time,",
             self.expected,
+            "take a larger eps, end earlier or compare fewer cells",
+        )
+
+    def _beside(self) -> Iterator[CellRing]:
+        """A chain's wave where it is at first, in pieces: it may run to the compared cells.
+
+        A soliton outside them may be faster than any signal among them, and be left out.
+        """
+        low, high = self.wave.support(self.times[0])
+        if self.wave.lattice.dimension > 1 or not math.isfinite(high - low):
+            return
+        reach = self.wave.lattice.reach
+        for first in range(math.floor(low), math.ceil(high) + 1, PIECE):
+            last = min(first + PIECE, math.ceil(high)) + 2 * reach + 2
+            yield self.wave.ring(np.arange(first, last, dtype=np.float64), self.times[0])
+
+    def check_ring(self) -> None:
+        """Refuse a ring that takes too long or too much memory, where a window will not do."""
+        wave, compared, times = self.wave, self.compared, self.times
+        cells, expected = _cost(wave, compared, times, self.fastest, self.signals, None)
+        check_request(
+            f"scene of {cells:.3g} cells, since no window can be fed with its wave,",
+            expected,
             "take a larger eps, end earlier or compare fewer cells",
         )
 

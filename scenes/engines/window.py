@@ -37,6 +37,10 @@ STRIDE = 64
 """Most cells by which a window moves at once."""
 
 
+WATCHED = 8
+"""Cells next to the fed ones on which feed and lattice are compared."""
+
+
 class WindowWave(Protocol):
     """What a window is to know of the wave in it."""
 
@@ -93,9 +97,18 @@ def front(speed: float, duration: float) -> float:
     return max(MARGIN, FRONT * (speed * duration / 8.0) ** (1.0 / 3.0))
 
 
-def least_window(compared: int) -> int:
-    """Fewest sites of a window whose ends keep away from the compared sites."""
-    return 2 * (compared + 2 * (STRIDE + MARGIN))
+def fed_cells(moved: int, ratio: float) -> int:
+    """Cells that a window feeds when it has moved by so many.
+
+    Signals from its seam, ``ratio`` times as fast as it, have reached them since the last move.
+    """
+    faster = math.ceil(ratio * moved) - MARGIN // 2  # the rest of the margin is their front
+    return moved + max(moved, faster) + MARGIN
+
+
+def least_window(reach: int, ratio: float = 1.0) -> int:
+    """Fewest cells of a window whose ends keep away from the cells within ``reach``."""
+    return 2 * (reach + max(2 * (STRIDE + MARGIN), fed_cells(STRIDE + 1, ratio) + WATCHED))
 
 
 def signal_drift(wave: WindowWave) -> int:
@@ -229,9 +242,6 @@ class Tail:
         return None
 
 
-WATCHED = 8
-"""Cells next to the fed ones on which feed and lattice are compared."""
-
 LARGEST_MISFIT = 1e-5
 """Largest difference of feed and lattice in units of the scale; a sound one stays far below."""
 
@@ -258,11 +268,12 @@ class Window(Domain):
         if self.wave.background_speed is None:
             raise ValueError(
                 f"domain must be 'ring' for {self.wave.name}, got 'window' "
-                "(its background is not constant)"
+                "(its far field is not that of a closed form on a constant background)"
             )
         self.background_speed = self.wave.background_speed
         self.moves = frozenset(window_moves(self.wave))
-        least = least_window(self.wave.compared)
+        self._ratio = self.wave.fastest / self.wave.speed
+        least = least_window(self.wave.compared + signal_drift(self.wave), self._ratio)
         if self.size < least:
             raise ValueError(
                 f"sites must satisfy sites >= {least} in this window, got {self.size} "
@@ -290,7 +301,7 @@ class Window(Domain):
     def follow(self, state: State) -> BlowUp | None:
         """Move with the wave, feeding the cells in front; a feed that does not fit is told."""
         left, cells = self.left(state.t), state.f.shape[1]
-        fed = self._fed(left - state.left)
+        fed = fed_cells(left - state.left, self._ratio)
         state.left = left
         end = left + cells
         front = np.arange(end - fed - WATCHED, end)
@@ -298,11 +309,6 @@ class Window(Domain):
         fault = self._misfit(state, front[:WATCHED], f[:, :WATCHED])
         state.store(front[WATCHED:], f[:, WATCHED:], v[:, WATCHED:])
         return fault
-
-    def _fed(self, moved: int) -> int:
-        """Cells that signals from the seam have reached at the front while it moved so far."""
-        faster = self.wave.fastest / self.wave.speed * moved - MARGIN // 2  # the rest is its front
-        return moved + max(moved, math.ceil(faster)) + MARGIN
 
     def _misfit(self, state: State, sites: Sites, feed: Array) -> BlowUp | None:
         """The fault in the first cell where feed and lattice differ too much, None if none does."""
@@ -323,7 +329,7 @@ class Window(Domain):
         """The far field on all offsets from the background's sound at which moves feed or watch."""
         drift = (self.background_speed - self.wave.speed) * self.wave.duration
         end = (self.size + 1) // 2
-        begin = end - (self._fed(STRIDE + 1) + WATCHED)
+        begin = end - (fed_cells(STRIDE + 1, self._ratio) + WATCHED)
         low, high = begin - 1 - max(0.0, drift), end + 1 - min(0.0, drift)
         return Tail(self.wave, self.background_speed, low, high)
 

@@ -183,5 +183,5 @@ def searched_on_part(
         trial = whole.run(choices, True, lambda done: progress(share + (1.0 - share) * done))
     except StoppedTrial as stop:
         raise unfinished(stop.trial.payload, scene, found.error, 0.0) from None
-    error = found.error + difference(trial, found.trial)
+    error = found.error + difference(trial, found.trial) + trial.common_error
     return replace(found, trial=trial, error=error) if error <= scene.target.tolerance else None

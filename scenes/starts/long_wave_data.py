@@ -320,7 +320,11 @@ class LongWaveData(LatticeWave):
         if self.speed <= 0.0 or self._unit <= 0.0:
             return None
         (f, _), middle = self._far_fields(), self.lattice.reach
-        slopes = [slope[middle] for slope in self.lattice.slopes(self.lattice.stretches(f))]
+        with np.errstate(all="ignore"):
+            stretches = self.lattice.stretches(f)
+        slopes = [float(slope[middle]) for slope in self.lattice.slopes(stretches)]
+        if not all(map(math.isfinite, slopes)):
+            return None
         return sound_speed(self.lattice, slopes, self.speed)
 
     @cached_property

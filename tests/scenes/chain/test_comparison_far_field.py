@@ -23,7 +23,7 @@ WAVES: dict[str, dict[str, float]] = {
 
 SCENES = {
     "drift": SCENE,
-    "steep": SCENE.changed(eps=0.2, snapshots=(0.0,), compared=40, sites=640),
+    "steep": SCENE.changed(eps=0.2, snapshots=(0.0,), compared=40, sites=832),
     "far away": replace(SCENE, t0=-1e6, snapshots=(-1e6 + 5000.0,)),
 }
 

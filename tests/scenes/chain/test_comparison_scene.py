@@ -122,7 +122,7 @@ def test_what_wave_and_lattice_do_not_admit_is_refused_before_the_run(
 
 
 def test_a_window_must_clear_the_compared_sites(window_scene: Callable[..., Scene]) -> None:
-    with pytest.raises(ValueError, match=r"sites must satisfy sites >= 912 in this window"):
+    with pytest.raises(ValueError, match=r"sites must satisfy sites >= 916 in this window"):
         run(window_scene(sites=900))
 
 
