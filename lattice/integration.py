@@ -366,12 +366,9 @@ class CellRingEngine(StepSearch):
             loop.end(lambda: remember(arrays=False))
         if self._finds_features(stepper.ranges, met):
             return self.run(choices, shown, progress)
-        values = self._values(stepper, choices, judged, met)
-        if values is not None:  # else what the fields became is not the motion's
-            self._largest = np.fmax(self._largest, self._sizes(stepper.ranges))
         return Trial(
             choices,
-            values,
+            self._values(stepper, choices, judged, met),
             float(stepper.steps),
             perf_counter() - loop.begun,
             rounding_error(
@@ -385,15 +382,19 @@ class CellRingEngine(StepSearch):
     def _values(
         self, stepper: Stepper, choices: Choices, judged: list[Array], rates: Array
     ) -> Array | None:
-        """What was judged; None after a blow-up or with a step that does not follow the run."""
+        """What was judged; None after a blow-up or with a step that does not follow the run.
+
+        Then what strains and fields became is not the motion's.
+        """
         longest, taken = self._longest_step(stepper.ranges), self._taken(choices.step)
         followed = math.inf
-        if stepper.blow_up is None and taken <= longest:  # else what was met is not the motion's
+        if stepper.blow_up is None and taken <= longest:
             followed = self._followed_step(stepper.ranges, rates, choices)
         self._note_admitted(choices.step, longest, followed)
         longest = min(longest, followed)
         if stepper.blow_up is not None or taken > longest:
             return None
+        self._largest = np.fmax(self._largest, self._sizes(stepper.ranges))
         return np.array(judged) if len(judged) > 1 else judged[0][np.newaxis]
 
     def _note_admitted(self, step: float, stable: float, followed: float) -> None:
