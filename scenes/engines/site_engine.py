@@ -85,7 +85,7 @@ class SiteEngine(StepSearch):
         longest = longest_step(rings.fastest, wave.frequency, self._scheme)
         longest = min(longest, DRIVEN_SHARE * wave.lattice.driven_within(*self.times[:2]))
         self._ring = float(sites_of(rings.ends()))
-        self._misfed, self._widened = False, 1.0
+        self._misfed, self._widened = rings.window is None, 1.0
         allowed = FEED_SHARE * scene.target.tolerance / FEED_SAFETY
         self._largest_misfit = min(LARGEST_MISFIT, allowed)
         stops = np.array(self.times)
