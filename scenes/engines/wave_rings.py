@@ -16,22 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from longwave.lattice.numeric_lattice import NumericLattice
-from longwave.lattice.schemes import (
-    REDUCED_PHASE_6,
-    Scheme,
-    stability_limit,
-)
+from longwave.lattice.schemes import REDUCED_PHASE_6, Scheme, stability_limit
 from longwave.lattice.state import GROWTH, BlowUp
-from longwave.lattice.trial import (
-    DRIVEN_SHARE,
-)
-from longwave.scenes.engines.ring_cost import (
-    LARGE,
-    SHARE,
-    SHOWN,
-    USUAL_RUNS,
-    search_cost,
-)
+from longwave.lattice.trial import DRIVEN_SHARE
+from longwave.scenes.engines.ring_cost import LARGE, SHARE, SHOWN, USUAL_RUNS, search_cost
 from longwave.scenes.engines.window import front, least_window, round_up
 from longwave.scenes.starts.lattice_wave import CellRing, LatticeWave, largest_group_velocity
 from longwave.solutions.pieces import PIECE
@@ -134,26 +122,36 @@ def expected_rings(
     lattice = wave.lattice
     rest = lattice.rest_slopes()
     frequency, signals = lattice.highest_frequency(rest), _signal_speeds(lattice, rest)
-    window = window_size(wave, compared, times, signals[0], tolerance)
+    extent = _fed_extent(wave, times, tolerance)
+    window = _window_size(wave, compared, times, signals[0], extent)
     return _cost(wave, compared, times, frequency, signals, window)[1]
 
 
-def window_size(
+def _fed_extent(
+    wave: LatticeWave, times: Sequence[float], tolerance: float | None
+) -> tuple[float, float] | None:
+    """The extent of a wave that a window can be fed with; None for another, or no tolerance."""
+    lost = wave.disorder is not None or wave.losses is not None
+    if tolerance is None or lost or wave.far_speed is None:
+        return None
+    return wave.extent(times, tolerance)
+
+
+def _window_size(
     wave: LatticeWave,
     compared: ComparedCells,
     times: Sequence[float],
     fastest: float,
-    tolerance: float | None,
+    extent: tuple[float, float] | None,
 ) -> int | None:
-    """Fewest cells of a window that holds the wave, None where there is none.
+    """Fewest cells of a window that holds the wave's extent, None where there is none.
 
     Signals from its rear, which are ``fastest``, must not reach the compared cells. A wave that
     runs ahead of its frame makes a window so wide that a ring has fewer cells.
     """
-    lost = wave.disorder is not None or wave.losses is not None
-    if tolerance is None or lost or wave.far_speed is None:
+    if extent is None:
         return None
-    low, high = wave.extent(times, tolerance)
+    low, high = extent
     reach = max(float(compared.reach[0]), -low, high)
     drift = max(0.0, fastest - wave.speed) * (times[-1] - times[0])
     size = round_up(least_window(math.ceil(reach + drift), fastest / wave.speed))
@@ -236,7 +234,7 @@ class WaveRings:
         tolerance: float | None = None,
     ) -> None:
         self.wave, self.compared, self.times = wave, compared, tuple(times)
-        self.tolerance = tolerance
+        self.tolerance, self._extent = tolerance, _fed_extent(wave, times, tolerance)
         lattice = wave.lattice
         rest = lattice.rest_slopes()
         self._check_cost(lattice.highest_frequency(rest), _signal_speeds(lattice, rest))
@@ -260,7 +258,7 @@ class WaveRings:
 
     def _check_cost(self, fastest: float, signals: Sequence[float]) -> None:
         wave, compared, times = self.wave, self.compared, self.times
-        self.window = window_size(wave, compared, times, signals[0], self.tolerance)
+        self.window = _window_size(wave, compared, times, signals[0], self._extent)
         cells, self.expected = _cost(wave, compared, times, fastest, signals, self.window)
         check_request(
             f"scene of {cells:.3g} cells, from which signals arrive in time,",
