@@ -77,8 +77,8 @@ def carrier_fields(
     >>> found.parts[0][0]
     CarrierTerm(power=1, jets=((0, 0),), value=(1+0j))
     """
-    numbers = envelope.coefficients(k, branch, **given)
     envelope = envelope.regular(k, branch, **given)
+    numbers = envelope.coefficients(k, branch, **given)
     point = envelope.point(k, branch, given)
     carrier = envelope.carrier
     free = not carrier.is_pinned
