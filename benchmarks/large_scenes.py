@@ -24,7 +24,6 @@ import numpy as np
 from longwave.lattice import integrate
 from longwave.lattice.schemes import scheme_named
 from longwave.lattice.state import State
-from longwave.scenes.chain.stencil_search import ChainSites
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.engines.lattice_run import wave_rings
 from longwave.scenes.engines.wave_cells import RingCells
@@ -82,8 +81,6 @@ def scene_of(wave: str, sites: int, steps: int, tolerance: float | None) -> Scen
 
 def data_of(scene: Scene) -> tuple[Any, State]:
     """The lattice and the data of a stated scene."""
-    if scene.has_moving_wave:
-        return scene.model.lattice, ChainSites(scene, scene.moving_wave).domain().start()
     ring = RingCells(*wave_rings(scene)).ring
     return ring.lattice, State(ring.t, ring.f, ring.v)
 

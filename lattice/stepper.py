@@ -127,7 +127,7 @@ class Stepper:
     def _advance(self, h: float, steps: int, t: float) -> None:
         """Advance by a chunk that ends at ``t``; if it blows up, repeat it step by step."""
         state, begin = self.state, self.state.t
-        before = [values.copy() for values in state.arrays] if steps > 1 else []
+        before = [values.copy() for values in (*state.arrays, self.ranges)] if steps > 1 else []
         f, v = state.arrays
         self.dynamics.advance(self.scheme, f, v, h, steps, begin)
         state.t = t
@@ -140,7 +140,7 @@ class Stepper:
             return
         self.blow_up = found if steps == 1 else None
         if steps > 1:
-            for values, kept in zip(state.arrays, before, strict=True):
+            for values, kept in zip((*state.arrays, self.ranges), before, strict=True):
                 values[:] = kept
             state.t = begin
             for step in range(1, steps + 1):

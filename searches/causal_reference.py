@@ -146,7 +146,8 @@ class CausalReference:
         return _Cone(self.scene, fastest, min(quiet), max(quiet))
 
     def _data(self, first: int, last: int) -> _Span:
-        return _Span(first, *self.scene.moving_wave.initial_data(np.arange(first, last + 1)))
+        moving = self.scene.moving_wave
+        return _Span(first, *np.concatenate(moving.state(np.arange(first, last + 1), moving.t0)))
 
     def _fastest(self, strain: Array) -> float:
         """The fastest signal about the strains, not slower than the frame."""

@@ -21,11 +21,11 @@ from longwave.runs.run_output import (
 )
 from longwave.runs.run_store import RunStore
 from longwave.runs.sweep_scene import changed_scene
-from longwave.scenes.chain.trust import USUAL_TOLERANCE
 from longwave.scenes.description.bench import OF_MEANS
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.observed.recorders import Variables
 from longwave.scenes.observed.run_record import RunRecord, UnfinishedRun, error_unit
+from longwave.scenes.starts.background_growth import USUAL_TOLERANCE
 from longwave.support.command_line import fail, fail_for_memory
 from longwave.support.console import plain_console, print_json, print_lines, progress_bar
 from longwave.support.interruption import interrupted, keeping

@@ -284,7 +284,6 @@ class Explorer:
 
 BEFOREHAND = (
     "longwave.cli.scene_command",
-    "longwave.scenes.chain.chain_run",
     "longwave.scenes.engines.lattice_run",
     "longwave.derive.reduction",
     "xarray",

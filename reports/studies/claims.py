@@ -17,7 +17,7 @@ import sympy as sp
 
 from longwave.derive import mkdv_normal_form
 from longwave.reports.studies.measured_runs import PARTS, RK4_STEP, SPLIT, MeasuredRuns, rk4_name
-from longwave.scenes.chain.trust import USUAL_TOLERANCE, trust_in
+from longwave.scenes.starts.background_growth import USUAL_TOLERANCE, trust_in
 from longwave.solutions import Wave, closed_form, rational
 from longwave.verify.proof.rational_proofs import RationalFacts, rational_facts
 

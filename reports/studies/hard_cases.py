@@ -27,11 +27,12 @@ from longwave.lattice.stepper import Stepper, advance
 from longwave.reports.studies.doubledouble_ring import advance_doubled, doubled
 from longwave.reports.studies.travelling_waves import TravellingWave, fastest_mode, travelling_wave
 from longwave.scenes import resume, run
-from longwave.scenes.chain.domain import SiteRing
-from longwave.scenes.chain.trust import UNIT_ROUNDOFF, predictability_time
 from longwave.scenes.description.named_scenes import load_scene
 from longwave.scenes.description.scene import Scene
+from longwave.scenes.engines.lattice_run import wave_rings
+from longwave.scenes.engines.wave_cells import FedWave, RingCells
 from longwave.scenes.engines.window import Window
+from longwave.scenes.starts.background_growth import UNIT_ROUNDOFF, predictability_time
 from longwave.support.processes import Job, Key
 
 Array = NDArray[np.float64]
@@ -172,16 +173,14 @@ def _soft_lattice() -> Reading:
 
 def _first_soft_site(scene: Scene) -> tuple[float, int]:
     """When and where V'' <= 0 is first met, in double-double arithmetic and step by step."""
-    state = SiteRing(scene.moving_wave, scene.discretisation.sites).start()
-    y, s = doubled(state.f[0]), doubled(state.v[0])
+    ring = RingCells(*wave_rings(scene)).ring
+    y, s = doubled(ring.f[0]), doubled(ring.v[0])
     h = scene.discretisation.step
     for step in range(1, round((scene.end - scene.t0) / h) + 1):
         advance_doubled(KAHAN_LI_8, y, s, h, 1, scene.model)
-        state.f[0] = y[:, 0]
-        soft = scene.model.stiffness(state.f[0]) <= 0.0
+        soft = scene.model.stiffness(y[:, 0]) <= 0.0
         if soft.any():
-            sites = state.sites
-            return scene.t0 + step * h, int(sites[soft[sites % state.size]][0])
+            return scene.t0 + step * h, int(ring.cells[soft][0])
     return math.nan, 0
 
 
@@ -214,10 +213,11 @@ def _wrong_feed() -> Reading:
     scene = scene.changed(sites=2048, compared=500)
     found, stated = [], scene.discretisation
     for factor in (1.0, 1.001):
-        window = Window(scene.moving_wave, stated.sites)
+        _, rings = wave_rings(scene)
+        window = Window(FedWave(rings, stated.sites), stated.sites)
         state = window.start()
         amplitude = float(np.max(np.abs(state.f)))
-        window.wave = replace(scene.moving_wave, eps=factor * scene.eps)
+        rings.wave = replace(scene.moving_wave, eps=factor * scene.eps)
         run = Stepper(state, stated.table, scene.model.lattice, window, stated.step, amplitude)
         found.append((sum(1 for _ in run.stops([0.0])), run.blow_up))
     (sound_moves, sound_end), (moves, end) = found

@@ -11,14 +11,13 @@ from typing import Any
 
 import xarray as xr
 
-from longwave.lattice.schemes import scheme_named
 from longwave.lattice.trial import Progress
 from longwave.scenes import run
-from longwave.scenes.chain.moving_wave import find_bounds
-from longwave.scenes.chain.stencil_search import PREFERRED, least_sites, longest_step
 from longwave.scenes.description.named_scenes import load_scene, scene_of
 from longwave.scenes.description.numerics import Discretisation
 from longwave.scenes.description.scene import Scene
+from longwave.scenes.engines.lattice_run import wave_rings
+from longwave.scenes.engines.wave_rings import SCHEME, longest_step, sites_of
 from longwave.support.processes import Job, Key
 
 LONG_SCENES = ("breather_sn_k_0.7_long", "rogue_cn_k_0.5_long", "soliton_dn_k_0.7_long")
@@ -74,11 +73,10 @@ def by_sites(name: str, share: float, progress: Progress | None = None) -> xr.Da
 
 def site_by_site(scene: Scene, share: float) -> Scene:
     """The scene on a ring of whole sites whose seam is out of hearing, with its step stated."""
-    scheme, moving = scheme_named(PREFERRED), scene.moving_wave
-    bounds = find_bounds(moving, scene.target.tolerance)
-    step = share * longest_step(scene.model, scheme, bounds)
-    sites = least_sites(moving, "ring", bounds)
-    return replace(scene, numerics=Discretisation(step, "ring", sites, PREFERRED))
+    _, rings = wave_rings(scene.changed(engine="stencil"))
+    step = share * longest_step(rings.fastest, 0.0)
+    sites = sites_of(rings.plain_ends(0))
+    return replace(scene, numerics=Discretisation(step, "ring", sites, SCHEME.name))
 
 
 def long_run_jobs() -> dict[Key, Job]:

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from longwave.derive import mkdv_normal_form
 from longwave.lattice.model import Model
-from longwave.scenes.chain.trust import multiplication
+from longwave.scenes.starts.background_growth import multiplication
 from longwave.solutions import Wave, closed_form
 
 Array = NDArray[np.float64]

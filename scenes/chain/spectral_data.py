@@ -16,9 +16,8 @@ from longwave.lattice.seam import (
     rest_at_seam,
 )
 from longwave.lattice.spectral.field_ring import FieldRing, modes_of, values_of
-from longwave.scenes.chain.domain import seam_room
-from longwave.scenes.chain.moving_wave import MovingWave, WaveBounds, find_bounds
 from longwave.scenes.engines.window import front
+from longwave.scenes.starts.moving_wave import MovingWave, WaveBounds, find_bounds
 
 Array = NDArray[np.float64]
 
@@ -171,7 +170,7 @@ class RingData:
         if self.periodic:
             return self.unit
         if self.kink:
-            return 0.5 * seam_room(self.moving)
+            return float(self.moving.seam_room(self.moving.t0))
         least = SCALES / self.steepness
         return max(min(circumference, 4.0 * self.bounds.width) / BLEND, least)
 
@@ -200,7 +199,7 @@ class RingData:
         return strain
 
     def _data(self, x: Array) -> Array:
-        return np.stack(self.moving.initial_data(self._middle + x))
+        return np.concatenate(self.moving.state(self._middle + x, self.moving.t0))
 
 
 def ring_data(moving: MovingWave, tolerance: float) -> RingData:

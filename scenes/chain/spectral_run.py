@@ -15,9 +15,8 @@ from longwave.lattice.blow_up import find_blow_up
 from longwave.lattice.refine import Announce, Refined, StoppedSearch
 from longwave.lattice.spectral.exponential import ORDER
 from longwave.lattice.spectral.ring_search import ALIKE, resolving_step, run_facts
-from longwave.lattice.state import empty_chain
+from longwave.lattice.state import State, empty_chain
 from longwave.lattice.trial import Progress, Trial
-from longwave.scenes.chain.moving_wave import MovingWave
 from longwave.scenes.chain.spectral_data import (
     RingData,
     first_density,
@@ -29,9 +28,11 @@ from longwave.scenes.chain.spectral_search import (
     solve_on_rings,
 )
 from longwave.scenes.description.scene import Scene
+from longwave.scenes.engines.wave_cells import CellView
+from longwave.scenes.engines.wave_rings import ComparedCells
 from longwave.scenes.observed.recorders import Recorder, build_recorders
 from longwave.scenes.observed.run_record import RunRecord, unfinished
-from longwave.scenes.observed.view import SiteView
+from longwave.scenes.starts.moving_wave import MovingWave
 from longwave.support.request_limits import ExpectedCost, OverBudgetError
 
 START_SECONDS = 0.08
@@ -180,7 +181,7 @@ def _recorded(
         if fault is not None:
             reached = tuple(seen for seen in scene.snapshots if seen < t)
             break
-        view = SiteView(moving, state)
+        view = view_of(moving, state)
         for item in recorders:
             if item.moments.due(t):
                 item.see(view)
@@ -190,3 +191,10 @@ def _recorded(
     told["circumference"] = cost.circumference
     variables = {name: value for item in recorders for name, value in item.variables().items()}
     return RunRecord(scene, (scene.compared,), reached, variables, told)
+
+
+def view_of(moving: MovingWave, state: State) -> CellView:
+    """The compared sites of a state that holds them."""
+    compared = ComparedCells(moving.speed, (moving.compared,))
+    ends = [(state.left, state.left + state.size - 1)]
+    return CellView(moving, compared, moving.lattice, (0.0,), state, ends, state.at(state.sites))

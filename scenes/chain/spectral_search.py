@@ -39,7 +39,6 @@ from longwave.lattice.trial import (
     clock_error,
     rounding_error,
 )
-from longwave.scenes.chain.moving_wave import MovingWave
 from longwave.scenes.chain.spectral_data import (
     RingPlace,
     first_density,
@@ -48,6 +47,7 @@ from longwave.scenes.chain.spectral_data import (
     rms_wavenumber,
     turning_time,
 )
+from longwave.scenes.starts.moving_wave import MovingWave
 from longwave.support.checkpoint import Loop, Memory, begin_loop
 
 Array = NDArray[np.float64]

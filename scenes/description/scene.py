@@ -48,9 +48,9 @@ if TYPE_CHECKING:
 
     from longwave.lattice.refine import Announce
     from longwave.lattice.trial import Progress
-    from longwave.scenes.chain.moving_wave import MovingWave
     from longwave.scenes.engines.methods import Method
     from longwave.scenes.observed.run_record import RunRecord
+    from longwave.scenes.starts.moving_wave import MovingWave
     from longwave.solutions import ClosedForm
     from longwave.support.request_limits import ExpectedCost
 
@@ -498,7 +498,7 @@ class Scene:
 
         What asks for the wave alone finds it in ``moving_wave.wave``.
         """
-        from longwave.scenes.chain.moving_wave import MovingWave, build_wave
+        from longwave.scenes.starts.moving_wave import MovingWave, build_wave
 
         numbers = {
             name: value if isinstance(value, str) else float(value)

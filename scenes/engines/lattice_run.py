@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from longwave.lattice.refine import Announce
+from longwave.scenes.chain.spectral_run import run_spectral, spectral_cost
 from longwave.scenes.description.numerics import Tolerance
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.description.scene_checks import enough_steps
@@ -30,9 +31,10 @@ from longwave.scenes.observed.run_record import (
     searched,
     searched_on_part,
 )
-from longwave.scenes.starts.lattice_derivation import LatticeDerivation, derivation, lattice_wave
+from longwave.scenes.starts.background_growth import check_trust, trust_attributes
+from longwave.scenes.starts.lattice_derivation import derivation, lattice_wave
 from longwave.scenes.starts.pulse_meter import PULSE_VARIABLES, crest, pulse_track
-from longwave.support.request_limits import ExpectedCost, check_request
+from longwave.support.request_limits import Announcer, ExpectedCost, check_request
 
 if TYPE_CHECKING:
     from longwave.lattice.state import State
@@ -55,8 +57,32 @@ def scene_cost(scene: Scene) -> ExpectedCost:
 
     Raises ValueError as `record_scene` does for what is wrong before anything is run.
     """
-    if isinstance(scene.numerics, Tolerance) and scene.numerics.engine == "spectral":
+    is_spectral = isinstance(scene.numerics, Tolerance) and scene.numerics.engine == "spectral"
+    if is_spectral and not scene.has_moving_wave:
         return engine_of(*wave_rings(scene)).expected
+    chosen = "" if scene.tolerance is None else choose_engine(scene)
+    return _rings_cost(scene) if chosen == "spectral" else _cells_cost(scene)
+
+
+def _rings_cost(scene: Scene) -> ExpectedCost:
+    """The same of the paper's wave on spectral rings."""
+    rings = spectral_cost(scene)
+    kept = (2.0 * scene.compared + 1.0) * len({scene.t0, *exact_times(scene)})
+    found = search_cost(scene.moving_wave.lattice, 0.0, 0.0, 1, kept)
+    return replace(
+        found,
+        seconds=found.seconds + RINGS * rings.seconds,
+        memory_bytes=found.memory_bytes + rings.memory_bytes + _moments_bytes(scene),
+    )
+
+
+RINGS = 4.0
+"""Runs of a search on spectral rings, in units of the first."""
+
+
+@lru_cache(maxsize=4)
+def _cells_cost(scene: Scene) -> ExpectedCost:
+    """The same cell by cell."""
     wave = lattice_wave(scene)
     timed = in_lattice_times(scene, wave.slow)
     _check_axes(timed, wave)
@@ -105,8 +131,8 @@ def wave_size(scene: Scene, t: float, far_field: bool) -> float:
     """The wave's largest deviation from its background (`Scene.wave_size`)."""
     wave = _started_wave(scene)
     cells = compared_cells(scene, wave).cells(t)
-    found = np.max(np.abs(wave.strain(cells, t) - wave.background(cells, t)))
-    return math.nan if far_field else float(found)
+    far = wave.far_field(cells.astype(np.int64), t) if far_field else wave.background(cells, t)
+    return math.nan if far is None else float(np.max(np.abs(wave.strain(cells, t) - far)))
 
 
 @lru_cache(maxsize=4)
@@ -141,7 +167,9 @@ def wave_rings(scene: Scene) -> tuple[Scene, WaveRings]:
         stated = _stated_cost(timed, wave, compared)
         check_request(timed.name, stated, "take a larger step or fewer sites, or end earlier")
     wave.start(timed.t0)
-    return timed, WaveRings(wave, compared, _stops(timed), _window_tolerance(timed))
+    closed = getattr(scene.numerics, "domain", "") != "ring" or not scene.has_moving_wave
+    tolerance, is_stated = _window_tolerance(timed), scene.tolerance is None
+    return timed, WaveRings(wave, compared, _stops(timed), tolerance, closed, is_stated)
 
 
 def _window_tolerance(timed: Scene) -> float | None:
@@ -165,7 +193,7 @@ def _check_axes(scene: Scene, wave: LatticeWave) -> None:
                     f"observables must have no {name} on {scene.lattice}, which has "
                     f"{wave.lattice.dimension} axes (it is for chains)"
                 )
-    if "energy" in scene.observables and not wave.lattice.conserves_energy:
+    if "energy" in scene.observables and not wave.has_energy:
         raise ValueError(
             f"observables must have no energy on {scene.lattice}, whose equations conserve none "
             "that is known (take a lattice of displacements)"
@@ -185,33 +213,88 @@ def record_scene(
     ValueError in one line for everything that lattice, wave and ansatz do not admit, for what would
     take too long, and for a lattice that blows up.
     """
-    begun = perf_counter()
-    derived = derivation(scene)
-    timed, rings = wave_rings(scene)
-    announce = announce or (lambda _: None)
+    begun, announce = perf_counter(), Announcer(announce or (lambda _: None))
+    if scene.has_moving_wave:
+        check_trust(scene)
     try:
-        if scene.tolerance is None:
-            announce(_stated_cost(timed, rings.wave, rings.compared).seconds)
-            record = run_from(stated_cells(timed, rings), restart, progress)
-        else:
-            record = _to_tolerance(scene, engine_of(timed, rings), progress, announce, begun)
+        record = _by_rings(scene, progress, announce, begun)
+        record = record or _by_cells(scene, progress, announce, restart, begun)
     except UnfinishedRun as stop:
-        _tell(stop.record, derived, rings.wave)
+        _tell(stop.record, scene)
         raise
-    _tell(record, derived, rings.wave)
+    _tell(record, scene)
     return record
 
 
-def _tell(record: RunRecord, derived: LatticeDerivation, wave: LatticeWave) -> None:
+def _by_cells(
+    scene: Scene,
+    progress: Progress | None,
+    announce: Announce,
+    restart: State | None,
+    begun: float,
+) -> RunRecord:
+    timed, rings = wave_rings(scene)
+    if scene.tolerance is not None:
+        return _to_tolerance(scene, engine_of(timed, rings), progress, announce, begun)
+    announce(_stated_cost(timed, rings.wave, rings.compared).seconds)
+    return run_from(stated_cells(timed, rings), restart, progress)
+
+
+CHEAPER = "end earlier, compare fewer sites or see fewer times"
+
+
+def _by_rings(
+    scene: Scene, progress: Progress | None, announce: Announce, begun: float
+) -> RunRecord | None:
+    """The paper's wave on rings that need not be causal, where these are asked for or cheaper.
+
+    None elsewhere, and where they refuse a scene that does not ask for them.
+    """
+    if not scene.has_moving_wave or scene.tolerance is None or choose_engine(scene) == "stencil":
+        return None
+    expected = scene_cost(scene)
+    check_request(scene.name, expected, CHEAPER)
+    announce(expected.seconds)
+    seconds, progress = _cells_cost(scene).seconds, progress or (lambda _: None)
+    try:
+        return judged(*run_spectral(scene, seconds, progress, announce), scene, begun)
+    except ValueError:
+        if scene.target.engine:
+            raise
+    return None
+
+
+def choose_engine(scene: Scene) -> str:
+    """The engine that a scene names, or the one that its observables need, or the cheaper one.
+
+    Raises ValueError if the named one cannot compute an observable.
+    """
+    needing = [name for name in scene.observables if observable_named(name).all_sites]
+    named = scene.target
+    if named.engine == "spectral" and needing:
+        raise ValueError(
+            f"engine must be 'stencil' for {needing[0]}, got 'spectral' (it has no ring of sites)"
+        )
+    if named.engine:
+        return named.engine
+    if needing or named.scheme or not scene.has_moving_wave:
+        return "stencil"
+    is_cheap = _cells_cost(scene).seconds <= _rings_cost(scene).seconds
+    return "stencil" if is_cheap else "spectral"
+
+
+def _tell(record: RunRecord, scene: Scene) -> None:
     """Tell the equation, the frame, and the unit of errors."""
+    wave = lattice_wave(scene)
+    record.attrs |= {"frame_speed": wave.speed, "power": wave.power}
+    if scene.has_moving_wave:
+        record.attrs |= trust_attributes(scene)
+        return
+    derived = derivation(scene)
+    record.attrs["equation"] = derived.text()
     if "strains" in record.variables:
         told = {"units": "name", "long_name": "what is compared"}
         record.variables["quantity"] = ("quantity",), np.array(wave.quantities), told
-    record.attrs |= {
-        "equation": derived.text(),
-        "frame_speed": wave.speed,
-        "power": wave.power,
-    }
     is_moved = derived.lattice.has_displacements and not any(" " in q for q in wave.quantities)
     changes = {name: {"long_name": text} for name, text in LONG_NAMES.items()}
     changes |= {name: {"units": error_unit(wave.power)} for name in ("sup_error", *MEASURED)}

@@ -33,12 +33,6 @@ def _bench() -> Method:
     return Method(bench_run.record_scene, bench_run.scene_cost)
 
 
-def _moving_wave() -> Method:
-    from longwave.scenes.chain import chain_run
-
-    return Method(chain_run.record_scene, chain_run.scene_cost, chain_run.wave_size)
-
-
 def _ring() -> Method:
     from longwave.scenes.engines import lattice_run
 
@@ -53,7 +47,7 @@ def _sidebands() -> Method:
 
 METHODS: Mapping[str, Callable[[], Method]] = {
     "bench": _bench,
-    "moving_wave": _moving_wave,
+    "moving_wave": _ring,
     "ring": _ring,
     "sidebands": _sidebands,
 }

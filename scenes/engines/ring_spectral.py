@@ -75,7 +75,7 @@ class SceneSpectralEngine(FieldRingEngine):
         if wave.frequency:
             step = min(LONGER * self._first.step, max(self._first.step, self._telling))
             self._first = replace(self._first, step=step)
-        self.amplifies_rounding = math.isinf(max(map(abs, wave.support(self.times[0]))))
+        self.amplifies_rounding = wave.amplifies_rounding(self.times[0])
         self.expected = self._expected()
         check_request(
             f"scene of {sites_of(self._ends(wider=True)):.3g} cells on a spectral ring",
@@ -140,7 +140,7 @@ class SceneSpectralEngine(FieldRingEngine):
     def _view(self, state: FieldRing) -> CellView:
         cells = self._held[state.circumferences]
         whole = state.sampled(cells.ring.f.shape[1:])
-        return CellView(cells, State(state.t, whole.f, whole.v))
+        return cells.view(State(state.t, whole.f, whole.v))
 
     def _judged_of(self, state: FieldRing) -> Array:
         return self._view(state).judged()

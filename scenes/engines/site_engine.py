@@ -18,6 +18,7 @@ from longwave.lattice.trial import (
     StepSearch,
     StoppedTrial,
     Trial,
+    clock_error,
     rounding_error,
     shorter_step,
 )
@@ -40,11 +41,12 @@ from longwave.scenes.engines.window import (
     SIZE_RATIO,
     WINDOW_DECAY,
     WINDOW_SAFETY,
+    judged_times,
     round_up,
     widened,
     window_moves,
 )
-from longwave.scenes.observed.recorders import Samples
+from longwave.scenes.observed.recorders import Samples, exact_times
 from longwave.scenes.observed.run_record import UnfinishedRun
 
 Array = NDArray[np.float64]
@@ -54,6 +56,9 @@ STEP_RATIO = 0.8
 
 ALIKE = 1e-3
 """By what share data may be larger or steeper elsewhere than on a part that stands for all."""
+
+CLEARANCE = 128
+"""Cells beyond the wave on which runs of a scout are compared."""
 
 FEED_SHARE = 0.3
 """Most of the tolerance that is left to it."""
@@ -79,7 +84,8 @@ class SiteEngine(StepSearch):
         wave, self.times = rings.wave, rings.times
         self._scheme = scheme_named(scene.target.scheme) if scene.target.scheme else SCHEME
         self._fields = len(wave.lattice.fields)
-        self.amplifies_rounding = math.isinf(max(map(abs, wave.support(self.times[0]))))
+        self.amplifies_rounding = wave.amplifies_rounding(self.times[0])
+        self.unstable = 1 if wave.watches_strains else StepSearch.unstable
         self.judged = judged or rings.compared
         self.metered: dict[float, Array] = {}
         longest = longest_step(rings.fastest, wave.frequency, self._scheme)
@@ -100,12 +106,13 @@ class SiteEngine(StepSearch):
     def run(self, choices: Choices, shown: bool, progress: Progress = lambda _: None) -> Trial:
         """A run in a window of that size, or on a ring as wide as it must be or a little wider.
 
-        Observables are always seen, but for nudged data: any run may become a control. Where a
+        On a ring observables are always seen, but for nudged data: any run may become a control.
+        Where a
         window's feed misses the lattice by too much, all windows are twice as wide from then on, or
         rings. Raises ValueError for a ring that would take too long.
         """
         while True:
-            trial = self._run(choices, progress)
+            trial = self._run(choices, shown, progress)
             feed = trial.payload.attrs.get("feed_mismatch", 0.0)
             if not feed > self._largest_misfit:
                 return replace(trial, common_error=FEED_SAFETY * feed)
@@ -114,9 +121,10 @@ class SiteEngine(StepSearch):
                 self.rings.check_ring()
                 self._misfed = True
 
-    def _run(self, choices: Choices, progress: Progress) -> Trial:
+    def _run(self, choices: Choices, shown: bool, progress: Progress) -> Trial:
         wave, ends = self.rings.wave, (self.times[0], self.times[-1])
-        cells = self._cells(choices)
+        looked = (shown or self._is_ring(choices)) and not choices.nudged
+        cells = self._cells(choices, looked)
         judged = Samples(self.times, lambda view: view.judged(0, self.judged))
         around = Samples(ends[1:], lambda view: view.judged(AROUND, self.judged))
         energies = Samples(ends, lambda view: np.array(view.energy))
@@ -140,19 +148,36 @@ class SiteEngine(StepSearch):
         values = np.array(judged.samples)
         done = len(values) == len(self.times) or stopped
         sound = done and bool(np.all(np.abs(values) <= limit))
+        rounding = rounding_error(largest / wave.scale, run.attrs["force_evaluations"])
+        if sound:
+            rounding += clock_error(values, wave.speed, (self.times[0], self.times[-1]))
         trial = Trial(
             choices,
             values if sound else None,
             self.work(choices),
             float(run.attrs["seconds"]),
-            rounding_error(largest / wave.scale, run.attrs["force_evaluations"]),
+            rounding,
             run,
-            not choices.nudged,
+            looked,
             around=around.samples[0] if sound and not stopped else None,
         )
         if stopped:
             raise StoppedTrial(trial)
         return trial
+
+    def coarse_engine(self) -> SiteEngine:
+        """The same about the wave alone in windows, seen less often, if that saves cells."""
+        rings = self.rings
+        if rings.window is None or rings.extent is None:
+            return self
+        low, high = rings.extent
+        near = math.ceil(max(-low, high, 0.0)) + CLEARANCE
+        if near >= rings.compared.reach[0]:
+            return self
+        scene = replace(self.scene, observables=())
+        times = judged_times(FedWave(rings, rings.window), (self.times[0], *exact_times(scene)))
+        compared = replace(rings.compared, reach=(near,))
+        return SiteEngine(scene, WaveRings(rings.wave, compared, times, rings.tolerance))
 
     def parts(self) -> tuple[SiteEngine, SiteEngine] | None:
         """Engines of a part that stands for all cells, and of all of them, judged there.
@@ -172,8 +197,8 @@ class SiteEngine(StepSearch):
     def _is_ring(self, choices: Choices) -> bool:
         return choices.causal or self._misfed
 
-    def _cells(self, choices: Choices) -> RingCells:
-        observables = () if choices.nudged else self.scene.observables
+    def _cells(self, choices: Choices, looked: bool) -> RingCells:
+        observables = self.scene.observables if looked else ()
         scheme = self._scheme.name
         if not self._is_ring(choices):
             size = round_up(self._widened * choices.size)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import time
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -30,11 +30,8 @@ if TYPE_CHECKING:
     from longwave.lattice.state import State
     from longwave.lattice.stepper import Stepper
     from longwave.lattice.trial import Progress
-    from longwave.scenes.chain.stencil_search import ChainSites
     from longwave.scenes.description.scene import Scene
     from longwave.scenes.engines.wave_cells import RingCells
-
-    SteppedScene: TypeAlias = ChainSites | RingCells
 
 
 @dataclass(frozen=True)
@@ -51,7 +48,7 @@ class Recording:
 
 
 def record(
-    stepped: SteppedScene,
+    stepped: RingCells,
     observers: Sequence[Observer],
     progress: Progress,
     restart: State | None = None,
@@ -123,7 +120,7 @@ def refined(scene: Scene, measure: str) -> Scene:
 
 
 def measured_error(
-    stepped: SteppedScene, measure: str, samples: Sequence[Array], progress: Progress
+    stepped: RingCells, measure: str, samples: Sequence[Array], progress: Progress
 ) -> list[float]:
     """Largest difference of what is compared between a run and its refinement, in its unit.
 
@@ -142,7 +139,7 @@ def measured_error(
 
 
 def run_from(
-    stepped: SteppedScene,
+    stepped: RingCells,
     restart: State | None,
     progress: Progress | None,
     witnesses: Sequence[Observer] = (),

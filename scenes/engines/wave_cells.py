@@ -13,15 +13,18 @@ from numpy.typing import NDArray
 
 from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.lattice.schemes import Scheme, check_step
+from longwave.lattice.seam import Fading
 from longwave.lattice.state import BlowUp, Domain, Sites, State
-from longwave.lattice.stepper import LEAST_CHUNK, Stepper, StillRing
+from longwave.lattice.stepper import CHUNK, LEAST_CHUNK, Stepper, StillRing
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.engines.ring_cost import cell_seconds
 from longwave.scenes.engines.wave_rings import ComparedCells, Ends, WaveRings, sites_of
 from longwave.scenes.engines.window import Window, stored_chain
+from longwave.scenes.observed.observables import observable_named
 from longwave.scenes.observed.run_record import RunRecord
 from longwave.scenes.observed.view import View
 from longwave.scenes.starts.lattice_wave import CellRing, LatticeWave
+from longwave.support.checkpoint import Memory
 
 Array = NDArray[np.float64]
 
@@ -30,10 +33,11 @@ LOOK_SECONDS = 0.02
 
 
 class RingCells:
-    """The cells of a ring as they are stepped, with the members that `ChainSites` has.
+    """The cells of a ring as they are stepped.
 
     The scene has times of the lattice. Its ring has as many sites as it says, unless its ``ends``
-    are given. Raises ValueError for a ring that is too small.
+    are given. Errors are told in units of ``scale``; ``reach`` cells are compared on either side of
+    the frame along each axis. Raises ValueError for a ring that is too small.
     """
 
     def __init__(
@@ -77,12 +81,27 @@ class RingCells:
         if restart is not None:
             shape = state.f.shape
             state = State(restart.t, restart.f.reshape(shape), restart.v.reshape(shape))
-        domain = CellDomain(state, self.ends, self.rings)
-        return ring_stepper(ring.lattice, state, domain, stated.table, stated.step), limit
+        domain = CellDomain(state, self.ends, self.rings, self._fading)
+        return self._stepper_of(state, domain), limit
+
+    def _stepper_of(self, state: State, domain: Domain) -> Stepper:
+        ring, stated = self.ring, self.scene.discretisation
+        amplitude = float(np.max(np.abs(ring.f))) if self.rings.wave.watches_strains else None
+        return ring_stepper(ring.lattice, state, domain, stated.table, stated.step, amplitude)
+
+    @property
+    def _fading(self) -> Fading | None:
+        """What fades the cells whose signals come too late; none where all cells are seen."""
+        whole = any(observable_named(name).all_sites for name in self.scene.observables)
+        return None if whole or not self.rings.room else self.rings.fading()
 
     def view(self, state: State) -> CellView:
         """The compared cells."""
-        return CellView(self, state)
+        rings, ring = self.rings, self.ring
+        ends, arrays = self.ends_at(state), self.arrays_at(state)
+        return CellView(
+            rings.wave, rings.compared, ring.lattice, ring.mean_strain, state, ends, arrays
+        )
 
     def ends_at(self, state: State) -> Sequence[Ends]:
         """First and last cell along each axis that a state holds."""
@@ -97,8 +116,15 @@ class RingCells:
         return RingCells(scene, self.rings)
 
     def told(self, stepper: Stepper) -> dict[str, Any]:
-        """The sites of the ring, which on a plane the scene does not say."""
-        return {"sites": sites_of(self.ends)}
+        """The sites of the ring, which on a plane the scene does not say, and strains."""
+        return {"sites": sites_of(self.ends), **self._strains(stepper)}
+
+    def _strains(self, stepper: Stepper) -> dict[str, float]:
+        """The strains that were met, of a wave that watches them."""
+        if not self.rings.wave.watches_strains:
+            return {}
+        least, most = stepper.ranges[0]
+        return {"least_strain": float(least), "most_strain": float(most)}
 
 
 def _ends_of(restart: State, needed: Sequence[Ends]) -> list[Ends]:
@@ -115,10 +141,21 @@ def _ends_of(restart: State, needed: Sequence[Ends]) -> list[Ends]:
 
 @dataclass
 class CellDomain(StillRing):
-    """A ring of cells with these ends."""
+    """A ring of cells with these ends, some of which may fade."""
 
     ends: Sequence[Ends]
     rings: WaveRings
+    fading: Fading | None
+
+    def fade(self, state: State) -> None:
+        """Let fade what can no longer reach a compared cell."""
+        if self.fading is not None:
+            self.fading.at(state)
+
+    def recall(self, memory: Memory, t: float) -> None:
+        """Have faded until ``t``."""
+        if self.fading is not None:
+            self.fading.faded_until = t
 
     def locate(self, found: BlowUp, state: State) -> BlowUp:
         """``found``, with the cell in the place of where it is stored."""
@@ -128,36 +165,55 @@ class CellDomain(StillRing):
 
 
 def ring_stepper(
-    lattice: NumericLattice, state: State, domain: Domain, scheme: Scheme, step: float
+    lattice: NumericLattice,
+    state: State,
+    domain: Domain,
+    scheme: Scheme,
+    step: float,
+    amplitude: float | None = None,
 ) -> Stepper:
-    """What steps a ring, with a stop every ``LOOK_SECONDS``, of a chain or `LEAST_CHUNK` steps."""
+    """What steps a ring, with a stop every ``LOOK_SECONDS``, of a chain or `LEAST_CHUNK` steps.
+
+    With the ``amplitude`` of a wave its strains are watched (`blow_up.find_blow_up`), as often as
+    what sends out too much at a ring's seam is to fade.
+    """
     seconds = cell_seconds(lattice) * state.f[0].size
     least = LEAST_CHUNK if lattice.dimension == 1 else 1
     chunk = max(least, int(LOOK_SECONDS / (scheme.stages * seconds)))
-    return Stepper(state, scheme, lattice, domain, step, None, chunk)
+    chunk = chunk if amplitude is None else min(chunk, CHUNK)
+    return Stepper(state, scheme, lattice, domain, step, amplitude, chunk)
 
 
 @dataclass(frozen=True)
 class CellView(View):
-    """A wave on any lattice, seen in the compared cells of a ring."""
+    """A wave on any lattice, seen in the compared ones of the cells that a state holds.
 
-    held: RingCells
+    These have the given ``ends``, and fields and velocities in their order as ``arrays``; the
+    ``lattice`` has its bonds stretched by the ``mean_strain``.
+    """
+
+    wave: LatticeWave
+    compared: ComparedCells
+    lattice: NumericLattice
+    mean_strain: tuple[float, ...]
     state: State
+    ends: Sequence[Ends]
+    arrays: tuple[Array, Array]
 
     @property
     def level(self) -> float:
         """The uniform strain that the wave is added to."""
-        return float(self._wave.uniform()[0])
+        return float(self.wave.uniform()[0])
 
     @property
     def travelled(self) -> float:
         """At the speed of the wave's frame."""
-        return self._wave.speed * self.t
+        return self.wave.speed * self.t
 
     @property
     def crest_law(self) -> float | None:
         """That of the first quantity, by the wave's own law."""
-        return self._wave.crest(self.t)
+        return self.wave.crest(self.t)
 
     @cached_property
     def sites(self) -> Sites:
@@ -168,83 +224,71 @@ class CellView(View):
     @cached_property
     def numerics(self) -> Array:
         """All quantities that are compared, of the run: a copy, for the state goes on."""
-        wide, inner = self.held.rings.beside(self._places(self.held.rings.compared))
-        found = self._wave.measured(self._arrays[0][:, *wide], self.held.ring.mean_strain)
-        return np.array(found[:, *inner])
+        wide, inner = self.wave.beside(self._places(self.compared))
+        found = self.wave.measured(self.arrays[0][:, *wide], self.mean_strain)
+        return np.array(found[:, *inner], subok=True)
 
     @cached_property
     def analytics(self) -> Array:
         """The same of the wave."""
-        return self._wave.strain(self._cells, self.t)
+        return self.wave.strain(self._cells, self.t)
 
     @cached_property
     def backgrounds(self) -> Array:
         """The same of what it deviates from."""
-        return np.asarray(self._wave.background(self._cells, self.t), dtype=np.float64)
+        return np.asarray(self.wave.background(self._cells, self.t), dtype=np.float64)
+
+    @cached_property
+    def far_field(self) -> Array | None:
+        """The first quantity of the wave's true far field, if it is told apart."""
+        found = self.wave.far_field(self.sites, self.t)
+        return None if found is None else np.asarray(found[0])
 
     @property
     def also(self) -> dict[str, Any]:
         """The sup error in its unit, T, and all quantities if there are more than one."""
-        apart = float(np.max(np.abs(self.numerics - self.analytics))) / self.held.scale
-        found = {"sup_error": apart, "slow_time": self.t * self._wave.eps**self._wave.slow}
+        if self.wave.watches_strains:
+            return {}
+        apart = float(np.max(np.abs(self.numerics - self.analytics))) / self.wave.scale
+        found = {"sup_error": apart, "slow_time": self.t * self.wave.eps**self.wave.slow}
         if len(self.numerics) == 1:
             return found
         return found | {"strains": self.numerics, "analytics": self.analytics}
 
     def displaced(self, shift: float) -> tuple[Array, Array, Array, Array]:
-        """Wave, background and their slopes, which are differences."""
-        at = [self._cells - shift + apart for apart in (0.0, SLOPE_APART, -SLOPE_APART)]
-        found = []
-        for made in (self._wave.strain, self._wave.background):
-            value, ahead, behind = (np.asarray(made(cells, self.t)[0]) for cells in at)
-            found += [value, (ahead - behind) / (2.0 * SLOPE_APART)]
-        return found[0], found[2], found[1], found[3]
+        """Wave, background and their slopes."""
+        return self.wave.displaced(self._cells - shift, self.t)
 
     @property
     def energy(self) -> float:
-        """That of the ring of displacements."""
-        with np.errstate(all="ignore"):
-            return self.held.ring.lattice.energy(self.state.f, self.state.v)
+        """That of the ring."""
+        return self.wave.energy(self.lattice, self.state.f, self.state.v)
 
     @property
     def means(self) -> tuple[float, float]:
         """Of the first quantity over the ring, and of the velocities of all masses."""
-        lattice = self.held.ring.lattice
-        strain = self._wave.measured(self._arrays[0], self.held.ring.mean_strain)[0]
-        masses = np.array(lattice.masses)
-        velocities = self._arrays[1].reshape(masses.size, -1).mean(axis=1)
+        strain = self.wave.measured(self.arrays[0], self.mean_strain)[0]
+        masses = np.array(self.lattice.masses)
+        velocities = self.arrays[1].reshape(masses.size, -1).mean(axis=1)
         return float(np.mean(strain)), float(np.average(velocities, weights=masses))
 
     @property
     def stored(self) -> tuple[int, Array, Array]:
         """The periodic parts of the fields; without an axis for a single one."""
-        f, v = (values[0] if len(values) == 1 else values for values in self._arrays)
-        return self.held.ends_at(self.state)[0][0], f.copy(), v.copy()
+        f, v = (values[0] if len(values) == 1 else values for values in self.arrays)
+        return self.ends[0][0], f.copy(), v.copy()
 
     def judged(self, beyond: int = 0, compared: ComparedCells | None = None) -> Array:
         """What is compared, in these cells and some beyond, and its rate, in units of the scale."""
-        places = self._places(compared or self.held.rings.compared, beyond)
-        seen = self.held.rings.seen_at(self.held.ring, *self._arrays, places)
-        return seen / self.held.scale
-
-    @property
-    def _wave(self) -> LatticeWave:
-        return self.held.rings.wave
-
-    @cached_property
-    def _arrays(self) -> tuple[Array, Array]:
-        return self.held.arrays_at(self.state)
+        places = self._places(compared or self.compared, beyond)
+        return self.wave.seen_at(*self.arrays, self.mean_strain, places) / self.wave.scale
 
     @cached_property
     def _cells(self) -> Array:
-        return self.held.rings.compared.cells(self.t)
+        return self.compared.cells(self.t)
 
     def _places(self, compared: ComparedCells, beyond: int = 0) -> tuple[slice, ...]:
-        return compared.places(self.held.ends_at(self.state), self.t, beyond)
-
-
-SLOPE_APART = 1e-3
-"""Cells on either side of which the difference is a slope: a wave is much longer."""
+        return compared.places(self.ends, self.t, beyond)
 
 
 def tell_energies(run: RunRecord, begin: float, end: float) -> None:
@@ -266,8 +310,8 @@ class FedWave:
 
     @property
     def name(self) -> str:
-        """The lattice's: its wave has none."""
-        return f"this wave on {self.rings.wave.lattice.name}"
+        """The wave's."""
+        return self.rings.wave.name
 
     @property
     def t0(self) -> float:
@@ -301,8 +345,8 @@ class FedWave:
 
     @property
     def fastest(self) -> float:
-        """The largest group velocity of any wave about the data."""
-        return self.rings.signals[0]
+        """The largest group velocity of any wave far from the wave."""
+        return self.rings.wave.far_fastest
 
     def frame(self, t: float) -> int:
         """The cell nearest to the frame's origin."""
@@ -326,8 +370,8 @@ class FedWave:
 
     def rigid_data(self, speed: float, offsets: Array) -> tuple[Array, Array]:
         """What deviates from the uniform far field, moving as it is at ``speed``."""
-        wave, begin = self.rings.wave, self.speed * self.t0
-        f, slopes = wave.rigid(begin + offsets, self.t0)
+        wave = self.rings.wave
+        f, slopes = wave.rigid(offsets, self.t0)
         return f, wave.far_rates[1][:, np.newaxis] - speed * slopes
 
     def uniform(self, sites: Sites, t: float) -> Array:
@@ -372,8 +416,7 @@ class WindowCells(RingCells):
             shape = state.f.shape
             kept = (restart.f.reshape(shape), restart.v.reshape(shape))
             state = stored_chain(restart.t, restart.left, *kept)
-        lattice = self.ring.lattice
-        return ring_stepper(lattice, state, self._window, stated.table, stated.step), limit
+        return self._stepper_of(state, self._window), limit
 
     def ends_at(self, state: State) -> Sequence[Ends]:
         """The first and the last cell that the window holds."""
@@ -388,8 +431,8 @@ class WindowCells(RingCells):
         return WindowCells(scene, self.rings)
 
     def told(self, stepper: Stepper) -> dict[str, Any]:
-        """How well the feed fitted."""
-        return {"feed_mismatch": stepper.domain.mismatch}
+        """How well the feed fitted, and strains."""
+        return {"feed_mismatch": stepper.domain.mismatch, **self._strains(stepper)}
 
 
 def stated_cells(scene: Scene, rings: WaveRings) -> RingCells:

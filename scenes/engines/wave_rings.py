@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.lattice.schemes import REDUCED_PHASE_6, Scheme, stability_limit
+from longwave.lattice.seam import Fading
 from longwave.lattice.state import GROWTH, BlowUp
 from longwave.lattice.trial import DRIVEN_SHARE
 from longwave.scenes.engines.ring_cost import LARGE, SHARE, SHOWN, USUAL_RUNS, search_cost
@@ -38,6 +39,9 @@ follows the law of the order within a tenth, and at 4.7 its amplitude's error ch
 
 WIDER = 64
 """Cells, along each axis, by which the ring of a control run is wider."""
+
+GROWN = 0.05
+"""Share by which a lattice's strains may exceed those of the wave."""
 
 AROUND = 32
 """Cells beyond the compared ones on which is looked at what rounding has grown to."""
@@ -123,7 +127,7 @@ def expected_rings(
     rest = lattice.rest_slopes()
     frequency, signals = lattice.highest_frequency(rest), _signal_speeds(lattice, rest)
     extent = _fed_extent(wave, times, tolerance)
-    window = _window_size(wave, compared, times, signals[0], extent)
+    window = _window_size(wave, compared, times, signals, extent)
     return _cost(wave, compared, times, frequency, signals, window)[1]
 
 
@@ -141,21 +145,21 @@ def _window_size(
     wave: LatticeWave,
     compared: ComparedCells,
     times: Sequence[float],
-    fastest: float,
+    signals: Sequence[float],
     extent: tuple[float, float] | None,
 ) -> int | None:
-    """Fewest cells of a window that holds the wave's extent, None where there is none.
+    """Fewest cells of a window that holds the wave's extent, None where a ring has fewer.
 
-    Signals from its rear, which are ``fastest``, must not reach the compared cells. A wave that
-    runs ahead of its frame makes a window so wide that a ring has fewer cells.
+    Signals from its rear, which run through the far field, must not reach the compared cells. A
+    wave that runs ahead of its frame makes a window so wide that a ring has fewer cells.
     """
     if extent is None:
         return None
-    low, high = extent
+    (low, high), fastest = extent, wave.far_fastest
     reach = max(float(compared.reach[0]), -low, high)
     drift = max(0.0, fastest - wave.speed) * (times[-1] - times[0])
     size = round_up(least_window(math.ceil(reach + drift), fastest / wave.speed))
-    return size if size < sites_of(compared.ring(times, [fastest], 0)) else None
+    return size if size < sites_of(compared.ring(times, signals, 0)) else None
 
 
 def _cost(
@@ -185,7 +189,7 @@ def _cost(
 
 
 FITTING = 64
-"""Cells by which a ring is made wider at most for a carrier to close on it."""
+"""Cells by which a ring is made wider at most, or by a wavelength, for a wave to close on it."""
 
 CLOSED, BESIDE = 1e-6, 4
 """Share of itself by which a carrier may miss itself at a seam, in so many cells beside it."""
@@ -205,7 +209,7 @@ def part_of(
     if others or 2 * reach < LARGE or wave.disorder is not None:
         return None
     ends = wave.support(times[0])
-    reached = REPEATED / wave.eps
+    reached = max(REPEATED / wave.eps, PERIODS * wave.seam_room(times[0]))
     if math.isfinite(ends[1] - ends[0]):
         reached = max(
             abs(end - wave.speed * t) + _signal(signals[0], t - times[0])
@@ -216,14 +220,20 @@ def part_of(
     return replace(compared, reach=(part,)) if SHARE * part <= reach else None
 
 
+PERIODS = 20
+"""The same of a periodic background, in wavelengths."""
+
+
 class WaveRings:
     """Rings of one wave at ``times``, the first of which is the start.
 
     ``signals`` are the speeds of the fastest waves along each axis, ``fastest`` is the highest
     frequency of any; ``room`` cells at either end of a ring make its ends meet. ``window`` is the
-    size of a window that has fewer cells, if there is one for a run to this ``tolerance``. Raises
-    ValueError, before anything large is made, for what would take too long or too much memory, and
-    for an unstable lattice.
+    size of a window that has fewer cells, if there is one for a run to this ``tolerance``;
+    ``extent`` is that of a wave which windows hold. Where they are not ``closed``, their ends are
+    left as they are. A scene that ``is_stated`` says how many cells it takes. Raises ValueError,
+    before anything large is made, for what would take too long or too much memory, and for an
+    unstable lattice.
     """
 
     def __init__(
@@ -232,39 +242,47 @@ class WaveRings:
         compared: ComparedCells,
         times: Sequence[float],
         tolerance: float | None = None,
+        closed: bool = True,
+        is_stated: bool = False,
     ) -> None:
         self.wave, self.compared, self.times = wave, compared, tuple(times)
-        self.tolerance, self._extent = tolerance, _fed_extent(wave, times, tolerance)
+        self._is_stated = is_stated
+        self.tolerance, self.extent = tolerance, _fed_extent(wave, times, tolerance)
         lattice = wave.lattice
         rest = lattice.rest_slopes()
         self._check_cost(lattice.highest_frequency(rest), _signal_speeds(lattice, rest))
         near = wave.ring(compared.cells(self.times[0]), self.times[0])
-        stiffest = np.max([stiffest_slopes(ring) for ring in (near, *self._beside())], axis=0)
-        slopes = stiffest.tolist()
+        stiffest = [stiffest_slopes(ring) for ring in (near, *self._beside())]
+        met = wave.stretch_range(self.times)
+        if met is not None:
+            met = (1.0 + GROWN) * met
+            stiffest.append([lattice.steepest(place, met) for place in range(len(rest))])
+        slopes = np.max(stiffest, axis=0).tolist()
         self.signals = [
             max(pair)
             for pair in zip(
                 _signal_speeds(lattice, rest), _signal_speeds(lattice, slopes), strict=True
             )
         ]
-        check_rest(near.lattice, wave.rest_slopes(near))
+        if not wave.watches_strains:
+            check_rest(near.lattice, wave.rest_slopes(near))
         self.fastest = max(near.lattice.highest_frequency(slopes), lattice.highest_frequency(rest))
         self._check_cost(self.fastest, self.signals)
-        self.room = wave.seam_room(self.times[0])
+        self.room = wave.seam_room(self.times[0]) if closed else 0
         self._spread = wave.lattice.spread_within(self.times[-1] - self.times[0])
-        self._turn = wave.frequency or lattice.highest_frequency(rest)
         self._fitting: dict[int, int] = {}
         self.sizes = self._sizes(near)
 
     def _check_cost(self, fastest: float, signals: Sequence[float]) -> None:
         wave, compared, times = self.wave, self.compared, self.times
-        self.window = _window_size(wave, compared, times, signals[0], self._extent)
+        self.window = _window_size(wave, compared, times, signals, self.extent)
         cells, self.expected = _cost(wave, compared, times, fastest, signals, self.window)
-        check_request(
-            f"scene of {cells:.3g} cells, from which signals arrive in time,",
-            self.expected,
-            "take a larger eps, end earlier or compare fewer cells",
-        )
+        if not self._is_stated:
+            check_request(
+                f"scene of {cells:.3g} cells, from which signals arrive in time,",
+                self.expected,
+                "take a larger eps, end earlier or compare fewer cells",
+            )
 
     def _beside(self) -> Iterator[CellRing]:
         """A chain's wave where it is at first, in pieces: it may run to the compared cells.
@@ -292,19 +310,22 @@ class WaveRings:
     def ends(self, wider: int = 0) -> list[Ends]:
         """The ends, along each axis, of a ring by so many cells wider than it must be.
 
-        By a few more where a carrier that does not end closes on that ring as it does not on less.
+        By a few more where a wave that does not end closes on that ring as it does not on less.
         """
         if self._fills_line and wider not in self._fitting:
-            gaps = self.gaps([self.plain_ends(wider + more)[0] for more in range(FITTING)])
+            most = max(FITTING, self.room)
+            gaps = self.gaps([self.plain_ends(wider + more)[0] for more in range(most)])
             closed = np.flatnonzero(gaps <= CLOSED)
             self._fitting[wider] = int(closed[0] if closed.size else np.argmin(gaps))
         return self.plain_ends(wider + self._fitting.get(wider, 0))
 
     @property
     def _fills_line(self) -> bool:
-        """Whether the wave is a carrier that does not end, so that a chain's ring has a seam."""
-        filled = math.isinf(max(map(abs, self.wave.support(self.times[0]))))
-        return bool(filled and self.wave.frequency and self.wave.lattice.dimension == 1)
+        """Whether the wave is a periodic one that does not end, and a chain's ring has a seam."""
+        wave = self.wave
+        filled = math.isinf(max(map(abs, wave.support(self.times[0]))))
+        is_periodic = wave.frequency or self.room
+        return bool(filled and is_periodic and wave.lattice.dimension == 1)
 
     def gaps(self, rings: Sequence[Ends]) -> Array:
         """By how much a carrier misses itself at the seam of each ring, in units of itself."""
@@ -317,7 +338,9 @@ class WaveRings:
             cells = np.arange(firsts.min() - BESIDE, firsts.max() + BESIDE + 1)
             f, v = self.wave.state(cells.astype(np.float64), self.times[0])
             places = firsts[:, np.newaxis] + beside - cells[0]
-            sides.append(np.concatenate([np.diff(f[:, places]), v[:, places] / self._turn], axis=2))
+            sides.append(
+                np.concatenate([np.diff(f[:, places]), v[:, places] / self.wave.turn], axis=2)
+            )
         size = max(float(np.max(np.abs(sides[0]))), 1e-300)
         return np.asarray(np.abs(sides[0] - sides[1]).max(axis=(0, 2)) / size)
 
@@ -326,12 +349,18 @@ class WaveRings:
 
         None is told where no signal from there can have come in time.
         """
-        if not self._fills_line or self.gaps(ends)[0] <= CLOSED:
+        if len(ends) > 1 or not self._is_open(ends):
             return found
         [(low, high)] = ends
         distance = min(found.site - low, high - found.site)
         reach = 2 * self.room + _signal(self.signals[0], found.t - self.times[0])
         return replace(found, from_seam=distance) if distance <= reach else found
+
+    def _is_open(self, ends: Sequence[Ends]) -> bool:
+        """Whether a chain's ring has a seam at which the wave does not close."""
+        if self._fills_line:
+            return bool(self.gaps(ends)[0] > CLOSED)
+        return not self.room and self.wave.seam_room(self.times[0]) > 0
 
     def plain_ends(self, wider: int) -> list[Ends]:
         """The same ends, whether or not a carrier closes there."""
@@ -340,7 +369,11 @@ class WaveRings:
 
     def ring(self, ends: Sequence[Ends]) -> CellRing:
         """The wave at the first time on the ring with these ends."""
-        return self.wave.ring(_grid(ends), self.times[0]).smoothed(self.room)
+        return self.wave.closed(self.wave.ring(_grid(ends), self.times[0]), self.room)
+
+    def fading(self) -> Fading | None:
+        """What fades cells of a closed ring from which no compared one can be reached any more."""
+        return self.wave.fading(self.times[0], self.signals[0])
 
     def limit(self, ring: CellRing) -> float:
         """The largest that may be seen of a run from this state, in units of the scale."""
@@ -354,31 +387,13 @@ class WaveRings:
         """
         cells, reach = ring.f.shape[-1], self.wave.lattice.reach
         if ring.cells.ndim > 1 or cells <= PIECE:
-            return _largest(self.seen(ring, ring.f, ring.v))
+            return _largest(self.wave.seen(ring.f, ring.v, ring.mean_strain))
         ends = [*range(reach, cells - reach, PIECE), cells - reach]
         found = [
-            _largest(self.seen_at(ring, ring.f, ring.v, (slice(first, last),)))
+            _largest(self.wave.seen_at(ring.f, ring.v, ring.mean_strain, (slice(first, last),)))
             for first, last in itertools.pairwise(ends)
         ]
         return np.asarray(np.max(found, axis=0))
-
-    def seen(self, ring: CellRing, f: Array, v: Array) -> Array:
-        """What is compared, in all cells of a ring, and its rate in the same unit."""
-        rates = self.wave.measured(v, (0.0,) * len(ring.mean_strain)) / self._turn
-        return np.stack([self.wave.measured(f, ring.mean_strain), rates])
-
-    def seen_at(self, ring: CellRing, f: Array, v: Array, places: Sequence[slice]) -> Array:
-        """The same in some of its cells, none of which is at its ends."""
-        wide, inner = self.beside(places)
-        return np.asarray(self.seen(ring, f[:, *wide], v[:, *wide])[:, :, *inner])
-
-    def beside(self, places: Sequence[slice]) -> tuple[list[slice], list[slice]]:
-        """These places with those that their bonds reach, and where they are among them."""
-        reach = self.wave.lattice.reach
-        wide = [slice(max(0, one.start - reach), one.stop + reach) for one in places]
-        starts = [one.start - more.start for one, more in zip(places, wide, strict=True)]
-        lengths = [one.stop - one.start for one in places]
-        return wide, [slice(s, s + n) for s, n in zip(starts, lengths, strict=True)]
 
 
 def _largest(seen: Array) -> Array:

@@ -3,19 +3,13 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
-from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from longwave.lattice.state import Sites, State
 from longwave.support.user_files import shown
-
-if TYPE_CHECKING:
-    from longwave.scenes.chain.moving_wave import MovingWave
-    from longwave.solutions import WaveValues
 
 Array = NDArray[np.float64]
 
@@ -164,87 +158,3 @@ class View(ABC):
         """Relative sup error against the true far field, where there is one."""
         assert self.far_field is not None
         return relative_sup_error(self.numeric, self.analytic, self.far_field)
-
-
-@dataclass(frozen=True)
-class SiteView(View):
-    """A wave on the paper's chain, seen at the sites of a state."""
-
-    moving: MovingWave
-    state: State
-
-    @property
-    def level(self) -> float:
-        """The constant background."""
-        return self.moving.level
-
-    @property
-    def travelled(self) -> float:
-        """At the speed of long waves."""
-        return self.moving.speed * self.state.t
-
-    @property
-    def energy(self) -> float:
-        """That of the chain whose bonds are strained by y (`lattice.Model.energy`)."""
-        return self.moving.constants.energy(self.state)
-
-    @property
-    def means(self) -> tuple[float, float]:
-        """Of strains and their velocities."""
-        return float(np.mean(self.state.f)), float(np.mean(self.state.v))
-
-    @property
-    def stored(self) -> tuple[int, Array, Array]:
-        """In the order of storage."""
-        return self.state.left, self.state.f[0].copy(), self.state.v[0].copy()
-
-    @cached_property
-    def sites(self) -> Sites:
-        """The compared sites."""
-        return self.moving.compared_sites(self.state.t)
-
-    @cached_property
-    def numerics(self) -> Array:
-        """Strains of the run."""
-        return self.state.at(self.sites)[0]
-
-    @cached_property
-    def analytics(self) -> Array:
-        """Strains eps Y of the wave."""
-        return self._strain(self.moving.wave.at(*self._place))[np.newaxis]
-
-    @cached_property
-    def backgrounds(self) -> Array:
-        """Strains of the bare wave of the same phase."""
-        return self._strain(self.moving.wave.background_at(*self._place))[np.newaxis]
-
-    @cached_property
-    def far_field(self) -> Array | None:
-        """Strains of the wave's true far field: the left one behind c t, the right one ahead.
-
-        None on a constant background, where it is the first denominator, and for a bare periodic
-        wave, whose far field is the wave itself.
-        """
-        wave = self.moving.wave
-        if wave.constant_background is not None or wave.numbers.is_bare:
-            return None
-        sites, t, eps = self._place
-        behind, ahead = np.split(sites, [self.moving.compared])
-        left = self._strain(wave.far_field_at(behind, t, eps, "left"))
-        right = self._strain(wave.far_field_at(ahead, t, eps, "right"))
-        return np.concatenate([left, right])
-
-    def displaced(self, shift: float) -> tuple[Array, Array, Array, Array]:
-        """Wave, background and their slopes in n, at n - ``shift`` for the compared sites n."""
-        eps = self.moving.eps
-        place = (self.sites - shift, self.state.t, eps)
-        wave, background = self.moving.wave.at(*place), self.moving.wave.background_at(*place)
-        slopes = eps**2 * wave.Y_X, eps**2 * background.Y_X
-        return self._strain(wave), self._strain(background), *slopes
-
-    @property
-    def _place(self) -> tuple[Sites, float, float]:
-        return self.sites, self.state.t, self.moving.eps
-
-    def _strain(self, values: WaveValues) -> Array:
-        return self.moving.eps * values.Y

@@ -6,15 +6,19 @@ Cells are real numbers: an array (sites,) on a chain, (axes, *sites) on a lattic
 from __future__ import annotations
 
 import itertools
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from longwave.lattice.numeric_lattice import NumericLattice, place_text
+from longwave.lattice.seam import Fading
+from longwave.lattice.state import Sites
 from longwave.lattice.trial import nudged
 
 if TYPE_CHECKING:
@@ -75,7 +79,8 @@ class LatticeWave(ABC):
     what is compared is of the size ``eps**power``.  ``slow``: ``T = eps**slow t``.  ``speed``: the
     frame moves so many cells a unit of time along the first axis.  ``disorder`` is that of its
     rings, and of ``lattice``, which then has no cells: it tells of frequencies and speeds alone.
-    So are the ``losses``.
+    So are the ``losses``.  ``watches_strains``: whether a run ends where waves about some strain
+    cease to exist, and tells the strains that it met.
     """
 
     lattice: NumericLattice
@@ -86,6 +91,7 @@ class LatticeWave(ABC):
     speed: float
     disorder: WaveDisorder | None = None
     losses: LossRates | None = None
+    watches_strains: bool = False
 
     @abstractmethod
     def state(self, cells: ArrayLike, t: float) -> tuple[Array, Array]:
@@ -108,6 +114,31 @@ class LatticeWave(ABC):
     def measured(self, f: ArrayLike, mean_strain: tuple[float, ...]) -> Array:
         """The same from the periodic parts of the fields on a ring with this mean strain."""
 
+    @cached_property
+    def turn(self) -> float:
+        """The unit of rates: the carrier's frequency, or the lattice's highest."""
+        return self.frequency or self.lattice.highest_frequency(self.lattice.rest_slopes())
+
+    def seen(self, f: Array, v: Array, mean_strain: tuple[float, ...]) -> Array:
+        """What is compared, and its rate in the same unit: (2, quantities, *sites)."""
+        rates = self.measured(v, (0.0,) * len(mean_strain)) / self.turn
+        return np.stack([self.measured(f, mean_strain), rates])
+
+    def seen_at(
+        self, f: Array, v: Array, mean_strain: tuple[float, ...], places: Sequence[slice]
+    ) -> Array:
+        """The same in some of the cells of a ring, none of which is at its ends."""
+        wide, inner = self.beside(places)
+        return np.asarray(self.seen(f[:, *wide], v[:, *wide], mean_strain)[:, :, *inner])
+
+    def beside(self, places: Sequence[slice]) -> tuple[list[slice], list[slice]]:
+        """These places with those that their bonds reach, and where they are among them."""
+        reach = self.lattice.reach
+        wide = [slice(max(0, one.start - reach), one.stop + reach) for one in places]
+        starts = [one.start - more.start for one, more in zip(places, wide, strict=True)]
+        lengths = [one.stop - one.start for one in places]
+        return wide, [slice(s, s + n) for s, n in zip(starts, lengths, strict=True)]
+
     @abstractmethod
     def support(self, t: float) -> tuple[float, float]:
         """The cells, along the first axis, between which there is a wave; infinite where it fills
@@ -128,6 +159,11 @@ class LatticeWave(ABC):
     def crest(self, t: float) -> float | None:
         """The first quantity at the crest by the law of losses; None, unless overridden."""
         return None
+
+    @property
+    def name(self) -> str:
+        """What messages call it."""
+        return f"this wave on {self.lattice.name}"
 
     @property
     def scale(self) -> float:
@@ -183,6 +219,70 @@ class LatticeWave(ABC):
         """Cells at either end of a ring in which the ends are made to meet; 0 unless overridden."""
         return 0
 
+    def closed(self, ring: CellRing, room: int) -> CellRing:
+        """The ring with ends that meet, made to within so many cells of either."""
+        return ring.smoothed(room)
+
+    def blended(self, ring: CellRing, room: int) -> CellRing:
+        """A chain of strains that passes, within so many cells of either end, into its own copy.
+
+        That is the wave as it goes on beyond the other end.
+        """
+        if not room:
+            return ring
+        size, f, v = ring.cells.size, ring.f.copy(), ring.v.copy()
+        share = 0.5 * np.cos(0.5 * np.pi * (np.arange(room) + 0.5) / room) ** 2
+        for near, weight, on in (
+            (slice(room), share, size),
+            (slice(-room, None), share[::-1], -size),
+        ):
+            copies = self.state(ring.cells[near] + on, ring.t)
+            for values, copy in zip((f, v), copies, strict=True):
+                values[:, near] += weight * (copy - values[:, near])
+        return replace(ring, f=f, v=v)
+
+    def fading(self, t: float, speed: float) -> Fading | None:
+        """What draws a ring to rest where signals of that speed have come from its seam since t.
+
+        None unless overridden.
+        """
+        return None
+
+    def amplifies_rounding(self, t: float) -> bool:
+        """Whether perturbations may grow: where the wave does not end, unless overridden."""
+        return math.isinf(max(map(abs, self.support(t))))
+
+    @property
+    def has_energy(self) -> bool:
+        """Whether an energy of its rings is known."""
+        return self.lattice.conserves_energy
+
+    def energy(self, lattice: NumericLattice, f: Array, v: Array) -> float:
+        """Kinetic and potential energy of a ring."""
+        with np.errstate(all="ignore"):
+            return lattice.energy(f, v)
+
+    def far_field(self, sites: Sites, t: float) -> Array | None:
+        """What is compared of the wave's true far field (quantities, sites); None where it is not
+        told apart from the background."""
+        return None
+
+    def displaced(self, cells: Array, t: float) -> tuple[Array, Array, Array, Array]:
+        """The first quantity of wave and background, then their slopes, which are differences."""
+        at = [cells + apart for apart in (0.0, SLOPE_APART, -SLOPE_APART)]
+        found = []
+        for made in (self.strain, self.background):
+            value, ahead, behind = (np.asarray(made(place, t)[0]) for place in at)
+            found += [value, (ahead - behind) / (2.0 * SLOPE_APART)]
+        return found[0], found[2], found[1], found[3]
+
+    def stretch_range(self, times: Sequence[float]) -> Array | None:
+        """The least and the largest stretch of a chain's bond at any of the times.
+
+        None, unless overridden: they are then those of the data.
+        """
+        return None
+
     @property
     def far_speed(self) -> float | None:
         """The speed of small long waves far from the wave, with which its far field moves.
@@ -190,6 +290,11 @@ class LatticeWave(ABC):
         None, unless overridden: a window that moves with the wave cannot be fed with that.
         """
         return None
+
+    @property
+    def far_fastest(self) -> float:
+        """The largest group velocity of any wave far from the wave."""
+        raise NotImplementedError
 
     @property
     def far_rates(self) -> tuple[Array, Array]:
@@ -203,8 +308,11 @@ class LatticeWave(ABC):
         """
         raise NotImplementedError
 
-    def rigid(self, cells: ArrayLike, t: float) -> tuple[Array, Array]:
-        """Fields without what they grow by, and their slopes from cell to cell (fields, cells)."""
+    def rigid(self, offsets: Array, t: float) -> tuple[Array, Array]:
+        """Fields without what they grow by, and their slopes from cell to cell (fields, cells).
+
+        ``offsets`` are cells from the frame's origin at that time.
+        """
         raise NotImplementedError
 
     def rest_slopes(self, ring: CellRing) -> list[float]:
@@ -241,6 +349,9 @@ def sound_speed(lattice: NumericLattice, slopes: Sequence[float], near: float) -
     found = (16.0 * finer - coarser) / 15.0
     return float(found[np.argmin(np.abs(found - near))])
 
+
+SLOPE_APART = 1e-3
+"""Cells on either side of which the difference is a slope: a wave is much longer."""
 
 LONG_WAVE = 0.02
 """The smallest wavenumber: what is left of dispersion is below 1e-11, of rounding 1e-12."""

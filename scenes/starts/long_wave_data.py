@@ -26,7 +26,11 @@ from longwave.lattice.numeric_lattice import NumericLattice, numeric_lattice, pl
 from longwave.scenes.starts.damped_soliton import DampedSoliton
 from longwave.scenes.starts.first_correction import FirstCorrection
 from longwave.scenes.starts.jet_polynomial import JetPolynomial, with_numbers
-from longwave.scenes.starts.lattice_wave import LatticeWave, sound_speed
+from longwave.scenes.starts.lattice_wave import (
+    LatticeWave,
+    largest_group_velocity,
+    sound_speed,
+)
 from longwave.scenes.starts.wave_extent import extent, places_about, support_of, watched_times
 from longwave.solutions import NumericWave, WaveValues
 from longwave.solutions.pieces import PIECE
@@ -192,18 +196,17 @@ class LongWaveData(LatticeWave):
         if self._planar is not None:
             return self._planar.state(cells, t)
         places, rates = zip(*self._series, strict=True)
-        f, v = self._valued([places, rates], cells, t)
+        f, v = self._valued([places, rates], self.slow_place(cells, t), t)
         return f, v
 
     def _valued(
-        self, groups: Sequence[Sequence[JetPolynomial]], cells: ArrayLike, t: float
+        self, groups: Sequence[Sequence[JetPolynomial]], place: Array, t: float
     ) -> list[Array]:
-        """The values of groups of polynomials in the unknown, each (polynomials, *sites).
+        """The values of groups of polynomials in the unknown, each (polynomials, *sites), at X.
 
         Jets are made for `PIECE` cells at a time, of which they take many times the memory.
         """
-        place, T = self.slow_place(cells, t), self.slow_time(t)
-        X = place.ravel()
+        X, T = place.ravel(), self.slow_time(t)
         highest = max(polynomial.highest for group in groups for polynomial in group)
         W = self._displacement(X, T) if self._is_displacement else None
         found = [np.empty((len(group), X.size)) for group in groups]
@@ -236,7 +239,7 @@ class LongWaveData(LatticeWave):
         """The fields without their rates."""
         if self._planar is not None:
             return self._planar.state(cells, t)[0]
-        return self._valued([[place for place, _ in self._series]], cells, t)[0]
+        return self._valued([[place for place, _ in self._series]], self.slow_place(cells, t), t)[0]
 
     @property
     def quantities(self) -> tuple[str, ...]:
@@ -319,13 +322,22 @@ class LongWaveData(LatticeWave):
             return None
         if self.speed <= 0.0 or self._unit <= 0.0:
             return None
+        slopes = self._far_slopes
+        return sound_speed(self.lattice, slopes, self.speed) if slopes else None
+
+    @cached_property
+    def far_fastest(self) -> float:
+        """The largest group velocity about the wave's constant background."""
+        return largest_group_velocity(self.lattice, self._far_slopes)
+
+    @cached_property
+    def _far_slopes(self) -> list[float]:
+        """The slopes of forces on the constant background; none where one is not finite."""
         (f, _), middle = self._far_fields(), self.lattice.reach
         with np.errstate(all="ignore"):
             stretches = self.lattice.stretches(f)
         slopes = [float(slope[middle]) for slope in self.lattice.slopes(stretches)]
-        if not all(map(math.isfinite, slopes)):
-            return None
-        return sound_speed(self.lattice, slopes, self.speed)
+        return slopes if all(map(math.isfinite, slopes)) else []
 
     @cached_property
     def far_rates(self) -> tuple[Array, Array]:
@@ -355,12 +367,13 @@ class LongWaveData(LatticeWave):
         low, high = extent(supports)
         return low / self._unit, high / self._unit
 
-    def rigid(self, cells: ArrayLike, t: float) -> tuple[Array, Array]:
+    def rigid(self, offsets: Array, t: float) -> tuple[Array, Array]:
         """Fields without the growth of the background, and their slopes from cell to cell."""
         places = [place for place, _ in self._series]
-        f, slopes = self._valued([places, [place.slope() for place in places]], cells, t)
+        slopes = [place.slope() for place in places]
+        f, moved = self._valued([places, slopes], self._unit * offsets, t)
         growth = self.far_rates[0][:, np.newaxis]
-        return f - growth * np.asarray(cells), self._unit * slopes - growth
+        return f - growth * (offsets + self.speed * t), self._unit * moved - growth
 
     @property
     def _unit(self) -> float:

@@ -99,7 +99,7 @@ def short_scene() -> Scene:
 
 def scene() -> Scene:
     found = load_scene("rogue_cn_k_0.5")
-    found.moving_wave.initial_data(SITES)  # what it finds is no part of it
+    found.moving_wave.state(SITES, 0.0)  # what it finds is no part of it
     return found
 
 
@@ -191,7 +191,7 @@ MADE: Mapping[str, tuple[Callable[[], Any], Callable[[Any], Any] | None]] = {
     "RationalFacts": (lambda: rational_facts(2), None),
     "Statement": (STATEMENT, attrgetter("variables")),
     "StatementVerdict": (lambda: decide_statement(STATEMENT()), methodcaller("json")),
-    "MovingWave": (lambda: scene().moving_wave, methodcaller("initial_data", SITES)),
+    "MovingWave": (lambda: scene().moving_wave, methodcaller("state", SITES, 0.0)),
     "RunRecord": (
         lambda: RunRecord(scene(), (9,), [0.0], ERROR, {}),
         methodcaller("values", "error"),

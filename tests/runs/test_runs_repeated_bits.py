@@ -33,7 +33,7 @@ def python(*words: str, **settings: str) -> subprocess.CompletedProcess[str]:
 
 RATE = """
 import numpy as np
-from longwave.scenes.chain.trust import fastest_rate
+from longwave.scenes.starts.background_growth import fastest_rate
 from longwave.scenes.starts.fourier_interval import FourierInterval
 x = np.linspace(0, 1, 512, endpoint=False)
 print(fastest_rate(10 * np.exp(60 * (np.cos(2 * np.pi * x) - 1)), 10.0, 1.0, 1).hex())

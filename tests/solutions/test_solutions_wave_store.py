@@ -116,7 +116,7 @@ def test_nothing_is_kept_of_what_the_files_do_not_say(
 def test_every_file_that_makes_a_wave_is_in_the_key() -> None:
     """The closed forms, the normal form's derivation, the compiler; and the text of each counts."""
     files = dict(
-        all_sources(("longwave.scenes.chain.moving_wave", "longwave.solutions.forms.rogue_cn"))
+        all_sources(("longwave.scenes.starts.moving_wave", "longwave.solutions.forms.rogue_cn"))
     )
     for module in (
         "longwave.derive.models.mkdv",

@@ -8,7 +8,7 @@ from longwave.lattice.schemes import KAHAN_LI_8
 from longwave.lattice.stepper import advance
 from longwave.reports.studies import travelling_waves
 from longwave.reports.studies.travelling_waves import fastest_mode, lattice_mode, travelling_wave
-from longwave.scenes.chain.trust import mkdv_rate
+from longwave.scenes.starts.background_growth import mkdv_rate
 from longwave.solutions import Wave, closed_form
 from tests.families import family
 

@@ -6,6 +6,8 @@ from typing import Any
 import pytest
 
 from longwave.scenes.description.scene import Scene
+from longwave.scenes.engines.lattice_run import wave_rings
+from longwave.scenes.engines.wave_cells import FedWave
 
 RING = Scene.of(
     name="short",
@@ -50,5 +52,15 @@ def window_scene() -> Callable[..., Scene]:
 
     def make(**changes: Any) -> Scene:
         return WINDOW.changed(**changes)
+
+    return make
+
+
+@pytest.fixture
+def fed_wave() -> Callable[[Scene], FedWave]:
+    """The wave of a stated scene as its window is fed with it."""
+
+    def make(scene: Scene) -> FedWave:
+        return FedWave(wave_rings(scene)[1], scene.discretisation.sites)
 
     return make

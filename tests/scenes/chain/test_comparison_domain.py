@@ -8,11 +8,17 @@ import pytest
 
 from longwave.lattice.state import State
 from longwave.scenes import run
-from longwave.scenes.chain.moving_wave import MovingWave
 from longwave.scenes.description.named_scenes import load_scene
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.engines import window as window_module
+from longwave.scenes.engines.lattice_run import wave_rings
+from longwave.scenes.engines.wave_cells import FedWave
 from longwave.scenes.engines.window import INTERPOLATION_ERROR, LARGEST_MISFIT, Window
+
+
+def window_of(scene: Scene) -> Window:
+    sites = scene.discretisation.sites
+    return Window(FedWave(wave_rings(scene)[1], sites), sites)
 
 
 def strain(scene: Scene) -> np.ndarray:
@@ -50,13 +56,13 @@ def test_a_wrong_far_field_stops_the_run(
     factor: float,
     shift: float,
 ) -> None:
-    right = MovingWave.rigid_data
+    right = FedWave.rigid_data
 
     def wrong(*arguments: object) -> tuple[np.ndarray, np.ndarray]:
         y, s = right(*arguments)  # type: ignore[arg-type]
         return factor * y + 0.1 * shift, s
 
-    monkeypatch.setattr(MovingWave, "rigid_data", wrong)
+    monkeypatch.setattr(FedWave, "rigid_data", wrong)
     measured = run(window_scene())
     text = measured.attrs["blow_up"]
     assert "the window's feed misses the lattice by" in text
@@ -79,7 +85,7 @@ def test_a_moved_window_keeps_its_cells_and_feeds_the_front(
     window_scene: Callable[..., Scene],
 ) -> None:
     scene = window_scene()
-    window = Window(scene.moving_wave, scene.discretisation.sites)
+    window = window_of(scene)
     state = window.start()
     [kept], _ = state.at(state.sites)
     state.t += 10.0
@@ -92,14 +98,14 @@ def test_a_moved_window_keeps_its_cells_and_feeds_the_front(
     expected = window.wave.rigid_data(speed, offsets)
     bound = 1.1 * INTERPOLATION_ERROR * np.abs(expected[0]).max()
     for values, wanted in zip(state.at(state.sites[-fed:]), expected, strict=True):
-        np.testing.assert_allclose(values[0], wanted, rtol=0, atol=bound)
+        np.testing.assert_allclose(values, wanted, rtol=0, atol=bound)
 
 
 def test_the_feed_moves_at_the_sound_speed_of_the_background(
     window_scene: Callable[..., Scene],
 ) -> None:
     scene = window_scene()
-    window = Window(scene.moving_wave, scene.discretisation.sites)
+    window = window_of(scene)
     assert window.background_speed == pytest.approx(np.sqrt(4.0 + 3.0 * 0.1**2), abs=1e-14)
 
 

@@ -1,13 +1,14 @@
 """Catches: a feed interpolated where the wave is not smooth enough, or outside its stretch."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from longwave.scenes.chain.moving_wave import MovingWave
 from longwave.scenes.description.named_scenes import load_scene
 from longwave.scenes.description.scene import Scene
+from longwave.scenes.engines.wave_cells import FedWave
 from longwave.scenes.engines.window import INTERPOLATION_ERROR, Tail, Window, window_moves
 
 SCENE = replace(load_scene("rational_2_eps_0.05"), t0=-3000.0, snapshots=(40_000.0,))
@@ -29,10 +30,12 @@ SCENES = {
 
 
 @pytest.mark.parametrize("scene", SCENES.values(), ids=SCENES)
-def test_every_move_feeds_the_transported_wave(scene: Scene) -> None:
-    window = Window(scene.moving_wave, scene.discretisation.sites)
+def test_every_move_feeds_the_transported_wave(
+    scene: Scene, fed_wave: Callable[[Scene], FedWave]
+) -> None:
+    window = Window(fed_wave(scene), scene.discretisation.sites)
     state = window.start()
-    for t in window_moves(scene.moving_wave):
+    for t in window_moves(window.wave):
         state.t = t
         window.follow(state)
         fed = state.sites[-192:]
@@ -47,27 +50,30 @@ def test_every_move_feeds_the_transported_wave(scene: Scene) -> None:
 @pytest.mark.parametrize("eps", [0.01, 0.2])
 @pytest.mark.parametrize(("low", "high"), [(900.0, 1200.0), (-150.0, 150.0), (40.0, 4000.0)])
 def test_what_no_degree_resolves_is_not_interpolated(
-    name: str, eps: float, low: float, high: float
+    name: str, eps: float, low: float, high: float, fed_wave: Callable[[Scene], FedWave]
 ) -> None:
     """Far in front of the wave, across its crest, and from there to where nothing is left."""
     scene = replace(SCENE, wave=name, parameters=tuple(WAVES[name].items()), t0=0.0, eps=eps)
-    one = Tail(scene.moving_wave, 2.0, low, high)
+    fed = fed_wave(scene.changed(compared=40))
+    one = Tail(fed, 2.0, low, high)
     sites = np.arange(int(low), int(high))
     found = np.concatenate(one.at(sites, 0.0))
-    exact = np.stack(scene.moving_wave.rigid_data(2.0, sites.astype(float)))
+    exact = np.concatenate(fed.rigid_data(2.0, sites.astype(float)))
     bound = 2.0 * INTERPOLATION_ERROR * max(eps, float(np.abs(exact).max()))
     assert np.abs(found - exact).max() <= bound
 
 
-def test_a_far_field_is_evaluated_on_a_few_points(monkeypatch: pytest.MonkeyPatch) -> None:
-    evaluated, exact = [], MovingWave.rigid_data
+def test_a_far_field_is_evaluated_on_a_few_points(
+    monkeypatch: pytest.MonkeyPatch, fed_wave: Callable[[Scene], FedWave]
+) -> None:
+    evaluated, exact = [], FedWave.rigid_data
 
     def counting(*arguments: object) -> tuple[np.ndarray, np.ndarray]:
         evaluated.append(np.size(arguments[-1]))
         return exact(*arguments)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(MovingWave, "rigid_data", counting)
-    one = Tail(SCENE.moving_wave, 2.0, 1500.0, 1800.0)
+    monkeypatch.setattr(FedWave, "rigid_data", counting)
+    one = Tail(fed_wave(SCENE), 2.0, 1500.0, 1800.0)
     for t in SCENE.t0 + np.arange(0.0, 3200.0, 32.0):
         one.at(np.arange(1550, 1750) + round(2.0 * t), t)
     assert sum(evaluated) < 100

@@ -4,7 +4,12 @@ import numpy as np
 import pytest
 
 from longwave import derive
-from longwave.scenes.chain.trust import LEAST_MODES, fastest_rate, mkdv_rate, resolving_modes
+from longwave.scenes.starts.background_growth import (
+    LEAST_MODES,
+    fastest_rate,
+    mkdv_rate,
+    resolving_modes,
+)
 from longwave.solutions import Wave, closed_form
 
 

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from longwave.scenes.chain.chain_run import choose_engine
 from longwave.scenes.description.scene import Scene
+from longwave.scenes.engines.lattice_run import choose_engine
 from longwave.scenes.engines.scene_run import run
 from searches.estimate_judge import judge_scene
 from searches.estimate_scenes import RandomScene

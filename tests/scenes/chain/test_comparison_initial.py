@@ -8,6 +8,7 @@ import pytest
 
 from longwave.scenes.description.named_scenes import load_scene
 from longwave.scenes.description.scene import Scene
+from longwave.scenes.engines.wave_cells import FedWave
 
 
 @pytest.mark.parametrize("kind", ["ring", "window"])
@@ -18,7 +19,7 @@ def test_the_initial_velocity_is_the_time_derivative_of_the_ansatz(
     scene = (ring_scene if kind == "ring" else window_scene)(eps=0.3, t0=-2.0, snapshots=(0.0,))
     wave = scene.moving_wave.wave
     sites = np.arange(-40, 41)
-    strain, velocity = scene.moving_wave.initial_data(sites)
+    [strain], [velocity] = scene.moving_wave.state(sites, scene.t0)
     h = 0.004
     weights = {1: 3 / 4, 2: -3 / 20, 3: 1 / 60}
     difference = sum(
@@ -31,23 +32,27 @@ def test_the_initial_velocity_is_the_time_derivative_of_the_ansatz(
     np.testing.assert_allclose(strain, scene.eps * wave.at(sites, -2.0, scene.eps).Y, atol=1e-15)
 
 
-def test_rigid_data_start_as_the_initial_strain(window_scene: Callable[..., Scene]) -> None:
-    moving = window_scene().moving_wave
+def test_rigid_data_start_as_the_initial_strain(
+    window_scene: Callable[..., Scene], fed_wave: Callable[[Scene], FedWave]
+) -> None:
+    fed, moving = fed_wave(window_scene()), window_scene().moving_wave
     sites = np.arange(-300, -100)
-    strain, _ = moving.rigid_data(2.01, moving.rigid_offsets(2.01, sites, moving.t0))
-    np.testing.assert_allclose(strain, moving.initial_data(sites)[0], rtol=0, atol=1e-12)
+    strain, _ = fed.rigid_data(2.01, fed.rigid_offsets(2.01, sites, moving.t0))
+    np.testing.assert_allclose(strain, moving.state(sites, moving.t0)[0], rtol=0, atol=1e-12)
 
 
-def test_rigid_data_move_rigidly(window_scene: Callable[..., Scene]) -> None:
-    moving = window_scene().moving_wave
+def test_rigid_data_move_rigidly(
+    window_scene: Callable[..., Scene], fed_wave: Callable[[Scene], FedWave]
+) -> None:
+    moving = fed_wave(window_scene())
     sites = np.arange(-300, -100)
     begun = moving.rigid_data(2.0, moving.rigid_offsets(2.0, sites, moving.t0))
     offsets = moving.rigid_offsets(2.0, sites + 50, moving.t0 + 25.0)
     later = moving.rigid_data(2.0, offsets)
     np.testing.assert_allclose(later[0], begun[0], rtol=0, atol=1e-12)
     np.testing.assert_allclose(later[1], begun[1], rtol=0, atol=1e-12)
-    slope = np.gradient(later[0], sites)[1:-1]
-    assert np.corrcoef(slope, later[1][1:-1])[0, 1] == pytest.approx(-1.0, abs=1e-3)
+    slope = np.gradient(later[0][0], sites)[1:-1]
+    assert np.corrcoef(slope, later[1][0][1:-1])[0, 1] == pytest.approx(-1.0, abs=1e-3)
 
 
 def test_a_scene_that_has_been_looked_at_goes_to_another_process() -> None:

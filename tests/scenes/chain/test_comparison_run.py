@@ -8,14 +8,14 @@ import pytest
 import xarray as xr
 from scipy.integrate import solve_ivp
 
-from longwave.lattice.state import BlowUp
+from longwave.lattice.state import BlowUp, State
 from longwave.scenes import run
-from longwave.scenes.chain.domain import SiteRing
-from longwave.scenes.chain.stencil_search import ChainSites
+from longwave.scenes.chain.spectral_run import view_of
 from longwave.scenes.description.named_scenes import load_scene, scene_of
 from longwave.scenes.description.scene import Scene
+from longwave.scenes.engines.lattice_run import wave_rings
 from longwave.scenes.engines.stated_run import refined
-from longwave.scenes.observed.view import SiteView
+from longwave.scenes.engines.wave_cells import stated_cells
 
 Y2 = replace(load_scene("rational_2_eps_0.05"), observables=("strain",), snapshots=(0.0,))
 
@@ -67,7 +67,9 @@ def test_each_side_has_its_own_far_field() -> None:
     """The dark breather shifts the sn wave: the two sides exchanged are off by order eps."""
     scene = load_scene("breather_sn_k_0.7")
     moving = scene.moving_wave
-    comparison = SiteView(moving, SiteRing(moving, scene.discretisation.sites).start())
+    sites = moving.compared_sites(moving.t0)
+    state = State(moving.t0, *moving.state(sites, moving.t0), int(sites[0]))
+    comparison = view_of(moving, state)
     ends = np.abs(comparison.sites - comparison.sites.mean()) > 300
     deviation = np.abs(comparison.analytic - comparison.far_field)
     assert np.max(deviation[ends]) < 1e-6 * scene.eps
@@ -87,7 +89,7 @@ def test_run_agrees_with_dop853(ring_scene: Callable[..., Scene]) -> None:
     """An independent integrator, on all sites in the lab frame."""
     scene = ring_scene(step=0.25, snapshots=(0.0,), observables=("strain",))
     sites = np.arange(-210, 191)
-    state = np.concatenate(scene.moving_wave.initial_data(sites))
+    state = np.concatenate(scene.moving_wave.state(sites, scene.t0)).ravel()
 
     def rate(_: float, values: np.ndarray) -> np.ndarray:
         y, s = np.split(values, 2)
@@ -206,8 +208,8 @@ def test_a_blow_up_at_the_seam_is_told_from_one_of_the_wave(sites: int, closes: 
 
 
 def test_a_blow_up_far_from_the_seam_does_not_blame_it(ring_scene: Callable[..., Scene]) -> None:
-    domain = ChainSites(scene := ring_scene(), scene.moving_wave).domain()
-    state = domain.start()
-    middle = BlowUp("broken", scene.t0, state.left + state.size // 2)
+    stepper, _ = stated_cells(*wave_rings(scene := ring_scene())).stepper(None)
+    state, domain = stepper.state, stepper.domain
+    middle = BlowUp("broken", scene.t0, state.size // 2)
     assert domain.locate(middle, state).from_seam is None
-    assert domain.locate(replace(middle, site=state.left + 3), state).from_seam == 3
+    assert domain.locate(replace(middle, site=3), state).from_seam == 3

@@ -10,8 +10,8 @@ from longwave import derive
 from longwave.lattice.model import Model
 from longwave.lattice.seam import blend_seam, close_circumference, fade_at_seam
 from longwave.lattice.spectral.evolution import SpectralRing
-from longwave.scenes.chain.moving_wave import MovingWave
 from longwave.scenes.chain.spectral_data import RingData, RingPlace, ring_data
+from longwave.scenes.starts.moving_wave import MovingWave
 from longwave.solutions import Wave, closed_form
 
 
@@ -108,7 +108,7 @@ def test_only_the_seam_is_not_the_wave(data: RingData) -> None:
     state = data.state(ring, 2000)
     inside = np.abs(state.points() - data.moving.speed * data.moving.t0 - ring.ahead)
     inside = inside < 0.5 * ring.circumference - data.seam(ring.circumference)
-    y, s = data.moving.initial_data(state.points()[inside])
+    [y], [s] = data.moving.state(state.points()[inside], data.moving.t0)
     assert np.count_nonzero(inside) > 1000
     np.testing.assert_allclose(state.f[0, inside], y, rtol=0, atol=1e-12)
     np.testing.assert_allclose(state.v[0, inside], s, rtol=0, atol=1e-12)

@@ -13,10 +13,10 @@ from longwave.lattice.schemes import scheme_named
 from longwave.lattice.spectral.evolution import SpectralRing
 from longwave.lattice.stepper import advance
 from longwave.scenes.chain import spectral_run
-from longwave.scenes.chain.moving_wave import MovingWave
 from longwave.scenes.chain.spectral_data import ring_data
 from longwave.scenes.chain.spectral_search import solve_on_rings
 from longwave.scenes.description.named_scenes import load_scene
+from longwave.scenes.starts.moving_wave import MovingWave
 from longwave.solutions import Wave, closed_form
 
 SCENES = {
@@ -48,7 +48,7 @@ def _stencil(name: str, index: int, end: float = 80.0) -> np.ndarray:
     c = moving.speed
     reach = 120 + int(3.2 * c * duration) + 100
     sites = round(c * moving.t0) + np.arange(-reach, reach + int(c * duration))
-    y, s = moving.initial_data(sites)
+    y, s = np.concatenate(moving.state(sites, moving.t0))
     steps = round(20 * duration)
     advance(
         scheme_named("kahan_li_8"),

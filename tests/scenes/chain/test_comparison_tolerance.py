@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from longwave.lattice.spectral.evolution import SpectralRing
 from longwave.scenes.chain import spectral_search
-from longwave.scenes.chain.chain_run import choose_engine
 from longwave.scenes.chain.spectral_data import ring_data
 from longwave.scenes.description.named_scenes import (
     load_scene,
@@ -17,6 +16,7 @@ from longwave.scenes.description.named_scenes import (
     shipped_scenes,
 )
 from longwave.scenes.description.scene import Scene
+from longwave.scenes.engines.lattice_run import choose_engine
 from longwave.scenes.engines.scene_run import run
 
 Array = NDArray[np.float64]

@@ -8,16 +8,16 @@ import pytest
 
 from longwave.cli.scene_command import summary_lines
 from longwave.scenes import run
-from longwave.scenes.chain import trust as trust_module
-from longwave.scenes.chain.trust import (
+from longwave.scenes.description.named_scenes import load_scene
+from longwave.scenes.observed.run_record import RunRecord
+from longwave.scenes.starts import background_growth as trust_module
+from longwave.scenes.starts.background_growth import (
     USUAL_TOLERANCE,
     fastest_rate,
     predictability_time,
     trust_attributes,
     trust_in,
 )
-from longwave.scenes.description.named_scenes import load_scene
-from longwave.scenes.observed.run_record import RunRecord
 
 
 def test_a_scenes_horizon() -> None:
