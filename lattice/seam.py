@@ -9,8 +9,6 @@ dark breather, it closes exactly.
 A kink between -A and A closes with its own negative, which is a wave of the lattice, too, where the
 force is odd: it stands at the seam.
 
-A ring that is so wide that its seam is not felt need not close: a periodic wave fades there.
-
 What is left of the miss leaves a mean velocity, with which the mean strain would drift. It is taken
 off at the seam, not everywhere: the data elsewhere are the wave's own.
 
@@ -94,8 +92,9 @@ def blend_seam(profile: Profile, circumference: float, width: float, x: Array) -
 def negate_at_seam(profile: Profile, circumference: float, crest: float, x: Array) -> Array:
     """A kink's profile with its negative about the seam, at points -L/2 <= x <= L/2.
 
-    ``crest`` is the kink's place. Half-way between it and the seam the two pass into each other.
-    The negative lies between sites as the kink does: a steep one's strains depend on that.
+    ``crest`` is the place of the site nearest to the kink. Half-way between it and the seam the two
+    pass into each other. The negative lies between sites as the kink does: a steep one's strains
+    depend on that.
 
     >>> values = negate_at_seam(np.tanh, 80.0, 0.0, np.array([-40.0, -30.0, 0.0, 30.0, 39.0]))
     >>> values.round(3) + 0.0
@@ -104,7 +103,7 @@ def negate_at_seam(profile: Profile, circumference: float, crest: float, x: Arra
     values = np.array(profile(x), dtype=np.float64)
     past = x - np.where(x > 0.0, 0.5, -0.5) * circumference
     near = np.abs(past) < 0.5 * (0.5 * circumference - abs(crest))
-    values[..., near] = -np.asarray(profile(past[near] + round(crest)))
+    values[..., near] = -np.asarray(profile(past[near] + crest))
     return values
 
 
@@ -120,30 +119,6 @@ def rest_at_seam(s: Array, circumference: float, width: float, x: Array) -> Arra
     bump = np.exp(-((distance / width) ** 2)) * (distance < BLEND_REACH * width)
     rest: Array = s - float(np.mean(s)) / float(np.mean(bump)) * bump
     return rest
-
-
-def fade_at_seam(
-    y: Array, s: Array, speed: float, circumference: float, room: float, x: Array
-) -> tuple[Array, Array]:
-    """Strain and velocity that pass into a constant at the seam, at points -L/2 <= x <= L/2 a site.
-
-    They do so within ``room`` of the seam. What runs to the right at ``speed`` goes on to do so: at
-    rest it would run both ways, and where it meets itself there is more strain than in the wave.
-
-    >>> x = np.array([-10.0, 0.0, 9.0])
-    >>> fade_at_seam(np.array([3.0, 1.0, -3.0]), np.zeros(3), 1.0, 20.0, 4.0, x)[0].round(3)
-    array([ 0.   ,  1.   , -0.439])
-    """
-    y, s = y.copy(), s.copy()
-    distance = 0.5 * circumference - np.abs(x)
-    near = distance < room
-    angle = np.pi * np.maximum(distance[near], 0.0) / room
-    level = float(np.mean(y[near]))
-    above = y[near] - level
-    y[near] = level + (0.5 - 0.5 * np.cos(angle)) * above
-    slope = -np.sign(x[near]) * 0.5 * np.pi / room * np.sin(angle)
-    s[near] = (0.5 - 0.5 * np.cos(angle)) * s[near] - speed * slope * above
-    return y, s
 
 
 FADING_DEPTH = 128

@@ -220,10 +220,19 @@ def _run(scene: Scene, progress: Callable[[float], None], announce: Announce) ->
     from longwave.scenes.engines.lattice_run import record_scene
 
     run = record_scene(scene, progress, announce)
-    wanted = SHARE * float(np.max(_later(run, "sup_error")))
+    wanted = SHARE * float(np.max(_sup_errors(run)))
     if run.attrs["error_estimate"] <= wanted or wanted == 0.0:
         return run
     return record_scene(scene.changed(tolerance=wanted), progress, announce)
+
+
+def _sup_errors(run: RunRecord) -> Array:
+    """The sup errors at the times after the start, in the unit of what is compared."""
+    pair = ("strains", "analytics") if "strains" in run.variables else ("strain", "analytic")
+    numeric, analytic = (_later(run, name) for name in pair)
+    axes = tuple(range(1, numeric.ndim))
+    unit = run.scene.eps ** run.attrs["power"]
+    return np.asarray(np.max(np.abs(numeric - analytic), axis=axes) / unit)
 
 
 def _later(run: RunRecord, name: str) -> Array:
@@ -233,9 +242,10 @@ def _later(run: RunRecord, name: str) -> Array:
 
 def _point(run: RunRecord) -> ConvergencePoint:
     scene, told = run.scene, run.attrs
-    apart = float(np.max(_later(run, "sup_error")))
+    errors = _sup_errors(run)
+    apart = float(np.max(errors))
     with np.errstate(invalid="ignore"):
-        sizes = _later(run, "sup_error") / _later(run, "error")
+        sizes = errors / _later(run, "error")
     size = float(np.max(sizes, where=np.isfinite(sizes), initial=0.0))
     if size == 0.0:
         raise ValueError(

@@ -109,6 +109,7 @@ SCENE_FOLDERS = ("description", "starts", "observed", "engines", "fits", "")
 """Folders of `scenes/` in the order of their imports; modules above them all come last."""
 
 UPWARD = {
+    ("description/scene.py", "starts.moving_wave"),  # the wave on the paper's chain
     ("description/scene.py", "starts.lattice_derivation"),  # its lattice's equation in a notebook
     ("description/scene.py", "observed.observables"),  # names that may be asked for
     ("description/scene.py", "observed.run_record"),  # a type

@@ -29,8 +29,6 @@ from longwave.reports.studies.travelling_waves import TravellingWave, fastest_mo
 from longwave.scenes import resume, run
 from longwave.scenes.description.named_scenes import load_scene
 from longwave.scenes.description.scene import Scene
-from longwave.scenes.engines.lattice_run import wave_rings
-from longwave.scenes.engines.wave_cells import FedWave, RingCells
 from longwave.scenes.engines.window import Window
 from longwave.scenes.starts.background_growth import UNIT_ROUNDOFF, predictability_time
 from longwave.support.processes import Job, Key
@@ -173,6 +171,9 @@ def _soft_lattice() -> Reading:
 
 def _first_soft_site(scene: Scene) -> tuple[float, int]:
     """When and where V'' <= 0 is first met, in double-double arithmetic and step by step."""
+    from longwave.scenes.engines.lattice_run import wave_rings
+    from longwave.scenes.engines.wave_cells import RingCells
+
     ring = RingCells(*wave_rings(scene)).ring
     y, s = doubled(ring.f[0]), doubled(ring.v[0])
     h = scene.discretisation.step
@@ -209,6 +210,9 @@ def _zone_boundary_noise() -> Reading:
     1.0,
 )
 def _wrong_feed() -> Reading:
+    from longwave.scenes.engines.lattice_run import wave_rings
+    from longwave.scenes.engines.wave_cells import FedWave
+
     scene = replace(load_scene("rational_2_eps_0.05"), t0=-400.0, snapshots=(0.0,))
     scene = scene.changed(sites=2048, compared=500)
     found, stated = [], scene.discretisation

@@ -16,8 +16,6 @@ from longwave.scenes import run
 from longwave.scenes.description.named_scenes import load_scene, scene_of
 from longwave.scenes.description.numerics import Discretisation
 from longwave.scenes.description.scene import Scene
-from longwave.scenes.engines.lattice_run import wave_rings
-from longwave.scenes.engines.wave_rings import SCHEME, longest_step, sites_of
 from longwave.support.processes import Job, Key
 
 LONG_SCENES = ("breather_sn_k_0.7_long", "rogue_cn_k_0.5_long", "soliton_dn_k_0.7_long")
@@ -73,6 +71,9 @@ def by_sites(name: str, share: float, progress: Progress | None = None) -> xr.Da
 
 def site_by_site(scene: Scene, share: float) -> Scene:
     """The scene on a ring of whole sites whose seam is out of hearing, with its step stated."""
+    from longwave.scenes.engines.lattice_run import wave_rings
+    from longwave.scenes.engines.wave_rings import SCHEME, longest_step, sites_of
+
     _, rings = wave_rings(scene.changed(engine="stencil"))
     step = share * longest_step(rings.fastest, 0.0)
     sites = sites_of(rings.plain_ends(0))

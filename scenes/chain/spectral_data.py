@@ -158,7 +158,7 @@ class RingData:
                 - self._middle
                 - ring.ahead
             )
-            y, s = negate_at_seam(lambda x: self._data(x + ring.ahead), length, crest, x)
+            y, s = negate_at_seam(lambda x: self._data(x + ring.ahead), length, round(crest), x)
         else:
             width = self.seam(length) / BLEND_REACH
             y, s = blend_seam(lambda x: self._data(x + ring.ahead), length, width, x)

@@ -22,7 +22,12 @@ from longwave.lattice.state import GROWTH, BlowUp
 from longwave.lattice.trial import DRIVEN_SHARE
 from longwave.scenes.engines.ring_cost import LARGE, SHARE, SHOWN, USUAL_RUNS, search_cost
 from longwave.scenes.engines.window import front, least_window, round_up
-from longwave.scenes.starts.lattice_wave import CellRing, LatticeWave, largest_group_velocity
+from longwave.scenes.starts.lattice_wave import (
+    CellRing,
+    LatticeWave,
+    largest_group_velocity,
+    nearest_cell,
+)
 from longwave.solutions.pieces import PIECE
 from longwave.support.request_limits import ExpectedCost, check_request
 
@@ -56,7 +61,7 @@ class ComparedCells:
 
     def middle(self, t: float) -> int:
         """The cell nearest to the frame's origin along the first axis."""
-        return round(self.speed * t)
+        return nearest_cell(self.speed, t)
 
     def cells(self, t: float) -> Array:
         """They themselves, (sites,) or (axes, *sites)."""

@@ -226,19 +226,23 @@ class LatticeWave(ABC):
     def blended(self, ring: CellRing, room: int) -> CellRing:
         """A chain of strains that passes, within so many cells of either end, into its own copy.
 
-        That is the wave as it goes on beyond the other end.
+        That is the wave as it goes on beyond the other end. Where it passes over moves with the
+        wave.
         """
         if not room:
             return ring
         size, f, v = ring.cells.size, ring.f.copy(), ring.v.copy()
-        share = 0.5 * np.cos(0.5 * np.pi * (np.arange(room) + 0.5) / room) ** 2
-        for near, weight, on in (
-            (slice(room), share, size),
-            (slice(-room, None), share[::-1], -size),
-        ):
+        angle = np.pi * (np.arange(room) + 0.5) / room
+        share, slope = 0.25 * (1.0 + np.cos(angle)), -0.25 * np.pi / room * np.sin(angle)
+        ends = (
+            (slice(room), share, slope, size),
+            (slice(-room, None), share[::-1], -slope[::-1], -size),
+        )
+        for near, weight, steepness, on in ends:
             copies = self.state(ring.cells[near] + on, ring.t)
-            for values, copy in zip((f, v), copies, strict=True):
-                values[:, near] += weight * (copy - values[:, near])
+            apart, turned = (copy - own[:, near] for copy, own in zip(copies, (f, v), strict=True))
+            f[:, near] += weight * apart
+            v[:, near] += weight * turned - self.speed * steepness * apart
         return replace(ring, f=f, v=v)
 
     def fading(self, t: float, speed: float) -> Fading | None:
@@ -322,6 +326,22 @@ class LatticeWave(ABC):
         """
         corner = (0,) * ring.lattice.dimension
         return [float(found[corner]) for found in ring.slopes]
+
+
+FARTHEST = 2.0**53
+"""Cells are told apart by doubles."""
+
+
+def nearest_cell(speed: float, t: float) -> int:
+    """The cell nearest to where a frame has gone; ValueError if it is too far.
+
+    >>> nearest_cell(2.0, -0.25), nearest_cell(2.0, 0.25)
+    (0, 1)
+    """
+    place = speed * t + 0.5
+    if not abs(place) < FARTHEST:
+        raise ValueError(f"t must leave c t within 2^53 sites, got t = {t:g}")
+    return math.floor(place)
 
 
 def largest_group_velocity(lattice: NumericLattice, slopes: list[float], axis: int = 0) -> float:

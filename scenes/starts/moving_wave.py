@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from longwave.lattice.numeric_lattice import NumericLattice
-from longwave.lattice.seam import FADING_DEPTH, Fading, fade_at_seam
+from longwave.lattice.seam import FADING_DEPTH, Fading, negate_at_seam
 from longwave.lattice.state import Sites, State
-from longwave.scenes.starts.lattice_wave import CellRing, LatticeWave
+from longwave.scenes.starts.lattice_wave import CellRing, LatticeWave, nearest_cell
 from longwave.scenes.starts.wave_extent import extent, places_about, support_of, watched_times
 from longwave.solutions import NumericWave, WaveValues, kept_data, kept_wave
 
@@ -21,9 +21,6 @@ if TYPE_CHECKING:
     from longwave.solutions import ClosedForm, Wave
 
 Array = NDArray[np.float64]
-
-FARTHEST = 2.0**53
-"""Sites are told apart by doubles."""
 
 FLAT = 1e-9
 """A wave has ended where it deviates from its far fields by less, in units of eps."""
@@ -181,10 +178,7 @@ class MovingWave(LatticeWave):
 
     def frame(self, t: float) -> int:
         """The site nearest to c t, the middle of what is compared; ValueError if too far."""
-        place = self.speed * t + 0.5
-        if not abs(place) < FARTHEST:
-            raise ValueError(f"t must leave c t within 2^53 sites, got t = {t:g}")
-        return math.floor(place)
+        return nearest_cell(self.speed, t)
 
     def compared_sites(self, t: float) -> Sites:
         """The sites within ``compared`` of c t."""
@@ -282,14 +276,19 @@ class MovingWave(LatticeWave):
     def closed(self, ring: CellRing, room: int) -> CellRing:
         """The ring with ends that pass into each other within ``room`` sites of the seam.
 
-        Those of a kink, whose far fields differ, pass into a constant strain.
+        Those of a kink, whose far fields differ, pass into the kink's negative at the seam.
         """
         if not room or self.wave.wavelength is not None:
             return self.blended(ring, room)
-        size = ring.cells.size
-        x = ring.cells - (ring.cells[0] + 0.5 * size)
-        y, s = fade_at_seam(ring.f[0], ring.v[0], self.speed, float(size), float(room), x)
-        return replace(ring, f=y[np.newaxis], v=s[np.newaxis])
+        size, t = ring.cells.size, ring.t
+        middle = ring.cells[0] + 0.5 * size
+        crest = round(self.wave.phase_zeros(t, self.eps)[0]) - middle
+
+        def profile(x: Array) -> Array:
+            return np.stack(self.state(x + middle, t))
+
+        f, v = negate_at_seam(profile, float(size), crest, ring.cells - middle)
+        return replace(ring, f=f, v=v)
 
     def fading(self, t: float, speed: float) -> Fading | None:
         """What draws a closed ring to rest where the seam's signals, of that speed, have come."""

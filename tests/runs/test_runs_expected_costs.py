@@ -67,7 +67,7 @@ def test_memory_is_that_of_all_cells_run_at_once(
     monkeypatch.chdir(tmp_path)
     words = ["sweep", asked(tmp_path), "--max-memory", "700M", "--processes", "3"]
     assert main(words) == 2
-    assert "must fit 700 MB, got about 8" in capsys.readouterr().err
+    assert "must fit 700 MB, got about 9" in capsys.readouterr().err
 
 
 def costing(monkeypatch: pytest.MonkeyPatch, seconds: dict[float, float]) -> None:

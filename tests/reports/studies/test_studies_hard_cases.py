@@ -49,7 +49,7 @@ def test_the_refusal_tells_the_limit() -> None:
 def test_the_blow_up_tells_time_site_and_criterion() -> None:
     message = found_of("soft_lattice").message
     assert message.startswith(
-        "blow-up: a bond is stretched to where waves grow at t = 65, site -747, 3 sites"
+        "blow-up: a bond is stretched to where waves grow at t = 65, site -635, 4 sites"
     )
 
 

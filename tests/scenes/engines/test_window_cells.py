@@ -177,7 +177,7 @@ def test_a_background_beyond_the_force_is_refused_in_a_line(tmp_path: Path) -> N
         ({"name": "dimer_peregrine"}, r"domain must be 'ring' for .* on mass_dimer"),
         ({"name": "alpha_fput_soliton"}, r"domain must be 'ring' for this wave on alpha_fput"),
         ({"name": "square_lump"}, r"tolerance must be given on square"),
-        ({"name": "gardner_soliton", "sites": 128}, r"sites must satisfy sites >= 844 in this"),
+        ({"name": "gardner_soliton", "sites": 128}, r"sites must satisfy sites >= 752 in this"),
     ],
 )
 def test_a_window_where_there_is_none_is_refused(changes: dict[str, Any], message: str) -> None:
