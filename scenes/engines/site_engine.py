@@ -89,7 +89,9 @@ class SiteEngine(StepSearch):
         self.judged = judged or rings.compared
         self.metered: dict[float, Array] = {}
         longest = longest_step(rings.fastest, wave.frequency, self._scheme)
-        longest = min(longest, DRIVEN_SHARE * wave.lattice.driven_within(*self.times[:2]))
+        longest = min(
+            longest, DRIVEN_SHARE * wave.lattice.driven_within(self.times[0], self.times[:2][-1])
+        )
         self._ring = float(sites_of(rings.ends()))
         self._misfed, self._widened = rings.window is None, 1.0
         allowed = FEED_SHARE * scene.target.tolerance / FEED_SAFETY

@@ -180,7 +180,7 @@ def _cost(
     cells = float(window or sites_of(compared.ring(times, signals, WIDER + 2 * spread)))
     shortest = max(
         fastest / (LIMIT_SHARE * stability_limit(SCHEME)),
-        1.0 / (DRIVEN_SHARE * wave.lattice.driven_within(*times[:2])),
+        1.0 / (DRIVEN_SHARE * wave.lattice.driven_within(times[0], times[:2][-1])),
     )
     steps = (times[-1] - times[0]) * shortest
     kept = math.prod(2.0 * reach + 1.0 for reach in compared.reach) * len(times)

@@ -6,7 +6,9 @@ import pytest
 from longwave.lattice.blow_up import find_blow_up
 from longwave.lattice.dynamics import Dynamics
 from longwave.lattice.model import Model
+from longwave.lattice.schemes import REDUCED_PHASE_6
 from longwave.lattice.state import State
+from longwave.lattice.stepper import Stepper, StillRing
 
 SOFT = Model(1.0, 0.0, -1.0).lattice
 
@@ -65,3 +67,25 @@ def test_the_ranges_alone_tell_what_all_sites_do(K3: float, K4: float) -> None:
         dynamics = Dynamics(constants.lattice)
         found = dynamics.find_blow_up(made, dynamics.ranges(made), 1.0)
         assert (found is not None) == soft
+
+
+def test_steps_that_are_repeated_leave_no_trace_in_the_ranges() -> None:
+    """Catches: strains of steps that were taken together and undone, told as met."""
+    model, sites = Model(1.0, 0.0, -1.0), 64
+    y = 0.57 * np.sin(2.0 * np.pi * np.arange(sites) / sites)[np.newaxis]
+    state = State(0.0, y, np.zeros_like(y))
+
+    class Calmed(StillRing):
+        """Comes to rest at each stop."""
+
+        def fade(self, state: State) -> None:
+            state.f *= 0.0
+            state.v *= 0.0
+
+    wild = Stepper(state.copy(), REDUCED_PHASE_6, model.lattice, StillRing(state), 1.0, 0.6, 400)
+    list(wild.stops([400.0]))
+    assert wild.blow_up is not None
+    calm = Stepper(state, REDUCED_PHASE_6, model.lattice, Calmed(state), 1.0, 0.6, 400)
+    list(calm.stops([400.0]))
+    assert calm.blow_up is None
+    assert np.abs(calm.ranges).max() < 1.0

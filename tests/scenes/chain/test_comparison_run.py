@@ -213,3 +213,14 @@ def test_a_blow_up_far_from_the_seam_does_not_blame_it(ring_scene: Callable[...,
     middle = BlowUp("broken", scene.t0, state.size // 2)
     assert domain.locate(middle, state).from_seam is None
     assert domain.locate(replace(middle, site=3), state).from_seam == 3
+
+
+@pytest.mark.parametrize("engine", ["stencil", "spectral"])
+def test_a_scene_of_its_start_alone_is_its_data(
+    ring_scene: Callable[..., Scene], engine: str
+) -> None:
+    """Catches: a plan that asks for what changes until the second of the times."""
+    scene = ring_scene(t0=3.0, snapshots=(3.0,), observables=("strain",)).with_tolerance(1e-6)
+    found = run(scene.changed(engine=engine))
+    assert found.strain.shape == (1, 101)
+    assert float(np.max(np.abs(found.strain - found.analytic))) < 1e-6 * scene.eps
