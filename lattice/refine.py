@@ -86,7 +86,7 @@ or what comes round a ring."""
 LEAST_ON_RING = 0.05
 """Least share of the tolerance that an error is told as on a ring. There negligible changes
 hid errors of 0.021 of it: the steps of a kink that turned short waves by many radians agreed
-(`tests/scenes/chain/test_comparison_honesty.py`)."""
+(`tests/scenes/engines/test_comparison_honesty.py`)."""
 
 LEAST = 1e-5
 """Least share that an error is told as elsewhere: no run was looked at more closely."""

@@ -1,4 +1,4 @@
-"""Scenes: waves on lattices, run and compared. What is the paper's chain's own is in `chain/`.
+"""Scenes: waves on lattices, run and compared.
 
 >>> from longwave.scenes import load_scene, run
 >>> run(load_scene("breather_sn_k_0.7")).strain.dims

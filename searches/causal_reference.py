@@ -7,7 +7,7 @@ left. Where the data are constant nothing happens until the wave's own signals a
 is computed. The largest strain met is checked against the speed that was assumed; with more of it
 the run is begun again.
 
-This judges the planners of `scenes/chain` and shares nothing with them but the initial data
+This judges the planners of the paper's chain and shares nothing with them but the initial data
 and the kernels.
 """
 

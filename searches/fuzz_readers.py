@@ -23,7 +23,7 @@ except ImportError:
 
 with atheris.instrument_imports(
     include=[
-        *("longwave.derive", "longwave.scenes.chain", "longwave.scenes"),
+        *("longwave.derive", "longwave.scenes"),
         "longwave.runs",
     ]
 ):

@@ -162,7 +162,7 @@ def test_relative_imports_are_resolved() -> None:
     ("imported", "unwanted"),
     [
         (
-            "from longwave import derive, solutions, lattice; import longwave.scenes.chain",
+            "from longwave import derive, solutions, lattice; import longwave.scenes",
             "sympy numpy numba",
         ),
         (
@@ -179,7 +179,7 @@ def test_relative_imports_are_resolved() -> None:
         ),
         (
             "from longwave.verify.proof import prove",
-            "numba matplotlib xarray longwave.lattice longwave.scenes.chain",
+            "numba matplotlib xarray longwave.lattice longwave.scenes.engines.lattice_run",
         ),
     ],
 )

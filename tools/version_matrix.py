@@ -25,7 +25,7 @@ ROOT = Path(__file__).resolve().parents[1]
 
 TESTS = (
     *("tests/derive", "tests/lattice", "tests/runs", "tests/longwave", "tests/solutions"),
-    *("tests/scenes/chain", "tests/scenes", "tests/reports/test_reports_figures.py"),
+    *("tests/scenes", "tests/reports/test_reports_figures.py"),
     "tests/longwave/cli",
 )
 """In this order until time is up: what touches each of the dependencies."""

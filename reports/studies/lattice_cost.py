@@ -21,10 +21,10 @@ from numpy.typing import NDArray
 from longwave.lattice.schemes import SCHEMES, scheme_named, stability_limit
 from longwave.lattice.spectral.evolution import SpectralRing
 from longwave.scenes import run
-from longwave.scenes.chain.spectral_data import RingPlace, ring_data
 from longwave.scenes.description.named_scenes import EPS, ORDERS, load_scene, rational_family_scenes
 from longwave.scenes.description.numerics import Tolerance
 from longwave.scenes.description.scene import Scene
+from longwave.scenes.engines.spectral_data import RingPlace, ring_data
 from longwave.support.processes import Job, Key
 
 Array = NDArray[np.float64]

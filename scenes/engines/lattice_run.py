@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from longwave.lattice.refine import Announce
-from longwave.scenes.chain.spectral_run import run_spectral, spectral_cost
 from longwave.scenes.description.numerics import Tolerance
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.description.scene_checks import enough_steps
 from longwave.scenes.engines.ring_cost import SHOWN, USUAL_RUNS, search_cost
 from longwave.scenes.engines.site_engine import SiteEngine
+from longwave.scenes.engines.spectral_run import run_spectral, spectral_cost
 from longwave.scenes.engines.stated_run import run_from, stated_runs
 from longwave.scenes.engines.wave_cells import stated_cells
 from longwave.scenes.engines.wave_rings import ComparedCells, WaveRings, expected_rings

@@ -8,7 +8,7 @@ from longwave.lattice.model import Model
 from longwave.lattice.numeric_lattice import numeric_lattice
 from longwave.lattice.spectral.crest_energy import DENSITY, crest_energy_spread
 from longwave.lattice.spectral.field_ring import FieldRing
-from longwave.scenes.chain.spectral_data import ring_data
+from longwave.scenes.engines.spectral_data import ring_data
 from longwave.scenes.starts.moving_wave import MovingWave
 from longwave.solutions import Wave, closed_form
 

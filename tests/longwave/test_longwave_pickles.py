@@ -60,7 +60,6 @@ FACES = (
     "longwave.derive",
     "longwave.solutions",
     "longwave.lattice",
-    "longwave.scenes.chain",
     "longwave.verify.proof",
     "longwave.runs",
 )

@@ -96,7 +96,7 @@ def test_a_wave_of_ones_own_has_no_key(store: RunStore) -> None:
     [
         ("code", "solutions/forms ", "solutions/forms 0"),
         ("code", "lattice/kernels ", "lattice/kernels 0"),
-        ("code", "scenes/chain ", "scenes/chain 0"),
+        ("code", "scenes/engines ", "scenes/engines 0"),
         ("versions", "numpy ", "numpy 0"),
     ],
 )

@@ -96,10 +96,10 @@ def test_a_scenes_markup_is_printed_as_text(tmp_path: Path, capsys: Output) -> N
     [
         (
             "lattices",
-            "numpy numba longwave.solutions.wave longwave.lattice.model longwave.scenes.chain",
+            "numpy numba longwave.solutions.wave longwave.lattice.model longwave.scenes.engines",
         ),
-        ("waves", "numba matplotlib longwave.lattice.model longwave.scenes.chain"),
-        ("schemes", "sympy xarray pandas longwave.scenes.chain"),
+        ("waves", "numba matplotlib longwave.lattice.model longwave.scenes.engines.lattice_run"),
+        ("schemes", "sympy xarray pandas longwave.scenes.engines.lattice_run"),
         ("scenes", "sympy xarray pandas ducc0 longwave.verify.proof"),
         ("lattice-scenes", "numba matplotlib xarray longwave.scenes.engines.lattice_run"),
         ("observables", "sympy xarray pandas ducc0 numba"),

@@ -8,16 +8,16 @@ import pytest
 from numpy.typing import NDArray
 
 from longwave.lattice.spectral.evolution import SpectralRing
-from longwave.scenes.chain import spectral_search
-from longwave.scenes.chain.spectral_data import ring_data
 from longwave.scenes.description.named_scenes import (
     load_scene,
     rational_family_scenes,
     shipped_scenes,
 )
 from longwave.scenes.description.scene import Scene
+from longwave.scenes.engines import spectral_search
 from longwave.scenes.engines.lattice_run import choose_engine
 from longwave.scenes.engines.scene_run import run
+from longwave.scenes.engines.spectral_data import ring_data
 
 Array = NDArray[np.float64]
 

@@ -12,10 +12,10 @@ from longwave.lattice.refine import StoppedSearch
 from longwave.lattice.schemes import scheme_named
 from longwave.lattice.spectral.evolution import SpectralRing
 from longwave.lattice.stepper import advance
-from longwave.scenes.chain import spectral_run
-from longwave.scenes.chain.spectral_data import ring_data
-from longwave.scenes.chain.spectral_search import solve_on_rings
 from longwave.scenes.description.named_scenes import load_scene
+from longwave.scenes.engines import spectral_run
+from longwave.scenes.engines.spectral_data import ring_data
+from longwave.scenes.engines.spectral_search import solve_on_rings
 from longwave.scenes.starts.moving_wave import MovingWave
 from longwave.solutions import Wave, closed_form
 

@@ -10,10 +10,10 @@ from scipy.integrate import solve_ivp
 
 from longwave.lattice.state import BlowUp, State
 from longwave.scenes import run
-from longwave.scenes.chain.spectral_run import view_of
 from longwave.scenes.description.named_scenes import load_scene, scene_of
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.engines.lattice_run import wave_rings
+from longwave.scenes.engines.spectral_run import view_of
 from longwave.scenes.engines.stated_run import refined
 from longwave.scenes.engines.wave_cells import stated_cells
 

@@ -39,7 +39,7 @@ from longwave.lattice.trial import (
     clock_error,
     rounding_error,
 )
-from longwave.scenes.chain.spectral_data import (
+from longwave.scenes.engines.spectral_data import (
     RingPlace,
     first_density,
     first_step,

@@ -15,11 +15,11 @@ from longwave.lattice.model import Model
 from longwave.lattice.schemes import SCHEMES, Scheme
 from longwave.lattice.state import State, empty_chain
 from longwave.scenes import run
-from longwave.scenes.chain.spectral_run import view_of
 from longwave.scenes.description.named_scenes import load_scene
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.engines import lattice_run
 from longwave.scenes.engines.lattice_run import wave_rings
+from longwave.scenes.engines.spectral_run import view_of
 from longwave.scenes.engines.wave_cells import stated_cells
 from longwave.scenes.observed.observables import (
     OBSERVABLES,

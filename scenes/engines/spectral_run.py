@@ -17,17 +17,17 @@ from longwave.lattice.spectral.exponential import ORDER
 from longwave.lattice.spectral.ring_search import ALIKE, resolving_step, run_facts
 from longwave.lattice.state import State, empty_chain
 from longwave.lattice.trial import Progress, Trial
-from longwave.scenes.chain.spectral_data import (
+from longwave.scenes.description.scene import Scene
+from longwave.scenes.engines.spectral_data import (
     RingData,
     first_density,
     ring_data,
 )
-from longwave.scenes.chain.spectral_search import (
+from longwave.scenes.engines.spectral_search import (
     MOST_POINTS,
     SpectralCost,
     solve_on_rings,
 )
-from longwave.scenes.description.scene import Scene
 from longwave.scenes.engines.wave_cells import CellView
 from longwave.scenes.engines.wave_rings import ComparedCells
 from longwave.scenes.observed.recorders import Recorder, build_recorders

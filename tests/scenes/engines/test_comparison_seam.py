@@ -10,8 +10,8 @@ from longwave import derive
 from longwave.lattice.model import Model
 from longwave.lattice.seam import blend_seam, close_circumference
 from longwave.lattice.spectral.evolution import SpectralRing
-from longwave.scenes.chain.spectral_data import RingData, RingPlace, ring_data
 from longwave.scenes.description.scene import Scene
+from longwave.scenes.engines.spectral_data import RingData, RingPlace, ring_data
 from longwave.scenes.starts.moving_wave import MovingWave
 from longwave.solutions import Wave, closed_form
 

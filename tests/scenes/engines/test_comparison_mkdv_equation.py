@@ -7,7 +7,7 @@ import pytest
 
 from longwave import derive
 from longwave.solutions import Wave, closed_form
-from tests.scenes.chain.mkdv_equation import PeriodicMkdv, evolve
+from tests.scenes.engines.mkdv_equation import PeriodicMkdv, evolve
 
 TIMES = (0.3, 1.0)
 
