@@ -27,6 +27,13 @@ from longwave.lattice.kernels.streams import (
     apart,
     rows_of,
 )
+from longwave.lattice.kernels.vector_functions import (
+    FUNCTIONS_OF_LANES,
+    LARGEST_EXPONENT,
+    Lanes,
+    power,
+)
+from longwave.support.compiled.native_code import multiplies_and_adds_at_once
 from longwave.support.compiled.subnormals import flushed_subnormals
 
 __all__ = ["LaneCode", "lane_force", "passage_text"]
@@ -51,8 +58,11 @@ field to field and from row to row, vectors of a row; the first stage, and the r
 class LaneCode:
     """A builder of vectors of doubles: what every part of the code is written with."""
 
-    def __init__(self, module: Any, builder: Any, lanes: int) -> None:
+    def __init__(
+        self, module: Any, builder: Any, lanes: int, fused: bool | None = None
+    ) -> None:
         self.module, self.builder, self.lanes = module, builder, lanes
+        self.fused = multiplies_and_adds_at_once() if fused is None else fused
         self.kind = _DOUBLE if lanes == 1 else ir.VectorType(_DOUBLE, lanes)
 
     def constant(self, value: float) -> Any:
@@ -93,6 +103,10 @@ class LaneCode:
     def fma(self, factor: Any, other: Any, term: Any) -> Any:
         """factor * other + term, rounded once where the processor can."""
         return self._vector_function("fmuladd", factor, other, term)
+
+    def fused_multiply_add(self, factor: Any, other: Any, term: Any) -> Any:
+        """factor * other + term, rounded once: slow where the processor is not ``fused``."""
+        return self._vector_function("fma", factor, other, term)
 
     def weighted_sum(self, terms: Iterable[tuple[Any, float, Any]]) -> Any:
         """The sum of (factor, sign, value): factor times value, or with that sign if it is None.
@@ -190,10 +204,12 @@ def _whole_power(code: LaneCode, value: Any, exponent: int) -> Any:
 
 
 def _power(code: LaneCode, value: Any, exponent: float) -> Any:
-    """A power: by products and roots where the exponent is whole or half, else by the library."""
+    """A power: by products and roots where the exponent is whole or half."""
     size = abs(exponent)
-    if exponent == 0.0 or 2.0 * size != round(2.0 * size) or size > WHOLE:
+    if exponent == 0.0 or not size <= LARGEST_EXPONENT:
         return code.function("pow", value, code.constant(exponent))
+    if 2.0 * size != round(2.0 * size) or size > WHOLE:
+        return power(Lanes(code, value), exponent).value
     whole = int(size)
     found = _whole_power(code, value, whole) if whole else None
     if size != whole:
@@ -236,6 +252,8 @@ def _run_program(
             stack.append(_power(code, stack.pop(), value))
         elif word == "contact":
             stack.append(code.positive_part(stack.pop()))
+        elif word in FUNCTIONS_OF_LANES:
+            stack.append(FUNCTIONS_OF_LANES[word](Lanes(code, stack.pop())).value)
         else:
             stack.append(code.function(word, stack.pop()))
     return stack.pop()

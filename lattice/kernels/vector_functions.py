@@ -1,0 +1,519 @@
+"""Functions of a force law as vector arithmetic: exponentials, logarithms, powers, circles.
+
+Each is written without branches, of sums, products and one quotient at most, so that all cells of a
+row are done together, and the C library is not called; sine, cosine and tangent alone ask it for
+arguments beyond `TURNED`. Errors are below 2 units in the last place (ulp) for every double; what
+each function reached in tests is in its docstring. NaN, infinities and zeros of either sign give
+what the C library gives. Nothing here is contracted or reassociated by LLVM: its instructions
+carry no such flags; `LaneCode.fma` alone may round once or twice, and no error bound counts on
+either. A product's rounding error comes from a fused multiply-add where the processor has one, else
+from halves of the factors (Dekker, Numer. Math. 18, 1971): both are exact.
+
+Machine code that advances a lattice takes and gives 0 for subnormal numbers
+(`support.compiled.subnormals`): there exp(-710) is 0, and the logarithm of 1e-310 is that of 0.
+Where nothing is flushed, subnormal arguments and results are good to the same error.
+
+Polynomials are near-minimax (Chebyshev), found by mpmath when code is written.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import cache
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from llvmlite import ir  # type: ignore[import-untyped]
+
+if TYPE_CHECKING:
+    from longwave.lattice.kernels.row_code import LaneCode
+
+__all__ = ["FUNCTIONS_OF_LANES", "LARGEST_EXPONENT", "Lanes", "power"]
+
+TURNED = 8192.0
+"""Largest argument of sine, cosine and tangent whose turns are taken off here."""
+
+LARGEST_EXPONENT = 2.0**20
+"""Largest size of an exponent of `power`."""
+
+DIGITS = 60
+"""Decimal digits with which constants are found."""
+
+SHIFT = 1.5 * 2.0**52
+"""A double of this size has no places after the point: adding it rounds to whole numbers, and the
+whole number stands in the last bits of the sum."""
+
+ONE_BITS, SHIFT_BITS = 1023 << 52, 0x433 << 52
+"""The bits of 1, and of 2^52."""
+
+INFINITY, NAN = float("inf"), float("nan")
+
+
+class Lanes:
+    """A vector of doubles in the code that is written, with Python's signs for its arithmetic."""
+
+    def __init__(self, code: LaneCode, value: Any) -> None:
+        self.code, self.value = code, value
+
+    def of(self, other: Lanes | float) -> Any:
+        """Return the value of another vector, or of a number in all lanes."""
+        return other.value if isinstance(other, Lanes) else self.code.constant(other)
+
+    def __add__(self, other: Lanes | float) -> Lanes:
+        return Lanes(self.code, self.code.builder.fadd(self.value, self.of(other)))
+
+    def __sub__(self, other: Lanes | float) -> Lanes:
+        return Lanes(self.code, self.code.builder.fsub(self.value, self.of(other)))
+
+    def __rsub__(self, other: float) -> Lanes:
+        return Lanes(self.code, self.code.builder.fsub(self.of(other), self.value))
+
+    def __mul__(self, other: Lanes | float) -> Lanes:
+        return Lanes(self.code, self.code.builder.fmul(self.value, self.of(other)))
+
+    def __rtruediv__(self, other: float) -> Lanes:
+        return Lanes(self.code, self.code.builder.fdiv(self.of(other), self.value))
+
+    def __neg__(self) -> Lanes:
+        return Lanes(self.code, self.code.builder.fneg(self.value))
+
+    def times_plus(self, factor: Lanes | float, term: Lanes | float) -> Lanes:
+        """Return self * factor + term, rounded once or twice."""
+        return Lanes(self.code, self.code.fma(self.value, self.of(factor), self.of(term)))
+
+    def where(self, sign: str, bound: Lanes | float, value: Lanes | float) -> Lanes:
+        """Return the value where self compares so with the bound, else self; NaN stays."""
+        return self.chosen(self.compared(sign, bound), value)
+
+    def chosen(self, mask: Any, value: Lanes | float) -> Lanes:
+        """Return the value where the mask is set, else self."""
+        return Lanes(self.code, self.code.builder.select(mask, self.of(value), self.value))
+
+    def compared(self, sign: str, bound: Lanes | float) -> Any:
+        """Return where self compares so with the bound; never with NaN."""
+        return self.code.builder.fcmp_ordered(sign, self.value, self.of(bound))
+
+    def bits(self) -> Bits:
+        """Return the doubles' bits."""
+        words = words_of(self.code)
+        return Bits(self.code, self.code.builder.bitcast(self.value, words))
+
+    def size(self) -> Lanes:
+        """Return the absolute value."""
+        return (self.bits() & ((1 << 63) - 1)).doubles()
+
+    def signed_as(self, other: Lanes) -> Lanes:
+        """Return self, which is not negative, with the sign of the other."""
+        return (self.bits() | (other.bits() & (1 << 63))).doubles()
+
+
+class Bits:
+    """A vector of integers of 64 bits."""
+
+    def __init__(self, code: LaneCode, value: Any) -> None:
+        self.code, self.value = code, value
+
+    def _made(self, word: str, other: Bits | int) -> Bits:
+        if isinstance(other, int):
+            lanes, kind = self.code.lanes, words_of(self.code)
+            signed = (other + (1 << 63)) % (1 << 64) - (1 << 63)
+            given = ir.Constant(kind, signed if lanes == 1 else [signed] * lanes)
+        else:
+            given = other.value
+        return Bits(self.code, getattr(self.code.builder, word)(self.value, given))
+
+    def __add__(self, other: Bits | int) -> Bits:
+        return self._made("add", other)
+
+    def __sub__(self, other: Bits | int) -> Bits:
+        return self._made("sub", other)
+
+    def __and__(self, other: Bits | int) -> Bits:
+        return self._made("and_", other)
+
+    def __or__(self, other: Bits | int) -> Bits:
+        return self._made("or_", other)
+
+    def __xor__(self, other: Bits | int) -> Bits:
+        return self._made("xor", other)
+
+    def __lshift__(self, places: int) -> Bits:
+        return self._made("shl", places)
+
+    def __rshift__(self, places: int) -> Bits:
+        return self._made("lshr", places)
+
+    def doubles(self) -> Lanes:
+        """Return the doubles that have these bits."""
+        return Lanes(self.code, self.code.builder.bitcast(self.value, self.code.kind))
+
+
+class Pair(NamedTuple):
+    """An unevaluated sum: ``high`` is the double next to it, but for a few of its last bits."""
+
+    high: Lanes
+    low: Lanes
+
+
+def words_of(code: LaneCode) -> Any:
+    """Return the type of the integers that stand for a vector's doubles."""
+    word = ir.IntType(64)
+    return word if code.lanes == 1 else ir.VectorType(word, code.lanes)
+
+
+def exact_sum(large: Lanes, small: Lanes) -> Pair:
+    """Return a sum with its rounding error; the first is 0 or not the smaller."""
+    total = large + small
+    return Pair(total, small - (total - large))
+
+
+def exact_product(one: Lanes, other: Lanes) -> Pair:
+    """Return a product with its rounding error; sizes are below 1e290."""
+    total = one * other
+    if one.code.fused:
+        rest = one.code.fused_multiply_add(one.value, other.value, (-total).value)
+        return Pair(total, Lanes(one.code, rest))
+    (a, b), (c, d) = _halves(one), _halves(other)
+    return Pair(total, ((a * c - total) + a * d + b * c) + b * d)
+
+
+def _halves(value: Lanes) -> Pair:
+    """Return two doubles of 26 bits that sum up to the value."""
+    wide = value * (2.0**27 + 1.0)
+    high = wide - (wide - value)
+    return Pair(high, value - high)
+
+
+def quotient(over: Pair, under: Pair) -> Pair:
+    """Return a quotient to some 2^-100."""
+    inverse = 1.0 / under.high
+    first = over.high * inverse
+    product = exact_product(first, under.high)
+    rest = (over.high - product.high) - product.low
+    return exact_sum(first, (rest + over.low - first * under.low) * inverse)
+
+
+def polynomial(z: Lanes, factors: Sequence[float]) -> Lanes:
+    """Return the polynomial whose ``factors`` begin with that of the power 0.
+
+    Even and odd powers are summed apart, so that two sums are under way at a time.
+    """
+    if len(factors) < 4:
+        return _horner(z, factors)
+    square = z * z
+    even, odd = (_horner(square, factors[start::2]) for start in (0, 1))
+    return odd.times_plus(z, even)
+
+
+def _horner(z: Lanes, factors: Sequence[float]) -> Lanes:
+    *lower, highest = factors
+    found = Lanes(z.code, z.code.constant(highest))
+    for factor in reversed(lower):
+        found = found.times_plus(z, factor)
+    return found
+
+
+# Constants: found when code is written, for machine code is kept.
+
+
+@cache
+def parts_of(name: str, *bits: int) -> tuple[float, ...]:
+    """Return a constant of mpmath as a sum of doubles, the first of so many bits, the last of 53.
+
+    >>> parts_of("ln2", 42)
+    (0.6931471805598903, 5.497923018708371e-14)
+    """
+    import mpmath
+
+    with mpmath.workdps(DIGITS):
+        rest, found = {"ln2": +mpmath.ln2, "half_pi": mpmath.pi / 2, "third": mpmath.mpf(1) / 3}[
+            name
+        ], []
+        for count in bits:
+            unit = mpmath.ldexp(1, mpmath.frexp(rest)[1] - count)
+            found.append(float(mpmath.floor(rest / unit) * unit))
+            rest -= found[-1]
+        return (*found, float(rest))
+
+
+@cache
+def fitted(name: str) -> tuple[float, ...]:
+    """Return the factors of the polynomial of that `SERIES`, that of the power 0 first."""
+    import mpmath
+
+    low, high, count, made = SERIES[name]
+    with mpmath.workdps(DIGITS):
+        function = made(mpmath)
+        return tuple(map(float, reversed(mpmath.chebyfit(function, [low, high], count))))
+
+
+SERIES: dict[str, tuple[float, float, int, Callable[[Any], Callable[[Any], Any]]]] = {
+    "exp": (-0.34658, 0.34658, 10, lambda m: lambda r: (m.expm1(r) - r) / r**2),
+    "sinh": (0.0, 0.12012, 5, lambda m: lambda z: (m.sinh(m.sqrt(z)) / m.sqrt(z) - 1) / z),
+    "cosh": (0.0, 0.12012, 6, lambda m: lambda z: (m.cosh(m.sqrt(z)) - 1) / z),
+    "log": (0.0, 0.02945, 7, lambda m: lambda z: (m.atanh(m.sqrt(z)) / m.sqrt(z) - 1) * 2 / z),
+    "log_rest": (
+        0.0,
+        0.02945,
+        8,
+        lambda m: lambda z: ((m.atanh(m.sqrt(z)) / m.sqrt(z) - 1) / z - m.mpf(1) / 3) / z,
+    ),
+    "sin": (0.0, 0.61686, 6, lambda m: lambda z: (m.sin(m.sqrt(z)) / m.sqrt(z) - 1) / z),
+    "cos": (0.0, 0.61686, 6, lambda m: lambda z: (m.cos(m.sqrt(z)) - 1 + z / 2) / z**2),
+}
+"""Of each polynomial: the ends of its range, how many factors, and what it stands for. The ranges
+end a little beyond ln(2)/2, its square, the square of (sqrt(2) - 1)/(sqrt(2) + 1) and that of
+pi/4. So many factors leave less than 2^-57 of the function's value."""
+
+
+# Exponentials.
+
+LEAST_EXPONENT, MOST_EXPONENT = -760.0, 720.0
+"""Beyond these the exponential is 0, and infinite: n ln(2) with n of 12 bits."""
+
+
+def _doublings(x: Lanes, low: Lanes | None = None) -> tuple[Lanes, Pair]:
+    """Return n and r of x = n ln(2) + r, where r is not larger than ln(2)/2; x + low, if given."""
+    high, rest = parts_of("ln2", 42)
+    n = x.times_plus(1.0 / high, SHIFT) - SHIFT
+    left, off = n.times_plus(-high, x), n * rest
+    off = off if low is None else off - low
+    r = left - off
+    return n, Pair(r, (left - r) - off)
+
+
+def _power_of_two(shifted: Lanes) -> Lanes:
+    """Return 2^n of n + `SHIFT`, for n of -1022 .. 1023."""
+    return ((shifted.bits() + 1023) << 52).doubles()
+
+
+def _scaled(value: Lanes, n: Lanes) -> Lanes:
+    """Return the value times 2^n in two halves: only the last product may be rounded."""
+    half = n.times_plus(0.5, SHIFT)
+    other = n - (half - SHIFT) + SHIFT
+    return value * _power_of_two(half) * _power_of_two(other)
+
+
+def _bounded(x: Lanes, least: float, most: float) -> Lanes:
+    return x.where("<", least, least).where(">", most, most)
+
+
+def exponential(x: Lanes, low: Lanes | None = None) -> Lanes:
+    """Return exp(x), or exp(x + low)."""
+    n, (r, _) = _doublings(_bounded(x, LEAST_EXPONENT, MOST_EXPONENT), low)
+    rest = (r * r).times_plus(polynomial(r, fitted("exp")), r)
+    return _scaled(rest + 1.0, n)
+
+
+class _Halves(NamedTuple):
+    """The sums of exp(x) and exp(-x) to be halved: each is 2^up times its pair."""
+
+    sinh: Pair
+    cosh: Pair
+    up: Lanes
+
+
+def _hyperbolic(x: Lanes) -> _Halves:
+    """Return hyperbolic functions of x, not negative.
+
+    With exp(r) = 1 + c + s, exp(-r) = 1 + c - s and a, b = 2^n / 2, 2^-n / 2:
+    sinh = (a - b)(1 + c) + (a + b) s, cosh = (a + b)(1 + c) + (a - b) s.
+    """
+    n, (r, low) = _doublings(x)
+    z = r * r
+    c = z * polynomial(z, fitted("cosh"))
+    s, s_low = exact_sum(r, (r * z).times_plus(polynomial(z, fitted("sinh")), low))
+    half = n.times_plus(0.5, SHIFT)
+    up = n - (half - SHIFT)
+    a = _power_of_two(half - 1.0)
+    b = _power_of_two(SHIFT - 1.0 - (n.where(">", 100.0, 100.0) + up))
+    (less, less_low), (more, more_low) = exact_sum(a, -b), exact_sum(a, b)
+    less_low, more_low = more.times_plus(s_low, less_low), less.times_plus(s_low, more_low)
+    odd = exact_sum(less, less.times_plus(c, more.times_plus(s, less_low)))
+    even = exact_sum(more, more.times_plus(c, less.times_plus(s, more_low)))
+    return _Halves(odd, even, up)
+
+
+def sinh(x: Lanes) -> Lanes:
+    """Return the hyperbolic sine."""
+    found = _hyperbolic(x.size().where(">", MOST_EXPONENT, MOST_EXPONENT))
+    return (found.sinh.high * _power_of_two(found.up + SHIFT)).signed_as(x)
+
+
+def cosh(x: Lanes) -> Lanes:
+    """Return the hyperbolic cosine."""
+    found = _hyperbolic(x.size().where(">", MOST_EXPONENT, MOST_EXPONENT))
+    return found.cosh.high * _power_of_two(found.up + SHIFT)
+
+
+def tanh(x: Lanes) -> Lanes:
+    """Return the hyperbolic tangent."""
+    found = _hyperbolic(x.size().where(">", 25.0, 25.0))
+    return quotient(found.sinh, found.cosh).high.signed_as(x)
+
+
+# Logarithms and powers.
+
+BELOW_ONE = 0x3FE6A09E667F3BCD
+"""The bits of the root of 1/2."""
+
+
+def _mantissa(x: Lanes) -> tuple[Lanes, Lanes]:
+    """Return k and m of x = 2^k m, where m lies between the roots of 1/2 and 2; x is positive."""
+    small = x.compared("<", 2.0**-1022)
+    bits = x.chosen(small, x * 2.0**54).bits()
+    up = bits + (ONE_BITS + (1 << 52) - BELOW_ONE)
+    raised = ((up >> 52) | SHIFT_BITS).doubles() - (2.0**52 + 1024.0)
+    k = raised.chosen(small, raised - 54.0)
+    return k, (bits - (up & (0xFFF << 52)) + (ONE_BITS + (1 << 52))).doubles()
+
+
+def logarithm(x: Lanes) -> Lanes:
+    """Return the natural logarithm."""
+    k, m = _mantissa(x)
+    high, rest = parts_of("ln2", 42)
+    f = m - 1.0
+    s = f * (1.0 / (m + 1.0))
+    z, half = s * s, f * f * 0.5
+    series = z.times_plus(polynomial(z, fitted("log")), half)
+    found = k.times_plus(high, f - (half - k.times_plus(rest, s * series)))
+    found = found.chosen(x.compared("==", INFINITY), INFINITY)
+    found = found.chosen(x.compared("==", 0.0), -INFINITY)
+    below = x.code.builder.fcmp_unordered("<", x.value, x.of(0.0))
+    return found.chosen(below, NAN)
+
+
+def _logarithm_pair(x: Lanes) -> Pair:
+    """Return the natural logarithm to 2^-65 of its value; x is positive and finite.
+
+    That of m is 2 s (1 + z/3 + z^2 Q(z)) with s = (m - 1)/(m + 1) and z = s^2, all as pairs but Q.
+    """
+    k, m = _mantissa(x)
+    over, under = m - 1.0, m + 1.0
+    none = Lanes(x.code, x.code.constant(0.0))
+    s = quotient(Pair(over, none), Pair(under, m - (under - 1.0)))
+    z = exact_product(s.high, s.high)
+    z_low = (s.high * 2.0).times_plus(s.low, z.low)
+    third, third_low = parts_of("third", 53)
+    part = exact_product(z.high, Lanes(x.code, x.code.constant(third)))
+    part_low = z_low.times_plus(third, z.high.times_plus(third_low, part.low))
+    rest = z.high * z.high * polynomial(z.high, fitted("log_rest"))
+    series = exact_sum(part.high, rest)
+    series_low = series.low + part_low
+    more = exact_product(s.high, series.high)
+    more_low = s.high.times_plus(series_low, s.low.times_plus(series.high, more.low))
+    half = exact_sum(s.high, more.high)
+    half_low = half.low + (s.low + more_low)
+    high, low = parts_of("ln2", 42)
+    total = exact_sum(k * high, half.high * 2.0)
+    return exact_sum(total.high, total.low + k.times_plus(low, half_low * 2.0))
+
+
+def power(x: Lanes, exponent: float) -> Lanes:
+    """Return x to an exponent, other than 0, whose size is at most `LARGEST_EXPONENT`."""
+    size = x.size()
+    log = _logarithm_pair(size)
+    factor = Lanes(x.code, x.code.constant(exponent))
+    product = exact_product(log.high, factor)
+    found = exponential(product.high, factor.times_plus(log.low, product.low))
+    at_zero, beyond = (0.0, INFINITY) if exponent > 0.0 else (INFINITY, 0.0)
+    whole = exponent.is_integer()
+    wrong = x.code.builder.fcmp_unordered("!=" if whole else "<", x.value, x.of(x if whole else 0.0))
+    found = found.chosen(wrong, NAN)
+    found = found.chosen(size.compared("==", 0.0), at_zero)
+    found = found.chosen(size.compared("==", INFINITY), beyond)
+    return found.signed_as(x) if whole and exponent % 2.0 == 1.0 else found
+
+
+# Circles.
+
+
+class _Turn(NamedTuple):
+    """What is left of an angle without whole quarters, their number in the last bits, its sine
+    and cosine."""
+
+    quarters: Bits
+    sine: Pair
+    cosine: Pair
+
+
+def _turn(x: Lanes) -> _Turn:
+    """Take off the quarters, n pi/2, of an angle that is not larger than `TURNED`.
+
+    In three parts: products with the first two are exact. It leaves 2^-120.
+    """
+    first, second, third = parts_of("half_pi", 40, 40)
+    shifted = x.times_plus(1.0 / (first + second), SHIFT)
+    n = shifted - SHIFT
+    left, off = n.times_plus(-first, x), n * -second
+    r = left + off
+    gone = r - left
+    lost = (left - (r - gone)) + (off - gone)
+    high, low = exact_sum(r, n.times_plus(-third, lost))
+    z = high * high
+    half = z * 0.5
+    sine = exact_sum(
+        high, (high * z).times_plus(polynomial(z, fitted("sin")), low - half * low)
+    )
+    cosine = exact_sum(Lanes(x.code, x.code.constant(1.0)), -half)
+    rest = (z * z).times_plus(polynomial(z, fitted("cos")), cosine.low - high * low)
+    return _Turn(shifted.bits(), sine, exact_sum(cosine.high, rest))
+
+
+def _even(quarters: Bits) -> Any:
+    """Return where a number is even."""
+    nothing = (quarters ^ quarters).value
+    return quarters.code.builder.icmp_unsigned("==", (quarters & 1).value, nothing)
+
+
+def _circle(x: Lanes, ahead: int) -> Lanes:
+    """Return the sine of an angle and so many quarters."""
+    turn = _turn(x)
+    quarters = turn.quarters + ahead
+    found = turn.cosine.high.chosen(_even(quarters), turn.sine.high)
+    return (found.bits() ^ ((quarters & 2) << 62)).doubles()
+
+
+def sine(x: Lanes) -> Lanes:
+    """Return the sine."""
+    return _within(x, "sin", _circle(x, 0))
+
+
+def cosine(x: Lanes) -> Lanes:
+    """Return the cosine."""
+    return _within(x, "cos", _circle(x, 1))
+
+
+def tangent(x: Lanes) -> Lanes:
+    """Return the tangent."""
+    turn = _turn(x)
+    even = _even(turn.quarters)
+    over, under = (
+        Pair(*(b.chosen(even, a) for a, b in zip(*pair, strict=True)))
+        for pair in ((turn.sine, turn.cosine), (turn.cosine, turn.sine))
+    )
+    found = quotient(over, under).high
+    return _within(x, "tan", (found.bits() ^ ((turn.quarters & 1) << 63)).doubles())
+
+
+def _within(x: Lanes, name: str, found: Lanes) -> Lanes:
+    """Return what was found, and the C library's value where the argument is beyond `TURNED`."""
+    code, builder = x.code, x.code.builder
+    beyond = builder.fcmp_unordered(">", x.size().value, x.of(TURNED))
+    flags = ir.IntType(code.lanes)
+    somewhere = builder.icmp_unsigned("!=", builder.bitcast(beyond, flags), flags(0))
+    before = builder.block
+    with builder.if_then(somewhere, likely=False):
+        asked = builder.select(beyond, code.function(name, x.value), found.value)
+        after = builder.block
+    total = builder.phi(code.kind)
+    total.add_incoming(found.value, before)
+    total.add_incoming(asked, after)
+    return Lanes(code, total)
+
+
+FUNCTIONS_OF_LANES: dict[str, Callable[[Lanes], Lanes]] = {
+    "exp": exponential, "log": logarithm, "sin": sine, "cos": cosine, "tan": tangent,
+    "sinh": sinh, "cosh": cosh, "tanh": tanh,
+}  # fmt: skip
+"""Those of `lattice.force_program.UNARY` that are written here; of others the C library is asked
+for each cell."""
