@@ -58,27 +58,31 @@ class Lanes:
         """Return the value of another vector, or of a number in all lanes."""
         return other.value if isinstance(other, Lanes) else self.code.constant(other)
 
+    def made(self, value: Any) -> Lanes:
+        """Return another value of the same code."""
+        return Lanes(self.code, value)
+
     def __add__(self, other: Lanes | float) -> Lanes:
-        return Lanes(self.code, self.code.builder.fadd(self.value, self.of(other)))
+        return self.made(self.code.builder.fadd(self.value, self.of(other)))
 
     def __sub__(self, other: Lanes | float) -> Lanes:
-        return Lanes(self.code, self.code.builder.fsub(self.value, self.of(other)))
+        return self.made(self.code.builder.fsub(self.value, self.of(other)))
 
     def __rsub__(self, other: float) -> Lanes:
-        return Lanes(self.code, self.code.builder.fsub(self.of(other), self.value))
+        return self.made(self.code.builder.fsub(self.of(other), self.value))
 
     def __mul__(self, other: Lanes | float) -> Lanes:
-        return Lanes(self.code, self.code.builder.fmul(self.value, self.of(other)))
+        return self.made(self.code.builder.fmul(self.value, self.of(other)))
 
     def __rtruediv__(self, other: float) -> Lanes:
-        return Lanes(self.code, self.code.builder.fdiv(self.of(other), self.value))
+        return self.made(self.code.builder.fdiv(self.of(other), self.value))
 
     def __neg__(self) -> Lanes:
-        return Lanes(self.code, self.code.builder.fneg(self.value))
+        return self.made(self.code.builder.fneg(self.value))
 
     def times_plus(self, factor: Lanes | float, term: Lanes | float) -> Lanes:
         """Return self * factor + term, rounded once or twice."""
-        return Lanes(self.code, self.code.fma(self.value, self.of(factor), self.of(term)))
+        return self.made(self.code.fma(self.value, self.of(factor), self.of(term)))
 
     def where(self, sign: str, bound: Lanes | float, value: Lanes | float) -> Lanes:
         """Return the value where self compares so with the bound, else self; NaN stays."""
@@ -86,7 +90,7 @@ class Lanes:
 
     def chosen(self, mask: Any, value: Lanes | float) -> Lanes:
         """Return the value where the mask is set, else self."""
-        return Lanes(self.code, self.code.builder.select(mask, self.of(value), self.value))
+        return self.made(self.code.builder.select(mask, self.of(value), self.value))
 
     def compared(self, sign: str, bound: Lanes | float) -> Any:
         """Return where self compares so with the bound; never with NaN."""
@@ -171,7 +175,7 @@ def exact_product(one: Lanes, other: Lanes) -> Pair:
     total = one * other
     if one.code.fused:
         rest = one.code.fused_multiply_add(one.value, other.value, (-total).value)
-        return Pair(total, Lanes(one.code, rest))
+        return Pair(total, one.made(rest))
     (a, b), (c, d) = _halves(one), _halves(other)
     return Pair(total, ((a * c - total) + a * d + b * c) + b * d)
 
@@ -206,7 +210,7 @@ def polynomial(z: Lanes, factors: Sequence[float]) -> Lanes:
 
 def _horner(z: Lanes, factors: Sequence[float]) -> Lanes:
     *lower, highest = factors
-    found = Lanes(z.code, z.code.constant(highest))
+    found = z.made(z.code.constant(highest))
     for factor in reversed(lower):
         found = found.times_plus(z, factor)
     return found
@@ -389,12 +393,12 @@ def _logarithm_pair(x: Lanes) -> Pair:
     """
     k, m = _mantissa(x)
     over, under = m - 1.0, m + 1.0
-    none = Lanes(x.code, x.code.constant(0.0))
+    none = x.made(x.code.constant(0.0))
     s = quotient(Pair(over, none), Pair(under, m - (under - 1.0)))
     z = exact_product(s.high, s.high)
     z_low = (s.high * 2.0).times_plus(s.low, z.low)
     third, third_low = parts_of("third", 53)
-    part = exact_product(z.high, Lanes(x.code, x.code.constant(third)))
+    part = exact_product(z.high, x.made(x.code.constant(third)))
     part_low = z_low.times_plus(third, z.high.times_plus(third_low, part.low))
     rest = z.high * z.high * polynomial(z.high, fitted("log_rest"))
     series = exact_sum(part.high, rest)
@@ -412,7 +416,7 @@ def power(x: Lanes, exponent: float) -> Lanes:
     """Return x to an exponent, other than 0, whose size is at most `LARGEST_EXPONENT`."""
     size = x.size()
     log = _logarithm_pair(size)
-    factor = Lanes(x.code, x.code.constant(exponent))
+    factor = x.made(x.code.constant(exponent))
     product = exact_product(log.high, factor)
     found = exponential(product.high, factor.times_plus(log.low, product.low))
     at_zero, beyond = (0.0, INFINITY) if exponent > 0.0 else (INFINITY, 0.0)
@@ -454,7 +458,7 @@ def _turn(x: Lanes) -> _Turn:
     sine = exact_sum(
         high, (high * z).times_plus(polynomial(z, fitted("sin")), low - half * low)
     )
-    cosine = exact_sum(Lanes(x.code, x.code.constant(1.0)), -half)
+    cosine = exact_sum(x.made(x.code.constant(1.0)), -half)
     rest = (z * z).times_plus(polynomial(z, fitted("cos")), cosine.low - high * low)
     return _Turn(shifted.bits(), sine, exact_sum(cosine.high, rest))
 
@@ -508,7 +512,7 @@ def _within(x: Lanes, name: str, found: Lanes) -> Lanes:
     total = builder.phi(code.kind)
     total.add_incoming(found.value, before)
     total.add_incoming(asked, after)
-    return Lanes(code, total)
+    return x.made(total)
 
 
 FUNCTIONS_OF_LANES: dict[str, Callable[[Lanes], Lanes]] = {
