@@ -8,8 +8,8 @@ counts.
 
 import argparse
 import time
-from contextlib import contextmanager
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from unittest.mock import patch
 
 import numpy as np
@@ -42,7 +42,9 @@ LAWS = {
 
 def kernel(force: object, by_library: bool) -> Callable[[int], float]:
     """Seconds of so many stages of a chain with that force."""
-    law = numeric_lattice(Lattice("tried", "", ("u",), (1,), (spring(force, ((0,), 0), ((1,), 0)),)), {})
+    law = numeric_lattice(
+        Lattice("tried", "", ("u",), (1,), (spring(force, ((0,), 0), ((1,), 0)),)), {}
+    )
     advance = RingKernel(law, CELLS)
     start = 0.05 * np.sin(np.arange(CELLS) / 10.0)[np.newaxis]
 
@@ -92,7 +94,9 @@ def main() -> None:
             for place, run in enumerate(pair):
                 least[name][place] = min(least[name][place], run(options.stages))
     cubic = least["cubic"][1]
-    print("ns a cell and stage: by the library, as vectors; their ratio; over that of a cubic force")
+    print(
+        "ns a cell and stage: by the library, as vectors; their ratio; over that of a cubic force"
+    )
     for name, (by, own) in least.items():
         unit = CELLS * options.stages * 1e-9
         print(f"{name:12s} {by / unit:7.2f} {own / unit:7.2f} {by / own:7.1f} {own / cubic:7.1f}")

@@ -58,9 +58,7 @@ field to field and from row to row, vectors of a row; the first stage, and the r
 class LaneCode:
     """A builder of vectors of doubles: what every part of the code is written with."""
 
-    def __init__(
-        self, module: Any, builder: Any, lanes: int, fused: bool | None = None
-    ) -> None:
+    def __init__(self, module: Any, builder: Any, lanes: int, fused: bool | None = None) -> None:
         self.module, self.builder, self.lanes = module, builder, lanes
         self.fused = multiplies_and_adds_at_once() if fused is None else fused
         self.kind = _DOUBLE if lanes == 1 else ir.VectorType(_DOUBLE, lanes)
