@@ -268,10 +268,11 @@ SERIES: dict[str, tuple[float, float, int, Callable[[Any], Callable[[Any], Any]]
     ),
     "sin": (0.0, 0.61686, 6, lambda m: lambda z: (m.sin(m.sqrt(z)) / m.sqrt(z) - 1) / z),
     "cos": (0.0, 0.61686, 6, lambda m: lambda z: (m.cos(m.sqrt(z)) - 1 + z / 2) / z**2),
+    "atan": (0.0, 0.17158, 12, lambda m: lambda z: (m.atan(m.sqrt(z)) / m.sqrt(z) - 1) / z),
 }
 """Of each polynomial: the ends of its range, how many factors, and what it stands for. The ranges
-end a little beyond ln(2)/2, its square, the square of (sqrt(2) - 1)/(sqrt(2) + 1) and that of
-pi/4. So many factors leave less than 2^-55 of the function's value, 2^-66 in
+end a little beyond ln(2)/2, its square, the squares of (sqrt(2) - 1)/(sqrt(2) + 1), pi/4, and
+sqrt(2) - 1. So many factors leave less than 2^-55 of the function's value, 2^-66 in
 "log_rest"."""
 
 
@@ -281,26 +282,28 @@ LEAST_EXPONENT, MOST_EXPONENT = -760.0, 720.0
 """Beyond these the exponential is 0, and infinite: n ln(2) with n of 12 bits."""
 
 
-def _doublings(x: Lanes, low: Lanes | None = None) -> tuple[Lanes, Pair]:
-    """Return n and r of x = n ln(2) + r, where r is not larger than ln(2)/2; x + low, if given."""
+class _Doublings(NamedTuple):
+    """The whole n and the rest r of n ln(2) + r, where r is not larger than ln(2)/2."""
+
+    n: Lanes
+    shifted: Lanes
+    rest: Pair
+
+
+def _doublings(x: Lanes, low: Lanes | None = None) -> _Doublings:
+    """Return those of x, or of x + low."""
     high, rest = parts_of("ln2", 42)
-    n = x.times_plus(1.0 / high, SHIFT) - SHIFT
+    shifted = x.times_plus(1.0 / high, SHIFT)
+    n = shifted - SHIFT
     left, off = n.times_plus(-high, x), n * rest
     off = off if low is None else off - low
     r = left - off
-    return n, Pair(r, (left - r) - off)
+    return _Doublings(n, shifted, Pair(r, (left - r) - off))
 
 
 def _power_of_two(shifted: Lanes) -> Lanes:
     """Return 2^n of n + `SHIFT`, for n of -1022 .. 1023."""
-    return ((shifted.bits() + 1023) << 52).doubles()
-
-
-def _scaled(value: Lanes, n: Lanes) -> Lanes:
-    """Return the value times 2^n in two halves: only the last product may be rounded."""
-    half = n.times_plus(0.5, SHIFT)
-    other = n - (half - SHIFT) + SHIFT
-    return value * _power_of_two(half) * _power_of_two(other)
+    return ((shifted.bits() << 52) + ONE_BITS).doubles()
 
 
 def _bounded(x: Lanes, least: float, most: float) -> Lanes:
@@ -308,10 +311,15 @@ def _bounded(x: Lanes, least: float, most: float) -> Lanes:
 
 
 def exponential(x: Lanes, low: Lanes | None = None) -> Lanes:
-    """Return exp(x), or exp(x + low)."""
-    n, (r, _) = _doublings(_bounded(x, LEAST_EXPONENT, MOST_EXPONENT), low)
-    rest = (r * r).times_plus(polynomial(r, fitted("exp")), r)
-    return _scaled(rest + 1.0, n)
+    """Return exp(x), or exp(x + low).
+
+    It is multiplied by two halves of 2^n: only the last product may be rounded.
+    """
+    n, shifted, (r, _) = _doublings(_bounded(x, LEAST_EXPONENT, MOST_EXPONENT), low)
+    more = (r * r).times_plus(polynomial(r, fitted("exp")), r)
+    half = n.times_plus(0.5, SHIFT).bits() << 52
+    other = (shifted.bits() << 52) - half
+    return (more + 1.0) * (half + ONE_BITS).doubles() * (other + ONE_BITS).doubles()
 
 
 class _Halves(NamedTuple):
@@ -328,7 +336,7 @@ def _hyperbolic(x: Lanes) -> _Halves:
     With exp(r) = 1 + c + s, exp(-r) = 1 + c - s and a, b = 2^n / 2, 2^-n / 2:
     sinh = (a - b)(1 + c) + (a + b) s, cosh = (a + b)(1 + c) + (a - b) s.
     """
-    n, (r, low) = _doublings(x)
+    n, _, (r, low) = _doublings(x)
     z = r * r
     c = z * polynomial(z, fitted("cosh"))
     s, s_low = exact_sum(r, (r * z).times_plus(polynomial(z, fitted("sinh")), low))
@@ -379,17 +387,43 @@ def _mantissa(x: Lanes) -> tuple[Lanes, Lanes]:
 
 def logarithm(x: Lanes) -> Lanes:
     """Return the natural logarithm."""
-    k, m = _mantissa(x)
+    found = _logarithm(*_mantissa(x))
+    found = found.chosen(x.compared("==", INFINITY), INFINITY)
+    found = found.chosen(x.compared("==", 0.0), -INFINITY)
+    below = x.code.builder.fcmp_unordered("<", x.value, x.of(0.0))
+    return found.chosen(below, NAN)
+
+
+def _logarithm(k: Lanes, m: Lanes, more: Lanes | float = 0.0) -> Lanes:
+    """Return that of 2^k m, and a little more."""
     high, rest = parts_of("ln2", 42)
     f = m - 1.0
     s = f * (1.0 / (m + 1.0))
     z, half = s * s, f * f * 0.5
     series = z.times_plus(polynomial(z, fitted("log")), half)
-    found = k.times_plus(high, f - (half - k.times_plus(rest, s * series)))
-    found = found.chosen(x.compared("==", INFINITY), INFINITY)
-    found = found.chosen(x.compared("==", 0.0), -INFINITY)
-    below = x.code.builder.fcmp_unordered("<", x.value, x.of(0.0))
-    return found.chosen(below, NAN)
+    low = s.times_plus(series, k.times_plus(rest, more))
+    return k.times_plus(high, f - (half - low))
+
+
+def area_sine(x: Lanes) -> Lanes:
+    """Return the inverse of the hyperbolic sine.
+
+    log(1 + u) with u = |x| + x^2 / (1 + sqrt(1 + x^2)), and log(2 |x|) from 2^28 on.
+    """
+    size = x.size()
+    large = size.compared(">", 2.0**28)
+    t = size.where(">", 2.0**28, 2.0**28)
+    root = x.made(x.code.root(t.times_plus(t, 1.0).value))
+    u = (t * t).times_plus(1.0 / (root + 1.0), t)
+    total = u + 1.0
+    below = u.compared("<", 1.0)
+    lost = (total - u - 1.0).chosen(below, total - 1.0 - u)
+    off = (-lost * (1.0 / total)).chosen(large, 0.0)
+    k, m = _mantissa(total.chosen(large, size))
+    found = _logarithm(k.chosen(large, k + 1.0), m, off)
+    found = found.chosen(size.compared("==", INFINITY), INFINITY)
+    missing = x.code.builder.fcmp_unordered("!=", x.value, x.value)
+    return found.chosen(missing, NAN).signed_as(x)
 
 
 def _logarithm_pair(x: Lanes) -> Pair:
@@ -521,9 +555,28 @@ def _within(x: Lanes, name: str, found: Lanes) -> Lanes:
     return x.made(total)
 
 
+def arctangent(x: Lanes) -> Lanes:
+    """Return the arctangent: those of -1/x and (x - 1)/(x + 1) are taken from quarters of pi."""
+    size = x.size().where(">", 2.0**60, 2.0**60)
+    middle, steep = size.compared(">", 2.0**0.5 - 1.0), size.compared(">", 1.0 + 2.0**0.5)
+    none, one = (x.made(x.code.constant(value)) for value in (0.0, 1.0))
+    less, more = size - 1.0, size + 1.0
+    over = size.chosen(middle, less).chosen(steep, -1.0)
+    over_low = none.chosen(middle, size - (less + 1.0)).chosen(steep, 0.0)
+    under = one.chosen(middle, more).chosen(steep, size)
+    under_low = none.chosen(middle, size - (more - 1.0)).chosen(steep, 0.0)
+    t = quotient(Pair(over, over_low), Pair(under, under_low))
+    half, half_low = parts_of("half_pi", 53)
+    base = none.chosen(middle, half / 2.0).chosen(steep, half)
+    base_low = none.chosen(middle, half_low / 2.0).chosen(steep, half_low)
+    total, low = exact_sum(base, t.high)
+    z = t.high * t.high
+    low = (t.high * z).times_plus(polynomial(z, fitted("atan")), base_low + t.low) + low
+    return (total + low).signed_as(x)
+
+
 FUNCTIONS_OF_LANES: dict[str, Callable[[Lanes], Lanes]] = {
     "exp": exponential, "log": logarithm, "sin": sine, "cos": cosine, "tan": tangent,
-    "sinh": sinh, "cosh": cosh, "tanh": tanh,
+    "sinh": sinh, "cosh": cosh, "tanh": tanh, "atan": arctangent, "asinh": area_sine,
 }  # fmt: skip
-"""Those of `lattice.force_program.UNARY` that are written here; of others the C library is asked
-for each cell."""
+"""Those of `lattice.force_program.UNARY` that are not made of comparisons."""

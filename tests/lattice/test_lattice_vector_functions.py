@@ -174,6 +174,10 @@ def arguments(word: str) -> Array:
         turns = np.log(2.0) / 2.0 * random.integers(-2150, 2049, count)
         wide, most = random.uniform(-746.0, 710.4, count), 710.47
         hard = [turns, np.clip(turns, -most, most)][word != "exp"]
+    elif word in ("atan", "asinh"):
+        ends = np.array([2.0**0.5 - 1.0, 1.0, 2.0**0.5 + 1.0, 2.0**28, 2.0**60])
+        hard = random.choice(ends, count) * either
+        wide = either * 2.0 ** random.uniform(-3.0, 32.0, count)
     elif word in ("sin", "cos", "tan"):
         hard = np.pi / 2.0 * random.integers(-5300, 5300, count)
         wide = random.uniform(-TURNED, TURNED, count)
@@ -275,7 +279,16 @@ def test_lanes_change_no_bit(word: str) -> None:
 
 @pytest.mark.parametrize("word", WORDS)
 def test_functions_of_signs_keep_them(word: str) -> None:
-    signs = {"sin": -1.0, "tan": -1.0, "sinh": -1.0, "tanh": -1.0, "cos": 1.0, "cosh": 1.0}
+    signs = {
+        "sin": -1.0,
+        "tan": -1.0,
+        "sinh": -1.0,
+        "tanh": -1.0,
+        "atan": -1.0,
+        "asinh": -1.0,
+        "cos": 1.0,
+        "cosh": 1.0,
+    }
     if word in signs:
         x = arguments(word)[::5]
         np.testing.assert_array_equal(tried(word)(-x), signs[word] * tried(word)(x))
@@ -283,7 +296,7 @@ def test_functions_of_signs_keep_them(word: str) -> None:
 
 TRIED_BY = {
     "exp": "exp", "sinh": "sinh", "cosh": "cosh", "log": "log", "log_rest": "2000.5",
-    "sin": "sin", "cos": "cos",
+    "sin": "sin", "cos": "cos", "atan": "atan",
 }  # fmt: skip
 
 
@@ -300,7 +313,16 @@ def test_a_wrong_fourteenth_digit_is_seen(name: str, monkeypatch: pytest.MonkeyP
 def test_polynomials_leave_less_than_rounding(name: str) -> None:
     """They are the functions they stand for: what they leave, in shares of the whole function."""
     low, high, _, made = SERIES[name]
-    powers = {"exp": 2, "sinh": 1, "cosh": 1, "log": 1, "log_rest": 2, "sin": 1, "cos": 2}
+    powers = {
+        "exp": 2,
+        "sinh": 1,
+        "cosh": 1,
+        "log": 1,
+        "log_rest": 2,
+        "sin": 1,
+        "cos": 2,
+        "atan": 1,
+    }
     most = 2.0 ** (-66 if name == "log_rest" else -55)
     with mpmath.workdps(60):
         of, factors = made(mpmath), list(map(mpmath.mpf, reversed(fitted(name))))
