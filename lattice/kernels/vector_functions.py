@@ -156,7 +156,7 @@ class Bits:
 
 
 class Pair(NamedTuple):
-    """An unevaluated sum: ``high`` is the double next to it, but for a few of its last bits."""
+    """An unevaluated sum: ``low`` is a few last places of ``high`` at most."""
 
     high: Lanes
     low: Lanes
@@ -172,6 +172,11 @@ def exact_sum(large: Lanes, small: Lanes) -> Pair:
     """Return a sum with its rounding error; the first is 0 or not the smaller."""
     total = large + small
     return Pair(total, small - (total - large))
+
+
+def whole(pair: Pair) -> Lanes:
+    """Return the sum, rounded."""
+    return pair.high + pair.low
 
 
 def exact_product(one: Lanes, other: Lanes) -> Pair:
@@ -197,7 +202,7 @@ def quotient(over: Pair, under: Pair) -> Pair:
     first = over.high * inverse
     product = exact_product(first, under.high)
     rest = (over.high - product.high) - product.low
-    return exact_sum(first, (rest + over.low - first * under.low) * inverse)
+    return Pair(first, (rest + over.low - first * under.low) * inverse)
 
 
 def polynomial(z: Lanes, factors: Sequence[float]) -> Lanes:
@@ -366,7 +371,7 @@ def cosh(x: Lanes) -> Lanes:
 def tanh(x: Lanes) -> Lanes:
     """Return the hyperbolic tangent."""
     found = _hyperbolic(x.size().where(">", 25.0, 25.0))
-    return quotient(found.sinh, found.cosh).high.signed_as(x)
+    return whole(quotient(found.sinh, found.cosh)).signed_as(x)
 
 
 # Logarithms and powers.
@@ -449,7 +454,7 @@ def _logarithm_pair(x: Lanes) -> Pair:
     half_low = half.low + (s.low + more_low)
     high, low = parts_of("ln2", 42)
     total = exact_sum(k * high, half.high * 2.0)
-    return exact_sum(total.high, total.low + k.times_plus(low, half_low * 2.0))
+    return Pair(total.high, total.low + k.times_plus(low, half_low * 2.0))
 
 
 def power(x: Lanes, exponent: float) -> Lanes:
@@ -460,14 +465,14 @@ def power(x: Lanes, exponent: float) -> Lanes:
     product = exact_product(log.high, factor)
     found = exponential(product.high, factor.times_plus(log.low, product.low))
     at_zero, beyond = (0.0, INFINITY) if exponent > 0.0 else (INFINITY, 0.0)
-    whole = exponent.is_integer()
+    is_whole = exponent.is_integer()
     wrong = x.code.builder.fcmp_unordered(
-        "!=" if whole else "<", x.value, x.of(x if whole else 0.0)
+        "!=" if is_whole else "<", x.value, x.of(x if is_whole else 0.0)
     )
     found = found.chosen(wrong, NAN)
     found = found.chosen(size.compared("==", 0.0), at_zero)
     found = found.chosen(size.compared("==", INFINITY), beyond)
-    return found.signed_as(x) if whole and exponent % 2.0 == 1.0 else found
+    return found.signed_as(x) if is_whole and exponent % 2.0 == 1.0 else found
 
 
 # Circles.
@@ -535,7 +540,7 @@ def tangent(x: Lanes) -> Lanes:
         Pair(*(b.chosen(even, a) for a, b in zip(*pair, strict=True)))
         for pair in ((turn.sine, turn.cosine), (turn.cosine, turn.sine))
     )
-    found = quotient(over, under).high.bits() ^ ((turn.quarters & 1) << 63)
+    found = whole(quotient(over, under)).bits() ^ ((turn.quarters & 1) << 63)
     return _within(x, "tan", (found ^ x.sign()).doubles())
 
 
