@@ -307,10 +307,12 @@ class _Stage:
     ) -> None:
         """Go one row up, or one column of a plane, whose rows are ``kept``."""
         code, flow, self._kept = self._code, self._flow, kept
+        drifting = 0 if flow.spread else flow.moving
         self._latest = [
-            f if flow.spread else code.fma(drift, v, f)
-            for drift, f, v in zip(self._drifts, positions, velocities, strict=True)
+            code.fma(drift, v, f)
+            for drift, f, v in zip(self._drifts[:drifting], positions, velocities, strict=False)
         ]
+        self._latest += positions[drifting:]
         self._latest += [
             code.builder.fmul(factor, v)
             for factor, v in zip(self._shrunk, velocities, strict=False)
@@ -421,7 +423,8 @@ class _Writer:
         fields, speeds = ([builder.gep(data, [p]) for p in planes] for data in (f, v))
         with code.loop(first, past) as row:
             positions = [code.load(data, row) for data in fields]
-            velocities = [code.load(data, row) for data in speeds]
+            velocities = [code.load(data, row) for data in speeds[: flow.moving]]
+            velocities += [code.constant(0.0)] * flow.resting
             for behind, stage in enumerate(stages):
                 stage.row(positions, velocities)
                 if behind < together - 1:
@@ -429,7 +432,8 @@ class _Writer:
             for stage in stages:
                 stage.keep() if stage is not stages[-1] else None
             last = builder.sub(row, _INDEX((together - 1) * flow.skew))
-            for data, place in zip((*fields, *speeds), (*flow.drifted, *flow.kicked), strict=True):
+            moved = zip(fields[: flow.moving], flow.drifted, strict=False)
+            for data, place in (*moved, *zip(speeds[: flow.moving], flow.kicked, strict=False)):
                 behind_front = builder.sub(last, _INDEX(flow.streams[place].lag))
                 code.store(data, behind_front, stages[-1].latest(place))
             stages[-1].keep()
@@ -477,7 +481,7 @@ class _Writer:
             for place, depth in enumerate(rows.depths):
                 if depth:
                     code.store(begin(place, row, 0), column, stage.latest(place))
-            for place in range(flow.fields) if own else ():
+            for place in range(flow.moving) if own else ():
                 code.store(begin(place, row, 0), column, stage.latest(place))
             for place, made in enumerate(flow.kicked, flow.fields) if own else ():
                 if made >= 2 * flow.fields:
