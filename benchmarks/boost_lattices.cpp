@@ -62,6 +62,16 @@ struct square {
     }
   }
 };
+struct toda {
+  mutable state f;
+  void operator()(const state &u, state &g) const {
+    const size_t n = u.size(); f.resize(n);
+    for (size_t i = 0; i + 1 < n; ++i) f[i] = std::exp(u[i+1] - u[i]);
+    f[n-1] = std::exp(u[0] - u[n-1]);
+    g[0] = f[0] - f[n-1];
+    for (size_t i = 1; i < n; ++i) g[i] = f[i] - f[i-1];
+  }
+};
 struct hertz {
   mutable state f;
   void operator()(const state &u, state &g) const {
@@ -112,6 +122,7 @@ int main(int argc, char **argv) {
   else if (name == "next_nearest") march<next_nearest>(q, p, h, steps);
   else if (name == "dimer") march<dimer>(q, p, h, steps);
   else if (name == "square") march<square>(q, p, h, steps);
+  else if (name == "toda") march<toda>(q, p, h, steps);
   else if (name == "hertz") march<hertz>(q, p, h, steps);
   else if (name == "driven") march_driven(q, p, h, steps);
   else return 3;

@@ -74,7 +74,7 @@ class Problem:
 
     def stretches(self, f: Array) -> Array:
         """What errors are measured of."""
-        return np.array(self.lattice.stretches(f))
+        return np.array(self.lattice.stretches(self.lattice.held(State(0.0, f, f)).f))
 
     def error(self, f: Array, exact: Array) -> float:
         """Sup over cells of the stretches' difference, in the unit."""
@@ -180,6 +180,12 @@ def hertz(xp: Any, f: Any, *_: Any) -> Any:
     return xp.stack([-xp.diff(contact * xp.sqrt(contact))])
 
 
+def toda(xp: Any, f: Any, *_: Any) -> Any:
+    """The Toda lattice in its displacement."""
+    force = xp.exp(xp.roll(f, -1, 1) - f)
+    return force - xp.roll(force, 1, 1)
+
+
 def struck() -> tuple[Array, Array]:
     """The first grain moves."""
     f, v = np.zeros((2, 1, SITES))
@@ -222,6 +228,7 @@ PROBLEMS = {
         driven,
         unit=1.0 / WIDTH,
     ),
+    "toda": Problem(_numbers("toda", a=1, b=1), lambda: hump(SITES), toda, unit=1.0 / WIDTH),
     "hertz": Problem(
         driven_chain(_numbers("granular", A=1, d=0), SITES, left="free", right="fixed"),
         struck,

@@ -2,7 +2,8 @@
 
 The FPUT lattice: a ring of 4096 sites, 500 time units, the wave Y2 (K2 = 4, K4 = 1, eps = 0.05)
 started at t = -250. With ``--lattice`` another of `problem.PROBLEMS`: springs between next-nearest
-neighbours, a dimer, the square lattice, a chain with losses that is pushed, grains that are struck.
+neighbours, a dimer, the square lattice, a chain with losses that is pushed, a Toda lattice, grains
+that are struck.
 The error is the sup over cells of |stretch - reference| in units of the stretch, the reference a
 composition of order 10. Each contender gets the coarsest resolution on a ladder that brings its
 error to 1e-6 (1e-4 where contacts open), found by bisection; then all run in turn, equally often,

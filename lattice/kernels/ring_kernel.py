@@ -122,8 +122,13 @@ Call = tuple[Any, ...]
 
 
 def _together(flow: StagePlan) -> int:
-    """The stages that go up the rows of a chain together."""
-    return 2 if flow.kept(2) <= MOST_KEPT else 1
+    """The stages that go up the rows of a chain together.
+
+    One where a force has functions: they wait for their own sums, and a processor looks no further
+    ahead than to the next stage's, so rows of one stage alone overlap more.
+    """
+    functions = any(stream.law.program for stream in flow.streams)
+    return 2 if flow.kept(2) <= MOST_KEPT and not functions else 1
 
 
 @lru_cache(maxsize=64)

@@ -27,6 +27,13 @@ from longwave.lattice.kernels.streams import (
     apart,
     rows_of,
 )
+from longwave.lattice.kernels.vector_functions import (
+    FUNCTIONS_OF_LANES,
+    LARGEST_EXPONENT,
+    Lanes,
+    power,
+)
+from longwave.support.compiled.native_code import multiplies_and_adds_at_once
 from longwave.support.compiled.subnormals import flushed_subnormals
 
 __all__ = ["LaneCode", "lane_force", "passage_text"]
@@ -51,8 +58,9 @@ field to field and from row to row, vectors of a row; the first stage, and the r
 class LaneCode:
     """A builder of vectors of doubles: what every part of the code is written with."""
 
-    def __init__(self, module: Any, builder: Any, lanes: int) -> None:
+    def __init__(self, module: Any, builder: Any, lanes: int, fused: bool | None = None) -> None:
         self.module, self.builder, self.lanes = module, builder, lanes
+        self.fused = multiplies_and_adds_at_once() if fused is None else fused
         self.kind = _DOUBLE if lanes == 1 else ir.VectorType(_DOUBLE, lanes)
 
     def constant(self, value: float) -> Any:
@@ -93,6 +101,10 @@ class LaneCode:
     def fma(self, factor: Any, other: Any, term: Any) -> Any:
         """factor * other + term, rounded once where the processor can."""
         return self._vector_function("fmuladd", factor, other, term)
+
+    def fused_multiply_add(self, factor: Any, other: Any, term: Any) -> Any:
+        """factor * other + term, rounded once: slow where the processor is not ``fused``."""
+        return self._vector_function("fma", factor, other, term)
 
     def weighted_sum(self, terms: Iterable[tuple[Any, float, Any]]) -> Any:
         """The sum of (factor, sign, value): factor times value, or with that sign if it is None.
@@ -190,10 +202,12 @@ def _whole_power(code: LaneCode, value: Any, exponent: int) -> Any:
 
 
 def _power(code: LaneCode, value: Any, exponent: float) -> Any:
-    """A power: by products and roots where the exponent is whole or half, else by the library."""
+    """A power: by products and roots where the exponent is whole or half."""
     size = abs(exponent)
-    if exponent == 0.0 or 2.0 * size != round(2.0 * size) or size > WHOLE:
+    if exponent == 0.0 or not size <= LARGEST_EXPONENT:
         return code.function("pow", value, code.constant(exponent))
+    if 2.0 * size != round(2.0 * size) or size > WHOLE:
+        return power(Lanes(code, value), exponent).value
     whole = int(size)
     found = _whole_power(code, value, whole) if whole else None
     if size != whole:
@@ -236,6 +250,8 @@ def _run_program(
             stack.append(_power(code, stack.pop(), value))
         elif word == "contact":
             stack.append(code.positive_part(stack.pop()))
+        elif word in FUNCTIONS_OF_LANES:
+            stack.append(FUNCTIONS_OF_LANES[word](Lanes(code, stack.pop())).value)
         else:
             stack.append(code.function(word, stack.pop()))
     return stack.pop()
@@ -291,10 +307,12 @@ class _Stage:
     ) -> None:
         """Go one row up, or one column of a plane, whose rows are ``kept``."""
         code, flow, self._kept = self._code, self._flow, kept
+        drifting = 0 if flow.spread else flow.moving
         self._latest = [
-            f if flow.spread else code.fma(drift, v, f)
-            for drift, f, v in zip(self._drifts, positions, velocities, strict=True)
+            code.fma(drift, v, f)
+            for drift, f, v in zip(self._drifts[:drifting], positions, velocities, strict=False)
         ]
+        self._latest += positions[drifting:]
         self._latest += [
             code.builder.fmul(factor, v)
             for factor, v in zip(self._shrunk, velocities, strict=False)
@@ -405,7 +423,8 @@ class _Writer:
         fields, speeds = ([builder.gep(data, [p]) for p in planes] for data in (f, v))
         with code.loop(first, past) as row:
             positions = [code.load(data, row) for data in fields]
-            velocities = [code.load(data, row) for data in speeds]
+            velocities = [code.load(data, row) for data in speeds[: flow.moving]]
+            velocities += [code.constant(0.0)] * flow.resting
             for behind, stage in enumerate(stages):
                 stage.row(positions, velocities)
                 if behind < together - 1:
@@ -413,7 +432,8 @@ class _Writer:
             for stage in stages:
                 stage.keep() if stage is not stages[-1] else None
             last = builder.sub(row, _INDEX((together - 1) * flow.skew))
-            for data, place in zip((*fields, *speeds), (*flow.drifted, *flow.kicked), strict=True):
+            moved = zip(fields[: flow.moving], flow.drifted, strict=False)
+            for data, place in (*moved, *zip(speeds[: flow.moving], flow.kicked, strict=False)):
                 behind_front = builder.sub(last, _INDEX(flow.streams[place].lag))
                 code.store(data, behind_front, stages[-1].latest(place))
             stages[-1].keep()
@@ -461,7 +481,7 @@ class _Writer:
             for place, depth in enumerate(rows.depths):
                 if depth:
                     code.store(begin(place, row, 0), column, stage.latest(place))
-            for place in range(flow.fields) if own else ():
+            for place in range(flow.moving) if own else ():
                 code.store(begin(place, row, 0), column, stage.latest(place))
             for place, made in enumerate(flow.kicked, flow.fields) if own else ():
                 if made >= 2 * flow.fields:

@@ -118,7 +118,8 @@ class StagePlan(NamedTuple):
     The positions come first, then the velocities; ``kicked`` are the streams of the new velocities.
     If it is ``damped``, a drift takes a weight and a factor of the velocity for each of so many
     fields. Where velocities spread, a drift takes a series of so many weights, and the streams of
-    the new positions are those ``spread``. There are so many ``pulses``.
+    the new positions are those ``spread``. There are so many ``pulses``. The last fields, so many,
+    are ``resting``: they hold what differs from cell to cell.
     """
 
     fields: int
@@ -128,6 +129,12 @@ class StagePlan(NamedTuple):
     series: int = 0
     pulses: int = 0
     spread: tuple[int, ...] = ()
+    resting: int = 0
+
+    @property
+    def moving(self) -> int:
+        """The fields that are not resting."""
+        return self.fields - self.resting
 
     @property
     def weights(self) -> int:
@@ -369,6 +376,7 @@ def varied_stage_plan(lattice: NumericLattice, variation: Variation | None) -> V
         2 * TERMS + 1 if spread else 0,
         len(pulsed),
         spread,
+        builder.fields - fields,
     )
     return VariedStagePlan(flow, tuple(builder.numbers), tuple(units))
 

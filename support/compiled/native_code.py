@@ -27,6 +27,14 @@ def processor() -> str:
     return f"{binding.get_host_cpu_name()} {binding.get_host_cpu_features().flatten()}"
 
 
+@lru_cache
+def multiplies_and_adds_at_once() -> bool:
+    """Whether the processor has a product and sum that are rounded once."""
+    architecture = binding.get_process_triple().partition("-")[0]
+    fused = bool(binding.get_host_cpu_features().get("fma"))
+    return fused or architecture in ("aarch64", "arm64")
+
+
 @lru_cache(maxsize=1)
 def _machine() -> Any:
     """The processor at hand, with all that it can."""
