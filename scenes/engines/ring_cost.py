@@ -35,12 +35,11 @@ SECONDS_PER_FIELD = {1: 2e-10, 2: 2e-9}
 SECONDS_PER_ROOT = 4.5e-10
 """For a root or a quotient in a force."""
 
-SECONDS_PER_FUNCTION = dict.fromkeys(UNARY, 9e-9) | {"exp": 5e-9, "log": 5.5e-9}
+SECONDS_PER_FUNCTION = dict.fromkeys(UNARY, 1.2e-9) | {"exp": 6e-10, "log": 8e-10}
 SECONDS_PER_FUNCTION |= {"contact": 0.0, "touching": 0.0}
-"""For a function in a force, which is called for each cell: 5 to 50 times a polynomial's work. A
-comparison is none."""
+"""For a function in a force: 3 to 8 times a polynomial's work. A comparison is none."""
 
-SECONDS_PER_POWER = 1.3e-8
+SECONDS_PER_POWER = 2.6e-9
 """For a power whose exponent is neither whole nor half."""
 
 PROCESS_BYTES = 3e8
@@ -70,7 +69,7 @@ def cell_seconds(lattice: NumericLattice) -> float:
     >>> cell_seconds(numeric_lattice(LATTICES["fput"], {"K2": 1, "K3": 0, "K4": 1}))
     2e-10
     >>> cell_seconds(numeric_lattice(LATTICES["toda"], {"a": 1, "b": 1}))
-    5.2e-09
+    8e-10
     """
     each = SECONDS_PER_FIELD[min(lattice.dimension, 2)]
     forces = sum(_force_seconds(bond.force) for bond in lattice.bonds)

@@ -119,13 +119,13 @@ def test_an_exponential_force_is_known_to_cost_more_than_a_polynomial() -> None:
         for name in ("toda_soliton", "alpha_fput_soliton")
     )
     stiff = toda.changed(constants={"a": 1, "b": 99})
-    # the same cells and steps; it took 25 times as long, and for a stiff one 4.3 s at b = 10
+    # the same cells and steps; a stiff one takes more of these
     assert toda.expected_cost().steps == pytest.approx(alpha.expected_cost().steps, rel=0.1)
     toda_runs, alpha_runs = (
         one.seconds - one.once for one in map(Scene.expected_cost, (toda, alpha))
     )
     assert toda_runs > 2.0 * alpha_runs
-    assert stiff.expected_cost().seconds > 60.0
+    assert stiff.expected_cost().seconds > 10.0
 
 
 def test_a_cell_beyond_a_limit_is_tried_again_under_another(
