@@ -21,7 +21,8 @@ from longwave.scenes.engines.spectral_run import run_spectral, spectral_cost
 from longwave.scenes.engines.stated_run import run_from, stated_runs
 from longwave.scenes.engines.wave_cells import stated_cells
 from longwave.scenes.engines.wave_rings import ComparedCells, WaveRings, expected_rings
-from longwave.scenes.observed.observables import MEASURED, observable_named
+from longwave.scenes.engines.window import STRIDE
+from longwave.scenes.observed.observables import MAP_CELLS, MEASURED, observable_named
 from longwave.scenes.observed.recorders import MOMENT_BYTES, exact_times
 from longwave.scenes.observed.run_record import (
     RunRecord,
@@ -69,11 +70,8 @@ def _rings_cost(scene: Scene) -> ExpectedCost:
     rings = spectral_cost(scene)
     kept = (2.0 * scene.compared + 1.0) * len({scene.t0, *exact_times(scene)})
     found = search_cost(scene.moving_wave.lattice, 0.0, 0.0, 1, kept)
-    return replace(
-        found,
-        seconds=found.seconds + RINGS * rings.seconds,
-        memory_bytes=found.memory_bytes + rings.memory_bytes + _moments_bytes(scene),
-    )
+    found = _with(found, replace(rings, seconds=RINGS * rings.seconds))
+    return _with(found, _seen_cost(scene, compared_cells(scene, scene.moving_wave)))
 
 
 RINGS = 4.0
@@ -93,7 +91,16 @@ def _cells_cost(scene: Scene) -> ExpectedCost:
         found = expected_rings(
             wave, compared, (timed.t0, *timed.snapshots), _window_tolerance(timed)
         )
-    return replace(found, memory_bytes=found.memory_bytes + _moments_bytes(timed))
+    return _with(found, _seen_cost(timed, compared))
+
+
+def _with(cost: ExpectedCost, more: ExpectedCost) -> ExpectedCost:
+    """The cost, with the time and the memory that more takes."""
+    return replace(
+        cost,
+        seconds=cost.seconds + more.seconds,
+        memory_bytes=cost.memory_bytes + more.memory_bytes,
+    )
 
 
 def _stated_cost(timed: Scene, wave: LatticeWave, compared: ComparedCells) -> ExpectedCost:
@@ -106,14 +113,44 @@ def _stated_cost(timed: Scene, wave: LatticeWave, compared: ComparedCells) -> Ex
     steps = duration / stated.step
     share = runs / USUAL_RUNS * stated.sites / sites
     found = search_cost(wave.lattice, sites, steps * share, stated.table.stages, kept)
-    return replace(found, steps=steps * runs)
+    moves = duration * abs(wave.speed) / STRIDE if stated.domain == "window" else 0.0
+    return replace(
+        found,
+        seconds=found.seconds + MOVE_SECONDS * moves * runs,
+        memory_bytes=found.memory_bytes + MOVE_BYTES * moves,
+        steps=steps * runs,
+    )
 
 
-def _moments_bytes(timed: Scene) -> float:
-    """The memory that the times of curves and looks take."""
-    seen = {observable_named(name).seen for name in timed.observables}
+MOVE_SECONDS, MOVE_BYTES = 4e-5, 250.0
+"""For each move of a window."""
+
+
+def _seen_cost(timed: Scene, compared: ComparedCells) -> ExpectedCost:
+    """What it takes to look at a run as often as its observables ask, and to keep what they see."""
+    entries = [observable_named(name) for name in timed.observables]
     looks = timed.look_points or timed.curve_points
-    return MOMENT_BYTES * (timed.curve_points * ("curve" in seen) + looks * ("looks" in seen))
+    counts = {"snapshots": len(timed.snapshots), "curve": timed.curve_points, "looks": looks}
+    times = {entry.seen: counts.get(entry.seen, 0) for entry in entries}
+    width = math.prod(2.0 * reach + 1.0 for reach in compared.reach)
+    cells = timed.discretisation.sites if timed.tolerance is None else 0.0
+    sizes = {"site": width, "wavenumber": width / 2.0, "map_site": MAP_CELLS, "cell": cells}
+    values = sum(
+        times[entry.seen] * math.prod(sizes.get(name, 1.0) for name in variable.dimensions)
+        for entry in entries
+        for variable in entry.variables
+    )
+    views = float(sum(times.values()))
+    return ExpectedCost(
+        views * (VIEW_SECONDS + SEEN_SECONDS * width), MOMENT_BYTES * views + VALUE_BYTES * values
+    )
+
+
+VIEW_SECONDS, SEEN_SECONDS = 4e-4, 1e-6
+"""To see wave and lattice once, and for each compared cell: 5e-7 to 1.6e-6."""
+
+VALUE_BYTES = 20.0
+"""For each number that is kept: in rows, in an array, and as a file's content."""
 
 
 def engine_of(timed: Scene, rings: WaveRings) -> SiteEngine | SceneSpectralEngine:
@@ -161,8 +198,8 @@ def wave_rings(scene: Scene) -> tuple[Scene, WaveRings]:
     timed = in_lattice_times(scene, wave.slow)
     _check_axes(timed, wave)
     compared = compared_cells(scene, wave)
-    seen = ExpectedCost(memory_bytes=_moments_bytes(timed))
-    check_request(timed.name, seen, "take fewer curve_points or look_points")
+    seen = _seen_cost(timed, compared)
+    check_request(timed.name, seen, "take fewer curve_points, look_points or compared cells")
     if scene.tolerance is None:
         stated = _stated_cost(timed, wave, compared)
         check_request(timed.name, stated, "take a larger step or fewer sites, or end earlier")

@@ -25,7 +25,13 @@ from longwave.lattice.trial import (
 from longwave.scenes.description.numerics import Discretisation
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.engines.stated_run import run_from
-from longwave.scenes.engines.wave_cells import FedWave, RingCells, WindowCells, tell_energies
+from longwave.scenes.engines.wave_cells import (
+    FedWave,
+    RingCells,
+    WindowCells,
+    sees_all_cells,
+    tell_energies,
+)
 from longwave.scenes.engines.wave_rings import (
     AROUND,
     SCHEME,
@@ -84,6 +90,7 @@ class SiteEngine(StepSearch):
         wave, self.times = rings.wave, rings.times
         self._scheme = scheme_named(scene.target.scheme) if scene.target.scheme else SCHEME
         self._fields = len(wave.lattice.fields)
+        self._fades = not sees_all_cells(scene)
         self.amplifies_rounding = wave.amplifies_rounding(self.times[0])
         self.unstable = 1 if wave.watches_strains else StepSearch.unstable
         self.judged = judged or rings.compared
@@ -119,9 +126,9 @@ class SiteEngine(StepSearch):
             if not feed > self._largest_misfit:
                 return replace(trial, common_error=FEED_SAFETY * feed)
             self._widened *= 2.0
-            if self._widened * self._first.size >= self._ring:
-                self.rings.check_ring()
-                self._misfed = True
+            self._misfed = self._widened * self._first.size >= self._ring
+            wider = round_up(self._widened * choices.size)
+            self.rings.check_wider(None if self._misfed else wider)
 
     def _run(self, choices: Choices, shown: bool, progress: Progress) -> Trial:
         wave, ends = self.rings.wave, (self.times[0], self.times[-1])
@@ -150,7 +157,10 @@ class SiteEngine(StepSearch):
         values = np.array(judged.samples)
         done = len(values) == len(self.times) or stopped
         sound = done and bool(np.all(np.abs(values) <= limit))
-        rounding = rounding_error(largest / wave.scale, run.attrs["force_evaluations"])
+        largest /= wave.scale
+        if sound:
+            largest = max(largest, float(np.max(np.abs(values[:, 0]))))
+        rounding = rounding_error(largest, run.attrs["force_evaluations"])
         if sound:
             rounding += clock_error(values, wave.speed, (self.times[0], self.times[-1]))
         trial = Trial(
@@ -209,9 +219,11 @@ class SiteEngine(StepSearch):
             return WindowCells(plan, self.rings, choices.nudged)
         least = self._ring if choices.causal else self._first.size
         ends = self.rings.ends(WIDER if choices.size > least else 0)
-        stated = Discretisation(choices.step, "ring", sites_of(ends), scheme)
+        closes = self.rings.wave.watches_strains and self.rings.room  # others always do
+        domain = "closed_ring" if closes else "ring"
+        stated = Discretisation(choices.step, domain, sites_of(ends), scheme)
         plan = replace(self.scene, numerics=stated, observables=observables)
-        return RingCells(plan, self.rings, ends, choices.nudged)
+        return RingCells(plan, self.rings, ends, choices.nudged, self._fades)
 
     def _sized(self, choices: Choices, cells: float) -> Choices:
         """With a window of that many cells, or a ring if that takes fewer."""

@@ -36,8 +36,9 @@ class RingCells:
     """The cells of a ring as they are stepped.
 
     The scene has times of the lattice. Its ring has as many sites as it says, unless its ``ends``
-    are given. Errors are told in units of ``scale``; ``reach`` cells are compared on either side of
-    the frame along each axis. Raises ValueError for a ring that is too small.
+    are given. It ``fades`` far from the compared cells, unless all cells are seen. Errors are told
+    in units of ``scale``; ``reach`` cells are compared on either side of the frame along each axis.
+    Raises ValueError for a ring that is too small.
     """
 
     def __init__(
@@ -46,8 +47,10 @@ class RingCells:
         rings: WaveRings,
         ends: list[Ends] | None = None,
         nudged: bool = False,
+        fades: bool | None = None,
     ) -> None:
         self.scene, self.rings, self._nudged = scene, rings, nudged
+        self._fades = not sees_all_cells(scene) if fades is None else fades
         self.scale, self.reach = rings.wave.scale, rings.compared.reach
         if ends is None:
             least, sites = sites_of(rings.plain_ends(0)), scene.discretisation.sites
@@ -91,9 +94,8 @@ class RingCells:
 
     @property
     def _fading(self) -> Fading | None:
-        """What fades the cells whose signals come too late; none where all cells are seen."""
-        whole = any(observable_named(name).all_sites for name in self.scene.observables)
-        return None if whole or not self.rings.room else self.rings.fading()
+        """What fades the cells whose signals come too late."""
+        return self.rings.fading() if self._fades and self.rings.room else None
 
     def view(self, state: State) -> CellView:
         """The compared cells."""
@@ -125,6 +127,11 @@ class RingCells:
             return {}
         least, most = stepper.ranges[0]
         return {"least_strain": float(least), "most_strain": float(most)}
+
+
+def sees_all_cells(scene: Scene) -> bool:
+    """Whether an observable of the scene is of all cells."""
+    return any(observable_named(name).all_sites for name in scene.observables)
 
 
 def _ends_of(restart: State, needed: Sequence[Ends]) -> list[Ends]:

@@ -20,7 +20,14 @@ from longwave.lattice.schemes import REDUCED_PHASE_6, Scheme, stability_limit
 from longwave.lattice.seam import Fading
 from longwave.lattice.state import GROWTH, BlowUp
 from longwave.lattice.trial import DRIVEN_SHARE
-from longwave.scenes.engines.ring_cost import LARGE, SHARE, SHOWN, USUAL_RUNS, search_cost
+from longwave.scenes.engines.ring_cost import (
+    CELL_SECONDS,
+    LARGE,
+    SHARE,
+    SHOWN,
+    USUAL_RUNS,
+    search_cost,
+)
 from longwave.scenes.engines.window import front, least_window, round_up
 from longwave.scenes.starts.lattice_wave import (
     CellRing,
@@ -46,7 +53,8 @@ WIDER = 64
 """Cells, along each axis, by which the ring of a control run is wider."""
 
 GROWN = 0.05
-"""Share by which a lattice's strains may exceed those of the wave."""
+"""Share by which a lattice's strains are taken to exceed those of the wave. Those that exceed it do
+so on few cells for a short time, and carry no signal far."""
 
 AROUND = 32
 """Cells beyond the compared ones on which is looked at what rounding has grown to."""
@@ -133,7 +141,8 @@ def expected_rings(
     frequency, signals = lattice.highest_frequency(rest), _signal_speeds(lattice, rest)
     extent = _fed_extent(wave, times, tolerance)
     window = _window_size(wave, compared, times, signals, extent)
-    return _cost(wave, compared, times, frequency, signals, window)[1]
+    room = wave.seam_room(times[0])
+    return _cost(wave, compared, times, frequency, signals, window, room)[1]
 
 
 def _fed_extent(
@@ -174,10 +183,11 @@ def _cost(
     fastest: float,
     signals: Sequence[float],
     window: int | None,
+    room: int,
 ) -> tuple[float, ExpectedCost]:
     """The cells of the widest ring, or of a window, and what the search takes."""
-    spread = wave.lattice.spread_within(times[-1] - times[0])
-    cells = float(window or sites_of(compared.ring(times, signals, WIDER + 2 * spread)))
+    more = WIDER + 2 * (wave.lattice.spread_within(times[-1] - times[0]) + room)
+    cells = float(window or sites_of(compared.ring(times, signals, more)))
     shortest = max(
         fastest / (LIMIT_SHARE * stability_limit(SCHEME)),
         1.0 / (DRIVEN_SHARE * wave.lattice.driven_within(times[0], times[:2][-1])),
@@ -195,6 +205,9 @@ def _cost(
 
 FITTING = 64
 """Cells by which a ring is made wider at most, or by a wavelength, for a wave to close on it."""
+
+MOST_FITTING = 4096
+"""Most rings that are tried for that."""
 
 CLOSED, BESIDE = 1e-6, 4
 """Share of itself by which a carrier may miss itself at a seam, in so many cells beside it."""
@@ -221,9 +234,16 @@ def part_of(
             for end in ends
             for t in times
         )
+    elif wave.watches_strains:
+        low, high = wave.extent(times, PART_TOLERANCE)
+        travelled = _signal(wave.speed + signals[0], times[-1] - times[0])
+        reached += max(0.0, -low, high) + travelled
     part = math.ceil(reached)
     return replace(compared, reach=(part,)) if SHARE * part <= reach else None
 
+
+PART_TOLERANCE = 1e-6
+"""Deviation from a periodic background beyond which a part holds a wave at all times."""
 
 PERIODS = 20
 """The same of a periodic background, in wavelengths."""
@@ -255,11 +275,14 @@ class WaveRings:
         self.tolerance, self.extent = tolerance, _fed_extent(wave, times, tolerance)
         lattice = wave.lattice
         rest = lattice.rest_slopes()
+        self.room = wave.seam_room(self.times[0]) if closed else 0
         self._check_cost(lattice.highest_frequency(rest), _signal_speeds(lattice, rest))
         near = wave.ring(compared.cells(self.times[0]), self.times[0])
-        stiffest = [stiffest_slopes(ring) for ring in (near, *self._beside())]
+        stiffest = [stiffest_slopes(near)]
         met = wave.stretch_range(self.times)
-        if met is not None:
+        if met is None:
+            stiffest += map(stiffest_slopes, self._beside())
+        else:
             met = (1.0 + GROWN) * met
             stiffest.append([lattice.steepest(place, met) for place in range(len(rest))])
         slopes = np.max(stiffest, axis=0).tolist()
@@ -273,7 +296,6 @@ class WaveRings:
             check_rest(near.lattice, wave.rest_slopes(near))
         self.fastest = max(near.lattice.highest_frequency(slopes), lattice.highest_frequency(rest))
         self._check_cost(self.fastest, self.signals)
-        self.room = wave.seam_room(self.times[0]) if closed else 0
         self._spread = wave.lattice.spread_within(self.times[-1] - self.times[0])
         self._fitting: dict[int, int] = {}
         self.sizes = self._sizes(near)
@@ -281,7 +303,9 @@ class WaveRings:
     def _check_cost(self, fastest: float, signals: Sequence[float]) -> None:
         wave, compared, times = self.wave, self.compared, self.times
         self.window = _window_size(wave, compared, times, signals, self.extent)
-        cells, self.expected = _cost(wave, compared, times, fastest, signals, self.window)
+        cells, self.expected = _cost(
+            wave, compared, times, fastest, signals, self.window, self.room
+        )
         if not self._is_stated:
             check_request(
                 f"scene of {cells:.3g} cells, from which signals arrive in time,",
@@ -297,17 +321,24 @@ class WaveRings:
         low, high = self.wave.support(self.times[0])
         if self.wave.lattice.dimension > 1 or not math.isfinite(high - low):
             return
+        check_request(
+            f"wave that is {high - low:.3g} cells wide",
+            ExpectedCost(CELL_SECONDS * (high - low)),
+            "take a larger eps",
+        )
         reach = self.wave.lattice.reach
         for first in range(math.floor(low), math.ceil(high) + 1, PIECE):
             last = min(first + PIECE, math.ceil(high)) + 2 * reach + 2
             yield self.wave.ring(np.arange(first, last, dtype=np.float64), self.times[0])
 
-    def check_ring(self) -> None:
-        """Refuse a ring that takes too long or too much memory, where a window will not do."""
-        wave, compared, times = self.wave, self.compared, self.times
-        cells, expected = _cost(wave, compared, times, self.fastest, self.signals, None)
+    def check_wider(self, window: int | None) -> None:
+        """Refuse a wider window, or a ring, that takes too long or too much memory."""
+        cells, expected = _cost(
+            *(self.wave, self.compared, self.times, self.fastest, self.signals),
+            *(window, self.room),
+        )
         check_request(
-            f"scene of {cells:.3g} cells, since no window can be fed with its wave,",
+            f"scene of {cells:.3g} cells, since no smaller window can be fed with its wave,",
             expected,
             "take a larger eps, end earlier or compare fewer cells",
         )
@@ -319,9 +350,10 @@ class WaveRings:
         """
         if self._fills_line and wider not in self._fitting:
             most = max(FITTING, self.room)
-            gaps = self.gaps([self.plain_ends(wider + more)[0] for more in range(most)])
+            tried = np.unique(np.linspace(0.0, most - 1.0, min(most, MOST_FITTING)).astype(int))
+            gaps = self.gaps([self.plain_ends(wider + more)[0] for more in tried.tolist()])
             closed = np.flatnonzero(gaps <= CLOSED)
-            self._fitting[wider] = int(closed[0] if closed.size else np.argmin(gaps))
+            self._fitting[wider] = int(tried[closed[0] if closed.size else np.argmin(gaps)])
         return self.plain_ends(wider + self._fitting.get(wider, 0))
 
     @property
@@ -363,7 +395,7 @@ class WaveRings:
 
     def _is_open(self, ends: Sequence[Ends]) -> bool:
         """Whether a chain's ring has a seam at which the wave does not close."""
-        if self._fills_line:
+        if self.wave.frequency and self._fills_line:
             return bool(self.gaps(ends)[0] > CLOSED)
         return not self.room and self.wave.seam_room(self.times[0]) > 0
 

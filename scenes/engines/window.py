@@ -271,7 +271,6 @@ class Window(Domain):
                 "(its far field is not that of a closed form on a constant background)"
             )
         self.background_speed = self.wave.background_speed
-        self.moves = frozenset(window_moves(self.wave))
         self._ratio = self.wave.fastest / self.wave.speed
         least = least_window(self.wave.compared + signal_drift(self.wave), self._ratio)
         if self.size < least:
@@ -279,6 +278,7 @@ class Window(Domain):
                 f"sites must satisfy sites >= {least} in this window, got {self.size} "
                 "(its ends would touch the compared sites; widen it)"
             )
+        self.moves = frozenset(window_moves(self.wave))
 
     def memory(self) -> Memory:
         """The largest mismatch of a feed so far."""
