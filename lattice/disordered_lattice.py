@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
+from functools import lru_cache
 from typing import Literal
 
 import numpy as np
@@ -286,9 +287,15 @@ class DisorderedLattice(NumericLattice):
 
 def _stored(force: ForceProgram, stretch: Array, rest: float) -> Array:
     """The energy of a stretch above that at rest, less what the force there does on the way."""
+    stored, resting = held_at(force, rest)
+    return np.asarray(force.potential(stretch) - (stored + resting * (stretch - rest)))
+
+
+@lru_cache(maxsize=64)
+def held_at(force: ForceProgram, rest: float) -> tuple[float, float]:
+    """What a bond stores at a stretch, and its force there."""
     still = np.array(rest)
-    held = float(force.potential(still)) + float(force(still)) * (stretch - rest)
-    return np.asarray(force.potential(stretch) - held)
+    return float(force.potential(still)), float(force(still))
 
 
 def disordered(

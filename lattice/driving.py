@@ -17,7 +17,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from longwave.lattice.disordered_lattice import DisorderedLattice, Pulse, Variation
+from longwave.lattice.disordered_lattice import DisorderedLattice, Pulse, Variation, held_at
 from longwave.lattice.drive_steps import drive_steps
 from longwave.lattice.kernels.streams import TERMS
 from longwave.lattice.numeric_lattice import DriveSteps, NumericLattice, Range, value_range
@@ -138,7 +138,8 @@ class DrivenChain(DisorderedLattice):
         """Kinetic energy and what all bonds store: ends give way to forces at rest, too."""
         found = super().energy(f, v)
         for bond, kept in zip(self.bonds, self.bond_shares, strict=True):
-            if resting := float(bond.force(np.zeros(()))):
+            _, resting = held_at(bond.force, 0.0)
+            if resting:
                 found += resting * float(np.sum(kept * bond.stretched(f)))
         return found
 

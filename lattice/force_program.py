@@ -7,7 +7,7 @@ known; no text is ever evaluated.
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 from itertools import count
@@ -79,20 +79,29 @@ class ForceProgram:
         return Polynomial([0.0, *self.coefficients])
 
     @cached_property
-    def _slope(self) -> Polynomial:
-        return self._polynomial.deriv()
+    def _slope(self) -> tuple[float, ...]:
+        return tuple(self._polynomial.deriv().coef.tolist())
+
+    @cached_property
+    def _integral(self) -> tuple[float, ...]:
+        return tuple(self._polynomial.integ().coef.tolist())
+
+    @cached_property
+    def _stored_unstretched(self) -> Array:
+        """What is stored at no stretch, from where the contact opens."""
+        return self._from_opening(np.zeros(()))
 
     def __call__(self, stretch: Array) -> Array:
         """The force at these stretches."""
         if self.instructions:
             return _run(self.instructions, stretch)
-        return np.asarray(self._polynomial(stretch))
+        return _horner((0.0, *self.coefficients), stretch)
 
     def slope(self, stretch: Array) -> Array:
         """The force's derivative."""
         if self.instructions:
             return _run(self.slope_instructions, stretch)
-        return np.asarray(self._slope(stretch))
+        return _horner(self._slope, stretch)
 
     def enclosed(self, low: Array, high: Array) -> tuple[Array, Array]:
         """Bounds of what a program gives between ``low`` and ``high``, cell by cell.
@@ -117,7 +126,7 @@ class ForceProgram:
                 least, most = _enclosed(self.slope_instructions, low, high)
             else:
                 least = most = np.zeros_like(low)
-                for factor in self._slope.coef[::-1]:
+                for factor in self._slope[::-1]:
                     least, most = _hull(least * low, least * high, most * low, most * high)
                     least, most = least + factor, most + factor
         return np.nan_to_num(least, nan=-np.inf, neginf=-np.inf, posinf=np.inf), np.nan_to_num(
@@ -193,9 +202,9 @@ class ForceProgram:
     def potential(self, stretch: Array) -> Array:
         """The energy stored at these stretches, 0 at no stretch."""
         if not self.instructions:
-            return np.asarray(self._polynomial.integ()(stretch))
+            return _horner(self._integral, stretch)
         if self.opening is not None:
-            return self._from_opening(stretch) - self._from_opening(np.zeros(()))
+            return np.asarray(self._from_opening(stretch) - self._stored_unstretched)
         nodes, weights = _quadrature()
         parts = (w / 2 * self(stretch * (1 + z) / 2) for z, w in zip(nodes, weights, strict=True))
         return np.asarray(stretch * sum(parts))
@@ -207,6 +216,14 @@ class ForceProgram:
         apart, roots = stretch - self.opening, (1 + nodes) / 2
         forces = self(self.opening + np.multiply.outer(roots**2, apart))
         return np.asarray(apart * np.tensordot(weights * roots, forces, 1))
+
+
+def _horner(coefficients: Sequence[float], x: Array) -> Array:
+    """A polynomial's values, as NumPy's are to the last bit: that takes longer for few of them."""
+    found = coefficients[-1] + 0.0 * x
+    for coefficient in coefficients[-2::-1]:
+        found = coefficient + found * x
+    return np.asarray(found)
 
 
 def _enclosed(

@@ -326,6 +326,9 @@ def _shifted(values: Array, shift: tuple[int, ...]) -> Array:
     """``values`` of the cells at that offset; cells lie along the last axes."""
     if not any(shift):
         return values
+    if len(shift) == 1:
+        first = shift[0] % values.shape[-1]
+        return np.concatenate((values[..., first:], values[..., :first]), axis=-1)
     axes = tuple(range(-len(shift), 0))
     return np.roll(values, tuple(-step for step in shift), axes)
 

@@ -14,7 +14,9 @@ changed at a longer one as the order says, and is not believed to be less than t
 
 How the choices are come by does not matter for that. They are searched for by laws: the error of a
 step falls like step^order, that of a domain like a power of its size. Where a control run says
-that it is not enough, each of the choices is varied by itself, to see which one it is.
+that it is not enough, each of the choices is varied by itself, to see which one it is; but not
+where only a domain is chosen beside the step, and what the step changes is known: the rest is the
+domain's, until widening it does not help.
 
 No step helps where the lattice amplifies rounding above the tolerance. So where an error ceases to
 fall, and on backgrounds about which perturbations may grow, a run is done again with the last
@@ -51,6 +53,7 @@ TIGHTER = 1.5
 """By how much all errors are to fall where each keeps its share and their sum does not."""
 
 STEP: tuple[Kind, ...] = ("step",)
+STEP_AND_DOMAIN: tuple[Kind, ...] = ("step", "domain")
 
 ATTEMPTS = 12
 """Most control runs."""
@@ -178,7 +181,8 @@ def _refined(search: "_Search", engine: Engine, tolerance: float) -> Refined:
         )
         if stuck and math.isfinite(best):
             raise ValueError(_refusal(best, tolerance, search.left(choices, rounding, error)))
-        choices = search.improved(choices, trial, error)
+        seen = scouting.seen_change(choices) if fell else 0.0
+        choices = search.improved(choices, trial, error, seen)
     left = f"after {ATTEMPTS} control runs, each with better choices"
     raise ValueError(_refusal(best, tolerance, left))
 
@@ -215,7 +219,7 @@ class _Search:
         self._lawful = 0.0  # the longest step of which the law was seen
         self._negligible = NEGLIGIBLE * tolerance / SAFETY
         self._shown, self._first_work, self._worked, self._asked = 0.0, 0.0, 0.0, 0.0
-        self._stopped = False
+        self._stopped, self._is_scout = False, False
         self.seconds = 0.0
         self.wary: bool | None = None
         self.stalled = 0
@@ -225,7 +229,9 @@ class _Search:
         """A search by another engine, for the same tolerance; itself, if that is its own."""
         if scout is self.engine:
             return self
-        return _Search(scout, self._tolerance, self._progress, self._announce)
+        found = _Search(scout, self._tolerance, self._progress, self._announce)
+        found._is_scout = True
+        return found
 
     def stopped(self, stop: KeyboardInterrupt) -> StoppedSearch:
         """The last run whose error was measured, or the last that can be shown, or what was begun.
@@ -244,8 +250,9 @@ class _Search:
     def with_step(self, choices: Choices) -> Choices:
         """Choices whose step keeps its share and was seen to obey its law, if there are any."""
         unstable, last, self.stalled = 0, math.inf, 0
+        change: float | None = None
         for _ in range(ATTEMPTS):
-            excess = self._excess(choices, "step")
+            excess = self._excess(choices, "step", change)
             if self.wary is None and math.isfinite(excess):
                 self.wary = (
                     self.engine.amplifies_rounding and WARY * self.grown(choices) > self._tolerance
@@ -258,13 +265,31 @@ class _Search:
             kept = excess <= 1.0 and self.has_seen_law(choices)
             if kept or unstable == self.engine.unstable or self.stalled == PATIENCE:
                 break
-            last = excess
+            last, change = excess, None
             if excess <= 1.0:
                 choices = self.engine.control(choices, STEP)
+                change = self._lawful_in_wider(choices)
             else:
                 choices = self.engine.improved(choices, "step", excess)
             self._forget_longer(choices.step)
         return choices
+
+    def _lawful_in_wider(self, choices: Choices) -> float | None:
+        """What the run changes that is to control these choices, if the law is seen by that.
+
+        It has a wider domain, too: where both change no more than the law has it of the step, a run
+        with a shorter step alone is spared. None where it is to be made.
+        """
+        if self._is_scout or self.engine.kinds != STEP_AND_DOMAIN or choices.causal:
+            return None
+        control = self.engine.control(choices, self.engine.kinds)
+        self._run({choices: False, control: True})
+        self._keep_values_alone(choices)
+        change = difference(self._done[choices], self._done[control])
+        if not change <= self._most_lawful(choices):
+            return None
+        self._note_change(choices, change)
+        return change
 
     def _forget_longer(self, step: float) -> None:
         """Let go of runs with longer steps, which are not compared with any more."""
@@ -297,12 +322,19 @@ class _Search:
         """Keep what a step changes, and whether it is what the law expects."""
         if not math.isfinite(change):
             return
-        step, expected = self.engine.taken(choices), self.lawful_change(choices)
-        longer = min((one for one in self._changes if one > step), default=math.inf)
-        slack = min(LAWFUL, (longer / step) ** (self.engine.order / 2.0))
-        if change <= max(slack * expected, self._negligible) and longer < math.inf:
+        step = self.engine.taken(choices)
+        if change <= self._most_lawful(choices):
             self._lawful = max(self._lawful, step)
         self._changes[step] = change
+
+    def _most_lawful(self, choices: Choices) -> float:
+        """The most that such a step may change for its law to be seen; less than 0 if none was."""
+        step = self.engine.taken(choices)
+        longer = min((one for one in self._changes if one > step), default=math.inf)
+        if longer == math.inf:
+            return -1.0
+        slack = min(LAWFUL, (longer / step) ** (self.engine.order / 2.0))
+        return max(slack * self.lawful_change(choices), self._negligible)
 
     def grown(self, choices: Choices) -> float:
         """What rounding has come to: ``SAFETY`` times what changes with the data's last digits."""
@@ -349,14 +381,23 @@ class _Search:
         if not trial.shown:
             self._done[choices] = replace(trial, payload=None)
 
-    def improved(self, choices: Choices, trial: Trial, error: float) -> Choices:
-        """Better choices: in what exceeds its share when it is varied by itself, or in all."""
-        engine = self.engine
+    def improved(self, choices: Choices, trial: Trial, error: float, seen: float) -> Choices:
+        """Better choices: in what exceeds its share when it is varied by itself, or in all.
+
+        ``seen`` is what a shorter step is known to change, 0 if it is not. Where that keeps its
+        share, and there is but the domain beside, nothing need be varied: the rest is the domain's.
+        """
+        engine, found = self.engine, choices
         if trial.values is None:
             for kind in engine.kinds:
-                choices = engine.improved(choices, kind, CURE)
-            return choices
-        found = choices
+                found = engine.improved(found, kind, CURE)
+            return found
+        left = self._tolerance - engine.safety * seen
+        if seen and math.isfinite(error) and engine.kinds == STEP_AND_DOMAIN:
+            if left >= (1.0 - SHARES["step"]) * self._tolerance:
+                found = engine.improved(choices, "domain", max(TIGHTER, error / left))
+            if found != choices:
+                return found
         for kind in engine.kinds:
             excess = self._excess(choices, kind)
             if excess > 1.0:
@@ -368,16 +409,25 @@ class _Search:
                 found = engine.improved(found, kind, max(TIGHTER, error / self._tolerance))
         return found
 
-    def _excess(self, choices: Choices, kind: Kind) -> float:
-        """By how much the error is above its share when that kind alone is varied."""
+    def _excess(self, choices: Choices, kind: Kind, change: float | None = None) -> float:
+        """By how much the error is above its share when that kind alone is varied.
+
+        What that changes is measured if it is not told.
+        """
+        if change is None:
+            change = self._change(choices, kind)
+        share = SHARES[kind] if len(self.engine.kinds) > 1 else 1.0
+        return SAFETY * change / (share * self._tolerance)
+
+    def _change(self, choices: Choices, kind: Kind) -> float:
+        """What is changed where that kind alone is varied."""
         other = self.engine.control(choices, (kind,))
         self._run({choices: False, other: False})
         self._keep_values_alone(choices)
         change = difference(self._done[choices], self._done[other])
         if kind == "step":
             self._note_change(choices, change)
-        share = SHARES[kind] if len(self.engine.kinds) > 1 else 1.0
-        return SAFETY * change / (share * self._tolerance)
+        return change
 
     def _run(self, wanted: dict[Choices, bool]) -> None:
         missing = [choices for choices in wanted if choices not in self._done]

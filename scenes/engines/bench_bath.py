@@ -179,12 +179,14 @@ class Bath:
     ) -> None:
         """A step, or two, between the quarters of the noise of a coarse one."""
         f, v = ring
+        moving = v[:, : self.cells]
         for place, quarters in enumerate(parts):
             if place:
                 begin = t + (place - 1) * h
                 self.engine.dynamics.advance(self.engine.scheme, f, v, h, 1, begin)
             for quarter in quarters:
-                v[:, : self.cells] = kept * v[:, : self.cells] + kicks[quarter]
+                moving *= kept
+                moving += kicks[quarter]
 
 
 class Means:

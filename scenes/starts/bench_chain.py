@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -172,7 +171,7 @@ def watched(bench: Bench, chain: DrivenChain) -> Iterator[Watched]:
         yield Watched("flux", ("cut",), unit, name, lambda at: at.rate.through)
     if bench.modes:
         what = "energy of the mode of a linear chain"
-        read = partial(_mode_energies, bench=bench)
+        read = _mode_reader(bench, chain)
         yield Watched("mode_energy", ("mode",), _UNIT, what, read)
     for name in ("displacement", "velocity") if bench.state else ():
         yield _in_cells(name, "cell", name, range(bench.sites))
@@ -203,9 +202,8 @@ def _energy(at: Moment) -> float:
     return at.chain.energy(at.f, at.v)
 
 
-def _mode_energies(at: Moment, bench: Bench) -> Array:
-    """The energies of modes of displacement and velocity, by the slope of the force at rest."""
-    chain, f, v = at[:3]
+def _mode_reader(bench: Bench, chain: DrivenChain) -> Reader:
+    """What reads energies of modes of displacement and velocity, by the force's slope at rest."""
     is_even = bench.ends == ("fixed", "fixed") and not (bench.masses or bench.springs)
     if len(chain.fields) > 1 or not is_even:
         raise ValueError(
@@ -216,5 +214,9 @@ def _mode_energies(at: Moment, bench: Bench) -> Array:
     squares = chain.squared_frequencies(
         np.pi * np.array(bench.modes)[:, None] / (bench.sites + 1), chain.rest_slopes()
     )[:, 0]
-    along, moving = shapes @ f[0, : bench.sites], shapes @ v[0, : bench.sites]
-    return np.asarray(chain.masses[0] * (moving**2 + squares * along**2) / (bench.sites + 1))
+
+    def read(at: Moment) -> Array:
+        along, moving = (shapes @ part[0, : bench.sites] for part in (at.f, at.v))
+        return np.asarray(chain.masses[0] * (moving**2 + squares * along**2) / (bench.sites + 1))
+
+    return read

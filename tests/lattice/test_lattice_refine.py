@@ -1,7 +1,7 @@
 """The judge of a run's error, by an engine whose errors and blow-ups are known.
 
 Catches: a lattice said to blow up by itself where shorter steps cure it, a refusal that says what
-was not seen.
+was not seen, runs of which others show the same, an error blamed on the wrong choice for good.
 """
 
 import math
@@ -124,3 +124,70 @@ def test_a_refusal_says_what_was_measured() -> None:
         refine(Blunt(slowly=False), 1e-9)
     with pytest.raises(ValueError, match=r"got 1e-90 \(after 12 control runs"):
         refine(Blunt(slowly=True), 1e-90)
+
+
+class Windowed(StepSearch):
+    """Values that are off by ``of_step`` step^6 and ``of_size`` size^-5; all runs are kept.
+
+    A scout, if it ``is_scouted``, sees the step's error ``blunted``.
+    """
+
+    kinds: tuple[Kind, ...] = ("step", "domain")
+    decay, safety = 5.0, 3.0
+
+    def __init__(self, of_step: float, of_size: float, blunted: float = 1.0) -> None:
+        super().__init__(6, 1.0, np.array([0.0, 1000.0]))
+        self.of_step, self.of_size, self.blunted = of_step, of_size, blunted
+        self.runs: list[Choices] = []
+
+    def coarse_engine(self) -> Engine:
+        is_blunted = self.blunted < 1.0
+        return Windowed(self.blunted * self.of_step, 0.0) if is_blunted else self
+
+    def run(self, choices: Choices, shown: bool, progress: Progress) -> Trial:
+        self.runs.append(choices)
+        value = self.of_step * choices.step**6 + self.of_size * choices.size**-5.0
+        return Trial(choices, np.array([value]), 1.0, 0.0, 0.0, None, shown)
+
+    def control(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
+        found = super().control(choices, kinds) if "step" in kinds else choices
+        return replace(found, size=1.3 * found.size) if "domain" in kinds else found
+
+    def improved(self, choices: Choices, kind: Kind, excess: float) -> Choices:
+        if kind == "step":
+            return super().improved(choices, kind, excess)
+        return replace(choices, size=choices.size * max(1.2, excess**0.2))
+
+
+def test_the_run_that_controls_a_window_shows_the_law_of_the_step_too() -> None:
+    """Catches: a run with a shorter step alone, although one in a wider window says the same."""
+    engine = Windowed(1e-4, 1e-5)
+    found = refine(engine, 1e-3)
+    assert abs(float(found.trial.values[0])) <= found.error <= 1e-3  # type: ignore[index]
+    assert [(one.step, one.size) for one in engine.runs[:2]] == [(1.0, 1.0), (0.7, 1.0)]
+    assert [one.size for one in engine.runs[2:]] == [1.3]
+
+
+@pytest.mark.parametrize("of_size", [0.01, 0.1, 10.0])
+def test_a_window_is_widened_without_runs_that_say_that_it_must_be(of_size: float) -> None:
+    """Catches: the step varied alone and the window alone, with the step's change known."""
+    engine = Windowed(1e-4, of_size)
+    found = refine(engine, 1e-3)
+    assert abs(float(found.trial.values[0])) <= found.error <= 1e-3  # type: ignore[index]
+    first, last = (one.size for one in engine.runs if one.size > 1.3)
+    assert last == pytest.approx(1.3 * first)
+
+
+@pytest.mark.parametrize("blunted", [1e-1, 1e-3])
+def test_an_error_that_no_wider_window_lowers_is_found_to_be_the_steps(blunted: float) -> None:
+    """Catches: a window widened in vain where a scout saw next to nothing of the step's error."""
+    engine = Windowed(0.1, 1e-6, blunted)
+    found = refine(engine, 1e-3)
+    assert abs(float(found.trial.values[0])) <= found.error <= 1e-3  # type: ignore[index]
+
+
+def test_a_window_whose_error_hides_the_law_takes_a_run_for_it() -> None:
+    """Catches: a law said to be seen where it was the window that changed the values."""
+    engine = Windowed(1e-4, 2e-3)
+    refine(engine, 1e-3)
+    assert [one.size for one in engine.runs].count(1.0) == 3

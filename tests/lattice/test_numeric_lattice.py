@@ -2,11 +2,13 @@
 
 import numpy as np
 import pytest
+from numpy.polynomial import Polynomial
 from sympy import Rational
 
 from longwave.derive import LATTICES
+from longwave.lattice.force_program import ForceProgram
 from longwave.lattice.model import Model
-from longwave.lattice.numeric_lattice import NumericLattice, numeric_lattice
+from longwave.lattice.numeric_lattice import Entry, NumericBond, NumericLattice, numeric_lattice
 
 NAMES = "K2 K3 K4 H2 H3 H4 L2 L3 L4 m1 m2 m3 g1 g2 g3 a b A d r E"
 NUMBERS = (1, Rational(1, 4), 1, 2, 1, Rational(1, 3), Rational(1, 5), 1, 2, 1, 3, 2, 1, 1, 1)
@@ -99,3 +101,25 @@ def test_constants_that_do_not_fit_are_refused(
 def test_a_site_that_is_tied_has_no_mean_strain() -> None:
     with pytest.raises(ValueError, match="mean_strain must be 0"):
         numbers("klein_gordon", (0.1,))
+
+
+def test_forces_are_numpys_polynomials_to_the_last_bit() -> None:
+    """Their slopes and potentials, too, of any degree and for stretches that are no numbers."""
+    random = np.random.default_rng(0)
+    stretches = np.array([0.0, -0.0, np.inf, np.nan, *random.normal(size=50)])
+    for degree in range(7):
+        law = ForceProgram(tuple(random.normal(size=degree).tolist()))
+        whole = Polynomial([0.0, *law.coefficients])
+        with np.errstate(invalid="ignore"):
+            found = law(stretches), law.slope(stretches), law.potential(stretches)
+            wanted = [each(stretches) for each in (whole, whole.deriv(), whole.integ())]
+        np.testing.assert_array_equal(found, wanted)
+
+
+def test_stretches_of_a_chain_are_of_the_cells_at_their_shifts() -> None:
+    """Whichever way a shift goes, and how often it goes around a short ring."""
+    f = np.random.default_rng(0).normal(size=(2, 3, 5))
+    for shift in range(-7, 8):
+        bond = NumericBond((Entry((shift,), 2.0, 1), Entry((0,), -1.0, 0)), (), ForceProgram())
+        wanted = 2.0 * np.roll(f[1], -shift, axis=-1) - f[0]
+        np.testing.assert_array_equal(bond.stretched(f), wanted)
