@@ -48,8 +48,8 @@ from longwave.runs.sweep_scene import (
     make_scene,
 )
 from longwave.scenes.description.scene import Scene
-from longwave.scenes.description.scene_checks import finite, text, whole
-from longwave.scenes.description.scene_file import read_document, refuse_unknown, table
+from longwave.scenes.description.scene_checks import finite, refuse_unknown, table, text, whole
+from longwave.scenes.description.scene_file import read_document
 from longwave.support.html_tables import html_table
 from longwave.support.known_names import one_of
 from longwave.support.user_files import cut, shown

@@ -1,5 +1,6 @@
 """Markdown tables made from the objects: the paper's map, waves, scenes, observables, schemes."""
 
+import json
 from collections.abc import Iterable, Iterator, Sequence
 
 from house import HOUSE, ROOMS
@@ -7,6 +8,7 @@ from longwave.lattice.schemes import SCHEMES, stability_limit
 from longwave.reports.formulas.printing import latex
 from longwave.reports.latex import domain_latex
 from longwave.reports.pictures.paper_figures import ERROR_FIGURES, SNAPSHOT_FIGURES
+from longwave.scenes.description.bench import KEYS
 from longwave.scenes.description.named_scenes import load_scene, shipped_scenes
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.observed.observables import OBSERVABLES
@@ -114,6 +116,24 @@ def observables() -> str:
         for entry in OBSERVABLES.values()
     ]
     return table(["observable", "what", "arrays"], rows)
+
+
+def bench_keys() -> str:
+    """What may stand in the tables of a chain on a bench: key, what, its value unless stated."""
+    return table(
+        ["table", "key", "what", "unless stated"],
+        (
+            [f"`{name}`", f"`{key}`", entry.says, _usual(entry.usual)]
+            for name, entries in KEYS.items()
+            for key, entry in entries.items()
+        ),
+    )
+
+
+def _usual(value: object) -> str:
+    """A text, a number or a list of some as a file has it; nothing for what is left out."""
+    is_said = type(value) is int or (value and isinstance(value, str | tuple))
+    return f"`{json.dumps(value)}`" if is_said else ""
 
 
 def schemes() -> str:

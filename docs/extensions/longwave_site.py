@@ -26,6 +26,7 @@ CONTENTS: dict[str, Callable[[], str]] = {
     "scenes": lists.scenes,
     "observables": lists.observables,
     "schemes": lists.schemes,
+    "bench-keys": lists.bench_keys,
     "published-solutions": library_pages.contents,
     "published-misprints": lists.misprints,
     "gallery": lambda: gallery.markdown(gallery.scripts(GALLERY)),
@@ -69,5 +70,7 @@ def _write(app: Sphinx) -> None:
 def _read_again(app: Sphinx, env: Any, docnames: list[str]) -> None:
     """Pages with generated tables follow the objects, which Sphinx does not watch."""
     docnames += [
-        name for name in ("gallery", "library", "lists", "paper-map") if name not in docnames
+        name
+        for name in ("gallery", "how-to/bench", "library", "lists", "paper-map")
+        if name not in docnames
     ]

@@ -14,8 +14,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from longwave.scenes.description import scene_checks as check
 from longwave.scenes.description.scene_checks import Value
-from longwave.support.known_names import one_of
-from longwave.support.user_files import shown
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -49,15 +47,9 @@ class Losses:
             return given
         if isinstance(given, str | None):
             given = json.loads(given or "{}")
-        if not isinstance(given, Mapping):
-            raise ValueError(f"losses must be a table, got {shown(given)} (write [losses])")
-        for key in given:
-            if key not in KINDS:
-                raise ValueError(
-                    f"keys in [losses] must be known ones, got {check.plain(key)} "
-                    f"({one_of(key, KINDS)})"
-                )
-        return cls.of_rates(given, _checked) if given else None
+        stated = check.as_table("losses", given)
+        check.refuse_unknown(stated, KINDS, " in [losses]")
+        return cls.of_rates(stated, _checked) if stated else None
 
     @classmethod
     def of_rates(cls, table: Mapping[str, Any], change: Callable[[str, Any], Value]) -> Losses:

@@ -151,7 +151,8 @@ class Scene:
         or the tables of a lattice's file. ``K2``, ``K3``, ``K4`` stand for the constants of the
         paper's chain; ``times`` for t0 and the snapshots, of which it is one.
         """
-        check.known_fields(given, (*FIELDS, *CHAIN_CONSTANTS, "times", *NUMERICS, *BENCH_TABLES))
+        known = (*FIELDS, *CHAIN_CONSTANTS, "times", *NUMERICS, *BENCH_TABLES)
+        check.refuse_unknown(given, known, what="keywords")
         if not isinstance(given.get("lattice", ""), str):
             given |= lattice_keywords(given["lattice"])
         unsaid = [key for key in SAID_IN_ONE_WAY if given.get(key) is None]
@@ -207,8 +208,7 @@ class Scene:
             check.text("wave", self.wave)
         else:
             check.closed_form(self.wave)
-        self._set("eps", check.finite("eps", self.eps))
-        check_eps(self.eps)
+        self._set("eps", check_eps(self.eps))
         check.one_of("order", self.order, check.ORDERS)
         for key in ("constants", "parameters"):
             self._set(key, check.pairs(key, getattr(self, key)))
@@ -289,8 +289,7 @@ class Scene:
 
     def _check_region(self) -> None:
         if self.half_width is not None:
-            self._set("half_width", check.finite("half_width", self.half_width))
-            check.positive("half_width", self.half_width or 0.0)
+            self._set("half_width", check.positive("half_width", self.half_width))
         stated, admitted = self.compared, {0}
         if self.half_width is not None and self.has_moving_wave:
             self._set("compared", check.whole("compared", self.cells_within(1)))

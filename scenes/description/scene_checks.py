@@ -1,15 +1,16 @@
-"""What each field of a scene may be.
+"""What each field of a scene may be, and the reader of tables: a new key is one `Entry`.
 
 A check raises ValueError in one line: argument, condition, value, remedy.
 """
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
 from numbers import Integral, Real
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 from longwave.support import known_names
-from longwave.support.user_files import shown
+from longwave.support.user_files import cut, shown
 
 Value: TypeAlias = "int | float | str"
 """A number, or a formula in text such as "1/3", "sqrt(2)" or "K/2"."""
@@ -60,6 +61,68 @@ FARTHEST_SITE = 2.0**52
 LARGEST = 1e9
 """Whole numbers above it would be more than any memory holds."""
 
+STATED = object()
+"""The usual value of a key that must be stated."""
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A key of a table: what reads a value, given its name, what it says, the usual value.
+
+    Messages call it ``name``, unless that is "KEY in [TABLE]", and say in ``remedy`` what to state.
+    A record has it as ``field``, unless that is the key. The usual value None is read, too.
+    """
+
+    read: Callable[[str, Any], Any]
+    says: str
+    usual: Any = STATED
+    name: str = ""
+    field: str = ""
+    remedy: str = "state it"
+
+
+def read_table(
+    name: str, entries: Mapping[str, Entry], given: object, where: str = ""
+) -> dict[str, Any]:
+    """The values that a table states, in its order, and the usual ones, by the fields of a record.
+
+    >>> read_table("noise", {"seed": Entry(whole, "of draws", 0)}, {})
+    {'seed': 0}
+    """
+    stated = as_table(name, given)
+    refuse_unknown(stated, entries, f" in [{name}]")
+    found = {}
+    for key in dict.fromkeys((*stated, *entries)):
+        entry = entries[key]
+        label, value = entry.name or key + (where or f" in [{name}]"), stated.get(key, entry.usual)
+        if value is STATED:
+            raise ValueError(f"{label} must be stated, got nothing ({entry.remedy})")
+        is_read = key in stated or value is None
+        found[entry.field or key] = entry.read(label, value) if is_read else value
+    return found
+
+
+def table(document: Mapping[str, Any], name: str) -> Mapping[str, Any]:
+    """The table of that name, empty if there is none; ValueError if it is something else."""
+    return as_table(name, document.get(name, {}))
+
+
+def as_table(name: str, given: object) -> Mapping[str, Any]:
+    """The value of that name, if it is a table."""
+    if not isinstance(given, Mapping):
+        raise ValueError(f"{name} must be a table, got {shown(given)} (write [{name}])")
+    return given
+
+
+def refuse_unknown(
+    given: Iterable[str], known: Iterable[str], where: str = "", what: str = "keys"
+) -> None:
+    """Refuse keys that are not known, ``where`` saying in which table they are."""
+    for key in given:
+        if key not in known:
+            remedy = known_names.one_of(key, known)
+            raise ValueError(f"{what}{where} must be known ones, got {plain(key)} ({remedy})")
+
 
 def finite(name: str, value: object) -> float:
     """The value as a float, if it is a finite number."""
@@ -76,16 +139,17 @@ def finite(name: str, value: object) -> float:
     return float(number)
 
 
-def positive(name: str, value: float) -> None:
-    """Refuse what is not positive."""
-    if value <= 0:
-        raise ValueError(f"{name} must satisfy {name} > 0, got {value:g}{_remedy(name)}")
+def positive(name: str, value: object) -> float:
+    """The value as a float, if it is a finite number above 0."""
+    number = finite(name, value)
+    if number <= 0:
+        raise ValueError(f"{name} must satisfy {name} > 0, got {number:g}{_remedy(name)}")
+    return number
 
 
 def tolerance(given: object) -> float:
     """The tolerance as a float, if it is positive and not below rounding."""
-    value = finite("tolerance", given)
-    positive("tolerance", value)
+    value = positive("tolerance", given)
     if value < LEAST_TOLERANCE:
         raise ValueError(
             f"tolerance must satisfy tolerance >= {LEAST_TOLERANCE:g}, got {value:g} "
@@ -124,21 +188,13 @@ def within_reach(speed: float, times: Iterable[float]) -> None:
         )
 
 
-def text(name: str, value: object) -> None:
-    """Refuse what is no text, and what no file can hold of one: halves of signs."""
+def text(name: str, value: object) -> str:
+    """The value, if it is a text that a file can hold: one without halves of signs."""
     if not isinstance(value, str):
         raise ValueError(f"{name} must be a text, got {shown(value)} (write it in quotes)")
     if any("\ud800" <= sign <= "\udfff" for sign in value):
         raise ValueError(f"{name} must be a text in Unicode, got {shown(value)} (name it anew)")
-
-
-def known_fields(given: Iterable[str], known: Iterable[str]) -> None:
-    """Refuse keywords that a scene does not have."""
-    for key in given:
-        if key not in known:
-            raise ValueError(
-                f"keywords must be known ones, got {plain(key)} ({known_names.one_of(key, known)})"
-            )
+    return value
 
 
 def closed_form(value: object) -> None:
@@ -151,12 +207,13 @@ def closed_form(value: object) -> None:
         )
 
 
-def one_of(name: str, value: object, known: tuple[str, ...]) -> None:
-    """Refuse a word that is not known."""
-    if value not in known:
+def one_of(name: str, value: object, known: tuple[str, ...]) -> str:
+    """The value, if it is a known word."""
+    if not isinstance(value, str) or value not in known:
         raise ValueError(
             f"{name} must be a known one, got {shown(value)} ({known_names.one_of(value, known)})"
         )
+    return value
 
 
 def times(name: str, values: object, least: int = 1, start: float = -math.inf) -> tuple[float, ...]:
@@ -197,8 +254,7 @@ def value(name: str, given: object) -> Value:
             raise ValueError(
                 f"{name} must be a short formula, got {len(given)} characters (such as 1/3)"
             )
-        text(name, given)
-        return given
+        return text(name, given)
     number = finite(name, given)
     return int(number) if abs(number) < FARTHEST_SITE and number.is_integer() else number
 
@@ -232,8 +288,7 @@ def differing(where: str, pairs: Iterable[tuple[str, object]]) -> None:
 
 def plain(key: object) -> str:
     """A key as it is put into a message: short, without quotes."""
-    found = str(key)
-    return found if len(found) <= 60 else f"{found[:57]}..."
+    return cut(str(key), 60)
 
 
 def _remedy(name: str) -> str:

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from longwave.lattice.random_sites import DISTRIBUTIONS, site_deviations
-from longwave.scenes.description.scene_checks import finite, known_fields, one_of, text, whole
+from longwave.scenes.description.scene_checks import finite, one_of, refuse_unknown, text, whole
 from longwave.support.user_files import shown
 
 Array = NDArray[np.float64]
@@ -79,7 +79,7 @@ class Disorder:
                 '{"of": "mass", "spread": 0.1, "seed": 1})'
             )
         found: dict[str, Any] = {str(name): value for name, value in pairs}
-        known_fields(found, [field.name for field in fields(cls)])
+        refuse_unknown(found, [field.name for field in fields(cls)], " in [disorder]")
         for name in ("of", "spread", "seed"):
             if name not in found:
                 raise ValueError(f"{name} in [disorder] must be stated, got nothing (state it)")

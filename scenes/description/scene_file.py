@@ -31,10 +31,15 @@ from typing import Any
 
 from longwave.scenes.description.bench import BENCH_TABLES
 from longwave.scenes.description.csv_table import with_columns
-from longwave.scenes.description.scene_checks import CHAIN, CHAIN_CONSTANTS, plain, text
+from longwave.scenes.description.scene_checks import (
+    CHAIN,
+    CHAIN_CONSTANTS,
+    refuse_unknown,
+    table,
+    text,
+)
 from longwave.scenes.description.scene_disorder import Disorder
 from longwave.scenes.description.stated_tables import StatedTables
-from longwave.support.known_names import one_of
 from longwave.support.user_files import read_toml, shown, shown_path
 
 TOP = (
@@ -122,7 +127,7 @@ def scene_fields(given: Mapping[str, Any], folder: Path = Path()) -> dict[str, A
                 f"{key} must be in [{name}], got it at the top of the scene (write it below a line "
                 f"[{name}])"
             )
-    refuse_unknown(document, known, "")
+    refuse_unknown(document, known)
     found = {key: document[key] for key in TOP if key in document}
     found |= with_columns({key: document[key] for key in BENCH_TABLES if key in document}, folder)
     found |= _lattice(document.get("lattice"), folder)
@@ -131,7 +136,7 @@ def scene_fields(given: Mapping[str, Any], folder: Path = Path()) -> dict[str, A
     found["constants"] = tuple({**measured, **dict(found["constants"])}.items())
     for name, fields in TABLES.items():
         entries = table(document, name)
-        refuse_unknown(entries, tuple(fields), f" in [{name}]")
+        refuse_unknown(entries, fields, f" in [{name}]")
         found |= {fields[key]: value for key, value in entries.items()}
     if "losses" in document:
         found["losses"] = table(document, "losses")
@@ -220,23 +225,6 @@ def document_of(given: Mapping[str, Any]) -> dict[str, Any]:
     return found
 
 
-def table(document: Mapping[str, Any], name: str) -> Mapping[str, Any]:
-    """The table of that name, empty if there is none; ValueError if it is something else."""
-    found = document.get(name, {})
-    if not isinstance(found, Mapping):
-        raise ValueError(f"{name} must be a table, got {shown(found)} (write [{name}])")
-    return found
-
-
-def refuse_unknown(entries: Mapping[str, Any], known: tuple[str, ...], where: str) -> None:
-    """Refuse keys that are not known, ``where`` saying in which table they are."""
-    for key in entries:
-        if key not in known:
-            raise ValueError(
-                f"keys{where} must be known ones, got {plain(key)} ({one_of(key, known)})"
-            )
-
-
 _BARE = re.compile(r"[A-Za-z0-9_-]+")
 
 
@@ -256,8 +244,8 @@ def toml_text(document: Mapping[str, object]) -> str:
     """
     tables = {name: value for name, value in document.items() if isinstance(value, Mapping)}
     lines = [_line(name, value) for name, value in document.items() if name not in tables]
-    for name, table in tables.items():
-        lines += ["", f"[{_key(name)}]", *(_line(*entry) for entry in table.items())]
+    for name, entries in tables.items():
+        lines += ["", f"[{_key(name)}]", *(_line(*entry) for entry in entries.items())]
     return "\n".join(lines).lstrip("\n") + "\n"
 
 

@@ -86,14 +86,15 @@ def check_moving_wave(scene: Scene) -> None:
     check.within_reach(scene.model.sound_speed(), (scene.t0, scene.end))
 
 
-def check_eps(eps: float) -> None:
-    """Refuse what is not small, or not positive."""
-    check.positive("eps", eps)
+def check_eps(given: object) -> float:
+    """The value as a float, if it is small and positive."""
+    eps = check.positive("eps", given)
     if eps > LARGEST_EPS:
         raise ValueError(
             f"eps must satisfy eps <= {LARGEST_EPS:g}, got {eps:g} (it is small, as the waves are "
             "long: such as 0.05)"
         )
+    return eps
 
 
 def check_any_lattice(scene: Scene) -> None:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from longwave.lattice.time_integral import ROUNDING
 from longwave.scenes.description.csv_table import number_list
+from longwave.scenes.description.scene_checks import finite
 from longwave.support.user_files import shown
 
 if TYPE_CHECKING:
@@ -108,6 +109,8 @@ def time_function(label: str, given: object) -> Smooth:
     """
     if isinstance(given, Mapping):
         return Samples.of(label, given)
+    if isinstance(given, int) and not isinstance(given, bool):
+        finite(label, given)
     from sympy import Abs, sign
 
     from longwave.derive.lattice_file import time_formula

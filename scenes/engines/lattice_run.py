@@ -292,9 +292,10 @@ def _by_rings(
     expected = scene_cost(scene)
     check_request(scene.name, expected, CHEAPER)
     announce(expected.seconds)
-    seconds, progress = _cells_cost(scene).seconds, progress or (lambda _: None)
+    cells, progress = _cells_cost(scene.changed(engine="stencil")), progress or (lambda _: None)
+    first = (cells.seconds - cells.once) / USUAL_RUNS
     try:
-        return judged(*run_spectral(scene, seconds, progress, announce), scene, begun)
+        return judged(*run_spectral(scene, first, progress, announce), scene, begun)
     except ValueError:
         if scene.target.engine:
             raise

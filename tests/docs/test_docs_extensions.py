@@ -17,6 +17,7 @@ from docstrings import as_restructured_text
 from house import HOUSE, ROOMS, modules, packages
 from longwave import CATALOGUE
 from longwave.lattice.schemes import SCHEMES
+from longwave.scenes.description.bench import KEYS
 from longwave.scenes.description.named_scenes import shipped_scenes
 from longwave.verify.published import published
 from reference import write_reference
@@ -103,6 +104,7 @@ def test_the_tables_hold_every_object() -> None:
     for made, names in (
         (lists.scenes(), [*shipped_scenes(), *shipped_scenes("further")]),
         (lists.schemes(), [scheme.name for scheme in SCHEMES]),
+        (lists.bench_keys(), [name for name, entries in KEYS.items() for _ in entries]),
     ):
         rows = made.splitlines()[2:]
         assert [re.findall("`(.+?)`", row)[0] for row in rows] == names

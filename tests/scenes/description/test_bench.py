@@ -373,6 +373,10 @@ REFUSED: list[tuple[dict[str, Any], str]] = [
         "tables of a bench must hold numbers, texts and lists",
     ),
     ({"start": {}}, "start must be stated, got nothing"),
+    (
+        {"force": [{"site": 1, "value": 10**400}]},
+        "value in [[force]] must be 0 or satisfy 1e-50 <=",
+    ),
     ({"force": [{"site": 1, "value": "sqrt(-1)*t"}]}, "numbers of a formula must be real, got I"),
     ({"chain": {"left": "free"}}, "sites in [chain] must be stated"),
     ({"chain": {"sites": 1}}, "sites in [chain] must be a whole number, 2 <="),
