@@ -141,7 +141,7 @@ def expected_rings(
     frequency, signals = lattice.highest_frequency(rest), _signal_speeds(lattice, rest)
     extent = _fed_extent(wave, times, tolerance)
     window = _window_size(wave, compared, times, signals, extent)
-    room = wave.seam_room(times[0])
+    room = wave.seam_room(times[0]) if wave.watches_strains else 0  # others' are short
     return _cost(wave, compared, times, frequency, signals, window, room)[1]
 
 

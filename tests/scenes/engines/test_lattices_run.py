@@ -218,8 +218,9 @@ GRANULAR = {"lattice": "granular", "constants": {"A": 1, "d": "1/100"}, "carrier
         (DARK | GRANULAR | {"eps": 1.0, "slow_times": [0, 9]}, "beyond what its force is for"),
         (UNSTABLE, "constants must make waves of chain stable"),
         ({"eps": 1e-9}, "must fit 2 GB"),
-        ({"slow_times": [0, 1e40]}, "must fit 2 GB"),
-        ({"eps": 0.003}, "must take at most 60 min, got about"),
+        ({"slow_times": [0, 1e9]}, "must fit 2 GB"),
+        ({"slow_times": [0, 1e40]}, "t must leave c t within 2^53 sites"),
+        ({"eps": 0.0008}, "must take at most 60 min, got about"),
         ({"half_width": 1e12}, "must fit 2 GB"),
     ],
 )

@@ -153,7 +153,9 @@ def test_a_ring_in_the_place_of_a_window_may_be_too_much(monkeypatch: pytest.Mon
     scene = load_scene("dimer_rogue")
     with (
         request_limits(seconds=5.0),
-        pytest.raises(ValueError, match="since no window can be fed with its wave, must take"),
+        pytest.raises(
+            ValueError, match="since no smaller window can be fed with its wave, must take"
+        ),
     ):
         run(scene)
 
