@@ -33,7 +33,6 @@ from longwave.scenes.observed.run_record import (
     searched_on_part,
 )
 from longwave.scenes.starts.background_growth import check_trust, trust_attributes
-from longwave.scenes.starts.lattice_derivation import derivation, lattice_wave
 from longwave.scenes.starts.pulse_meter import PULSE_VARIABLES, crest, pulse_track
 from longwave.support.request_limits import Announcer, ExpectedCost, check_request
 
@@ -45,6 +44,15 @@ if TYPE_CHECKING:
 
 ACROSS = 2
 """``Z = eps**2 m``."""
+
+
+def scene_wave(scene: Scene) -> LatticeWave:
+    """The wave of a scene: the paper's without a derivation, any other by `lattice_wave`."""
+    if scene.has_moving_wave:
+        return scene.moving_wave
+    from longwave.scenes.starts.lattice_derivation import lattice_wave  # with SymPy
+
+    return lattice_wave(scene)
 
 
 def compared_cells(scene: Scene, wave: LatticeWave) -> ComparedCells:
@@ -81,7 +89,7 @@ RINGS = 4.0
 @lru_cache(maxsize=4)
 def _cells_cost(scene: Scene) -> ExpectedCost:
     """The same cell by cell."""
-    wave = lattice_wave(scene)
+    wave = scene_wave(scene)
     timed = in_lattice_times(scene, wave.slow)
     _check_axes(timed, wave)
     compared = compared_cells(scene, wave)
@@ -174,7 +182,7 @@ def wave_size(scene: Scene, t: float, far_field: bool) -> float:
 
 @lru_cache(maxsize=4)
 def _started_wave(scene: Scene) -> LatticeWave:
-    wave = lattice_wave(scene)
+    wave = scene_wave(scene)
     wave.start(in_lattice_times(scene, wave.slow).t0)
     return wave
 
@@ -194,7 +202,7 @@ def _stops(timed: Scene) -> Sequence[float]:
 
 def wave_rings(scene: Scene) -> tuple[Scene, WaveRings]:
     """The scene in the lattice's times, and the rings of its wave from then on."""
-    wave = lattice_wave(scene)
+    wave = scene_wave(scene)
     timed = in_lattice_times(scene, wave.slow)
     _check_axes(timed, wave)
     compared = compared_cells(scene, wave)
@@ -323,11 +331,13 @@ def choose_engine(scene: Scene) -> str:
 
 def _tell(record: RunRecord, scene: Scene) -> None:
     """Tell the equation, the frame, and the unit of errors."""
-    wave = lattice_wave(scene)
+    wave = scene_wave(scene)
     record.attrs |= {"frame_speed": wave.speed, "power": wave.power}
     if scene.has_moving_wave:
         record.attrs |= trust_attributes(scene)
         return
+    from longwave.scenes.starts.lattice_derivation import derivation
+
     derived = derivation(scene)
     record.attrs["equation"] = derived.text()
     if "strains" in record.variables:

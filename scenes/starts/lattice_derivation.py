@@ -299,8 +299,6 @@ def lattice_wave(scene: Scene) -> LatticeWave:
     Raises ValueError as `derivation` and `wave_of` do, and for a disorder that the lattice cannot
     have.
     """
-    if scene.has_moving_wave:
-        return scene.moving_wave
     wave = _ordered_wave(scene)
     if scene.losses:
         wave.losses = loss_rates(derivation(scene).lattice, {"eps": exact("eps", scene.eps)})
