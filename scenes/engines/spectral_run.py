@@ -61,7 +61,7 @@ solitons of a |y| from 0.35 to 0.6."""
 STEPPING = 2.0
 """Runs on the first ring with all longer steps, in units of the last of them."""
 
-FAR_DEARER = 100.0
+FAR_DEARER = 300.0
 """The spectral engine gives up at so many times what the stencil takes, and not before ``WORTH``.
 
 A ring on which short waves come round for ever improves ever more slowly. Where that takes long and
