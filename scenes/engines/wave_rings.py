@@ -227,7 +227,7 @@ def part_of(
     if others or 2 * reach < LARGE or wave.disorder is not None:
         return None
     ends = wave.support(times[0])
-    reached = max(REPEATED / wave.eps, PERIODS * wave.seam_room(times[0]))
+    reached = REPEATED / wave.eps
     if math.isfinite(ends[1] - ends[0]):
         reached = max(
             abs(end - wave.speed * t) + _signal(signals[0], t - times[0])
@@ -237,6 +237,7 @@ def part_of(
     elif wave.watches_strains:
         low, high = wave.extent(times, PART_TOLERANCE)
         travelled = _signal(wave.speed + signals[0], times[-1] - times[0])
+        reached = max(reached, PERIODS * wave.seam_room(times[0]))
         reached += max(0.0, -low, high) + travelled
     part = math.ceil(reached)
     return replace(compared, reach=(part,)) if SHARE * part <= reach else None

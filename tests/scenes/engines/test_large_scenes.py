@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from longwave.scenes import run
-from longwave.scenes.description.named_scenes import scene_of
+from longwave.scenes.description.named_scenes import load_scene, scene_of
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.engines.lattice_run import wave_rings
 from longwave.scenes.engines.site_engine import SiteEngine
@@ -154,3 +154,10 @@ def test_more_cells_than_memory_holds_are_refused_before_any_is_made(
         run(scene)
     assert tracemalloc.get_traced_memory()[1] < 1e8
     tracemalloc.stop()
+
+
+def test_a_large_scene_of_the_next_order_is_told_its_cost() -> None:
+    """Catches: a wave that is solved for, asked for its seam before it begins."""
+    scene = load_scene("toda_soliton").changed(order="corrected", half_width=8000.0)
+    assert 2 * scene.cells_within(1) > 100_000
+    assert 1.0 < scene.expected_cost().seconds < 100.0
