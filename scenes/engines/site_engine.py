@@ -116,9 +116,8 @@ class SiteEngine(StepSearch):
         """A run in a window of that size, or on a ring as wide as it must be or a little wider.
 
         On a ring observables are always seen, but for nudged data: any run may become a control.
-        Where a
-        window's feed misses the lattice by too much, all windows are twice as wide from then on, or
-        rings. Raises ValueError for a ring that would take too long.
+        Where a window's feed misses the lattice by too much, all windows are twice as wide from
+        then on, or rings. Raises ValueError for what would take too long.
         """
         while True:
             trial = self._run(choices, shown, progress)

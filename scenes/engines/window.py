@@ -80,7 +80,7 @@ class WindowWave(Protocol):
         """The cell nearest to where the wave's speed leads to by then."""
 
     def initial_data(self, sites: Sites) -> tuple[Array, Array]:
-        """Fields and velocities at t0: (fields, cells), or of one field alone (cells,)."""
+        """Fields and velocities at t0, (fields, cells)."""
 
     def rigid_offsets(self, speed: float, sites: Sites, t: float) -> Array:
         """Cells at time t, from where the wave began, in a frame that moves at ``speed``."""
@@ -88,7 +88,7 @@ class WindowWave(Protocol):
     def rigid_data(self, speed: float, offsets: Array) -> tuple[Array, Array]:
         """Fields and velocities, as `initial_data`, of the initial wave that moves rigidly."""
 
-    def uniform(self, sites: Sites, t: float) -> Array | float:
+    def uniform(self, sites: Sites, t: float) -> Array:
         """What fields are at time t in these cells beside that: uniform in strain and velocity."""
 
 
@@ -215,7 +215,7 @@ class Tail:
 
     def _rows(self, offsets: Array) -> Array:
         """Fields, then velocities."""
-        return np.concatenate(np.atleast_2d(*self.wave.rigid_data(self.speed, offsets)))
+        return np.concatenate(self.wave.rigid_data(self.speed, offsets))
 
     def _unit(self, offsets: Array) -> Array:
         """The stretch as -1 .. 1."""
@@ -291,7 +291,7 @@ class Window(Domain):
     def start(self) -> State:
         """The initial state, centred on where the wave begins."""
         left = self.left(self.wave.t0)
-        f, v = np.atleast_2d(*self.wave.initial_data(np.arange(left, left + self.size)))
+        f, v = self.wave.initial_data(np.arange(left, left + self.size))
         return stored_chain(self.wave.t0, left, f, v)
 
     def left(self, t: float) -> int:

@@ -322,11 +322,6 @@ class WaveBounds:
         """Half-way between the ends."""
         return 0.5 * (self.low + self.high)
 
-    @property
-    def reach(self) -> int:
-        """The farther end's distance from c t."""
-        return int(np.ceil(max(-self.low, self.high)))
-
 
 def find_bounds(moving: MovingWave, tolerance: float) -> WaveBounds:
     """The bounds of compared sites and wave (`wave_extent`) at all times from first to last."""
