@@ -44,6 +44,9 @@ Array = NDArray[np.float64]
 Judged = Callable[[Array, Array, float], ArrayLike]
 """What is judged, from positions, velocities and the time."""
 
+Look = Callable[[State, EnergyBalance | None], Array]
+"""The same from a state, and the balance of energy where it is followed."""
+
 LIMIT_SHARE = 0.9
 """Longest step tried, in units of the stability limit at the largest strain."""
 
@@ -170,13 +173,23 @@ def integrate(
             "(a tolerance finds the step)"
         )
     begun = perf_counter()
-    search = CellRingEngine(lattice, held, moments, scheme, judged, tolerance=tolerance or FINE)
+    looked = None if judged is None else _of_cells(judged, lattice.cell_count)
+    search = CellRingEngine(lattice, held, moments, scheme, looked, tolerance=tolerance or FINE)
     if tolerance is not None:
         trial, error = _found(search, tolerance, moments)
     else:
         assert step is not None
         trial, error = _stated(search, step, measure_error)
     return _outcome(trial, error, moments, begun, search)
+
+
+def _of_cells(judged: Judged, cells: int | None) -> Look:
+    """What is judged of the lattice's own cells, walls left out."""
+
+    def looked(state: State, _: EnergyBalance | None) -> Array:
+        return np.asarray(judged(state.f[:, :cells], state.v[:, :cells], state.t))
+
+    return looked
 
 
 def _checked(lattice: NumericLattice, state: State) -> State:
@@ -249,8 +262,9 @@ class CellRingEngine(StepSearch):
     """Runs of a ring of sites from a state, for `refine` to judge: only the step varies.
 
     ``first_frequency`` is the highest of any wave about the state. Positions and velocities are
-    ``kept`` at all of the times, or at those given; what is judged at all. With ``cuts`` of a
-    driven chain, however few, its `EnergyBalance` is there when it is.
+    ``kept`` at all of the times, or at those given. ``look`` gives what is compared with other
+    runs at all of the times, by default stretches and their rates. With ``cuts`` of a driven
+    chain, however few, it is given its `EnergyBalance`.
     """
 
     safety = RING_SAFETY
@@ -261,7 +275,7 @@ class CellRingEngine(StepSearch):
         state: State,
         times: Array,
         scheme: Scheme,
-        judged: Judged | None = None,
+        look: Look | None = None,
         kept: Array | None = None,
         cuts: Sequence[int] | None = None,
         tolerance: float = FINE,
@@ -284,12 +298,9 @@ class CellRingEngine(StepSearch):
                 "state must leave the slopes of all forces finite, got a stretch of "
                 f"{float(np.max(np.abs(ranges[: len(lattice.bonds)]))):g} (take other units)"
             )
-        cells = lattice.cell_count
         self._highest_at_rest = self._frequency_at_rest(ranges)
         self._largest = self._sizes(ranges)
-        self._judged: Callable[[Array, Array, float], Array] = self._stretches_and_rates
-        if judged is not None:
-            self._judged = lambda f, v, t: np.asarray(judged(f[:, :cells], v[:, :cells], t))
+        self.look: Look = look or self._stretches_and_rates
         stops = np.concatenate([[state.t], times])
         begin, end = float(stops[0]), float(stops[-1])
         opens = any(bond.force.opening is not None for bond in lattice.bonds)
@@ -315,15 +326,15 @@ class CellRingEngine(StepSearch):
         frequency = self.dynamics.highest_frequency(0.0 * ranges)
         return frequency if 0.0 < frequency < math.inf else self.first_frequency or 1.0
 
-    def _stretches_and_rates(self, f: Array, v: Array, _: float) -> Array:
+    def _stretches_and_rates(self, state: State, _: EnergyBalance | None) -> Array:
         """Both in the unit of stretches: rates in units of the highest frequency at rest."""
         stretches = self.dynamics.stretches
-        return np.array([stretches(f), stretches(v) / self._highest_at_rest])
+        return np.array([stretches(state.f), stretches(state.v) / self._highest_at_rest])
 
     def run(self, choices: Choices, shown: bool, progress: Progress = lambda _: None) -> Trial:
         """A run; its payload is what stopped it, its steps, positions and velocities."""
         start = self._start(choices.nudged)
-        balance = self._balance(start)
+        balance = self.balance(start)
         ring, chunk = StillRing(start), self._chunk(choices)
         stepper = Stepper(start, self.scheme, self.lattice, ring, choices.step, None, chunk)
         f, v = np.empty((2, self._kept.size, *self.state.arrays[0].shape))
@@ -355,7 +366,7 @@ class CellRingEngine(StepSearch):
                 if balance is not None:
                     balance.settle()
                 with np.errstate(all="ignore"):  # where the step is too long
-                    judged.append(self.looked_at(state, balance))
+                    judged.append(self.look(state, balance))
             if choices.nudged:
                 self._nudge_again(state, before)
             before = state.t
@@ -376,7 +387,7 @@ class CellRingEngine(StepSearch):
             ),
             (stepper.blow_up, stepper.steps, f, v),
             common_error=self._missed,
-            shown=False,
+            shown=self._kept.size == 0,  # no more is kept than what is looked at
         )
 
     def _values(
@@ -468,15 +479,12 @@ class CellRingEngine(StepSearch):
                 )
         return longest
 
-    def _balance(self, start: State) -> EnergyBalance | None:
+    def balance(self, start: State) -> EnergyBalance | None:
+        """What follows the energy of a run from there, where it is asked for."""
         if self._cuts is None:
             return None
         assert isinstance(self.lattice, DrivenChain)
         return EnergyBalance(self.lattice, self._cuts, start)
-
-    def looked_at(self, state: State, balance: EnergyBalance | None) -> Array:
-        """What is compared with other runs."""
-        return np.array(self._judged(*state.arrays, state.t))
 
     def _taken(self, step: float) -> float:
         """The longest step that is taken where the stops shorten it."""

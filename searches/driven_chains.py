@@ -321,20 +321,17 @@ def _slopes(case: DrivenCase) -> Callable[[float, Array], Array]:
     return slopes
 
 
-class _Balanced(CellRingEngine):
-    """Runs of which energy, work and heat are compared."""
-
-    def looked_at(self, state: State, balance: EnergyBalance | None) -> Array:
-        assert isinstance(self.lattice, DrivenChain)
-        assert balance is not None
-        energy, flowed = self.lattice.energy(*state.arrays), balance.total
-        return np.array([energy, flowed.work.sum(), flowed.heat.sum()])
-
-
 def balanced(case: DrivenCase, tolerance: float) -> Refined:
     """The chain's energy, work and heat at the start and at the end, to that tolerance."""
-    start, times = case.chain.held(case.state), np.array([0.0, case.end])
-    return refine(_Balanced(case.chain, start, times, REDUCED_PHASE_6, cuts=()), tolerance)
+    chain, times = case.chain, np.array([0.0, case.end])
+
+    def looked(state: State, balance: EnergyBalance | None) -> Array:
+        assert balance is not None
+        flowed = balance.total
+        return np.array([chain.energy(*state.arrays), flowed.work.sum(), flowed.heat.sum()])
+
+    start = chain.held(case.state)
+    return refine(CellRingEngine(chain, start, times, REDUCED_PHASE_6, looked, cuts=()), tolerance)
 
 
 def balance_error(case: DrivenCase, found: Refined, exact: tuple[Array, Array]) -> float:

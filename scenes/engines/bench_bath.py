@@ -18,7 +18,7 @@ from scipy.stats import t as student
 
 from longwave.lattice.state import State
 from longwave.scenes.description.bench import OF_MEANS
-from longwave.scenes.engines.bench_run import BenchEngine, chain_of
+from longwave.scenes.engines.bench_run import BenchReadings, chain_of
 from longwave.support.checkpoint import begin_loop
 from longwave.support.request_limits import ExpectedCost, check_request
 
@@ -77,8 +77,9 @@ class Bath:
     def __init__(self, scene: Scene, bench: Bench, chain: DrivenChain) -> None:
         assert bench.noise is not None
         self.noise, self.cells = bench.noise, bench.sites
-        self.engine = BenchEngine(scene, *chain_of(scene, lossless=True))
-        self.masses = self.engine.chain.cell_masses[:, : self.cells]
+        self.readings = BenchReadings(scene, *chain_of(scene, lossless=True))
+        self.engine, self.chain = self.readings.engine, self.readings.chain
+        self.masses = self.chain.cell_masses[:, : self.cells]
         losses = np.array(chain.losses) * np.array(chain.masses)
         self.rates = losses[:, np.newaxis] / self.masses
         highest = max(self.engine.first_frequency, float(self.rates.max()))
@@ -92,7 +93,7 @@ class Bath:
         """The ranges at the start, widened to where bonds store as much as a bath gives them."""
         found = self.engine.dynamics.ranges(self.engine.state)
         sizes = np.geomspace(1e-12, 1e12, 481)
-        for row, bond in zip(found, self.engine.chain.bonds, strict=False):
+        for row, bond in zip(found, self.chain.bonds, strict=False):
             for end, sign in enumerate((-1.0, 1.0)):
                 with np.errstate(all="ignore"):
                     stored = bond.force.potential(sign * sizes)
@@ -122,7 +123,7 @@ class Bath:
         if broken is not None or longest < CURE * self.step:
             self.cured += 1
         if self.cured > MOST_CURED:
-            t = self.engine.times[-1] if broken is None else broken.t
+            t = self.readings.times[-1] if broken is None else broken.t
             raise ValueError(
                 f"times must end before the chain flies apart, got {t:g} (as with longer steps, "
                 f"with those of {self.step:.2g}; end earlier, or a lower temperature)"
@@ -148,7 +149,7 @@ class Bath:
         start, engine = self.engine.state, self.engine
         coarse, fine = ((start.f.copy(), start.v.copy()) for _ in range(2))
         read: list[tuple[Array, Array]] = []
-        t, times = start.t, set(engine.times.tolist())
+        t, times = start.t, set(self.readings.times.tolist())
         for end in engine.stops.tolist():
             count = math.ceil((end - t) / self.step - 1e-9)
             h = (end - t) / max(count, 1)
@@ -164,7 +165,7 @@ class Bath:
             t = end
             self._meet(*fine, t)
             if t in times:
-                pair = (engine.looked_at(State(t, *ring)) for ring in (coarse, fine))
+                pair = (self.readings.read(State(t, *ring)) for ring in (coarse, fine))
                 read.append(tuple(pair))  # type: ignore[arg-type]
         return tuple(np.array(values) for values in zip(*read, strict=True))  # type: ignore[return-value]
 
@@ -279,10 +280,10 @@ def record_means(
             wanted = max(means.runs + 1, math.ceil(min(needed, 4.0 * means.runs)))
     error, spread = OF_MEANS
     half, told = means.by_chance + means.by_steps, f"half of the {CONFIDENCE:.0%} interval of the "
-    variables = bath.engine.variables(means.mean, meaning="mean ")
-    variables |= bath.engine.variables(half, error, f"{told}mean ")
-    variables |= bath.engine.variables(means.spread, spread, "standard deviation, a run's, of ")
-    record = bath.engine.record(variables, bath.steps, perf_counter() - loop.begun)
+    variables = bath.readings.variables(means.mean, meaning="mean ")
+    variables |= bath.readings.variables(half, error, f"{told}mean ")
+    variables |= bath.readings.variables(means.spread, spread, "standard deviation, a run's, of ")
+    record = bath.readings.record(variables, bath.steps, perf_counter() - loop.begun)
     record.attrs |= {
         "tolerance": allowed,
         "error_estimate": float(half.max()),

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from longwave.lattice.energy_balance import EnergyBalance
     from longwave.lattice.refine import Announce
     from longwave.lattice.state import State
-    from longwave.lattice.trial import Choices, Progress, Trial
+    from longwave.lattice.trial import Progress, Trial
     from longwave.scenes.observed.recorders import Variables
     from longwave.support.request_limits import ExpectedCost
 
@@ -105,8 +105,8 @@ def scene_cost(scene: Scene) -> ExpectedCost:
     return replace(found, seconds=found.seconds + USUAL_RUNS * (read + balanced))
 
 
-class BenchEngine(CellRingEngine):
-    """Runs of a chain of which what is watched is compared."""
+class BenchReadings:
+    """What is watched on a bench, the engine that compares it between runs, and its records."""
 
     def __init__(self, scene: Scene, bench: Bench, chain: DrivenChain) -> None:
         self.bench, self.chain, self.scene = bench, chain, scene
@@ -114,33 +114,26 @@ class BenchEngine(CellRingEngine):
         self.watched = list(watched(bench, chain))
         scheme = scheme_named(scene.target.scheme) if scene.target.scheme else REDUCED_PHASE_6
         start = chain.held(start_on_bench(bench, chain, scene.t0))
-        cuts = watched_cuts(bench, chain)
-        super().__init__(
+        self.engine = CellRingEngine(
             chain,
             start,
             self.times,
             scheme,
+            self.read,
             kept=self.times[:0],
-            cuts=cuts,
+            cuts=watched_cuts(bench, chain),
             tolerance=scene.target.tolerance,
         )
-        self.sizes = [part.shape for part in self._read(start, self._balance(start))]
+        self.sizes = [part.shape for part in self._parts(start, self.engine.balance(start))]
 
-    def _read(self, state: State, balance: EnergyBalance | None) -> list[Array]:
+    def _parts(self, state: State, balance: EnergyBalance | None) -> list[Array]:
         flows = () if balance is None else (balance.total, balance.rate)
         now = Moment(self.chain, *state.arrays, *flows)
         return [np.asarray(one.read(now)) for one in self.watched]
 
-    def looked_at(self, state: State, balance: EnergyBalance | None = None) -> Array:
+    def read(self, state: State, balance: EnergyBalance | None = None) -> Array:
         """All that is watched, one after the other."""
-        return np.concatenate([part.ravel() for part in self._read(state, balance)])
-
-    def run(self, choices: Choices, shown: bool, progress: Progress = lambda _: None) -> Trial:
-        """A run; its payload is its record."""
-        trial = super().run(choices, shown, progress)
-        blow_up, steps, _, _ = trial.payload
-        told = "" if blow_up is None else str(blow_up)
-        return replace(trial, payload=self._record(trial, steps, told), shown=True)
+        return np.concatenate([part.ravel() for part in self._parts(state, balance)])
 
     def variables(self, found: Array, ending: str = "", meaning: str = "") -> Variables:
         """What is watched, by name and that ending; ``meaning`` precedes what it is."""
@@ -156,9 +149,12 @@ class BenchEngine(CellRingEngine):
             variables[one.name + ending] = ("time", *dimensions), values, told
         return variables
 
-    def _record(self, trial: Trial, steps: int, blow_up: str) -> RunRecord:
+    def record_of(self, trial: Trial) -> RunRecord:
+        """The record of a run, without variables if it broke down."""
+        blow_up, steps, _, _ = trial.payload
         variables = {} if trial.values is None else self.variables(trial.values)
-        return self.record(variables, steps, trial.seconds, blow_up)
+        told = "" if blow_up is None else str(blow_up)
+        return self.record(variables, steps, trial.seconds, told)
 
     def record(
         self, variables: Variables, steps: int, seconds: float, blow_up: str = ""
@@ -173,12 +169,13 @@ class BenchEngine(CellRingEngine):
             if any(name in found for found, _, _ in variables.values()):
                 told = {"units": "1", "long_name": long_name}
                 variables[name] = (name,), np.array(counted), told
+        scheme = self.engine.scheme
         cost = {
             "engine": "stencil",
-            "scheme": self.scheme.name,
-            "order": self.scheme.order,
+            "scheme": scheme.name,
+            "order": scheme.order,
             "steps": steps,
-            "force_evaluations": steps * self.scheme.stages,
+            "force_evaluations": steps * scheme.stages,
             "sites": self.bench.sites,
             "seconds": seconds,
             "blow_up": blow_up,
@@ -212,12 +209,12 @@ def record_scene(
 
         return record_means(scene, bench, chain, progress, announce)
     announce(cost.seconds)
-    engine = BenchEngine(scene, bench, chain)
+    readings = BenchReadings(scene, bench, chain)
     try:
-        found = searched(engine, scene, progress, announce)
+        found = searched(readings.engine, scene, progress, announce, readings.record_of)
     except OverBudgetError as dear:
-        raise ValueError(engine.told_dear(dear.work, scene.tolerance)) from None
-    record: RunRecord = found.trial.payload
+        raise ValueError(readings.engine.told_dear(dear.work, scene.tolerance)) from None
+    record = readings.record_of(found.trial)
     if found.trial.values is None:
         raise ValueError(
             f"times must end before {scene.lattice} flies apart, got {scene.end:g} "

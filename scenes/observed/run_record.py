@@ -6,7 +6,7 @@ So does what Ctrl-C leaves of a run.
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from longwave.lattice.refine import USUAL_WORK, StoppedSearch, refine
-from longwave.lattice.trial import StoppedTrial, difference
+from longwave.lattice.trial import StoppedTrial, Trial, difference
 from longwave.scenes.observed.observables import TIME, axis_values
 from longwave.support.checkpoint import spared_seconds
 from longwave.support.html_tables import html_table
@@ -147,15 +147,21 @@ def unfinished(
     return UnfinishedRun(run)
 
 
-def searched(engine: Engine, scene: Scene, progress: Progress, announce: Announce) -> Refined:
-    """What `refine` finds for the scene's tolerance by runs whose payload is their record.
+def searched(
+    engine: Engine,
+    scene: Scene,
+    progress: Progress,
+    announce: Announce,
+    record_of: Callable[[Trial], RunRecord] = lambda trial: trial.payload,
+) -> Refined:
+    """What `refine` finds for the scene's tolerance; ``record_of`` gives the record of a run.
 
     Raises what that raises, and on Ctrl-C UnfinishedRun with the best of them.
     """
     try:
         return refine(engine, scene.target.tolerance, progress, announce)
     except StoppedSearch as stop:
-        run = None if stop.trial is None else stop.trial.payload
+        run = None if stop.trial is None else record_of(stop.trial)
         raise unfinished(run, scene, stop.error, stop.before) from None
 
 

@@ -111,15 +111,6 @@ def test_integrals_are_of_order_8_whatever_the_scheme() -> None:
     assert errors[1] < 1e-6 * abs(exact)
 
 
-class Energies(CellRingEngine):
-    """Runs of which the energy and the sum of the work are compared."""
-
-    def looked_at(self, state: State, balance: EnergyBalance | None) -> Array:
-        assert isinstance(self.lattice, DrivenChain)
-        done = 0.0 if balance is None else balance.total.work.sum()
-        return np.array([self.lattice.energy(*state.arrays), done])
-
-
 @pytest.mark.parametrize("ends", [("free", "fixed"), ("free", "free"), (shake, "fixed")])
 def test_energy_holds_what_grains_pressed_together_store(ends: tuple[Any, Any]) -> None:
     """They push off from where nothing holds them; a wall works against their force at rest."""
@@ -127,7 +118,13 @@ def test_energy_holds_what_grains_pressed_together_store(ends: tuple[Any, Any]) 
     made = driven_chain(grains, 6, left=ends[0], right=ends[1])
     start = made.held(State(0.0, *np.zeros((2, 1, 6))))
     cuts = () if made.exchanges_energy else None
-    engine = Energies(made, start, np.array([0.0, 3.0]), REDUCED_PHASE_6, cuts=cuts)
+
+    def energies(state: State, balance: EnergyBalance | None) -> Array:
+        done = 0.0 if balance is None else balance.total.work.sum()
+        return np.array([made.energy(*state.arrays), done])
+
+    times = np.array([0.0, 3.0])
+    engine = CellRingEngine(made, start, times, REDUCED_PHASE_6, energies, cuts=cuts)
     found = refine(engine, 1e-5)
     assert found.trial.values is not None
     (before, _), (after, done) = found.trial.values

@@ -92,7 +92,12 @@ def test_a_kind_of_force_is_an_entry() -> None:
     u, work = exact(state)
     assert np.abs(run.f[-1, 0] - u).max() < run.error_estimate <= 1e-8
     held = made.held(state)
-    engine = _Worked(made, held, np.array([END]), REDUCED_PHASE_6, cuts=[])
+
+    def worked(_: State, balance: EnergyBalance | None) -> Array:
+        assert balance is not None
+        return np.array([balance.total.work.sum()])
+
+    engine = CellRingEngine(made, held, np.array([END]), REDUCED_PHASE_6, worked, cuts=[])
     trial = engine.run(replace(engine.first(), step=0.05), True)
     assert trial.values is not None
     assert trial.values[0, 0] == pytest.approx(work, abs=1e-8)
@@ -121,14 +126,6 @@ def test_a_law_is_evaluated_where_its_force_acts_alone() -> None:
     times = np.array([2.0])
     read = VariedChain(made, []).readings(far, times, 0.02, [Sensor("displacement", 0, 5)])
     assert read[0, 0, 0] == pytest.approx(u[5], abs=1e-6)
-
-
-class _Worked(CellRingEngine):
-    """Runs whose work is looked at."""
-
-    def looked_at(self, state: State, balance: EnergyBalance | None) -> Array:
-        assert balance is not None
-        return np.array([balance.total.work.sum()])
 
 
 @pytest.mark.parametrize("scheme", [STOERMER_VERLET, KAHAN_LI_8])
