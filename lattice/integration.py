@@ -10,6 +10,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from time import perf_counter
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -44,8 +45,21 @@ Array = NDArray[np.float64]
 Judged = Callable[[Array, Array, float], ArrayLike]
 """What is judged, from positions, velocities and the time."""
 
-Look = Callable[[State, EnergyBalance | None], Array]
+Look = Callable[[State, EnergyBalance | None], NDArray[Any]]
 """The same from a state, and the balance of energy where it is followed."""
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """What runs are compared by: what a ``look`` at each of the times gives, taken ``together``.
+
+    It is in so many ``unit`` of the fields.
+    """
+
+    look: Look
+    together: Callable[[NDArray[Any]], Array] = lambda looks: looks
+    unit: float = 1.0
+
 
 LIMIT_SHARE = 0.9
 """Longest step tried, in units of the stability limit at the largest strain."""
@@ -173,8 +187,8 @@ def integrate(
             "(a tolerance finds the step)"
         )
     begun = perf_counter()
-    looked = None if judged is None else _of_cells(judged, lattice.cell_count)
-    search = CellRingEngine(lattice, held, moments, scheme, looked, tolerance=tolerance or FINE)
+    compared = None if judged is None else _of_cells(judged, lattice.cell_count)
+    search = CellRingEngine(lattice, held, moments, scheme, compared, tolerance=tolerance or FINE)
     if tolerance is not None:
         trial, error = _found(search, tolerance, moments)
     else:
@@ -183,13 +197,13 @@ def integrate(
     return _outcome(trial, error, moments, begun, search)
 
 
-def _of_cells(judged: Judged, cells: int | None) -> Look:
+def _of_cells(judged: Judged, cells: int | None) -> Comparison:
     """What is judged of the lattice's own cells, walls left out."""
 
     def looked(state: State, _: EnergyBalance | None) -> Array:
         return np.asarray(judged(state.f[:, :cells], state.v[:, :cells], state.t))
 
-    return looked
+    return Comparison(looked)
 
 
 def _checked(lattice: NumericLattice, state: State) -> State:
@@ -262,9 +276,10 @@ class CellRingEngine(StepSearch):
     """Runs of a ring of sites from a state, for `refine` to judge: only the step varies.
 
     ``first_frequency`` is the highest of any wave about the state. Positions and velocities are
-    ``kept`` at all of the times, or at those given. ``look`` gives what is compared with other
-    runs at all of the times, by default stretches and their rates. With ``cuts`` of a driven
-    chain, however few, it is given its `EnergyBalance`.
+    ``kept`` at all of the times, or at those given; without ``compared`` stretches and their rates
+    are, at all of them. With ``cuts`` of a driven chain, however few, its `EnergyBalance` is there
+    when it is looked at. No step tried is longer than ``longest``. Last digits are changed by
+    ``amplified`` times what one rounding does.
     """
 
     safety = RING_SAFETY
@@ -275,11 +290,14 @@ class CellRingEngine(StepSearch):
         state: State,
         times: Array,
         scheme: Scheme,
-        look: Look | None = None,
+        compared: Comparison | None = None,
         kept: Array | None = None,
         cuts: Sequence[int] | None = None,
         tolerance: float = FINE,
+        longest: float = math.inf,
+        amplified: float = 1.0,
     ) -> None:
+        self._amplified = amplified
         self.lattice, self.scheme, self.state = lattice, scheme, state
         self._cuts = cuts
         self.dynamics = Dynamics(lattice)
@@ -300,7 +318,7 @@ class CellRingEngine(StepSearch):
             )
         self._highest_at_rest = self._frequency_at_rest(ranges)
         self._largest = self._sizes(ranges)
-        self.look: Look = look or self._stretches_and_rates
+        self._compared = compared or Comparison(self._stretches_and_rates)
         stops = np.concatenate([[state.t], times])
         begin, end = float(stops[0]), float(stops[-1])
         opens = any(bond.force.opening is not None for bond in lattice.bonds)
@@ -313,7 +331,7 @@ class CellRingEngine(StepSearch):
         self._missed = driven.missed * tolerance / self._push
         if driven.stops.size:
             stops = np.append(stops[0], np.union1d(stops[1:], driven.stops))
-        super().__init__(order, driven.step, stops, state.size)
+        super().__init__(order, min(driven.step, longest), stops, state.size)
         self.most_work = max(RUNAWAY * self.work(self.first()), LEAST_RUNAWAY)
 
     @property
@@ -366,7 +384,7 @@ class CellRingEngine(StepSearch):
                 if balance is not None:
                     balance.settle()
                 with np.errstate(all="ignore"):  # where the step is too long
-                    judged.append(self.look(state, balance))
+                    judged.append(self._compared.look(state, balance))
             if choices.nudged:
                 self._nudge_again(state, before)
             before = state.t
@@ -382,9 +400,7 @@ class CellRingEngine(StepSearch):
             self._values(stepper, choices, judged, met),
             float(stepper.steps),
             perf_counter() - loop.begun,
-            rounding_error(
-                self.dynamics.largest(stepper.ranges), stepper.steps * self.scheme.stages
-            ),
+            self._rounding(stepper),
             (stepper.blow_up, stepper.steps, f, v),
             common_error=self._missed,
             shown=self._kept.size == 0,  # no more is kept than what is looked at
@@ -406,7 +422,13 @@ class CellRingEngine(StepSearch):
         if stepper.blow_up is not None or taken > longest:
             return None
         self._largest = np.fmax(self._largest, self._sizes(stepper.ranges))
-        return np.array(judged) if len(judged) > 1 else judged[0][np.newaxis]
+        looks = np.array(judged) if len(judged) > 1 else judged[0][np.newaxis]
+        return self._compared.together(looks)
+
+    def _rounding(self, stepper: Stepper) -> float:
+        """What rounding is taken to have done to what is compared."""
+        largest = self.dynamics.largest(stepper.ranges) / self._compared.unit
+        return rounding_error(largest, stepper.steps * self.scheme.stages)
 
     def _note_admitted(self, step: float, stable: float, followed: float) -> None:
         """Keep the longest step that the strains and features admit which a run has met.
@@ -537,7 +559,9 @@ class CellRingEngine(StepSearch):
         start = self.state.copy()
         if changed:
             resting = (start.f == 0.0) & (start.v == 0.0)
-            for values, others in zip(start.arrays, nudged(*start.arrays), strict=True):
+            for values, others in zip(
+                start.arrays, nudged(*start.arrays, times=self._amplified), strict=True
+            ):
                 values[:] = others
             start.f += np.where(resting, self._nudges(start.f), 0.0)
         return start
@@ -553,7 +577,7 @@ class CellRingEngine(StepSearch):
         """Such changes, of cells that move."""
         ones = np.zeros_like(f)
         ones[:, : self.lattice.cell_count] = 1.0
-        [signs] = nudged(ones)
+        [signs] = nudged(ones, times=self._amplified)
         return (signs - ones) * self._largest.reshape(-1, *(1,) * (f.ndim - 1))
 
     def _sizes(self, ranges: Array) -> Array:

@@ -38,7 +38,7 @@ from longwave.lattice import (
     integrate,
 )
 from longwave.lattice.energy_balance import EnergyBalance
-from longwave.lattice.integration import CellRingEngine
+from longwave.lattice.integration import CellRingEngine, Comparison
 from longwave.lattice.numeric_lattice import NumericBond, numeric_lattice
 from longwave.lattice.refine import Refined, refine
 from longwave.lattice.schemes import REDUCED_PHASE_6
@@ -331,7 +331,9 @@ def balanced(case: DrivenCase, tolerance: float) -> Refined:
         return np.array([chain.energy(*state.arrays), flowed.work.sum(), flowed.heat.sum()])
 
     start = chain.held(case.state)
-    return refine(CellRingEngine(chain, start, times, REDUCED_PHASE_6, looked, cuts=()), tolerance)
+    return refine(
+        CellRingEngine(chain, start, times, REDUCED_PHASE_6, Comparison(looked), cuts=()), tolerance
+    )
 
 
 def balance_error(case: DrivenCase, found: Refined, exact: tuple[Array, Array]) -> float:

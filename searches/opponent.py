@@ -47,7 +47,7 @@ from longwave.scenes.description.scene import Scene
 from longwave.scenes.description.scene_checks import Pairs
 from longwave.scenes.description.scene_rules import PERTURBED_PLANE
 from longwave.scenes.engines.lattice_run import wave_rings
-from longwave.scenes.engines.sideband_growth import SidebandEngine, growth_plan
+from longwave.scenes.engines.sideband_growth import SidebandRuns, growth_plan
 from longwave.scenes.engines.site_engine import SiteEngine
 from longwave.scenes.observed.run_record import RunRecord
 from longwave.support.processes import Job, LocalWorkers, OutOfTime, as_ended, time_limit
@@ -132,7 +132,7 @@ def compared_values(trial: Trial) -> Array:
 def of_lattice(scene: Scene) -> Judgement:
     """A scene on any lattice, or of a growth rate."""
     if scene.is_growth:
-        growing = SidebandEngine(growth_plan(scene), scene)
+        growing = SidebandRuns(growth_plan(scene), scene).engine
         return ratio_of_search(growing, growing, scene.target.tolerance)
     timed, rings = wave_rings(scene)
     wider = copy(rings)

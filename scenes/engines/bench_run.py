@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from longwave.derive.symbols import number_value
 from longwave.lattice.dynamics import Dynamics
-from longwave.lattice.integration import CellRingEngine
+from longwave.lattice.integration import CellRingEngine, Comparison
 from longwave.lattice.schemes import REDUCED_PHASE_6, scheme_named
 from longwave.lattice.trial import DRIVEN_SHARE
 from longwave.scenes.description.bench import MOST_READINGS, Bench
@@ -119,7 +119,7 @@ class BenchReadings:
             start,
             self.times,
             scheme,
-            self.read,
+            Comparison(self.read),
             kept=self.times[:0],
             cuts=watched_cuts(bench, chain),
             tolerance=scene.target.tolerance,

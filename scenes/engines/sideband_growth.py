@@ -20,15 +20,15 @@ from numpy.typing import NDArray
 from sympy import Expr
 
 from longwave.derive.algebra.formula_expression import exact_value
+from longwave.lattice.energy_balance import EnergyBalance
+from longwave.lattice.integration import CellRingEngine, Comparison
 from longwave.lattice.refine import Announce, refine
 from longwave.lattice.schemes import stability_limit
 from longwave.lattice.state import GROWTH, State
-from longwave.lattice.stepper import StillRing
-from longwave.lattice.trial import Choices, Progress, StepSearch, Trial, rounding_error
+from longwave.lattice.trial import Progress
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.description.scene_checks import positive
 from longwave.scenes.engines.ring_cost import search_cost
-from longwave.scenes.engines.wave_cells import ring_stepper
 from longwave.scenes.engines.wave_rings import (
     LIMIT_SHARE,
     SCHEME,
@@ -48,8 +48,8 @@ from longwave.scenes.starts.perturbed_plane import (
     chosen_kappa,
     wave_ring,
 )
-from longwave.support.checkpoint import Memory, begin_loop, spared_seconds
-from longwave.support.request_limits import ExpectedCost, check_request
+from longwave.support.checkpoint import spared_seconds
+from longwave.support.request_limits import ExpectedCost, OverBudgetError, check_request
 
 if TYPE_CHECKING:
     from longwave.derive import Envelope
@@ -236,16 +236,19 @@ def measure_growth(
     """
     begun = perf_counter()
     plan = growth_plan(scene)
-    engine = SidebandEngine(plan, scene)
+    runs = SidebandRuns(plan, scene)
     announce = announce or (lambda _: None)
-    announce(engine.expected.seconds)
-    found = refine(engine, scene.target.tolerance, progress or (lambda _: None), announce)
+    announce(runs.expected.seconds)
+    try:
+        found = refine(runs.engine, scene.target.tolerance, progress or (lambda _: None), announce)
+    except OverBudgetError as dear:
+        raise ValueError(runs.engine.told_dear(dear.work, scene.tolerance)) from None
     if math.isinf(found.error) or found.trial.values is None:
         raise ValueError(
             f"amplitude must leave a plane wave that lasts, got one on {scene.lattice} that blows "
             "up (take a smaller amplitude or eps)"
         )
-    steps = found.trial.payload
+    _, steps, _, _ = found.trial.payload
     whole = perf_counter() - begun + spared_seconds()
     cost = {
         "engine": "stencil",
@@ -258,7 +261,7 @@ def measure_growth(
         "blow_up": "",
     }
     run_error = found.error * plan.wave.largest_growth
-    return SidebandGrowth(scene, plan, np.exp(found.trial.values / engine.scale), run_error, cost)
+    return SidebandGrowth(scene, plan, np.exp(found.trial.values / runs.scale), run_error, cost)
 
 
 @lru_cache(maxsize=4)
@@ -329,16 +332,14 @@ def expected_growth_cost(plan: GrowthPlan, fastest: float | None = None) -> Expe
     return replace(found, seconds=found.seconds + planning)
 
 
-class SidebandEngine(StepSearch):
-    """Runs of a ring, for `lattice.refine` to judge: only the step is varied.
+class SidebandRuns:
+    """Runs of a plane wave's ring, and what is seen of its perturbation on them.
 
-    Values are the logarithms of the sizes at the moments, times a ``scale``: what these are off, a
-    growth rate is at most, in units of the largest in theory. Other waves on the ring may grow
-    faster than the perturbation, from rounding: data are nudged by as much as all roundings add up
-    to while these waves begin.
+    What is compared are the logarithms of the sizes at the moments, times a ``scale``: what these
+    are off, a growth rate is at most, in units of the largest in theory. Other waves on the ring
+    may grow faster than the perturbation, from rounding: data are nudged by as much as all
+    roundings add up to while these waves begin. Raises ValueError for what would take too long.
     """
-
-    amplifies_rounding = True
 
     def __init__(self, plan: GrowthPlan, scene: Scene) -> None:
         self.plan = plan
@@ -347,69 +348,54 @@ class SidebandEngine(StepSearch):
         omega = plan.data.carrier.omega
         places = (np.arange(SAMPLES) - (SAMPLES - 1) / 2) / SAMPLES
         samples = np.add.outer(plan.moments, places * 2 * np.pi / omega)
-        self._times, self._rows = np.unique(np.append(0.0, samples), return_inverse=True)
-        self._rows = self._rows[1:].reshape(samples.shape)
-        self._check_cost()
+        times, rows = np.unique(samples, return_inverse=True)
+        self._rows = rows.reshape(samples.shape)
+        self._check_cost(times)
         self.ring: CellRing = plan.data.ring(np.arange(float(plan.ring.cells)), 0.0)
         lattice, stiffest = self.ring.lattice, stiffest_slopes(self.ring)
         rest = lattice.rest_slopes()
         check_rest(lattice, rest)
         fastest = max(lattice.highest_frequency(stiffest), lattice.highest_frequency(rest))
-        self._check_cost(fastest)
+        self._check_cost(times, fastest)
         self._least = self._largest(self.ring.f)
         longest = longest_step(fastest, abs(omega))
-        super().__init__(SCHEME.order, longest, self._times, float(plan.ring.cells))
+        evaluations = times[-1] / longest * SCHEME.stages
+        self.engine = CellRingEngine(
+            lattice,
+            State(0.0, self.ring.f, self.ring.v),
+            times,
+            SCHEME,
+            Comparison(self._sidebands, self._logarithms, 1.0 / self.scale / SIZE),
+            kept=times[:0],
+            tolerance=scene.target.tolerance,
+            longest=longest,
+            amplified=math.sqrt(max(1.0, evaluations / GROWTH_EVALUATIONS)),
+        )
 
-    def _check_cost(self, fastest: float | None = None) -> None:
+    def _check_cost(self, times: Array, fastest: float | None = None) -> None:
         self.expected = expected_growth_cost(self.plan, fastest)
         check_request(
-            f"scene of {self.plan.ring.cells} cells until t = {self._times[-1]:.3g}",
+            f"scene of {self.plan.ring.cells} cells until t = {times[-1]:.3g}",
             self.expected,
             "take a larger eps or amplitude, or another k or kappa, where growth is faster",
         )
 
-    def run(self, choices: Choices, shown: bool, progress: Progress = lambda _: None) -> Trial:
-        """A run; its payload is the number of steps."""
-        loop = begin_loop(f"sidebands {choices}")
-        ring = self.ring
-        if choices.nudged:
-            evaluations = self.work(choices) * SCHEME.stages
-            ring = ring.nudged(math.sqrt(max(1.0, evaluations / GROWTH_EVALUATIONS)))
-        state = State(0.0, ring.f.copy(), ring.v.copy())
-        stepper = ring_stepper(ring.lattice, state, StillRing(state), SCHEME, choices.step)
-        measured: list[Complex] = []
-        if loop.memory is not None:
-            stepper.recall(loop.memory)
-            measured = loop.memory["measured"]
-
-        def remember() -> Memory:
-            return stepper.memory() | {"measured": measured}
-
-        wanted = self._times[len(measured) :].tolist()
-        for state in stepper.stops(wanted) if wanted else ():
-            if state.t in wanted:
-                measured.append(self._sidebands(state))
-            progress(state.t / self._times[-1])
-            loop.offer(remember)
-        loop.end(remember)
-        rounding = self.scale * rounding_error(1.0 / SIZE, stepper.steps * SCHEME.stages)
-        done = len(measured) == self._times.size
-        sound = done and self._largest(stepper.state.f) <= GROWTH * self._least
-        values = self.scale * self._logarithms(np.array(measured)) if sound else None
-        seconds = perf_counter() - loop.begun
-        return Trial(choices, values, self.work(choices), seconds, rounding, stepper.steps)
-
     def _largest(self, f: Array) -> float:
         return float(np.max(np.abs(self.plan.data.measured(f, self.ring.mean_strain))))
 
-    def _sidebands(self, state: State) -> Complex:
+    def _sidebands(self, state: State, _: EnergyBalance | None) -> Complex:
         """The two waves beside the carrier and that itself, (3, fields), of those that move as it
         does, in a frame that turns with it.
+
+        No numbers where the lattice has left the plane wave.
         """
         ring, omega = self.plan.ring, self.plan.data.carrier.omega
         spectrum = np.fft.fft(state.f + 1j * state.v / omega)
         places = ring.turns + np.array([-ring.waves, ring.waves, 0])
         turned: Complex = spectrum[:, places % ring.cells].T * np.exp(1j * omega * state.t)
+        is_left = not self._largest(state.f) <= GROWTH * self._least
+        if is_left:
+            turned[...] = np.nan
         return turned
 
     def _logarithms(self, measured: Complex) -> Array:
@@ -417,4 +403,4 @@ class SidebandEngine(StepSearch):
         sizes = np.sqrt(np.sum(np.abs(means) ** 2, axis=2))
         with np.errstate(all="ignore"):
             found: Array = np.log(np.hypot(sizes[:, 0], sizes[:, 1]) / sizes[:, 2])
-        return found
+        return self.scale * found

@@ -12,8 +12,8 @@ from sympy import Integer, Rational, pi
 
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.engines.sideband_growth import (
-    SidebandEngine,
     SidebandGrowth,
+    SidebandRuns,
     growth_plan,
     measure_growth,
 )
@@ -119,7 +119,7 @@ def test_the_error_holds_what_a_smaller_tolerance_changes() -> None:
 def test_what_becomes_of_rounding_is_seen() -> None:
     """Without it a perturbation that others overtake was run for minutes before it was refused."""
     wanted = scene(tolerance=1e-2)
-    engine = SidebandEngine(growth_plan(wanted), wanted)
+    engine = SidebandRuns(growth_plan(wanted), wanted).engine
     choices = engine.first()
     found, other = (
         engine.run(replace(choices, nudged=nudged), False).values for nudged in (False, True)
