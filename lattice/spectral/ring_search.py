@@ -96,7 +96,7 @@ class SpectralRingSearch:
 
     def work(self, choices: Choices) -> float:
         """Steps times points times their logarithm."""
-        points = self._points(choices)
+        points = self.points(choices)
         return self._duration / choices.step * points * math.log2(points + 2.0)
 
     @property
@@ -126,7 +126,7 @@ class SpectralRingSearch:
         """A run with those points."""
         raise NotImplementedError
 
-    def _points(self, choices: Choices) -> float:
+    def points(self, choices: Choices) -> float:
         """The number of points that the choices mean."""
         raise NotImplementedError
 

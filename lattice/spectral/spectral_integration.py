@@ -10,7 +10,7 @@ has a point for each site of its one lattice is that lattice, and needs no more 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
 from time import perf_counter
 
@@ -104,7 +104,8 @@ def spectral_integrate(
     check_positive("tolerance", tolerance, "it is the error accepted of what is judged")
     frame = _frame(lattice, speed)
     begun = perf_counter()
-    engine = FieldRingEngine(lattice, state, wanted, frame, tolerance, judged)
+    sight = None if judged is None else RingSight(judged)
+    engine = FieldRingEngine(lattice, state, wanted, frame, tolerance, sight)
     found = refine(engine, tolerance)
     trial = found.trial
     if trial.values is None:
@@ -168,11 +169,35 @@ def _frame(lattice: NumericLattice, speed: float | tuple[float, ...]) -> tuple[f
     return found
 
 
-class FieldRingEngine(SpectralRingSearch):
-    """Runs of a ring of fields from a state, for `refine` to judge; their payload the states.
+@dataclass(frozen=True)
+class RingSight:
+    """What is seen of a ring: what is ``judged``, in so many ``unit`` of the fields, and ``kept``.
 
-    What is judged is in so many ``unit`` of the fields. It is ``at_sites`` if it stands at the
-    sites of one lattice alone, each of which is a point of the state.
+    It is ``at_sites`` if it stands at the sites of one lattice alone, each of which is a point of
+    the state. Runs that are compared part ``around`` it at the end, too; one of which anything
+    judged exceeds the ``limit`` has none. ``wider`` gives lattice and state of a wider ring, which
+    every other run has.
+    """
+
+    judged: Judged
+    unit: float = 1.0
+    at_sites: bool = False
+    kept: Callable[[FieldRing], Memory] = vars
+    around: Judged | None = None
+    limit: float | None = None
+    wider: Callable[[], tuple[NumericLattice, FieldRing]] | None = None
+
+
+WIDER_SIZE = 2.0
+"""The size of a ring that is wider."""
+
+
+class FieldRingEngine(SpectralRingSearch):
+    """Runs of a ring of fields from a state, for `refine` to judge, and what is ``kept`` of it.
+
+    Without ``sight`` the stretches of all bonds are judged, at the state's points. The size of the
+    ring is 1. Steps tried are at most ``longer`` times what the ring's waves call for: those of a
+    carrier may be, which is integrated exactly.
     """
 
     kinds: tuple[Kind, ...] = ("step", "sampling")
@@ -187,14 +212,17 @@ class FieldRingEngine(SpectralRingSearch):
         times: Array,
         speed: tuple[float, ...],
         tolerance: float,
-        judged: Judged | None,
-        unit: float = 1.0,
-        at_sites: bool = False,
+        sight: RingSight | None = None,
+        longer: float = 1.0,
     ) -> None:
         super().__init__(state.t, float(times[-1] - state.t), max(map(abs, speed)), tolerance)
         self.amplifies_rounding = not lattice.is_linear
         self._lattice, self._state, self._speed = lattice, state, speed
-        self._times, self._unit, self._at_sites = times, unit, at_sites
+        counts = state.counts
+        self._sight = sight or RingSight(
+            lambda ring: np.array(ring_stretches(lattice, ring.sampled(counts)))
+        )
+        self._times, unit = times, self._sight.unit
         largest = float(np.max(np.abs(state.f)))
         least = rounding_error(largest / unit, 100)
         if tolerance < least:
@@ -203,14 +231,10 @@ class FieldRingEngine(SpectralRingSearch):
                 "rounding)"
             )
         self._tail = max(TAIL_SHARE * tolerance * unit, ROUNDED_TAIL * largest)
-        self._whole = judged is None and whole(state)
-        counts = state.counts
-        self._judged: Judged = judged or (
-            lambda ring: np.array(ring_stretches(lattice, ring.sampled(counts)))
-        )
+        self._whole = sight is None and whole(state)
         self._density, self._crowded = self._first_density(), False
         self._dense_state: dict[tuple[float, tuple[int, ...]], FieldRing] = {}
-        self._first = self._first_choices()
+        self._first = self._first_choices(longer)
 
     def _first_density(self) -> float:
         """The least number of points that hold the state, in units of its own."""
@@ -225,7 +249,7 @@ class FieldRingEngine(SpectralRingSearch):
             density *= 0.8
         return density
 
-    def _first_choices(self) -> Choices:
+    def _first_choices(self, longer: float) -> Choices:
         """A step by the rates at which what is not exact varies; shorter if waves are too short."""
         T = self._duration
         ring = self._ring(Choices(T, 1.0), math.inf)
@@ -234,7 +258,7 @@ class FieldRingEngine(SpectralRingSearch):
         bent = self._lattice.highest_frequency([float(np.ptp(part)) for part in slopes])
         mean = self._lattice.highest_frequency([abs(float(np.mean(part))) for part in slopes])
         turning = 0.5 * still * bent**2 / max(mean**2, 1e-300)
-        values = self._judged(self._state)
+        values = self._sight.judged(self._state)
         size = float(np.ptp(values)) if values.size else 0.0
         turns = 1.0 + turning * T
         share = min(10.0 * self._tolerance / max(size, 1e-300) / turns, 1.0)
@@ -246,7 +270,7 @@ class FieldRingEngine(SpectralRingSearch):
             self._alike = turns * spread * size
             if self._must_tell:
                 step = min(step, self._telling)
-        return Choices(step, 1.0)
+        return Choices(min(longer * step, max(step, self._telling)), 1.0)
 
     def first(self) -> Choices:
         """The state's own sampling, a step of the waves' own scale."""
@@ -254,7 +278,7 @@ class FieldRingEngine(SpectralRingSearch):
 
     def _made_denser(self, choices: Choices) -> bool:
         self._density *= DENSER
-        self._crowded = not self._at_sites and self._points(choices) > MOST_POINTS
+        self._crowded = not self._sight.at_sites and self.points(choices) > MOST_POINTS
         return not self._crowded
 
     def _tell_loss(self, error: RunawayError, step: float) -> None:
@@ -262,15 +286,22 @@ class FieldRingEngine(SpectralRingSearch):
         if self._lost_again(error, step):
             raise ValueError(self.refusal(float(self._times[-1])))
 
-    def _points(self, choices: Choices) -> float:
+    def points(self, choices: Choices) -> float:
+        """The number of points that a ring has."""
         return math.prod(self._counts(choices))
 
+    def control(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
+        """A shorter step on a wider ring, or from that on the ring as it is; more points."""
+        if "step" in kinds and self._sight.wider is not None:
+            choices = replace(choices, size=WIDER_SIZE if choices.size == 1.0 else 1.0)
+        return super().control(choices, kinds)
+
     def improved(self, choices: Choices, kind: Kind, excess: float) -> Choices:
-        """By the law of the order, or more points."""
+        """By the law of the order, or more points; on the ring as it is."""
         if kind == "sampling":
             density = choices.density if self._is_whole(choices) else DENSER * choices.density
-            return replace(choices, density=density)
-        return self._shorter(choices, excess)
+            return replace(choices, density=density, size=1.0)
+        return replace(self._shorter(choices, excess), size=1.0)
 
     def refusal(self, end: float) -> str:
         """Why no run came to its end."""
@@ -286,6 +317,8 @@ class FieldRingEngine(SpectralRingSearch):
 
     def _begun(self, choices: Choices) -> tuple[NumericLattice, FieldRing]:
         """The lattice and the state that a run begins from, before it is sampled."""
+        if choices.size > 1.0 and self._sight.wider is not None:
+            return self._sight.wider()
         return self._lattice, self._state
 
     def _counts(self, choices: Choices) -> tuple[int, ...]:
@@ -294,11 +327,11 @@ class FieldRingEngine(SpectralRingSearch):
             return state.counts
         found = _fast_counts(state, self._density * choices.density, choices.finer)
         pairs = zip(found, state.counts, strict=True)
-        return state.counts if self._at_sites and any(a >= b for a, b in pairs) else found
+        return state.counts if self._sight.at_sites and any(a >= b for a, b in pairs) else found
 
     def _is_whole(self, choices: Choices) -> bool:
         """Whether the ring is a lattice, so that nothing is folded onto its points."""
-        at_sites = self._at_sites and self._counts(choices) == self._begun(choices)[1].counts
+        at_sites = self._sight.at_sites and self._counts(choices) == self._begun(choices)[1].counts
         return self._whole or at_sites
 
     def _ring(self, choices: Choices, tail: float) -> LatticeRing:
@@ -315,7 +348,8 @@ class FieldRingEngine(SpectralRingSearch):
     def _run(self, choices: Choices, progress: Progress) -> Trial:
         loop = begin_loop(f"spectral {choices} {self._counts(choices)}")
         ring = self._ring(choices, math.inf if self._is_whole(choices) else self._tail)
-        rows: list[tuple[Array, Memory]] = []
+        rows: list[tuple[Array, Memory, Array | None]] = []
+        sight, end = self._sight, self._times[-1]
 
         def memory() -> Memory:
             return {"rows": rows, "ring": ring.memory()}
@@ -325,23 +359,23 @@ class FieldRingEngine(SpectralRingSearch):
             ring.recall(loop.memory["ring"])
         for t in self._times[len(rows) :]:
             state = ring.at(float(t), lambda: loop.offer(memory))
-            rows.append((self._judged(state), self._kept(state)))
+            around = sight.around(state) if sight.around and t == end else None
+            rows.append((sight.judged(state), sight.kept(state), around))
             progress((float(t) - self._state.t) / (self._duration or 1.0))
         loop.end(memory)
-        values, kept = zip(*rows, strict=True)
+        looks, kept, arounds = zip(*rows, strict=True)
+        values = np.array(looks)
+        sound = sight.limit is None or bool(np.all(np.abs(values) <= sight.limit))
         return Trial(
             choices,
-            np.array(values),
+            values if sound else None,
             self.work(choices),
             perf_counter() - loop.begun,
-            rounding_error(ring.largest / self._unit, ring.integrator.evaluations),
+            rounding_error(ring.largest / sight.unit, ring.integrator.evaluations),
             (ring, kept),
             common_error=self._unshown(choices),
+            around=arounds[-1] if sound else None,
         )
-
-    def _kept(self, state: FieldRing) -> Memory:
-        """What is kept of a ring at one of the times, beside what is judged: all of it."""
-        return vars(state)
 
 
 def _fast_counts(state: FieldRing, density: float, finer: float = 1.0) -> tuple[int, ...]:

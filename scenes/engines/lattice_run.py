@@ -39,7 +39,7 @@ from longwave.support.request_limits import Announcer, ExpectedCost, check_reque
 if TYPE_CHECKING:
     from longwave.lattice.state import State
     from longwave.lattice.trial import Progress
-    from longwave.scenes.engines.ring_spectral import SceneSpectralEngine
+    from longwave.scenes.engines.ring_spectral import SpectralRuns
     from longwave.scenes.starts.lattice_wave import LatticeWave
 
 ACROSS = 2
@@ -161,15 +161,13 @@ VALUE_BYTES = 20.0
 """For each number that is kept: in rows, in an array, and as a file's content."""
 
 
-def engine_of(timed: Scene, rings: WaveRings) -> SiteEngine | SceneSpectralEngine:
+def engine_of(timed: Scene, rings: WaveRings) -> SiteEngine | SpectralRuns:
     """The engine that the scene names, or the one site by site."""
     if timed.target.engine != "spectral":
         return SiteEngine(timed, rings)
-    from longwave.scenes.engines.ring_spectral import (
-        SceneSpectralEngine,  # with a library of its own
-    )
+    from longwave.scenes.engines.ring_spectral import SpectralRuns  # with a library of its own
 
-    return SceneSpectralEngine(timed, rings)
+    return SpectralRuns(timed, rings)
 
 
 def wave_size(scene: Scene, t: float, far_field: bool) -> float:
@@ -376,28 +374,32 @@ LONG_NAMES = {
 
 def _to_tolerance(
     scene: Scene,
-    engine: SiteEngine | SceneSpectralEngine,
+    runs: SiteEngine | SpectralRuns,
     progress: Progress | None,
     announce: Announce,
     begun: float,
 ) -> RunRecord:
-    announce(engine.expected.seconds)
+    announce(runs.expected.seconds)
     progress, found = progress or (lambda _: None), None
-    if isinstance(engine, SiteEngine):
-        parts = engine.parts()
+    record: RunRecord | None
+    if isinstance(runs, SiteEngine):
+        parts = runs.parts()
         found = parts and searched_on_part(*parts, scene, progress, announce)
-    found = found or searched(engine, scene, progress, announce)
-    record: RunRecord | None = found.trial.payload
+        found = found or searched(runs, scene, progress, announce)
+        record = found.trial.payload
+    else:
+        found = searched(runs.engine, scene, progress, announce, runs.record_of)
+        record = runs.record_of(found.trial)
     if record is None or (math.isinf(found.error) and not record.attrs["blow_up"]):
         raise ValueError(
-            f"times must end before {scene.lattice} blows up, got {engine.times[-1]:g} (steps "
+            f"times must end before {scene.lattice} blows up, got {runs.times[-1]:g} (steps "
             f"down to {found.trial.choices.step:.2g} do not follow it; end earlier or take a "
             "smaller eps)"
         )
     judged(record, found, scene, begun)
-    if isinstance(engine, SiteEngine):
-        _add_pulse(record, engine, found.trial.choices.step)
-    if not isinstance(engine, SiteEngine) or engine.rings.wave.lattice.dimension > 1:
+    if isinstance(runs, SiteEngine):
+        _add_pulse(record, runs, found.trial.choices.step)
+    if not isinstance(runs, SiteEngine) or runs.rings.wave.lattice.dimension > 1:
         record.scene = scene  # a spectral ring, and that of a plane, has no sites that say it
     return record
 

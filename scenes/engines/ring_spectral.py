@@ -9,18 +9,16 @@ compared stands at the cells, to which the Fourier series is continued.
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.lattice.spectral.field_ring import FieldRing, fast_count
 from longwave.lattice.spectral.ring_search import run_facts
-from longwave.lattice.spectral.spectral_integration import FieldRingEngine
+from longwave.lattice.spectral.spectral_integration import FieldRingEngine, RingSight
 from longwave.lattice.state import State
-from longwave.lattice.trial import Choices, Kind, Progress, Trial
+from longwave.lattice.trial import Trial
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.engines.ring_cost import USUAL_RUNS, search_cost
 from longwave.scenes.engines.wave_cells import CellView, RingCells, tell_energies
@@ -29,8 +27,6 @@ from longwave.scenes.observed.recorders import Variables, build_recorders
 from longwave.scenes.observed.run_record import RunRecord
 from longwave.support.checkpoint import Memory
 from longwave.support.request_limits import ExpectedCost, check_request
-
-Array = NDArray[np.float64]
 
 SECONDS_PER_WORK = 1e-8
 """For a field, per step, point and log2(points)."""
@@ -42,16 +38,14 @@ of the step is a thirtieth of the tolerance or less (the shipped Peregrine wave 
 BYTES_PER_POINT = 500.0
 """For a field: the engine's modes, tables and past values."""
 
-WIDER_SIZE = 2.0
-"""The size of a ring that is wider by `WIDER` cells along each axis."""
 
+class SpectralRuns:
+    """Runs of a scene's wave on spectral rings: the engine that has them, and their records.
 
-class SceneSpectralEngine(FieldRingEngine):
-    """Runs of a scene's wave on rings, as `SiteEngine` has them.
-
-    The scene has times of the lattice, and states how often it is looked at. The ring's size is 1
-    where it is the least that is causal. Raises ValueError, before anything large is made, for what
-    would take too much memory or too long, and for a lattice that is not the same in all cells.
+    The scene has times of the lattice, and states how often it is looked at. The ring is the least
+    that is causal; one that is wider is so by `WIDER` cells along each axis. Raises ValueError,
+    before anything large is made, for what would take too much memory or too long, and for a
+    lattice that is not the same in all cells.
     """
 
     def __init__(self, scene: Scene, rings: WaveRings) -> None:
@@ -61,21 +55,25 @@ class SceneSpectralEngine(FieldRingEngine):
         self._states: dict[bool, FieldRing] = {}
         state = self._state_of(wider=False)
         ring = self._held[state.circumferences].ring
-        self._limit = rings.limit(ring)
-        super().__init__(
+        sight = RingSight(
+            lambda state: self._view(state).judged(),
+            wave.scale,
+            at_sites=True,
+            kept=self._kept,
+            around=lambda state: self._view(state).judged(AROUND),
+            limit=rings.limit(ring),
+            wider=self._wider,
+        )
+        self.engine = FieldRingEngine(
             ring.lattice,
             state,
             np.array(rings.times),
             (wave.speed, *(0.0,) * (lattice.dimension - 1)),
             scene.target.tolerance,
-            self._judged_of,
-            unit=wave.scale,
-            at_sites=True,
+            sight,
+            LONGER if wave.frequency else 1.0,
         )
-        if wave.frequency:
-            step = min(LONGER * self._first.step, max(self._first.step, self._telling))
-            self._first = replace(self._first, step=step)
-        self.amplifies_rounding = wave.amplifies_rounding(self.times[0])
+        self.engine.amplifies_rounding = wave.amplifies_rounding(self.times[0])
         self.expected = self._expected()
         check_request(
             f"scene of {sites_of(self._ends(wider=True)):.3g} cells on a spectral ring",
@@ -85,30 +83,19 @@ class SceneSpectralEngine(FieldRingEngine):
 
     def _expected(self) -> ExpectedCost:
         """What the search takes, by its first run."""
-        first, fields = self.first(), len(self.rings.wave.lattice.fields)
+        engine, fields = self.engine, len(self.rings.wave.lattice.fields)
         cells = float(sites_of(self._ends(wider=True)))
         kept = math.prod(2.0 * reach + 1.0 for reach in self.rings.compared.reach)
         found = search_cost(self.rings.wave.lattice, cells, 0.0, 1, kept * len(self.times))
-        work, points = self.work(first), math.prod(self._counts(first))
+        work, points = engine.work(engine.first()), engine.points(engine.first())
         return replace(
             found,
             seconds=found.seconds + USUAL_RUNS * SECONDS_PER_WORK * fields * work,
             memory_bytes=found.memory_bytes + BYTES_PER_POINT * fields * points,
         )
 
-    def control(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
-        """A shorter step on a wider ring, or from that on the ring as it must be; more points."""
-        size = choices.size
-        if "step" in kinds:
-            size = WIDER_SIZE if size == 1.0 else 1.0
-        return replace(super().control(choices, kinds), size=size)
-
-    def improved(self, choices: Choices, kind: Kind, excess: float) -> Choices:
-        """A shorter step or more points on the ring as it must be."""
-        return replace(super().improved(choices, kind, excess), size=1.0)
-
-    def _begun(self, choices: Choices) -> tuple[NumericLattice, FieldRing]:
-        state = self._state_of(wider=choices.size > 1.0)
+    def _wider(self) -> tuple[NumericLattice, FieldRing]:
+        state = self._state_of(wider=True)
         return self._held[state.circumferences].ring.lattice, state
 
     def _ends(self, wider: bool) -> list[Ends]:
@@ -142,14 +129,8 @@ class SceneSpectralEngine(FieldRingEngine):
         whole = state.sampled(cells.ring.f.shape[1:])
         return cells.view(State(state.t, whole.f, whole.v))
 
-    def _judged_of(self, state: FieldRing) -> Array:
-        return self._view(state).judged()
-
     def _kept(self, state: FieldRing) -> Memory:
-        """What observables measure; at the ends the energy and what is around the compared cells.
-
-        Only what is measured is kept: at other times than theirs it is nothing.
-        """
+        """What observables measure, at their times; the energy at the first and the last."""
         view = self._view(state)
         seen = {
             item.dimension: item.measured(view)
@@ -158,11 +139,12 @@ class SceneSpectralEngine(FieldRingEngine):
         }
         if state.t not in (self.times[0], self.times[-1]):
             return {"seen": seen}
-        return {"seen": seen, "energy": view.energy, "around": view.judged(AROUND)}
+        return {"seen": seen, "energy": view.energy}
 
-    def _run(self, choices: Choices, progress: Progress) -> Trial:
-        trial = super()._run(choices, progress)
-        assert trial.values is not None
+    def record_of(self, trial: Trial) -> RunRecord | None:
+        """The record of a run; None if it broke down before it was seen."""
+        if trial.payload is None:
+            return None
         ring, kept = trial.payload
         recorders = build_recorders(self.scene)
         variables: Variables = {}
@@ -177,6 +159,4 @@ class SceneSpectralEngine(FieldRingEngine):
         record = RunRecord(self.scene, reach, self.scene.snapshots, variables, told)
         if self.rings.wave.lattice.conserves_energy:
             tell_energies(record, kept[0]["energy"], kept[-1]["energy"])
-        if not np.all(np.abs(trial.values) <= self._limit):
-            return replace(trial, values=None, payload=record)
-        return replace(trial, payload=record, around=kept[-1]["around"])
+        return record

@@ -319,7 +319,8 @@ class SpectralEngine(SpectralRingSearch):
         factor = min(LARGEST_FACTOR, max(1.3, excess ** (1.0 / self.decay)))
         return self._sized(choices, factor * choices.size)
 
-    def _points(self, choices: Choices) -> float:
+    def points(self, choices: Choices) -> float:
+        """The number of points that the choices mean."""
         return choices.size * self._dense(choices)
 
     def _dense(self, choices: Choices) -> float:

@@ -152,7 +152,7 @@ def searched(
     scene: Scene,
     progress: Progress,
     announce: Announce,
-    record_of: Callable[[Trial], RunRecord] = lambda trial: trial.payload,
+    record_of: Callable[[Trial], RunRecord | None] = lambda trial: trial.payload,
 ) -> Refined:
     """What `refine` finds for the scene's tolerance; ``record_of`` gives the record of a run.
 

@@ -129,7 +129,7 @@ def test_a_control_run_has_more_points_than_the_fewest() -> None:
     """A wave on a quarter of the fewest points that a ring has is sampled more densely, too."""
     state = packet(16)
     long = replace(state, f=np.cos(2 * np.pi * np.arange(16) / 16) * np.ones((2, 1)), v=0 * state.v)
-    search = FieldRingEngine(CHAIN, long.sampled((96,)), np.array([1.0]), (0.6,), 1e-2, None)
+    search = FieldRingEngine(CHAIN, long.sampled((96,)), np.array([1.0]), (0.6,), 1e-2)
     first = search.run(search.first(), False)
     control = search.run(search.control(search.first(), search.kinds), True)
     fewest, more = (trial.payload[1][0]["f"].shape[1] for trial in (first, control))
