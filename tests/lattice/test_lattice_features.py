@@ -181,6 +181,14 @@ def test_a_refusal_names_what_asks_for_short_steps() -> None:
     assert "times must end before strains run away" in engine.told_dear(1e9, 1e-6)
 
 
+def test_a_sharp_corner_that_no_run_follows_is_named() -> None:
+    """It was told as strains that run away, on a chain that swings quietly."""
+    family = Family("law", "corner", 3, 5.0, 1.5, 0.0, 1.0, False)
+    genes = np.array([0.34502074388020887, 0.299194535700599, 1.0, 0.5415984747492062])
+    with pytest.raises(ValueError, match="forces of chain must change slowly enough"):
+        answer(Member(family, genes))
+
+
 def engine_of(made: DrivenChain, end: float) -> CellRingEngine:
     return CellRingEngine(made, made.held(at_rest(4)), np.array([end]), REDUCED_PHASE_6)
 
