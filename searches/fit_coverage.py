@@ -80,6 +80,13 @@ class Experiment:
             places = np.repeat(np.linspace(-1.0, 1.0, (self.points + 1) // 2), 2)[: self.points]
         return REACH * places
 
+    @property
+    def is_stated(self) -> bool:
+        """Whether whoever states the law has points for it: three to spare, and told apart."""
+        terms, places = sum(map(bool, HIDDEN[self.hidden])), np.abs(self.stretch)
+        apart = np.unique(places[places > 0.0]).size >= terms
+        return self.points >= terms + 3 and apart and self.layout != "clustered"
+
     def data(self, noise: Array, more: Array | float = 0.0) -> ForceData:
         """The points with that noise, in units of its deviation, and further forces."""
         stretch = self.stretch
@@ -195,7 +202,7 @@ def main() -> int:
         for points in POINTS:
             experiment = Experiment(hidden, layout, points, known)
             stated = ""
-            if points >= sum(map(bool, HIDDEN[hidden])) + 3 and layout != "clustered":
+            if experiment.is_stated:
                 _, held = coverage(experiment, asked.count, asked.seed, states=True)
                 bad += not HELD[0] - allowed <= held <= HELD[1] + allowed
                 stated = f"{100 * held:.0f}/"
