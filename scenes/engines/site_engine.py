@@ -69,6 +69,9 @@ CLEARANCE = 128
 FEED_SHARE = 0.3
 """Most of the tolerance that is left to it."""
 
+MISFED_GROWTH = 1.4
+"""Factor on a window whose feed missed the lattice by too much: such a run ends early."""
+
 FEED_SAFETY = 2.0
 """Factor on what a feed misses the lattice by: half of it runs on to the rear, past the compared
 cells, at each move anew."""
@@ -116,15 +119,15 @@ class SiteEngine(StepSearch):
         """A run in a window of that size, or on a ring as wide as it must be or a little wider.
 
         On a ring observables are always seen, but for nudged data: any run may become a control.
-        Where a window's feed misses the lattice by too much, all windows are twice as wide from
-        then on, or rings. Raises ValueError for what would take too long.
+        Where a window's feed misses the lattice by too much, all windows are wider from then on,
+        or rings. Raises ValueError for what would take too long.
         """
         while True:
             trial = self._run(choices, shown, progress)
             feed = trial.payload.attrs.get("feed_mismatch", 0.0)
             if not feed > self._largest_misfit:
                 return replace(trial, common_error=FEED_SAFETY * feed)
-            self._widened *= 2.0
+            self._widened *= MISFED_GROWTH
             self._misfed = self._widened * self._first.size >= self._ring
             wider = round_up(self._widened * choices.size)
             self.rings.check_wider(None if self._misfed else wider)
