@@ -14,6 +14,7 @@ import statistics
 import time
 
 from longwave.scenes import run
+from longwave.scenes.engines.methods import expected_cost
 from longwave.support.processes import Job, LocalWorkers, in_order
 from searches.estimate_scenes import random_scene
 
@@ -22,7 +23,7 @@ def ratios(seed: int, index: int, budget: float) -> tuple[str, float, float] | N
     """The scene, and estimated over true seconds and bytes; None if it is refused."""
     scene = random_scene(seed, index, budget).scene
     try:
-        expected = scene.expected_cost()
+        expected = expected_cost(scene)
         begun = time.process_time()
         run(scene)
     except ValueError:

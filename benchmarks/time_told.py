@@ -47,9 +47,10 @@ def scene_told(name: str) -> dict[str, object]:
     """
     time.perf_counter = time.process_time
     from longwave.scenes.description.named_scenes import load_scene
+    from longwave.scenes.engines.methods import expected_cost
 
     scene = load_scene(name)
-    first = scene.expected_cost().seconds
+    first = expected_cost(scene).seconds
     told: list[Told] = []
     scene.run(announce=lambda seconds: told.append((time.process_time(), seconds)))
     return {"told": first, "left": told, "taken": time.process_time()}

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from longwave.scenes.engines.methods import wave_size
 from longwave.scenes.observed.observables import measured_error
 
 if TYPE_CHECKING:
@@ -47,4 +48,4 @@ def own_error_at(run: xr.Dataset, scene: Scene, name: str, place: int) -> float:
     here = own if "error_estimate" in run.attrs else own[held["time"].values == t]
     if not here.size:
         return math.nan
-    return float(here[0]) * unit / (scene.wave_size(t, name.endswith("far_field")) or math.nan)
+    return float(here[0]) * unit / (wave_size(scene, t, name.endswith("far_field")) or math.nan)

@@ -25,7 +25,6 @@ from longwave.scenes.description.bench import OF_MEANS
 from longwave.scenes.description.named_scenes import load_scene
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.description.scene_checks import whole
-from longwave.scenes.starts.lattice_derivation import declared_lattice
 from longwave.support.atomic_file import write_atomically
 from longwave.support.user_files import shown
 
@@ -61,7 +60,7 @@ def sampled_sweep(source: str | Path | Scene, samples: int, seed: int = 0) -> Sw
         )
     if isinstance(seed, bool) or not isinstance(seed, int):
         raise ValueError(f"seed must be a whole number, got {shown(seed)} (such as 1)")
-    measured = declared_lattice(scene).measured or Measured.of({}, {})
+    measured = scene.symbolic_lattice.measured or Measured.of({}, {})
     stated = dict(scene.constants)
     moving = {
         name: place

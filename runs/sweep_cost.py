@@ -8,6 +8,7 @@ from random import Random
 from time import process_time
 from typing import TYPE_CHECKING
 
+from longwave.scenes.engines.methods import expected_cost
 from longwave.support.request_limits import ExpectedCost
 
 if TYPE_CHECKING:
@@ -69,7 +70,7 @@ WORKER_SECONDS = 1.5
 
 def expected_cell_cost(scene: Scene) -> ExpectedCost:
     """The cost of a run as one of many in a process: what that does once is left out."""
-    found = scene.expected_cost()
+    found = expected_cost(scene)
     return replace(found, seconds=CELL_SECONDS + max(0.0, found.seconds - found.once))
 
 

@@ -7,6 +7,8 @@
 
 from typing import TYPE_CHECKING
 
+from longwave.scenes.description import run_hook
+from longwave.scenes.engines.methods import run_scene
 from longwave.support.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
@@ -24,3 +26,5 @@ __getattr__, __dir__ = lazy_exports(
         "longwave.scenes.observed.view": "relative_sup_error",
     },
 )
+
+run_hook.run = run_scene  # a scene is described below the engines that run it

@@ -19,7 +19,7 @@ from longwave.derive.algebra.exact_numbers import Number
 from longwave.lattice.refine import Announce
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.description.scene_checks import finite, positive
-from longwave.scenes.observed.run_record import RunRecord
+from longwave.scenes.engines.run_record import RunRecord
 from longwave.scenes.starts.lattice_derivation import derivation
 from longwave.support.html_tables import html_table
 from longwave.support.user_files import shown

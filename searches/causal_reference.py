@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from longwave.lattice.schemes import Scheme, scheme_named, stability_limit
 from longwave.lattice.stepper import advance
 from longwave.scenes.description.scene import Scene
+from longwave.scenes.starts.moving_wave import moving_wave
 
 __all__ = ["CausalReference", "CausalRun", "SoftenedError"]
 
@@ -116,7 +117,7 @@ class CausalReference:
                 steps += done
                 work += float(done) * span.y.size * self._scheme.stages
                 if t in self.scene.snapshots:
-                    sites = self.scene.moving_wave.compared_sites(t)
+                    sites = moving_wave(self.scene).compared_sites(t)
                     strains.append(span.part(int(sites[0]), int(sites[-1]))[0])
             if met <= self._cone.fastest:
                 return CausalRun(np.array(strains), steps, work)
@@ -146,7 +147,7 @@ class CausalReference:
         return _Cone(self.scene, fastest, min(quiet), max(quiet))
 
     def _data(self, first: int, last: int) -> _Span:
-        moving = self.scene.moving_wave
+        moving = moving_wave(self.scene)
         return _Span(first, *np.concatenate(moving.state(np.arange(first, last + 1), moving.t0)))
 
     def _fastest(self, strain: Array) -> float:
@@ -210,11 +211,11 @@ class _Cone:
     def needed(self, t: float) -> tuple[int, int]:
         """First and last site that matter at ``t``."""
         scene = self.scene
-        sites = scene.moving_wave.compared_sites(scene.end)
+        sites = moving_wave(scene).compared_sites(scene.end)
         front = _front(self._way)
         reach = math.ceil(self.fastest * (scene.end - t)) + front
         grown = math.ceil(self.fastest * (t - scene.t0)) + front
-        compared = scene.moving_wave.compared_sites(t)
+        compared = moving_wave(scene).compared_sites(t)
         first = max(int(sites[0]) - reach, self.left - grown)
         last = min(int(sites[-1]) + reach, self.right + grown)
         return int(min(first, compared[0])), int(max(last, compared[-1]))

@@ -47,9 +47,9 @@ from longwave.scenes.description.scene import Scene
 from longwave.scenes.description.scene_checks import Pairs
 from longwave.scenes.description.scene_rules import PERTURBED_PLANE
 from longwave.scenes.engines.lattice_run import wave_rings
+from longwave.scenes.engines.run_record import RunRecord
 from longwave.scenes.engines.sideband_growth import SidebandRuns, growth_plan
 from longwave.scenes.engines.site_engine import SiteEngine
-from longwave.scenes.observed.run_record import RunRecord
 from longwave.support.processes import Job, LocalWorkers, OutOfTime, as_ended, time_limit
 from searches.estimate_judge import judge_scene, warm_up
 from searches.estimate_scenes import RandomScene, random_scene

@@ -23,8 +23,9 @@ from longwave.runs.run_store import RunStore
 from longwave.runs.sweep_scene import changed_scene
 from longwave.scenes.description.bench import OF_MEANS
 from longwave.scenes.description.scene import Scene
-from longwave.scenes.observed.recorders import Variables
-from longwave.scenes.observed.run_record import RunRecord, UnfinishedRun, error_unit
+from longwave.scenes.engines.methods import record_scene
+from longwave.scenes.engines.recorders import Variables
+from longwave.scenes.engines.run_record import RunRecord, UnfinishedRun, error_unit
 from longwave.scenes.starts.background_growth import USUAL_TOLERANCE
 from longwave.support.command_line import fail, fail_for_memory
 from longwave.support.console import plain_console, print_json, print_lines, progress_bar
@@ -138,7 +139,7 @@ def _run_with_bar(scene: Scene, store: str | None, work: str) -> RunRecord:
     """Run a scene, or find its run in the store, with a bar where there is a terminal."""
     with progress_bar(scene.name, work) as bar:
         if store is None:
-            return scene.record(*bar)
+            return record_scene(scene, *bar)
         with store_messages():
             run = RunStore(store).run(scene, *bar)
     variables: Variables = {

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from longwave.lattice.trial import Progress
 from longwave.scenes.description.scene import Scene
+from longwave.scenes.engines.methods import expected_cost, record_scene
 from longwave.support.command_line import one_line
 from longwave.support.processes import (
     Call,
@@ -149,7 +150,7 @@ def compare(
     _check_cells(scene)
     try:
         with request_limits(limits.memory_bytes, limits.seconds):
-            check_request("the run", scene.expected_cost(), CHEAPER)
+            check_request("the run", expected_cost(scene), CHEAPER)
             return _compared(scene, progress, announce)
     except Cancelled as stop:
         raise (stop.__cause__ or stop) from None
@@ -161,9 +162,7 @@ def compare(
 
 
 def _check_cells(scene: Scene) -> None:
-    from longwave.scenes.starts.lattice_derivation import declared_lattice
-
-    powers = (1, 2)[: declared_lattice(scene).dimension]
+    powers = (1, 2)[: scene.symbolic_lattice.dimension]
     cells = math.prod(2 * scene.cells_within(power) + 1 for power in powers)
     if cells > MOST_CELLS:
         raise ValueError(
@@ -174,10 +173,10 @@ def _check_cells(scene: Scene) -> None:
 
 def _compared(scene: Scene, progress: Progress | None, announce: Any) -> Comparison:
     from longwave.cli.scene_command import summary_lines
-    from longwave.scenes.observed.run_record import error_unit
+    from longwave.scenes.engines.run_record import error_unit
     from longwave.scenes.starts.lattice_derivation import derivation
 
-    record = scene.record(progress, announce)
+    record = record_scene(scene, progress, announce)
     run, told = record.dataset, record.attrs
     if not run.sizes["time"]:
         raise ValueError(f"{told['blow_up']} (no time is reached; take a smaller eps)")

@@ -32,6 +32,7 @@ from longwave.reports.pictures.style import styled
 from longwave.runs.run_file import SWEPT, names_a_run
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.engines import scene_run
+from longwave.scenes.engines.methods import expected_cost
 from longwave.support.command_line import fail, fail_for_memory, one_line
 from longwave.support.console import check_output, progress_bar
 from longwave.support.interruption import interrupted
@@ -118,7 +119,7 @@ def animate(
         data = found
     else:
         scene = _scene_of_film(found, options)
-        told(_check_cost(scene.name, options, options.count, path, scene.expected_cost()))
+        told(_check_cost(scene.name, options, options.count, path, expected_cost(scene)))
         data = scene_run.run(scene, progress, announce)
     shown = _within(data, options.times)
     count = shown.sizes["time"]

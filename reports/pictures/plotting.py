@@ -58,8 +58,8 @@ from longwave.runs.run_file import REMEDY, names_a_run, strain_fault
 from longwave.scenes import run
 from longwave.scenes.description.named_scenes import load_scene
 from longwave.scenes.description.scene import Scene
+from longwave.scenes.engines.run_record import UnfinishedRun
 from longwave.scenes.observed.observables import MEASURED
-from longwave.scenes.observed.run_record import UnfinishedRun
 from longwave.support.command_line import fail, fail_for_memory, one_line
 from longwave.support.console import check_output, picture_path, progress_bar
 from longwave.support.interruption import interrupted

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from longwave.runs import scene_of_run
 from longwave.runs.own_error import own_error_at, scaled_own_error
 from longwave.scenes.observed.observables import amplitudes, cell_width, extremum
+from longwave.scenes.starts.moving_wave import moving_wave
 from longwave.support.user_files import shown
 
 Array = NDArray[np.float64]
@@ -321,7 +322,7 @@ def with_theory(data: xr.Dataset) -> xr.Dataset:
     scene = scene_of_run(data)
     if "crest_position" not in data or not scene.has_moving_wave:
         return data
-    moving = scene.moving_wave
+    moving = moving_wave(scene)
     sites = np.array([moving.compared_sites(t) for t in times])
     rows = zip(sites, times, strict=True)
     strain = np.array([scene.eps * moving.wave.at(at, t, scene.eps).Y for at, t in rows])

@@ -146,9 +146,7 @@ def interval(rate: FittedRate) -> str:
 
 def rate_title(scene: Scene) -> str:
     """Number, lattice and its numbers, in LaTeX."""
-    from longwave.scenes.starts.lattice_derivation import declared_lattice
-
-    lattice = declared_lattice(scene)
+    lattice = scene.symbolic_lattice
     numbers = [*scene.constants]
     numbers += [(str(ybar), scene.background)] if scene.background else []
     numbers += [("k", scene.carrier)] if scene.is_envelope else []

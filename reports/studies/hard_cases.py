@@ -31,6 +31,7 @@ from longwave.scenes.description.named_scenes import load_scene
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.engines.window import Window
 from longwave.scenes.starts.background_growth import UNIT_ROUNDOFF, predictability_time
+from longwave.scenes.starts.moving_wave import moving_wave
 from longwave.support.processes import Job, Key
 
 Array = NDArray[np.float64]
@@ -148,7 +149,7 @@ def soft_scene() -> Scene:
         compared=50,
         observables=("strain",),
     )
-    return replace(scene, eps=float(scene.moving_wave.wave.wavelength or math.nan) / 7.0)
+    return replace(scene, eps=float(moving_wave(scene).wave.wavelength or math.nan) / 7.0)
 
 
 @hard_case(
@@ -221,7 +222,7 @@ def _wrong_feed() -> Reading:
         window = Window(FedWave(rings, stated.sites), stated.sites)
         state = window.start()
         amplitude = float(np.max(np.abs(state.f)))
-        rings.wave = replace(scene.moving_wave, eps=factor * scene.eps)
+        rings.wave = replace(moving_wave(scene), eps=factor * scene.eps)
         run = Stepper(state, stated.table, scene.model.lattice, window, stated.step, amplitude)
         found.append((sum(1 for _ in run.stops([0.0])), run.blow_up))
     (sound_moves, sound_end), (moves, end) = found

@@ -25,6 +25,7 @@ from longwave.scenes.description.named_scenes import EPS, ORDERS, load_scene, ra
 from longwave.scenes.description.numerics import Tolerance
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.engines.spectral_data import RingPlace, ring_data
+from longwave.scenes.starts.moving_wave import moving_wave
 from longwave.support.processes import Job, Key
 
 Array = NDArray[np.float64]
@@ -122,7 +123,7 @@ def warmed(scheme: str) -> None:
 
 def march_seconds(scene: Scene, found: xr.Dataset) -> float:
     """Seconds of a ring's last march, done once more from data that are there already."""
-    data = ring_data(scene.moving_wave, scene.tolerance or FINEST_TOLERANCE)
+    data = ring_data(moving_wave(scene), scene.tolerance or FINEST_TOLERANCE)
     ring = RingPlace(float(found.attrs["circumference"]))
     state, step = data.state(ring, int(found.attrs["sites"])), float(found.attrs["step"])
     begun = time.perf_counter()

@@ -10,6 +10,7 @@ import xarray as xr
 from longwave.scenes import run
 from longwave.scenes.description.named_scenes import load_scene, shipped_scenes
 from longwave.scenes.description.scene import Scene
+from longwave.scenes.engines.methods import expected_cost
 from longwave.scenes.observed.observables import measured_error
 from longwave.support.processes import Job
 
@@ -113,4 +114,4 @@ def rk4_name(order: int) -> str:
 
 def scene_job(scene: Scene) -> Job:
     """The run of a scene that states its step."""
-    return Job(run, (scene,), scene.expected_cost().seconds, tells=True)
+    return Job(run, (scene,), expected_cost(scene).seconds, tells=True)

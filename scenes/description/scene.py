@@ -15,10 +15,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from longwave.lattice.model import Model
-from longwave.lattice.state import State
+from longwave.scenes.description import run_hook
 from longwave.scenes.description import scene_checks as check
 from longwave.scenes.description.bench import BENCH_TABLES, Bench, bench_of, check_bath
-from longwave.scenes.description.losses import Losses
+from longwave.scenes.description.losses import Losses, lossy
 from longwave.scenes.description.numerics import NUMERICS, Discretisation, Tolerance, numerics_of
 from longwave.scenes.description.scene_checks import CHAIN, CHAIN_CONSTANTS, Pairs, Value
 from longwave.scenes.description.scene_disorder import Disorder
@@ -41,18 +41,16 @@ from longwave.scenes.description.scene_rules import (
 from longwave.scenes.description.stated_tables import StatedTables
 from longwave.scenes.observed.observables import OBSERVABLES, observable_named
 from longwave.support.html_tables import html_table
+from longwave.support.known_names import one_of
 from longwave.support.user_files import cut, file_stem, shown, shown_path
 
 if TYPE_CHECKING:
     import xarray as xr
 
+    from longwave.derive import Lattice
     from longwave.lattice.refine import Announce
     from longwave.lattice.trial import Progress
-    from longwave.scenes.engines.methods import Method
-    from longwave.scenes.observed.run_record import RunRecord
-    from longwave.scenes.starts.moving_wave import MovingWave
     from longwave.solutions import ClosedForm
-    from longwave.support.request_limits import ExpectedCost
 
 ALTERNATIVES = (
     (("slow_times",), ("times",), ("t0", "snapshots")),
@@ -375,12 +373,10 @@ class Scene:
 
     def _repr_html_(self) -> str:
         """What its file says, and the formula of its wave, as notebooks show it."""
-        from longwave.scenes.starts.lattice_derivation import declared_lattice  # with SymPy
-
         document = self.document() | {"lattice": self.lattice}
         rows = [(key, _in_words(value)) for key, value in document.items() if key != "title"]
         with suppress(ValueError):  # of a lattice that is not known
-            rows.append(("motion", declared_lattice(self)._repr_latex_()))
+            rows.append(("motion", self.symbolic_lattice._repr_latex_()))
         if not (self.bench or self.is_growth):
             with suppress(ValueError):  # of a wave without a closed form
                 rows.append(("formula", self.form._repr_latex_() or "too long to be read"))
@@ -491,21 +487,20 @@ class Scene:
             return closed_form(self.wave, dict(self.parameters))
         return self.wave
 
-    @cached_property
-    def moving_wave(self) -> MovingWave:
-        """The wave on the paper's chain; ValueError for what it does not admit.
+    @property
+    def symbolic_lattice(self) -> Lattice:
+        """The lattice in symbols, with its losses; ValueError if its name is not known."""
+        from longwave.derive import LATTICES
+        from longwave.derive.lattice_file import lattice_of
 
-        What asks for the wave alone finds it in ``moving_wave.wave``.
-        """
-        from longwave.scenes.starts.moving_wave import MovingWave, build_wave
-
-        numbers = {
-            name: value if isinstance(value, str) else float(value)
-            for name, value in self.parameters
-        }
-        wave = build_wave(self.wave, self.model, numbers)
-        times = (self.t0, *self.snapshots)
-        return MovingWave(wave, self.model, self.eps, times, self.compared)
+        if self.declared:
+            return lossy(lattice_of(self.declared.tables, self.lattice), self.losses)
+        if self.lattice not in LATTICES:
+            raise ValueError(
+                f"lattice must be one of the catalogue or a file, got {shown(self.lattice)} "
+                f"({one_of(self.lattice, LATTICES)}; or FILE.toml beside the scene)"
+            )
+        return lossy(LATTICES[self.lattice], self.losses)
 
     @property
     def end(self) -> float:
@@ -524,39 +519,8 @@ class Scene:
         return (self.t0, *(t for t in self.snapshots if t > self.t0))
 
     def run(self, progress: Progress | None = None, announce: Announce | None = None) -> xr.Dataset:
-        """The run of the scene, with what can be trusted of it (`scene_run.run`)."""
-        return self.record(progress, announce).dataset
-
-    def record(
-        self,
-        progress: Progress | None = None,
-        announce: Announce | None = None,
-        restart: State | None = None,
-    ) -> RunRecord:
-        """`run` without a data set, or from the state ``restart`` of a run of the same scene."""
-        return self._way.record(self, progress, announce, restart)
-
-    def expected_cost(self) -> ExpectedCost:
-        """What a run is expected to cost, in a process that has just begun.
-
-        Raises ValueError as `run` does for what is wrong before anything is run.
-        """
-        return self._way.cost(self)
-
-    def wave_size(self, t: float, far_field: bool = False) -> float:
-        """The wave's largest deviation from its background, or its far field, at a time.
-
-        Over the compared cells and all that is compared; NaN where there is no such field.
-        """
-        self.check_compared()
-        assert self._way.size is not None
-        return self._way.size(self, t, far_field)
-
-    @property
-    def _way(self) -> Method:
-        from longwave.scenes.engines.methods import METHODS
-
-        return METHODS[self.method]()
+        """Run the scene as `longwave.run` does, and return its data set."""
+        return run_hook.run(self, progress, announce)
 
     def changed(self, **changes: Any) -> Scene:
         """The scene with other values for some keywords of `of`.

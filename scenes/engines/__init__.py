@@ -1,1 +1,1 @@
-"""How a scene becomes a run: domains, engines, what they cost, and which of them runs."""
+"""How a scene becomes a run: domains, engines, their costs and records, and which of them runs."""

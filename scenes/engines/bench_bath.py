@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from longwave.lattice.trial import Progress
     from longwave.scenes.description.bench import Bench
     from longwave.scenes.description.scene import Scene
-    from longwave.scenes.observed.run_record import RunRecord
+    from longwave.scenes.engines.run_record import RunRecord
 
 Array = NDArray[np.float64]
 

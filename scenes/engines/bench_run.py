@@ -21,7 +21,7 @@ from longwave.scenes.description.losses import without_losses
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.description.scene_checks import MOST_STEPS
 from longwave.scenes.engines.ring_cost import USUAL_RUNS, search_cost
-from longwave.scenes.observed.run_record import RunRecord, judged, searched
+from longwave.scenes.engines.run_record import RunRecord, judged, searched
 from longwave.scenes.starts.bench_chain import (
     Moment,
     chain_on_bench,
@@ -29,7 +29,6 @@ from longwave.scenes.starts.bench_chain import (
     watched,
     watched_cuts,
 )
-from longwave.scenes.starts.lattice_derivation import declared_lattice
 from longwave.support.request_limits import OverBudgetError, check_request
 
 if TYPE_CHECKING:
@@ -38,7 +37,7 @@ if TYPE_CHECKING:
     from longwave.lattice.refine import Announce
     from longwave.lattice.state import State
     from longwave.lattice.trial import Progress, Trial
-    from longwave.scenes.observed.recorders import Variables
+    from longwave.scenes.engines.recorders import Variables
     from longwave.support.request_limits import ExpectedCost
 
 Array = NDArray[np.float64]
@@ -58,7 +57,7 @@ def chain_of(scene: Scene, lossless: bool = False) -> tuple[Bench, DrivenChain]:
     """The scene's bench, and its chain with numbers; without the losses of cells if asked for."""
     bench = scene.own_bench
     values = {name: number_value(name, value) for name, value in scene.constants}
-    lattice, losses = without_losses(declared_lattice(scene), values)
+    lattice, losses = without_losses(scene.symbolic_lattice, values)
     span = scene.t0, scene.end
     return bench, chain_on_bench(bench, lattice, span, None if lossless else losses)
 

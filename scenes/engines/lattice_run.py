@@ -15,16 +15,9 @@ from longwave.lattice.refine import Announce
 from longwave.scenes.description.numerics import Tolerance
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.description.scene_checks import enough_steps
+from longwave.scenes.engines.recorders import MOMENT_BYTES, exact_times
 from longwave.scenes.engines.ring_cost import SHOWN, USUAL_RUNS, search_cost
-from longwave.scenes.engines.site_engine import SiteEngine
-from longwave.scenes.engines.spectral_run import run_spectral, spectral_cost
-from longwave.scenes.engines.stated_run import run_from, stated_runs
-from longwave.scenes.engines.wave_cells import stated_cells
-from longwave.scenes.engines.wave_rings import ComparedCells, WaveRings, expected_rings
-from longwave.scenes.engines.window import STRIDE
-from longwave.scenes.observed.observables import MAP_CELLS, MEASURED, observable_named
-from longwave.scenes.observed.recorders import MOMENT_BYTES, exact_times
-from longwave.scenes.observed.run_record import (
+from longwave.scenes.engines.run_record import (
     RunRecord,
     UnfinishedRun,
     error_unit,
@@ -32,7 +25,15 @@ from longwave.scenes.observed.run_record import (
     searched,
     searched_on_part,
 )
+from longwave.scenes.engines.site_engine import SiteEngine
+from longwave.scenes.engines.spectral_run import run_spectral, spectral_cost
+from longwave.scenes.engines.stated_run import run_from, stated_runs
+from longwave.scenes.engines.wave_cells import stated_cells
+from longwave.scenes.engines.wave_rings import ComparedCells, WaveRings, expected_rings
+from longwave.scenes.engines.window import STRIDE
+from longwave.scenes.observed.observables import MAP_CELLS, MEASURED, observable_named
 from longwave.scenes.starts.background_growth import check_trust, trust_attributes
+from longwave.scenes.starts.moving_wave import moving_wave
 from longwave.scenes.starts.pulse_meter import PULSE_VARIABLES, crest, pulse_track
 from longwave.support.request_limits import Announcer, ExpectedCost, check_request
 
@@ -49,7 +50,7 @@ ACROSS = 2
 def scene_wave(scene: Scene) -> LatticeWave:
     """The wave of a scene: the paper's without a derivation, any other by `lattice_wave`."""
     if scene.has_moving_wave:
-        return scene.moving_wave
+        return moving_wave(scene)
     from longwave.scenes.starts.lattice_derivation import lattice_wave  # with SymPy
 
     return lattice_wave(scene)
@@ -77,9 +78,9 @@ def _rings_cost(scene: Scene) -> ExpectedCost:
     """The same of the paper's wave on spectral rings."""
     rings = spectral_cost(scene)
     kept = (2.0 * scene.compared + 1.0) * len({scene.t0, *exact_times(scene)})
-    found = search_cost(scene.moving_wave.lattice, 0.0, 0.0, 1, kept)
+    found = search_cost(moving_wave(scene).lattice, 0.0, 0.0, 1, kept)
     found = _with(found, replace(rings, seconds=RINGS * rings.seconds))
-    return _with(found, _seen_cost(scene, compared_cells(scene, scene.moving_wave)))
+    return _with(found, _seen_cost(scene, compared_cells(scene, moving_wave(scene))))
 
 
 RINGS = 4.0
@@ -171,7 +172,7 @@ def engine_of(timed: Scene, rings: WaveRings) -> SiteEngine | SpectralRuns:
 
 
 def wave_size(scene: Scene, t: float, far_field: bool) -> float:
-    """The wave's largest deviation from its background (`Scene.wave_size`)."""
+    """The wave's largest deviation from its background (`methods.wave_size`)."""
     wave = _started_wave(scene)
     cells = compared_cells(scene, wave).cells(t)
     far = wave.far_field(cells.astype(np.int64), t) if far_field else wave.background(cells, t)

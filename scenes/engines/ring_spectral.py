@@ -20,11 +20,11 @@ from longwave.lattice.spectral.spectral_integration import FieldRingEngine, Ring
 from longwave.lattice.state import State
 from longwave.lattice.trial import Trial
 from longwave.scenes.description.scene import Scene
+from longwave.scenes.engines.recorders import Variables, build_recorders
 from longwave.scenes.engines.ring_cost import USUAL_RUNS, search_cost
+from longwave.scenes.engines.run_record import RunRecord
 from longwave.scenes.engines.wave_cells import CellView, RingCells, tell_energies
 from longwave.scenes.engines.wave_rings import AROUND, WIDER, Ends, WaveRings, sites_of
-from longwave.scenes.observed.recorders import Variables, build_recorders
-from longwave.scenes.observed.run_record import RunRecord
 from longwave.support.checkpoint import Memory
 from longwave.support.request_limits import ExpectedCost, check_request
 

@@ -15,6 +15,7 @@ import numpy as np
 from longwave.lattice.state import State
 from longwave.scenes.description.named_scenes import load_scene, scene_of
 from longwave.scenes.description.scene import Scene
+from longwave.scenes.engines.methods import record_scene, run_scene
 from longwave.support.user_files import shown, shown_path
 
 if TYPE_CHECKING:
@@ -59,7 +60,7 @@ def run(
             f"scene must be a scene, its name or its file, got {shown(scene)} "
             f"({(*kinds, EXAMPLE)[0]})"
         )
-    return scene.run(progress, announce)
+    return run_scene(scene, progress, announce)
 
 
 INSTEAD = {
@@ -120,4 +121,5 @@ def resume(
     later = tuple(t for t in (scene.snapshots if snapshots is None else snapshots) if t > start.t)
     if not later:
         raise ValueError(f"snapshots must lie after t = {start.t:g}, got none (name later ones)")
-    return scene.changed(t0=scene.t0, snapshots=later).record(progress, restart=start).dataset
+    rest = scene.changed(t0=scene.t0, snapshots=later)
+    return record_scene(rest, progress, restart=start).dataset

@@ -28,7 +28,9 @@ from longwave.lattice.state import GROWTH, State
 from longwave.lattice.trial import Progress
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.description.scene_checks import positive
+from longwave.scenes.engines.recorders import Variables
 from longwave.scenes.engines.ring_cost import search_cost
+from longwave.scenes.engines.run_record import RunRecord
 from longwave.scenes.engines.wave_rings import (
     LIMIT_SHARE,
     SCHEME,
@@ -36,8 +38,6 @@ from longwave.scenes.engines.wave_rings import (
     longest_step,
     stiffest_slopes,
 )
-from longwave.scenes.observed.recorders import Variables
-from longwave.scenes.observed.run_record import RunRecord
 from longwave.scenes.starts.envelope_data import EnvelopeData
 from longwave.scenes.starts.lattice_derivation import scene_envelope
 from longwave.scenes.starts.perturbed_plane import (

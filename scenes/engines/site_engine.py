@@ -24,6 +24,8 @@ from longwave.lattice.trial import (
 )
 from longwave.scenes.description.numerics import Discretisation
 from longwave.scenes.description.scene import Scene
+from longwave.scenes.engines.recorders import Samples, exact_times
+from longwave.scenes.engines.run_record import UnfinishedRun
 from longwave.scenes.engines.stated_run import run_from
 from longwave.scenes.engines.wave_cells import (
     FedWave,
@@ -52,8 +54,6 @@ from longwave.scenes.engines.window import (
     widened,
     window_moves,
 )
-from longwave.scenes.observed.recorders import Samples, exact_times
-from longwave.scenes.observed.run_record import UnfinishedRun
 
 Array = NDArray[np.float64]
 

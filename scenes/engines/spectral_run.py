@@ -18,6 +18,8 @@ from longwave.lattice.spectral.ring_search import ALIKE, resolving_step, run_fac
 from longwave.lattice.state import State, empty_chain
 from longwave.lattice.trial import Progress, Trial
 from longwave.scenes.description.scene import Scene
+from longwave.scenes.engines.recorders import Recorder, build_recorders
+from longwave.scenes.engines.run_record import RunRecord, unfinished
 from longwave.scenes.engines.spectral_data import (
     RingData,
     first_density,
@@ -30,9 +32,7 @@ from longwave.scenes.engines.spectral_search import (
 )
 from longwave.scenes.engines.wave_cells import CellView
 from longwave.scenes.engines.wave_rings import ComparedCells
-from longwave.scenes.observed.recorders import Recorder, build_recorders
-from longwave.scenes.observed.run_record import RunRecord, unfinished
-from longwave.scenes.starts.moving_wave import MovingWave
+from longwave.scenes.starts.moving_wave import MovingWave, moving_wave
 from longwave.support.request_limits import ExpectedCost, OverBudgetError
 
 START_SECONDS = 0.08
@@ -82,7 +82,7 @@ POINT_BYTES = 530.0
 @lru_cache(maxsize=4)
 def spectral_cost(scene: Scene) -> ExpectedCost:
     """What rings take; the wave's peak sets their points and steps, as in the mKdV limit."""
-    moving, tolerance = scene.moving_wave, scene.target.tolerance
+    moving, tolerance = moving_wave(scene), scene.target.tolerance
     data, numbers = ring_data(moving, tolerance), moving.wave.numbers
     peak = float(np.max(np.abs(data.bounds.strain))) / moving.eps
     turns = numbers.b * moving.eps**3 * moving.duration * peak**3
@@ -131,7 +131,7 @@ def run_spectral(
     looks = scene.look_points or scene.curve_points
     recorders = build_recorders(replace(scene, look_points=looks))
     times = {t for recorder in recorders for t in recorder.moments.times} | {scene.end}
-    moving = replace(scene.moving_wave, times=(scene.t0, *sorted(times)))
+    moving = replace(moving_wave(scene), times=(scene.t0, *sorted(times)))
     most_work = max(WORTH, FAR_DEARER * site_by_site) / SECONDS_PER_WORK
     try:
         found = solve_on_rings(moving, tolerance, progress, announce, most_work)

@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from longwave.scenes.observed.observables import observable_named
-from longwave.scenes.observed.recorders import (
+from longwave.scenes.engines.recorders import (
     Observer,
     Recorder,
     Samples,
@@ -22,7 +21,8 @@ from longwave.scenes.observed.recorders import (
     build_recorders,
     exact_times,
 )
-from longwave.scenes.observed.run_record import RunRecord, UnfinishedRun
+from longwave.scenes.engines.run_record import RunRecord, UnfinishedRun
+from longwave.scenes.observed.observables import observable_named
 from longwave.scenes.observed.view import Array
 from longwave.support.checkpoint import Memory, begin_loop
 

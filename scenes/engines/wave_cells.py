@@ -18,10 +18,10 @@ from longwave.lattice.state import BlowUp, Domain, Sites, State
 from longwave.lattice.stepper import CHUNK, LEAST_CHUNK, Stepper, StillRing
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.engines.ring_cost import cell_seconds
+from longwave.scenes.engines.run_record import RunRecord
 from longwave.scenes.engines.wave_rings import ComparedCells, Ends, WaveRings, sites_of
 from longwave.scenes.engines.window import Window, stored_chain
 from longwave.scenes.observed.observables import observable_named
-from longwave.scenes.observed.run_record import RunRecord
 from longwave.scenes.observed.view import View
 from longwave.scenes.starts.lattice_wave import CellRing, LatticeWave
 from longwave.support.checkpoint import Memory

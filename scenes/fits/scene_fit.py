@@ -38,7 +38,6 @@ from longwave.scenes.fits.least_squares import (
 )
 from longwave.scenes.fits.sensor_records import SensorRecord, read_record
 from longwave.scenes.starts.bench_chain import chain_on_bench, start_on_bench
-from longwave.scenes.starts.lattice_derivation import declared_lattice
 from longwave.support.known_names import one_of
 from longwave.support.user_files import shown
 
@@ -85,7 +84,7 @@ class SceneModel:
             if isinstance(value, int | float):
                 stated[f"losses.{key}"] = float(value)
                 losses[key] = f"{key}loss"
-        self._lattice = lossy(declared_lattice(scene).with_losses(), Losses.of(losses))
+        self._lattice = lossy(scene.symbolic_lattice.with_losses(), Losses.of(losses))
         self._symbols = {LOSSES.get(str(s), str(s)): s for s in self._lattice.constants}
         self.stated = stated
         for name in self.free:
@@ -218,7 +217,7 @@ class SceneFit(LeastSquares):
 
     def document(self) -> dict[str, Any]:
         """The tables of a lattice file: the scene's lattice, with its constants and covariance."""
-        bare = declared_lattice(self.model.scene).with_losses()
+        bare = self.model.scene.symbolic_lattice.with_losses()
         now, held = self.model.at(self.values), [str(symbol) for symbol in bare.constants]
         rows = (dict(zip(self.names, row, strict=True)) for row in self.covariance.tolist())
         covariance = {

@@ -1,1 +1,1 @@
-"""What is observed of a run: observables, what records them, and the record of a run."""
+"""What can be seen of a run: a view of it, and the observables that a scene may ask for."""

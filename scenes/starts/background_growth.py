@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from longwave.scenes.description.scene import Scene
+from longwave.scenes.starts.moving_wave import moving_wave
 from longwave.solutions import NumericWave
 
 Array = NDArray[np.float64]
@@ -108,7 +109,7 @@ def trust_in(scene: Scene, tolerance: float) -> Trust:
     background and on stable periodic ones; both are NaN where the background is too sharp for
     `fastest_rate`.
     """
-    wave = scene.moving_wave.wave
+    wave = moving_wave(scene).wave
     if wave.wavelength is None:
         return Trust(0.0, math.inf)
     per_tau = _fastest_rate(wave)
@@ -121,7 +122,7 @@ def trust_attributes(scene: Scene) -> dict[str, float]:
 
     The horizon is the time after t0 until rounding has grown to the scene's tolerance.
     """
-    if scene.moving_wave.wave.wavelength is None:
+    if moving_wave(scene).wave.wavelength is None:
         return {}
     trust = trust_in(scene, scene.tolerance or USUAL_TOLERANCE)
     return {"trust_rate": trust.rate, "trust_horizon": trust.predictability_time}

@@ -15,13 +15,12 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 from sympy import Expr, elliptic_k, pi
 
-from longwave.derive import LATTICES, Lattice, NormalForm, Reduction, find_scaling
+from longwave.derive import Lattice, NormalForm, Reduction, find_scaling
 from longwave.derive.algebra.exact_numbers import exact
 from longwave.derive.algebra.formula_expression import exact_value
-from longwave.derive.lattice_file import lattice_of
 from longwave.derive.normal_form import equation_name
 from longwave.derive.symbols import constant_value
-from longwave.scenes.description.losses import loss_rates, lossy
+from longwave.scenes.description.losses import loss_rates
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.description.scene_checks import Pairs, Value, plain
 from longwave.scenes.description.scene_rules import COMPUTED
@@ -30,7 +29,6 @@ from longwave.scenes.starts.damped_soliton import LAWFUL, DampedSoliton
 from longwave.scenes.starts.lattice_wave import LatticeWave
 from longwave.scenes.starts.long_wave_data import LongWaveData
 from longwave.solutions import CATALOGUE, ClosedForm, Wave, closed_form
-from longwave.support.known_names import one_of
 from longwave.support.user_files import shown
 
 if TYPE_CHECKING:
@@ -82,18 +80,6 @@ class LatticeDerivation:
         return r"i A_T + p\, A_{XX} + q\, |A|^2 A = 0"
 
 
-def declared_lattice(scene: Scene) -> Lattice:
-    """The scene's lattice in symbols; ValueError for a name or a declaration that is none."""
-    if scene.declared:
-        return lossy(lattice_of(scene.declared.tables, scene.lattice), scene.losses)
-    if scene.lattice not in LATTICES:
-        raise ValueError(
-            f"lattice must be one of the catalogue or a file, got {shown(scene.lattice)} "
-            f"({one_of(scene.lattice, LATTICES)}; or FILE.toml beside the scene)"
-        )
-    return lossy(LATTICES[scene.lattice], scene.losses)
-
-
 def derivation(scene: Scene) -> LatticeDerivation:
     """The equation of the scene's lattice that its wave solves, and how it was derived.
 
@@ -131,7 +117,7 @@ def derivation(scene: Scene) -> LatticeDerivation:
 @lru_cache(maxsize=8)
 def _derivations(scene: Scene) -> tuple[LatticeDerivation, ...]:
     """All that are found of a scene's lattice, whatever its wave."""
-    symbolic = declared_lattice(scene)
+    symbolic = scene.symbolic_lattice
     values = _constant_values(scene, symbolic)
     numeric = symbolic.with_values(values)
     if not scene.is_envelope:
@@ -241,7 +227,7 @@ def scene_envelope(scene: Scene) -> tuple[Envelope, Mapping[str, Expr]]:
 
 @lru_cache(maxsize=8)
 def _scene_envelope(scene: Scene) -> tuple[Envelope, Mapping[str, Expr]]:
-    lattice = declared_lattice(scene)
+    lattice = scene.symbolic_lattice
     values = _constant_values(scene, lattice)
     lattice.with_values(values)  # refuses what is no constant
     return _envelope(scene, lattice, values, pi if scene.carrier == "pi" else None)
@@ -310,7 +296,7 @@ def lattice_wave(scene: Scene) -> LatticeWave:
     from longwave.scenes.starts.disordered_wave import WaveDisorder
 
     values = _values(scene.constants, {"eps": exact("eps", scene.eps)})
-    lattice = declared_lattice(scene)
+    lattice = scene.symbolic_lattice
     far = None if scene.is_envelope else wave_of(scene).constant_background
     wave.disorder = WaveDisorder(wave, scene.disorder, lattice, values, far)
     wave.lattice = wave.disorder.on(wave.lattice, np.zeros(0))

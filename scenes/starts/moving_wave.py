@@ -18,12 +18,26 @@ from longwave.solutions import NumericWave, WaveValues, kept_data, kept_wave
 
 if TYPE_CHECKING:
     from longwave.lattice.model import Model
+    from longwave.scenes.description.scene import Scene
     from longwave.solutions import ClosedForm, Wave
 
 Array = NDArray[np.float64]
 
 FLAT = 1e-9
 """A wave has ended where it deviates from its far fields by less, in units of eps."""
+
+
+@lru_cache(maxsize=8)
+def moving_wave(scene: "Scene") -> "MovingWave":
+    """Return the scene's wave on the paper's chain; ValueError for what it does not admit.
+
+    What asks for the wave alone finds it in ``moving_wave(scene).wave``.
+    """
+    numbers = {
+        name: value if isinstance(value, str) else float(value) for name, value in scene.parameters
+    }
+    wave = build_wave(scene.wave, scene.model, numbers)
+    return MovingWave(wave, scene.model, scene.eps, (scene.t0, *scene.snapshots), scene.compared)
 
 
 def build_wave(

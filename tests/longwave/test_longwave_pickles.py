@@ -45,9 +45,10 @@ from longwave.scenes.description.named_scenes import load_scene
 from longwave.scenes.description.numerics import Discretisation, Tolerance
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.description.time_functions import time_function
+from longwave.scenes.engines.run_record import RunRecord
 from longwave.scenes.observed.observables import OBSERVABLES
-from longwave.scenes.observed.run_record import RunRecord
 from longwave.scenes.starts.lattice_derivation import derivation
+from longwave.scenes.starts.moving_wave import moving_wave
 from longwave.solutions import CATALOGUE, ClosedForm, Wave, closed_form, rational
 from longwave.verify.proof import Domain, rational_facts
 from longwave.verify.proof.statement_text import read_statement
@@ -98,12 +99,12 @@ def short_scene() -> Scene:
 
 def scene() -> Scene:
     found = load_scene("rogue_cn_k_0.5")
-    found.moving_wave.state(SITES, 0.0)  # what it finds is no part of it
+    moving_wave(found).state(SITES, 0.0)  # what it finds is no part of it
     return found
 
 
 def kept_wave() -> Any:
-    return scene().moving_wave.wave
+    return moving_wave(scene()).wave
 
 
 def user_form() -> ClosedForm:
@@ -190,7 +191,7 @@ MADE: Mapping[str, tuple[Callable[[], Any], Callable[[Any], Any] | None]] = {
     "RationalFacts": (lambda: rational_facts(2), None),
     "Statement": (STATEMENT, attrgetter("variables")),
     "StatementVerdict": (lambda: decide_statement(STATEMENT()), methodcaller("json")),
-    "MovingWave": (lambda: scene().moving_wave, methodcaller("state", SITES, 0.0)),
+    "MovingWave": (lambda: moving_wave(scene()), methodcaller("state", SITES, 0.0)),
     "RunRecord": (
         lambda: RunRecord(scene(), (9,), [0.0], ERROR, {}),
         methodcaller("values", "error"),

@@ -12,7 +12,7 @@ from longwave.reports.pictures.plotting import ALL
 from longwave.reports.pictures.plotting import PICTURES as KINDS
 from longwave.scenes.description.named_scenes import load_scene
 from longwave.scenes.description.scene import Scene
-from longwave.scenes.observed.run_record import RunRecord, UnfinishedRun
+from longwave.scenes.engines.run_record import RunRecord, UnfinishedRun
 
 Output = pytest.CaptureFixture[str]
 

@@ -17,6 +17,7 @@ import longwave
 import longwave.support.progress_line as progress_line
 from longwave.lattice import Model, State
 from longwave.runs.sweep_file import Sweep
+from longwave.scenes.engines.methods import record_scene
 from longwave.session import as_sweep
 
 GRID = {"eps": np.array([0.3, 0.4]), "parameters.kappa": [0.5, 1]}
@@ -155,7 +156,7 @@ def test_objects_are_shown_in_one_line_and_as_tables(made: Any) -> None:
     fitted = longwave.fit_force([-2, -1, 0, 1, 2], [-2.1, -0.9, 0.1, 1.0, 1.9], law="K2*x")
     proved = longwave.prove("u_t + u_x", "u = sech(x - t)")
     refuted = longwave.prove("u_t + u_x", "u = sech(x + t)")
-    record = SCENE.record()
+    record = record_scene(SCENE)
     for thing in (SCENE, fitted, proved, refuted, record, as_sweep(SCENE, GRID)):
         assert "\n" not in repr(thing)
         assert len(repr(thing)) < 400

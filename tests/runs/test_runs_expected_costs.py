@@ -12,7 +12,7 @@ from longwave.runs.sweep_cells import Cell, run_cells
 from longwave.runs.sweep_cost import expected_sweep_cost
 from longwave.runs.sweep_file import Sweep, sweep_of
 from longwave.scenes.description.named_scenes import load_scene
-from longwave.scenes.description.scene import Scene
+from longwave.scenes.engines.methods import expected_cost
 from longwave.support.request_limits import ExpectedCost, RequestLimits
 
 SWEEP = """
@@ -120,12 +120,10 @@ def test_an_exponential_force_is_known_to_cost_more_than_a_polynomial() -> None:
     )
     stiff = toda.changed(constants={"a": 1, "b": 99})
     # the same cells and steps; a stiff one takes more of these
-    assert toda.expected_cost().steps == pytest.approx(alpha.expected_cost().steps, rel=0.1)
-    toda_runs, alpha_runs = (
-        one.seconds - one.once for one in map(Scene.expected_cost, (toda, alpha))
-    )
+    assert expected_cost(toda).steps == pytest.approx(expected_cost(alpha).steps, rel=0.1)
+    toda_runs, alpha_runs = (one.seconds - one.once for one in map(expected_cost, (toda, alpha)))
     assert toda_runs > 1.5 * alpha_runs
-    assert stiff.expected_cost().seconds > 10.0
+    assert expected_cost(stiff).seconds > 10.0
 
 
 def test_a_cell_beyond_a_limit_is_tried_again_under_another(

@@ -31,6 +31,7 @@ from longwave.explore.exploration_run import (
 )
 from longwave.scenes.description.named_scenes import load_scene, shipped_scenes
 from longwave.scenes.starts.lattice_derivation import derivation
+from longwave.scenes.starts.moving_wave import moving_wave
 from longwave.solutions import CATALOGUE, closed_form
 from longwave.support.request_limits import RequestLimits
 from tests.families import WAVES, family
@@ -71,7 +72,7 @@ def test_the_first_choices_of_every_wave_are_admitted(wave: str) -> None:
         scene = scene_of_choices(choices)
         closed_form(wave).check({name: ratio(str(value)) for name, value in scene.parameters})
         if scene.has_moving_wave:
-            assert scene.moving_wave.wave
+            assert moving_wave(scene).wave
             assert len(scene.snapshots) == FRAMES
 
 

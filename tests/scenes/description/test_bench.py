@@ -24,6 +24,7 @@ from longwave.scenes.description.scene import Scene
 from longwave.scenes.description.scene_file import toml_text
 from longwave.scenes.description.time_functions import Samples, time_function
 from longwave.scenes.engines.bench_run import chain_of
+from longwave.scenes.engines.methods import expected_cost
 from longwave.scenes.engines.scene_run import resume, run
 from longwave.scenes.starts.bench_chain import READINGS
 from tests.lattice.test_lattice_driving import modal_chain
@@ -196,7 +197,7 @@ def test_shipped_benches_are_read(name: str) -> None:
     bench, chain = chain_of(scene)
     assert scene.title
     assert chain.cells == bench.sites
-    assert scene.expected_cost().seconds < 60.0
+    assert expected_cost(scene).seconds < 60.0
 
 
 def test_runs_are_kept_told_and_made_again(

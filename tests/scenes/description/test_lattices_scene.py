@@ -11,7 +11,10 @@ import pytest
 from longwave.scenes.convergence import at_eps
 from longwave.scenes.description.named_scenes import load_scene, scene_of_toml, shipped_scenes
 from longwave.scenes.description.scene import Scene
+from longwave.scenes.engines.methods import expected_cost
+from longwave.scenes.engines.scene_run import run
 from longwave.scenes.engines.wave_rings import ComparedCells
+from longwave.scenes.starts.moving_wave import moving_wave
 
 GIVEN: dict[str, Any] = {
     "name": "short",
@@ -250,13 +253,19 @@ def test_a_file_that_says_a_thing_twice_is_refused(text: str, told: str) -> None
 
 def test_parameters_are_formulas_or_multiples_of_K_at_every_order() -> None:
     half = Scene.of(**CHAIN | TIMED | {"parameters": {"A": "1/2"}})
-    assert half.moving_wave.wave.numbers.a == pytest.approx(
-        Scene.of(**CHAIN | TIMED | {"parameters": {"A": 0.5}}).moving_wave.wave.numbers.a
+    assert moving_wave(half).wave.numbers.a == pytest.approx(
+        moving_wave(Scene.of(**CHAIN | TIMED | {"parameters": {"A": 0.5}})).wave.numbers.a
     )
     snoidal = {"wave": "breather_sn", "parameters": {"k": 0.7, "alpha": "K/2"}, "K4": -1}
     for order in ("leading", "slaved"):
         scene = Scene.of(**CHAIN | TIMED | snoidal | {"order": order})
-        assert scene.expected_cost().seconds > 0.0
+        assert expected_cost(scene).seconds > 0.0
+
+
+def test_a_scene_runs_itself() -> None:
+    """The engines are above it: `longwave.scenes` tells it which function runs scenes."""
+    scene = Scene.of(**GIVEN)
+    assert scene.run().strain.identical(run(scene).strain)
 
 
 def test_cells_of_a_half_width_are_whole_at_any_eps() -> None:

@@ -14,6 +14,7 @@ from longwave.scenes.engines import window as window_module
 from longwave.scenes.engines.lattice_run import wave_rings
 from longwave.scenes.engines.wave_cells import FedWave
 from longwave.scenes.engines.window import INTERPOLATION_ERROR, LARGEST_MISFIT, Window
+from longwave.scenes.starts.moving_wave import moving_wave
 
 
 def window_of(scene: Scene) -> Window:
@@ -66,7 +67,7 @@ def test_a_wrong_far_field_stops_the_run(
     measured = run(window_scene())
     text = measured.attrs["blow_up"]
     assert "the window's feed misses the lattice by" in text
-    front = window_scene().moving_wave.frame(-200.0 + 32.0) + 512 - 192
+    front = moving_wave(window_scene()).frame(-200.0 + 32.0) + 512 - 192
     assert text.endswith(f"at t = -168, site {front - 8}")
     assert measured.attrs["feed_mismatch"] > 5e-4
 
@@ -90,7 +91,7 @@ def test_a_moved_window_keeps_its_cells_and_feeds_the_front(
     [kept], _ = state.at(state.sites)
     state.t += 10.0
     window.follow(state)
-    assert state.left == scene.moving_wave.frame(state.t) - scene.discretisation.sites // 2
+    assert state.left == moving_wave(scene).frame(state.t) - scene.discretisation.sites // 2
     fed = 2 * 20 + window_module.MARGIN
     np.testing.assert_array_equal(state.at(state.sites)[0][0, :-fed], kept[20 : 20 - fed])
     speed = window.background_speed
@@ -110,7 +111,7 @@ def test_the_feed_moves_at_the_sound_speed_of_the_background(
 
 
 def test_the_middle_is_the_site_nearest_to_c_t(window_scene: Callable[..., Scene]) -> None:
-    moving = window_scene().moving_wave
+    moving = moving_wave(window_scene())
     assert [moving.frame(t) for t in (-0.3, -0.2, 0.0, 0.2, 0.3)] == [-1, 0, 0, 0, 1]
     assert moving.frame(100.0) == 200
 

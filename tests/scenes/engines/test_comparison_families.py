@@ -8,6 +8,7 @@ from longwave.scenes.description.named_scenes import (
     rational_family_scenes,
     shipped_scenes,
 )
+from longwave.scenes.starts.moving_wave import moving_wave
 from longwave.solutions import closed_form
 
 
@@ -22,14 +23,14 @@ def test_members_share_slow_times_and_width() -> None:
 
 @pytest.mark.parametrize("order", [2, 3, 4, 5])
 def test_the_peak_is_twice_the_order_and_one(order: int) -> None:
-    wave = rational_family_scenes()[f"Y{order}_eps_0.05"].moving_wave.wave
+    wave = moving_wave(rational_family_scenes()[f"Y{order}_eps_0.05"]).wave
     assert abs(float(wave(0.0, 0.0).Y)) == pytest.approx(2 * order + 1)
 
 
 def test_a_shift_in_the_parameters_splits_the_wave() -> None:
     scene = load_scene("split_rational_3")
     X = np.linspace(-10.0, 10.0, 2001)
-    wave = scene.moving_wave.wave
+    wave = moving_wave(scene).wave
     assert float(np.max(wave(X, np.zeros_like(X)).Y)) < 3.5
     assert [parameter.name for parameter in wave.form.parameters] == ["tau_5"]
 
@@ -37,7 +38,7 @@ def test_a_shift_in_the_parameters_splits_the_wave() -> None:
 def test_the_split_waves_snapshots_are_its_trough_and_its_crest() -> None:
     """Catches snapshots, or a beginning, that miss what the scene is there to show."""
     scene = load_scene("split_rational_3")
-    wave, X = scene.moving_wave.wave, np.linspace(-10.0, 10.0, 4001)
+    wave, X = moving_wave(scene).wave, np.linspace(-10.0, 10.0, 4001)
 
     def ends(t: float) -> tuple[float, float]:
         Y = wave(X, np.full_like(X, scene.eps**3 * t)).Y

@@ -9,6 +9,7 @@ import pytest
 from longwave.scenes.description.named_scenes import load_scene
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.engines.wave_cells import FedWave
+from longwave.scenes.starts.moving_wave import moving_wave
 
 
 @pytest.mark.parametrize("kind", ["ring", "window"])
@@ -17,9 +18,9 @@ def test_the_initial_velocity_is_the_time_derivative_of_the_ansatz(
 ) -> None:
     """eps^4 Y_T is 1e-4 of s here: dropping it must be seen, so the difference is 6th order."""
     scene = (ring_scene if kind == "ring" else window_scene)(eps=0.3, t0=-2.0, snapshots=(0.0,))
-    wave = scene.moving_wave.wave
+    wave = moving_wave(scene).wave
     sites = np.arange(-40, 41)
-    [strain], [velocity] = scene.moving_wave.state(sites, scene.t0)
+    [strain], [velocity] = moving_wave(scene).state(sites, scene.t0)
     h = 0.004
     weights = {1: 3 / 4, 2: -3 / 20, 3: 1 / 60}
     difference = sum(
@@ -35,7 +36,7 @@ def test_the_initial_velocity_is_the_time_derivative_of_the_ansatz(
 def test_rigid_data_start_as_the_initial_strain(
     window_scene: Callable[..., Scene], fed_wave: Callable[[Scene], FedWave]
 ) -> None:
-    fed, moving = fed_wave(window_scene()), window_scene().moving_wave
+    fed, moving = fed_wave(window_scene()), moving_wave(window_scene())
     sites = np.arange(-300, -100)
     strain, _ = fed.rigid_data(2.01, fed.rigid_offsets(2.01, sites, moving.t0))
     np.testing.assert_allclose(strain, moving.state(sites, moving.t0)[0], rtol=0, atol=1e-12)
@@ -57,7 +58,7 @@ def test_rigid_data_move_rigidly(
 
 def test_a_scene_that_has_been_looked_at_goes_to_another_process() -> None:
     scene = load_scene("rogue_cn_k_0.5")
-    before = scene.moving_wave.wave.at(3.0, 0.0, 0.05)
-    found = pickle.loads(pickle.dumps(scene)).moving_wave.wave
+    before = moving_wave(scene).wave.at(3.0, 0.0, 0.05)
+    found = moving_wave(pickle.loads(pickle.dumps(scene))).wave
     assert found.at(3.0, 0.0, 0.05) == before
-    assert repr(found) == repr(scene.moving_wave.wave)
+    assert repr(found) == repr(moving_wave(scene).wave)

@@ -19,6 +19,7 @@ from longwave.scenes.description.named_scenes import load_scene
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.engines import lattice_run
 from longwave.scenes.engines.lattice_run import wave_rings
+from longwave.scenes.engines.recorders import LOOK_EVALUATIONS
 from longwave.scenes.engines.spectral_run import view_of
 from longwave.scenes.engines.wave_cells import stated_cells
 from longwave.scenes.observed.observables import (
@@ -28,7 +29,7 @@ from longwave.scenes.observed.observables import (
     extremum,
     observable_named,
 )
-from longwave.scenes.observed.recorders import LOOK_EVALUATIONS
+from longwave.scenes.starts.moving_wave import moving_wave
 from longwave.solutions.numeric_wave import NumericWave
 
 FLOPS = 9
@@ -143,7 +144,7 @@ def operations(scene: Scene, entry: Observable) -> float:
     state = stated_cells(*wave_rings(scene)).stepper(None)[0].state
     counted = State(state.t, state.f.view(CountedArray), state.v.view(CountedArray), state.left)
     CountedArray.operations = 0
-    entry.measure(view_of(scene.moving_wave, counted))
+    entry.measure(view_of(moving_wave(scene), counted))
     size = 2 * scene.compared + 1
     return CountedArray.operations + (5 * size * np.log2(size) if entry.name == "spectrum" else 0)
 
@@ -204,16 +205,16 @@ def state_of(t: float, sites: Any, y: Any) -> State:
 def test_the_crest_of_Y2_is_tracked_between_sites(window_scene: Callable[..., Scene]) -> None:
     """Against the wave itself, displaced by a quarter of a site: 5 eps at its centre."""
     scene = replace(load_scene("rational_2_eps_0.05"), snapshots=(0.0,), t0=0.0, observables=())
-    wave, sites = scene.moving_wave.wave, scene.moving_wave.compared_sites(0.0)
+    wave, sites = moving_wave(scene).wave, moving_wave(scene).compared_sites(0.0)
     y = scene.eps * wave.at(sites - 0.25, 0.0, scene.eps).Y
-    view = view_of(scene.moving_wave, state_of(0.0, sites, y))
+    view = view_of(moving_wave(scene), state_of(0.0, sites, y))
     found = observable_named("crest_track").measure(view)
     assert found["crest_position"] == pytest.approx(0.25, abs=5e-3)
     missed = 5.0 * scene.eps - np.max(y)
     assert abs(found["crest_strain"] - 5.0 * scene.eps) < 0.03 * missed
-    later = scene.moving_wave.compared_sites(40.0)
-    view = view_of(scene.moving_wave, state_of(40.0, later, y))
-    moved = later[0] - sites[0] - scene.moving_wave.speed * 40.0
+    later = moving_wave(scene).compared_sites(40.0)
+    view = view_of(moving_wave(scene), state_of(40.0, later, y))
+    moved = later[0] - sites[0] - moving_wave(scene).speed * 40.0
     found = observable_named("crest_track").measure(view)
     assert found["crest_position"] == pytest.approx(0.25 + moved, abs=5e-3)
 
@@ -230,11 +231,11 @@ def test_a_crest_is_no_farther_than_the_next_site(place: float) -> None:
 def test_the_error_is_split_into_shift_amplitude_and_shape(name: str) -> None:
     """A wave displaced by 0.3 sites and raised by 2 % over its background, and nothing else."""
     scene = replace(load_scene(name), observables=())
-    sites = scene.moving_wave.compared_sites(scene.t0)
-    shown = view_of(scene.moving_wave, state_of(scene.t0, sites, np.zeros(sites.size)))
+    sites = moving_wave(scene).compared_sites(scene.t0)
+    shown = view_of(moving_wave(scene), state_of(scene.t0, sites, np.zeros(sites.size)))
     w, b, _, _ = shown.displaced(0.3)
     y = b + 1.02 * (w - b)
-    view = view_of(scene.moving_wave, state_of(scene.t0, sites, y))
+    view = view_of(moving_wave(scene), state_of(scene.t0, sites, y))
     found = observable_named("error_split").measure(view)
     assert found["shift"] == pytest.approx(0.3, abs=1e-7)
     assert found["scale"] == pytest.approx(1.02, abs=1e-8)
@@ -269,11 +270,11 @@ def test_momentum_is_conserved_and_the_mean_moves_with_it(
 def test_the_spectrum_finds_the_carrier_and_noise_at_the_zone_boundary() -> None:
     amplitudes = observable_named("spectrum").measure
     scene = load_scene("soliton_dn_k_0.7")
-    sites = scene.moving_wave.compared_sites(scene.t0)
+    sites = moving_wave(scene).compared_sites(scene.t0)
     n = np.arange(sites.size)
     k = 2.0 * np.pi * 40.0 / sites.size
     y = 0.05 * np.cos(k * n) + 1e-9 * (-1.0) ** n
-    view = view_of(scene.moving_wave, state_of(scene.t0, sites, y))
+    view = view_of(moving_wave(scene), state_of(scene.t0, sites, y))
     found = amplitudes(view)["spectrum"]
     assert found[40] == pytest.approx(0.05, rel=1e-6)
     assert 1e-10 < found[-1] < 1e-8

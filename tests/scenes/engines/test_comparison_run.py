@@ -16,6 +16,7 @@ from longwave.scenes.engines.lattice_run import wave_rings
 from longwave.scenes.engines.spectral_run import view_of
 from longwave.scenes.engines.stated_run import refined
 from longwave.scenes.engines.wave_cells import stated_cells
+from longwave.scenes.starts.moving_wave import moving_wave
 
 Y2 = replace(load_scene("rational_2_eps_0.05"), observables=("strain",), snapshots=(0.0,))
 
@@ -66,7 +67,7 @@ def test_the_true_far_field_doubles_the_denominator(name: str) -> None:
 def test_each_side_has_its_own_far_field() -> None:
     """The dark breather shifts the sn wave: the two sides exchanged are off by order eps."""
     scene = load_scene("breather_sn_k_0.7")
-    moving = scene.moving_wave
+    moving = moving_wave(scene)
     sites = moving.compared_sites(moving.t0)
     state = State(moving.t0, *moving.state(sites, moving.t0), int(sites[0]))
     comparison = view_of(moving, state)
@@ -89,7 +90,7 @@ def test_run_agrees_with_dop853(ring_scene: Callable[..., Scene]) -> None:
     """An independent integrator, on all sites in the lab frame."""
     scene = ring_scene(step=0.25, snapshots=(0.0,), observables=("strain",))
     sites = np.arange(-210, 191)
-    state = np.concatenate(scene.moving_wave.state(sites, scene.t0)).ravel()
+    state = np.concatenate(moving_wave(scene).state(sites, scene.t0)).ravel()
 
     def rate(_: float, values: np.ndarray) -> np.ndarray:
         y, s = np.split(values, 2)
@@ -142,7 +143,7 @@ def test_the_dataset_says_what_was_run(ring_scene: Callable[..., Scene]) -> None
 def test_energy_of_a_commensurate_ring(ring_scene: Callable[..., Scene]) -> None:
     """A bare sn wave that closes up exactly: eps is chosen so that 4 K is 100 sites."""
     scene = ring_scene(wave="wave_sn", K4=-1.0, sites=500, observables=("energy",), look_points=5)
-    wavelength = scene.moving_wave.wave.wavelength
+    wavelength = moving_wave(scene).wave.wavelength
     assert wavelength is not None
     measured = run(replace(scene, eps=float(wavelength) / 100.0, snapshots=(20.0,)))
     energy = measured.energy.values
@@ -153,7 +154,7 @@ def test_energy_of_a_commensurate_ring(ring_scene: Callable[..., Scene]) -> None
 def test_blow_up_keeps_what_came_before(ring_scene: Callable[..., Scene]) -> None:
     """A steep sn wave, 7 sites long: its strains pass 1/sqrt(3), where the lattice goes soft."""
     scene = ring_scene(wave="wave_sn", parameters=(("k", 0.9),), K4=-1.0, sites=1680, t0=-20.0)
-    wavelength = scene.moving_wave.wave.wavelength
+    wavelength = moving_wave(scene).wave.wavelength
     assert wavelength is not None
     scene = replace(scene, eps=float(wavelength) / 7.0, snapshots=(-20.0, -10.0, 200.0))
     measured = run(replace(scene, observables=("strain", "time_step_error")))
@@ -168,7 +169,7 @@ def test_blow_up_keeps_what_came_before(ring_scene: Callable[..., Scene]) -> Non
 def test_blow_up_is_found_to_the_step(ring_scene: Callable[..., Scene]) -> None:
     """A chunk of 64 steps ends in NaN here: without repeating it the criterion would be lost."""
     scene = ring_scene(wave="wave_sn", parameters=(("k", 0.9),), K4=-1.0, sites=1680, t0=-20.0)
-    wavelength = scene.moving_wave.wave.wavelength
+    wavelength = moving_wave(scene).wave.wavelength
     assert wavelength is not None
     scene = replace(scene, eps=float(wavelength) / 6.0, snapshots=(-20.0, 200.0))
     measured = run(replace(scene, observables=("strain",)))

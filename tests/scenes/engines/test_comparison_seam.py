@@ -12,7 +12,7 @@ from longwave.lattice.seam import blend_seam, close_circumference
 from longwave.lattice.spectral.evolution import SpectralRing
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.engines.spectral_data import RingData, RingPlace, ring_data
-from longwave.scenes.starts.moving_wave import MovingWave
+from longwave.scenes.starts.moving_wave import MovingWave, moving_wave
 from longwave.solutions import Wave, closed_form
 
 
@@ -158,7 +158,7 @@ def test_a_wave_that_passes_into_its_copy_still_runs_one_way(size: int) -> None:
         domain="ring",
         sites=400,
     )
-    moving = scene.moving_wave
+    moving = moving_wave(scene)
     sites = np.arange(size, dtype=float)
     whole = moving.ring(sites, 0.0)
     ring = moving.closed(whole, moving.seam_room(0.0))

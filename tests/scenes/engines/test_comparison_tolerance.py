@@ -18,6 +18,7 @@ from longwave.scenes.engines import spectral_search
 from longwave.scenes.engines.lattice_run import choose_engine
 from longwave.scenes.engines.scene_run import run
 from longwave.scenes.engines.spectral_data import ring_data
+from longwave.scenes.starts.moving_wave import moving_wave
 
 Array = NDArray[np.float64]
 
@@ -49,7 +50,7 @@ def stencil_reference(scene: Scene) -> Array:
 
 def spectral_reference(scene: Scene) -> Array:
     """The same by the spectral ring, with stated step, sampling and circumference."""
-    moving = scene.moving_wave
+    moving = moving_wave(scene)
     data = ring_data(moving, 1e-8)
     where = data.ring(RING_UNITS * (2 * scene.compared + 1))
     state = data.state(where, 2 * round(RING_DENSITY[scene.eps] * where.circumference / 2))

@@ -9,7 +9,7 @@ import pytest
 from longwave.cli.scene_command import summary_lines
 from longwave.scenes import run
 from longwave.scenes.description.named_scenes import load_scene
-from longwave.scenes.observed.run_record import RunRecord
+from longwave.scenes.engines.run_record import RunRecord
 from longwave.scenes.starts import background_growth as trust_module
 from longwave.scenes.starts.background_growth import (
     USUAL_TOLERANCE,

@@ -11,6 +11,7 @@ from longwave.scenes import run
 from longwave.scenes.description.named_scenes import load_scene, scene_of
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.engines.lattice_run import wave_rings
+from longwave.scenes.engines.methods import expected_cost
 from longwave.scenes.engines.site_engine import SiteEngine
 from longwave.scenes.starts.lattice_derivation import lattice_wave
 from longwave.solutions.pieces import PIECE
@@ -160,4 +161,4 @@ def test_a_large_scene_of_the_next_order_is_told_its_cost() -> None:
     """Catches: a wave that is solved for, asked for its seam before it begins."""
     scene = load_scene("toda_soliton").changed(order="corrected", half_width=8000.0)
     assert 2 * scene.cells_within(1) > 100_000
-    assert 1.0 < scene.expected_cost().seconds < 100.0
+    assert 1.0 < expected_cost(scene).seconds < 100.0

@@ -16,8 +16,8 @@ from longwave.scenes import load_scene, resume, run
 from longwave.scenes.description.named_scenes import scene_of, scene_of_toml
 from longwave.scenes.description.numerics import Discretisation
 from longwave.scenes.description.scene import Scene
+from longwave.scenes.engines.run_record import UnfinishedRun
 from longwave.scenes.observed.observables import OBSERVABLES
-from longwave.scenes.observed.run_record import UnfinishedRun
 from longwave.support.request_limits import request_limits
 from tests.families import family
 

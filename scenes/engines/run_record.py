@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from longwave.lattice.refine import Announce, Refined
     from longwave.lattice.trial import Engine, Progress
     from longwave.scenes.description.scene import Scene
-    from longwave.scenes.observed.recorders import Variables
+    from longwave.scenes.engines.recorders import Variables
 
 
 def error_unit(power: int) -> str:
