@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     import xarray as xr
 
+    from longwave.drawn_convergence import Convergence
     from longwave.reports.pictures.plotting import Source
     from longwave.reports.pictures.shown import ShownFigure, ShownFilm
     from longwave.runs.sweep_file import Sweep
@@ -197,6 +198,30 @@ def fit_scene(
 
     with shown_progress(f"fit of {_named(scene)}", None, None):
         return scene_fit.fit_scene(scene, records, free)
+
+
+def converge(
+    scene: Scene | str | Path,
+    eps: Sequence[float] = (),
+    tolerance: float | None = None,
+    progress: Told | None = None,
+) -> Convergence:
+    """Run a scene at several eps and fit the rate at which lattice and wave come together.
+
+    Without ``eps`` at four values about the scene's own. Raises ValueError in one line as
+    `scenes.convergence.scene_convergence` does.
+    """
+    from longwave.drawn_convergence import Convergence
+    from longwave.scenes.convergence import scene_convergence
+    from longwave.scenes.description.named_scenes import load_scene
+    from longwave.scenes.description.scene import Scene
+
+    asked = scene if isinstance(scene, Scene) else load_scene(scene)
+    if tolerance is not None:
+        asked = asked.with_tolerance(tolerance)
+    with shown_progress(asked.name, progress, None) as (share, tell):
+        found = scene_convergence(asked, eps, share, tell or (lambda _: None))
+    return Convergence(**vars(found))
 
 
 def plot(
