@@ -80,7 +80,8 @@ def derive(
                 f"{name}={value} (leave one out)"
             )
         given[name] = value
-    from longwave.derive.output.printout import DeriveOptions, print_derivation
+    from longwave.derive.output.derive_options import DeriveOptions
+    from longwave.derive.output.printout import print_derivation
 
     return print_derivation(
         DeriveOptions(

@@ -25,9 +25,9 @@ from longwave.derive.expected_derivation import CHEAPER_CARRIER, envelope_second
 from longwave.derive.intervals import Interval, Intervals
 from longwave.derive.lattice import Lattice
 from longwave.derive.normal_form import NormalForm, normal_form_of
+from longwave.derive.output.derive_options import DeriveOptions, count, given_constants, varied
 from longwave.derive.output.notation import aligned, latex_of, text_of
 from longwave.derive.output.own_names import marked, unused
-from longwave.derive.output.printout import DeriveOptions, count, given_constants, varied
 from longwave.derive.output.report import form_data, head_lines
 from longwave.derive.symbols import eps
 from longwave.support.command_line import check_and_announce

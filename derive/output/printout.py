@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -23,16 +23,21 @@ from longwave.derive.intervals import Interval, intervals_of_reduction
 from longwave.derive.lattice import Lattice
 from longwave.derive.lattice_file import read_lattice
 from longwave.derive.linear_waves import LinearWaves
-from longwave.derive.measured import Measured
 from longwave.derive.models.lattices import FPUT_STRAIN, LATTICES
 from longwave.derive.models.mkdv import initial_velocity, initial_velocity_latex
 from longwave.derive.multiscale import FURTHER_ORDERS, ReductionError, reduce
+from longwave.derive.output.derive_options import (
+    DeriveOptions,
+    count,
+    given_constants,
+    varied,
+)
 from longwave.derive.output.notation import aligned, latex_of, text_of
 from longwave.derive.output.own_names import unused
 from longwave.derive.output.report import head_lines, reduction_data
 from longwave.derive.reduction import Reduction
 from longwave.derive.scaling import Scaling, SlowVariable
-from longwave.derive.symbols import constant_value, eps
+from longwave.derive.symbols import eps
 from longwave.support.command_line import check_and_announce, fail
 from longwave.support.known_names import one_of
 from longwave.support.user_files import STANDARD_INPUT, shown
@@ -41,25 +46,6 @@ MOST_ORDERS = 13
 
 LONG_RATIO = 1000
 """Denominators of measured values beyond it are not printed as such."""
-
-
-@dataclass(frozen=True)
-class DeriveOptions:
-    """Options of the command line as text: None for one that is not given."""
-
-    model: str | None = None
-    constants: Mapping[str, str] = field(default_factory=dict)
-    losses: Mapping[str, str] = field(default_factory=dict)
-    background: str | None = None
-    amplitude: str | None = None
-    time: str | None = None
-    orders: str | None = None
-    carrier: str | None = None
-    branch: str | None = None
-    points: str | None = None
-    direction: str | None = None
-    form: str = "text"
-    check: bool = False
 
 
 def print_derivation(options: DeriveOptions) -> int:
@@ -230,12 +216,6 @@ def _long_wave(
     return usual, left, ""
 
 
-def given_constants(lattice: Lattice, options: DeriveOptions) -> dict[str, Expr]:
-    """The values of constants: those that the lattice was measured to have, then the options'."""
-    typed = {name: constant_value(name, text) for name, text in options.constants.items()}
-    return {**(dict(lattice.measured.values) if lattice.measured else {}), **typed}
-
-
 def _admitted(reduction: Reduction, values: Mapping[str, Expr]) -> Reduction:
     """The reduction; ValueError where it does not hold for the values."""
     reduction.coefficients(**values)
@@ -330,18 +310,6 @@ def _check_cost(lattice: Lattice, further: int) -> None:
     check_and_announce(f"derivation of {lattice.name}", seconds, cheaper=CHEAPER_ORDER)
 
 
-def count(option: str, text: str | None, most: int) -> int | None:
-    """The number of an option, None for none; ValueError unless it is one up to ``most``."""
-    if text is None:
-        return None
-    if not (text.isascii() and text.isdigit() and len(text) < 4 and int(text) <= most):
-        raise ValueError(
-            f"{option} must be a whole number from 0 to {most}, got {text!r} (leave it out for the "
-            "default)"
-        )
-    return int(text)
-
-
 def _linear_lines(reduction: Reduction) -> Iterator[str]:
     relation = dispersion_relation(reduction.lattice)
     yield ""
@@ -385,28 +353,6 @@ def _frequency_lines(lattice: Lattice, mean: Expr) -> Iterator[str]:
 
 def _has_finite_losses(lattice: Lattice) -> bool:
     return any(power == 0 for _, power in lattice.leading_losses.values())
-
-
-def varied(
-    lattice: Lattice, left: Iterable[Symbol], values: Mapping[str, Expr], options: DeriveOptions
-) -> tuple[Measured | None, str]:
-    """The lattice's constants as they were measured, what is typed exact, and a word on intervals.
-
-    None where there are none: a constant of those that are ``left`` in what is derived has no
-    value, or one that was measured had to be put in before the expansion.
-    """
-    if lattice.measured is None:
-        return None, ""
-    names = {str(symbol) for symbol in left}
-    uncertain = {name for name, deviation in lattice.measured.deviations.items() if deviation}
-    uncertain -= {*options.constants, *map(str, lattice.unfelt_constants)}
-    if fixed := sorted(uncertain - names):
-        return None, f"(no intervals: {', '.join(fixed)} had to be put in before the expansion)"
-    if unknown := sorted(names - values.keys()):
-        return None, f"(no intervals: {', '.join(unknown)} has no value)"
-    exact = {name: value for name, value in values.items() if name not in uncertain}
-    word = "(with standard deviations and 95 % intervals, by the constants' covariance)"
-    return lattice.measured.with_exact(exact), word
 
 
 def _number_lines(

@@ -1,0 +1,71 @@
+"""Options of ``longwave derive``, and what they say of constants."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+
+from sympy import Expr, Symbol
+
+from longwave.derive.lattice import Lattice
+from longwave.derive.measured import Measured
+from longwave.derive.symbols import constant_value
+
+
+@dataclass(frozen=True)
+class DeriveOptions:
+    """Options of the command line as text: None for one that is not given."""
+
+    model: str | None = None
+    constants: Mapping[str, str] = field(default_factory=dict)
+    losses: Mapping[str, str] = field(default_factory=dict)
+    background: str | None = None
+    amplitude: str | None = None
+    time: str | None = None
+    orders: str | None = None
+    carrier: str | None = None
+    branch: str | None = None
+    points: str | None = None
+    direction: str | None = None
+    form: str = "text"
+    check: bool = False
+
+
+def given_constants(lattice: Lattice, options: DeriveOptions) -> dict[str, Expr]:
+    """The values of constants: those that the lattice was measured to have, then the options'."""
+    typed = {name: constant_value(name, text) for name, text in options.constants.items()}
+    return {**(dict(lattice.measured.values) if lattice.measured else {}), **typed}
+
+
+def count(option: str, text: str | None, most: int) -> int | None:
+    """The number of an option, None for none; ValueError unless it is one up to ``most``."""
+    if text is None:
+        return None
+    if not (text.isascii() and text.isdigit() and len(text) < 4 and int(text) <= most):
+        raise ValueError(
+            f"{option} must be a whole number from 0 to {most}, got {text!r} (leave it out for the "
+            "default)"
+        )
+    return int(text)
+
+
+def varied(
+    lattice: Lattice, left: Iterable[Symbol], values: Mapping[str, Expr], options: DeriveOptions
+) -> tuple[Measured | None, str]:
+    """The lattice's constants as they were measured, what is typed exact, and a word on intervals.
+
+    None where there are none: a constant of those that are ``left`` in what is derived has no
+    value, or one that was measured had to be put in before the expansion.
+    """
+    if lattice.measured is None:
+        return None, ""
+    names = {str(symbol) for symbol in left}
+    uncertain = {name for name, deviation in lattice.measured.deviations.items() if deviation}
+    uncertain -= {*options.constants, *map(str, lattice.unfelt_constants)}
+    if fixed := sorted(uncertain - names):
+        return None, f"(no intervals: {', '.join(fixed)} had to be put in before the expansion)"
+    if unknown := sorted(names - values.keys()):
+        return None, f"(no intervals: {', '.join(unknown)} has no value)"
+    exact = {name: value for name, value in values.items() if name not in uncertain}
+    word = "(with standard deviations and 95 % intervals, by the constants' covariance)"
+    return lattice.measured.with_exact(exact), word
