@@ -23,17 +23,17 @@ from longwave.derive.symbols import eps
 
 if TYPE_CHECKING:
     from longwave.derive.lattice import Lattice
-    from longwave.derive.reduction import Reduction
+    from longwave.derive.reduced_equation import ReducedEquation
 
 Data = dict[str, Any]
 
 
-def text_report(reduction: Reduction) -> str:
+def text_report(reduction: ReducedEquation) -> str:
     """Ansatz, orders, conditions, reduced equation, corrections, one a line."""
     return "\n".join(_lines(reduction))
 
 
-def _lines(reduction: Reduction) -> Iterator[str]:
+def _lines(reduction: ReducedEquation) -> Iterator[str]:
     yield from head_lines(reduction.lattice)
     yield f"ansatz: {reduction.scaling.text(reduction.lattice.fields[0], reduction.wave)}"
     yield from (f"  {line}" for line in _slaved_lines(reduction))
@@ -64,7 +64,7 @@ def head_lines(lattice: Lattice) -> Iterator[str]:
     yield from (f"  not an energy: {line}" for line in lattice.missing_energies)
 
 
-def _slaved_lines(reduction: Reduction) -> Iterator[str]:
+def _slaved_lines(reduction: ReducedEquation) -> Iterator[str]:
     """The first slaved term of each field behind the first."""
     notation = replace(reduction.notation, unknown=reduction.wave)
     field = reduction.pde.flow.field
@@ -81,7 +81,7 @@ def _slaved_lines(reduction: Reduction) -> Iterator[str]:
         )
 
 
-def _beyond(reduction: Reduction) -> Iterator[str]:
+def _beyond(reduction: ReducedEquation) -> Iterator[str]:
     notation = reduction.notation
     for order, part in reduction.remainders.items():
         yield f"left in the lattice equation at eps^{order} by an exact solution of it:"
@@ -96,7 +96,7 @@ def _beyond(reduction: Reduction) -> Iterator[str]:
         yield f"  {notation.text(part)}"
 
 
-def latex_report(reduction: Reduction, constants: Mapping[str, Number]) -> str:
+def latex_report(reduction: ReducedEquation, constants: Mapping[str, Number]) -> str:
     """Orders, conditions, reduced equation and coefficients as one ``aligned`` block."""
     rows = [
         (rf"\epsilon^{{{order}}}:", equation.latex())
@@ -125,7 +125,9 @@ def latex_report(reduction: Reduction, constants: Mapping[str, Number]) -> str:
     return aligned(rows)
 
 
-def reduction_data(reduction: Reduction, constants: Mapping[str, Number] | None = None) -> Data:
+def reduction_data(
+    reduction: ReducedEquation, constants: Mapping[str, Number] | None = None
+) -> Data:
     """The document: ansatz, orders, conditions, reduced equation, corrections, normal form.
 
     Coefficients and normal form are those at ``constants`` (names to values).
@@ -160,7 +162,7 @@ def reduction_data(reduction: Reduction, constants: Mapping[str, Number] | None 
     }
 
 
-def _loss_data(reduction: Reduction, constants: Mapping[str, Number]) -> Data:
+def _loss_data(reduction: ReducedEquation, constants: Mapping[str, Number]) -> Data:
     law = reduction.amplitude_law(**constants)
     return {
         "idle_losses": list(reduction.idle_losses),
@@ -168,7 +170,7 @@ def _loss_data(reduction: Reduction, constants: Mapping[str, Number]) -> Data:
     }
 
 
-def _scaling_data(reduction: Reduction) -> Data:
+def _scaling_data(reduction: ReducedEquation) -> Data:
     scaling = reduction.scaling
     return {
         "amplitude": scaling.amplitude,
@@ -186,7 +188,7 @@ def _scaling_data(reduction: Reduction) -> Data:
     }
 
 
-def _number_data(reduction: Reduction, constants: Mapping[str, Number]) -> Data:
+def _number_data(reduction: ReducedEquation, constants: Mapping[str, Number]) -> Data:
     """The coefficients at ``constants``, and the normal form if the equation is mKdV."""
     data: Data = {"constants": {name: str(value) for name, value in constants.items()}}
     values = reduction.coefficients(**constants)
