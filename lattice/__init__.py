@@ -13,13 +13,13 @@ if TYPE_CHECKING:
     from longwave.lattice.integration import Cost, Trajectory, integrate
     from longwave.lattice.model import Model
     from longwave.lattice.outer_forces import SiteForce
-    from longwave.lattice.scheme_order import check_order
     from longwave.lattice.schemes import (
         SCHEMES,
         Composition,
         RungeKutta,
         Scheme,
         Splitting,
+        check_order,
         scheme_named,
         stability_limit,
     )
@@ -60,9 +60,8 @@ __getattr__, __dir__ = lazy_exports(
         "longwave.lattice.integration": "Cost Trajectory integrate",
         "longwave.lattice.state": "State",
         "longwave.lattice.model": "Model",
-        "longwave.lattice.schemes": "SCHEMES Composition RungeKutta Scheme Splitting scheme_named "
-        "stability_limit",
-        "longwave.lattice.scheme_order": "check_order",
+        "longwave.lattice.schemes": "SCHEMES Composition RungeKutta Scheme Splitting "
+        "check_order scheme_named stability_limit",
         "longwave.lattice.spectral.field_ring": "FieldRing",
         "longwave.lattice.spectral.spectral_integration": "SpectralTrajectory spectral_integrate",
     },

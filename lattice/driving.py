@@ -17,7 +17,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from longwave.lattice.disordered_lattice import DisorderedLattice, Pulse, Variation, held_at
+from longwave.lattice.disordered_lattice import DisorderedLattice, held_at
 from longwave.lattice.drive_steps import drive_steps
 from longwave.lattice.kernels.streams import TERMS
 from longwave.lattice.numeric_lattice import DriveSteps, NumericLattice, Range, value_range
@@ -31,6 +31,7 @@ from longwave.lattice.outer_forces import (
 from longwave.lattice.schemes import DriftKick, Scheme
 from longwave.lattice.state import State
 from longwave.lattice.trial import DRIVEN_SHARE
+from longwave.lattice.variation import Pulse, Variation
 
 Array = NDArray[np.float64]
 Factors = Mapping[int, float | Sequence[float]]

@@ -22,8 +22,14 @@ from longwave.lattice.force_features import GAPS, TRAVEL, find_feature, finite_r
 from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.lattice.refine import refine
 from longwave.lattice.run_times import check_positive, checked_times
-from longwave.lattice.scheme_order import check_order
-from longwave.lattice.schemes import REDUCED_PHASE_6, SCHEMES, Scheme, check_step, stability_limit
+from longwave.lattice.schemes import (
+    REDUCED_PHASE_6,
+    SCHEMES,
+    Scheme,
+    check_order,
+    check_step,
+    stability_limit,
+)
 from longwave.lattice.state import State
 from longwave.lattice.stepper import CHUNK, Stepper, StillRing
 from longwave.lattice.trial import (

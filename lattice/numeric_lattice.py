@@ -22,9 +22,9 @@ from longwave.support.known_names import one_of
 if TYPE_CHECKING:
     from longwave.derive.algebra.exact_numbers import Number
     from longwave.derive.lattice import Bond, Lattice, Stencil
-    from longwave.lattice.disordered_lattice import Variation
     from longwave.lattice.schemes import Scheme
     from longwave.lattice.state import State
+    from longwave.lattice.variation import Variation
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -1,4 +1,4 @@
-"""Whether a scheme has the order that it claims: the conditions of Nystroem methods, exactly.
+"""The order conditions of Nystroem methods, evaluated exactly.
 
 A method with nodes c_i, inner weights a_ij, velocity weights b_i and position weights d_i has order
 p when, for every tree t of special Nystroem type,
@@ -21,34 +21,20 @@ from fractions import Fraction
 from functools import cache
 from math import factorial, prod
 from operator import mul
+from typing import NamedTuple
 
-from longwave.lattice.schemes import NystroemTable, Scheme, Splitting
+
+class NystroemTable(NamedTuple):
+    """A step h of y'' = f(y), exactly: g_i = f(y + nodes_i h s + h^2 sum_j inner_ij g_j),
+    then y += h s + h^2 sum outer_i g_i and s += h sum weights_i g_i."""
+
+    nodes: Sequence[Fraction]
+    inner: Sequence[Sequence[Fraction]]
+    outer: Sequence[Fraction]
+    weights: Sequence[Fraction]
+
 
 NystroemTree = tuple[int, tuple["NystroemTree", ...]]
-
-
-def check_order(scheme: Scheme) -> None:
-    """Raise ValueError unless the scheme has its order, and its phase-lag order if it claims one.
-
-    The conditions are those of what is run: y'' = f(y) and no other equation. They are evaluated
-    exactly; the defect allowed is what the digits of the table leave.
-
-    >>> from longwave.lattice.schemes import Composition
-    >>> check_order(Composition("verlet", 2, ("1",), ""))
-    >>> check_order(Composition("verlet", 4, ("1",), ""))
-    Traceback (most recent call last):
-    ValueError: verlet must satisfy the conditions of order 4 to 1e-24, got a defect of 1.7e-01 ...
-    """
-    checks = [("order", scheme.order, nystroem_defect(scheme.table(), scheme.order))]
-    if isinstance(scheme, Splitting) and scheme.phase_order:
-        defect = phase_lag_defect(*scheme.exact, scheme.phase_order)
-        checks.append(("phase-lag order", scheme.phase_order, defect))
-    for kind, order, defect in checks:
-        if defect > scheme.rounding:
-            raise ValueError(
-                f"{scheme.name} must satisfy the conditions of {kind} {order} to "
-                f"{scheme.rounding:g}, got a defect of {defect:.1e} (check the digits)"
-            )
 
 
 def _size(tree: NystroemTree) -> int:

@@ -11,13 +11,13 @@ columns stays in registers, what it keeps for rows in memory.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 from typing import Any
 
 from llvmlite import ir  # type: ignore[import-untyped]
 
+from longwave.lattice.kernels.lane_code import DOUBLE, INDEX, LaneCode
 from longwave.lattice.kernels.streams import (
     FUNCTIONS,
     ForceFormula,
@@ -33,10 +33,9 @@ from longwave.lattice.kernels.vector_functions import (
     Lanes,
     power,
 )
-from longwave.support.compiled.native_code import multiplies_and_adds_at_once
 from longwave.support.compiled.subnormals import flushed_subnormals
 
-__all__ = ["LaneCode", "lane_force", "passage_text"]
+__all__ = ["lane_force", "passage_text"]
 
 WHOLE = 64
 """Largest whole exponent that is taken by products."""
@@ -47,146 +46,11 @@ CUT = {"kept": -1.0, "felt": 0.0}
 MOVED = 256
 """Vectors to which cells are copied at a time."""
 
-_DOUBLE, _INDEX = ir.DoubleType(), ir.IntType(64)
-_DOUBLES, _INDICES = _DOUBLE.as_pointer(), _INDEX.as_pointer()
+_DOUBLES, _INDICES = DOUBLE.as_pointer(), INDEX.as_pointer()
 
-_STAGES = (*[_DOUBLES] * 6, *[_INDEX] * 6)
+_STAGES = (*[_DOUBLES] * 6, *[INDEX] * 6)
 """What stages take: positions, velocities, what is carried, drifts, kicks, numbers; doubles from
 field to field and from row to row, vectors of a row; the first stage, and the rows at its front."""
-
-
-class LaneCode:
-    """A builder of vectors of doubles: what every part of the code is written with."""
-
-    def __init__(self, module: Any, builder: Any, lanes: int, fused: bool | None = None) -> None:
-        self.module, self.builder, self.lanes = module, builder, lanes
-        self.fused = multiplies_and_adds_at_once() if fused is None else fused
-        self.kind = _DOUBLE if lanes == 1 else ir.VectorType(_DOUBLE, lanes)
-
-    def constant(self, value: float) -> Any:
-        """A number in all lanes."""
-        return ir.Constant(self.kind, value if self.lanes == 1 else [value] * self.lanes)
-
-    def splat(self, value: Any) -> Any:
-        """A value of the program in all lanes."""
-        if self.lanes == 1:
-            return value
-        undefined = ir.Constant(self.kind, ir.Undefined)
-        seed = self.builder.insert_element(undefined, value, _INDEX(0))
-        return self.picked(seed, undefined, [0] * self.lanes)
-
-    def number(self, data: Any, place: Any) -> Any:
-        """One double of memory in all lanes."""
-        place = _INDEX(place) if isinstance(place, int) else place
-        return self.splat(self.builder.load(self.builder.gep(data, [place])))
-
-    def address(self, data: Any, row: Any) -> Any:
-        """Where a vector stands, counted in vectors."""
-        place = self.builder.mul(row, _INDEX(self.lanes))
-        return self.builder.bitcast(self.builder.gep(data, [place]), self.kind.as_pointer())
-
-    def load(self, data: Any, row: Any) -> Any:
-        """A vector of memory."""
-        return self.builder.load(self.address(data, row), align=8)
-
-    def store(self, data: Any, row: Any, value: Any) -> None:
-        """Put a vector into memory."""
-        self.builder.store(value, self.address(data, row), align=8)
-
-    def picked(self, one: Any, other: Any, lanes: Sequence[int]) -> Any:
-        """The lanes so numbered, the other's being counted after those of the one."""
-        mask = ir.Constant(ir.VectorType(ir.IntType(32), self.lanes), list(lanes))
-        return self.builder.shuffle_vector(one, other, mask)
-
-    def fma(self, factor: Any, other: Any, term: Any) -> Any:
-        """factor * other + term, rounded once where the processor can."""
-        return self._vector_function("fmuladd", factor, other, term)
-
-    def fused_multiply_add(self, factor: Any, other: Any, term: Any) -> Any:
-        """factor * other + term, rounded once: slow where the processor is not ``fused``."""
-        return self._vector_function("fma", factor, other, term)
-
-    def weighted_sum(self, terms: Iterable[tuple[Any, float, Any]]) -> Any:
-        """The sum of (factor, sign, value): factor times value, or with that sign if it is None.
-
-        None without terms.
-        """
-        total = None
-        for factor, sign, value in terms:
-            if factor is not None:
-                if total is None:
-                    total = self.builder.fmul(factor, value)
-                else:
-                    total = self.fma(factor, value, total)
-            elif total is None:
-                total = value if sign > 0 else self.builder.fneg(value)
-            else:
-                add = self.builder.fadd if sign > 0 else self.builder.fsub
-                total = add(total, value)
-        return total
-
-    def function(self, name: str, *values: Any) -> Any:
-        """The C library's function of that name, lane by lane."""
-        known = self.module.globals
-        if name not in known:
-            kind = ir.FunctionType(_DOUBLE, [_DOUBLE] * len(values))
-            ir.Function(self.module, kind, name)
-        if self.lanes == 1:
-            return self.builder.call(known[name], values)
-        found = ir.Constant(self.kind, ir.Undefined)
-        for lane in map(_INDEX, range(self.lanes)):
-            parts = [self.builder.extract_element(value, lane) for value in values]
-            one = self.builder.call(known[name], parts)
-            found = self.builder.insert_element(found, one, lane)
-        return found
-
-    def root(self, value: Any) -> Any:
-        """The square root."""
-        return self._vector_function("sqrt", value)
-
-    def positive_part(self, value: Any) -> Any:
-        """The value where it is positive, else 0."""
-        none = self.constant(0.0)
-        return self.builder.select(self.builder.fcmp_ordered(">", value, none), value, none)
-
-    def where_not(self, share: Any, cut: float, value: Any) -> Any:
-        """The value, whatever it is, but 0 where the share of it is ``cut``."""
-        is_there = self.builder.fcmp_unordered("!=", share, self.constant(cut))
-        return self.builder.select(is_there, value, self.constant(0.0))
-
-    def _vector_function(self, word: str, *values: Any) -> Any:
-        """A function that LLVM knows, of all lanes."""
-        suffix = "f64" if self.lanes == 1 else f"v{self.lanes}f64"
-        name, known = f"llvm.{word}.{suffix}", self.module.globals
-        if name not in known:
-            kind = ir.FunctionType(self.kind, [self.kind] * len(values))
-            ir.Function(self.module, kind, name)
-        return self.builder.call(known[name], values)
-
-    @contextmanager
-    def loop(self, start: Any, stop: Any, step: int = 1) -> Iterator[Any]:
-        """A loop over an index from ``start`` below ``stop``."""
-        builder = self.builder
-        before = builder.block
-        head, body, after = (builder.append_basic_block() for _ in range(3))
-        builder.branch(head)
-        builder.position_at_end(head)
-        index = builder.phi(_INDEX)
-        index.add_incoming(start, before)
-        builder.cbranch(builder.icmp_signed("<", index, stop), body, after)
-        builder.position_at_end(body)
-        yield index
-        index.add_incoming(builder.add(index, _INDEX(step)), builder.block)
-        builder.branch(head)
-        builder.position_at_end(after)
-
-    def least(self, one: Any, other: Any) -> Any:
-        """The smaller of two integers."""
-        return self.builder.select(self.builder.icmp_signed("<", one, other), one, other)
-
-    def most(self, one: Any, other: Any) -> Any:
-        """The larger of two integers."""
-        return self.builder.select(self.builder.icmp_signed(">", one, other), one, other)
 
 
 def _whole_power(code: LaneCode, value: Any, exponent: int) -> Any:
@@ -413,13 +277,13 @@ class _Writer:
         stages = []
         for behind in range(together):
             depths = flow.depths(followed=behind < together - 1)
-            place = builder.add(level, _INDEX(behind))
+            place = builder.add(level, INDEX(behind))
             drift, weights = code.number(drifts, place), self._weights(code, kicks, place)
             stages.append(_Stage(code, flow, numbers, drift, weights, depths))
         slots = [slot for stage in stages for kept in stage.slots for slot in kept]
         for row, slot in enumerate(slots):
-            builder.store(code.load(carried, _INDEX(row)), slot)
-        planes = [builder.mul(plane, _INDEX(place)) for place in range(flow.fields)]
+            builder.store(code.load(carried, INDEX(row)), slot)
+        planes = [builder.mul(plane, INDEX(place)) for place in range(flow.fields)]
         fields, speeds = ([builder.gep(data, [p]) for p in planes] for data in (f, v))
         with code.loop(first, past) as row:
             positions = [code.load(data, row) for data in fields]
@@ -431,22 +295,22 @@ class _Writer:
                     positions, velocities = stage.outcome(flow.skew)
             for stage in stages:
                 stage.keep() if stage is not stages[-1] else None
-            last = builder.sub(row, _INDEX((together - 1) * flow.skew))
+            last = builder.sub(row, INDEX((together - 1) * flow.skew))
             moved = zip(fields[: flow.moving], flow.drifted, strict=False)
             for data, place in (*moved, *zip(speeds[: flow.moving], flow.kicked, strict=False)):
-                behind_front = builder.sub(last, _INDEX(flow.streams[place].lag))
+                behind_front = builder.sub(last, INDEX(flow.streams[place].lag))
                 code.store(data, behind_front, stages[-1].latest(place))
             stages[-1].keep()
         for row, slot in enumerate(slots):
-            code.store(carried, _INDEX(row), builder.load(slot))
+            code.store(carried, INDEX(row), builder.load(slot))
         builder.ret_void()
         return function
 
     def _weights(self, code: LaneCode, kicks: Any, level: Any) -> list[Any]:
         """What a stage takes beside its drift."""
         count = self._flow.weights
-        first = code.builder.mul(level, _INDEX(count)) if count > 1 else level
-        places = [code.builder.add(first, _INDEX(more)) for more in range(count)]
+        first = code.builder.mul(level, INDEX(count)) if count > 1 else level
+        places = [code.builder.add(first, INDEX(more)) for more in range(count)]
         return [code.number(kicks, place) for place in places]
 
     def _along(self, rows: Rows, columns: int) -> Any:
@@ -460,20 +324,20 @@ class _Writer:
 
         def begin(place: int, row: Any, behind: int) -> Any:
             """Where a stream's row begins that was formed so many rows ago."""
-            row, depth = builder.sub(row, _INDEX(behind)), rows.depths[place]
+            row, depth = builder.sub(row, INDEX(behind)), rows.depths[place]
             if place < 2 * flow.fields:
                 data = f if place < flow.fields else v
-                above = builder.mul(plane, _INDEX(place % flow.fields))
+                above = builder.mul(plane, INDEX(place % flow.fields))
             else:
-                row = builder.urem(builder.add(row, _INDEX(depth * behind)), _INDEX(depth))
-                data, above = carried, builder.mul(pitch, _INDEX(sum(rows.depths[:place])))
+                row = builder.urem(builder.add(row, INDEX(depth * behind)), INDEX(depth))
+                data, above = carried, builder.mul(pitch, INDEX(sum(rows.depths[:place])))
             return builder.gep(data, [builder.add(above, builder.mul(pitch, row))])
 
         def cell(row: Any, column: Any, own: bool) -> None:
             """Go along one column; one beside the row's own is not changed."""
 
             def kept(place: int, behind: int, columns: int) -> Any:
-                there = builder.sub(column, _INDEX(columns))
+                there = builder.sub(column, INDEX(columns))
                 return code.load(begin(place, row, behind), there)
 
             fronts = [kept(place, 0, 0) for place in range(2 * flow.fields)]
@@ -490,11 +354,11 @@ class _Writer:
 
         with code.loop(first, past) as row:
             for column in range(-rows.before, 0):
-                cell(row, _INDEX(column), own=False)
-            with code.loop(_INDEX(0), width) as column:
+                cell(row, INDEX(column), own=False)
+            with code.loop(INDEX(0), width) as column:
                 cell(row, column, own=True)
             for more in range(rows.after):
-                cell(row, builder.add(width, _INDEX(more)), own=False)
+                cell(row, builder.add(width, INDEX(more)), own=False)
             for place in range(flow.fields):
                 self._close(code, begin(place, row, 0), width, columns, rows)
         builder.ret_void()
@@ -506,21 +370,21 @@ class _Writer:
         Lanes that are shorter than others share their last cell with the next.
         """
         builder, lanes = code.builder, self._lanes
-        last = builder.sub(width, _INDEX(1))
+        last = builder.sub(width, INDEX(1))
         starts = [lane * columns // lanes for lane in range(lanes + 1)]
         short = [after - before < -(-columns // lanes) for before, after in pairwise(starts)]
 
         def repeat(to: Any, at: Any, way: int, moved: Sequence[int]) -> None:
             """What is a vector on instead where a lane is ``short``."""
-            one, other = (code.load(data, builder.add(at, _INDEX(more))) for more in (0, way))
+            one, other = (code.load(data, builder.add(at, INDEX(more))) for more in (0, way))
             code.store(data, to, one if lanes == 1 else code.picked(one, other, moved))
 
         up = [(lane + 1) % lanes + lanes * short[lane] for lane in range(lanes)]
         down = [(lane - 1) % lanes + lanes * short[lane - 1] for lane in range(lanes)]
         for more in range(rows.right):
-            repeat(builder.add(width, _INDEX(more)), _INDEX(more), 1, up)
+            repeat(builder.add(width, INDEX(more)), INDEX(more), 1, up)
         for more in range(rows.left):
-            repeat(_INDEX(-1 - more), builder.sub(last, _INDEX(more)), -1, down)
+            repeat(INDEX(-1 - more), builder.sub(last, INDEX(more)), -1, down)
 
     def _move(self, name: str) -> Any:
         """The function that copies cells of rings ``to_rows``, or ``from_rows``.
@@ -530,31 +394,31 @@ class _Writer:
         in it as many as there are lanes are taken together where all lanes have them. There are so
         many rings, these doubles apart.
         """
-        kinds = [*[_DOUBLES] * 2, *[_INDICES] * 3, *[_INDEX] * 5]
+        kinds = [*[_DOUBLES] * 2, *[_INDICES] * 3, *[INDEX] * 5]
         function, code = self._function(name, kinds)
         begin, to, starts, firsts, pasts, size, height, rings, ring_pitch, row_pitch = function.args
         builder = code.builder
         ends = [
-            [builder.load(builder.gep(data, [_INDEX(lane)])) for data in (starts, firsts, pasts)]
+            [builder.load(builder.gep(data, [INDEX(lane)])) for data in (starts, firsts, pasts)]
             for lane in range(self._lanes)
         ]
-        with code.loop(_INDEX(0), rings) as one, code.loop(_INDEX(0), height, MOVED) as low:
+        with code.loop(INDEX(0), rings) as one, code.loop(INDEX(0), height, MOVED) as low:
             ring, rows = (
                 builder.gep(data, [builder.mul(one, pitch)])
                 for data, pitch in ((begin, ring_pitch), (to, row_pitch))
             )
-            high = code.least(builder.add(low, _INDEX(MOVED)), height)
+            high = code.least(builder.add(low, INDEX(MOVED)), height)
             shared, unshared = low, high
             for start, first, past in ends:
                 shared = code.most(shared, first)
                 unshared = code.least(unshared, code.least(past, builder.sub(size, start)))
-            together = builder.sdiv(builder.sub(unshared, shared), _INDEX(self._lanes))
-            together = builder.mul(code.most(together, _INDEX(0)), _INDEX(self._lanes))
+            together = builder.sdiv(builder.sub(unshared, shared), INDEX(self._lanes))
+            together = builder.mul(code.most(together, INDEX(0)), INDEX(self._lanes))
             done = builder.add(shared, together)
             with code.loop(shared, done, self._lanes) as row:
                 cells = [builder.gep(ring, [builder.add(start, row)]) for start, _, _ in ends]
                 self._transpose(code, cells, rows, row, name == "to_rows")
-            with code.loop(_INDEX(0), _INDEX(self._lanes)) as lane:
+            with code.loop(INDEX(0), INDEX(self._lanes)) as lane:
                 start, first, past = (
                     builder.load(builder.gep(data, [lane])) for data in (starts, firsts, pasts)
                 )
@@ -565,7 +429,7 @@ class _Writer:
                         cell = builder.add(start, row)
                         beyond = builder.icmp_signed(">=", cell, size)
                         cell = builder.select(beyond, builder.sub(cell, size), cell)
-                        place = builder.add(builder.mul(row, _INDEX(self._lanes)), lane)
+                        place = builder.add(builder.mul(row, INDEX(self._lanes)), lane)
                         ends_at = builder.gep(ring, [cell]), builder.gep(rows, [place])
                         there, at = reversed(ends_at) if name == "to_rows" else ends_at
                         builder.store(builder.load(at), there)
@@ -577,7 +441,7 @@ class _Writer:
     ) -> None:
         """Copy as many vectors as lanes from ``row`` on, each lane's cells standing at its own."""
         builder, size = code.builder, range(self._lanes)
-        vectors = [builder.add(row, _INDEX(more)) for more in size]
+        vectors = [builder.add(row, INDEX(more)) for more in size]
         along = [builder.bitcast(cell, code.kind.as_pointer()) for cell in cells]
         if to_rows:
             held = [builder.load(at, align=8) for at in along]
@@ -599,11 +463,11 @@ class _Writer:
 
     def _drift(self) -> Any:
         """The function of ``count`` doubles, ``f += length v``, rounded twice."""
-        function, code = self._function("drift", [*[_DOUBLES] * 3, _INDEX])
+        function, code = self._function("drift", [*[_DOUBLES] * 3, INDEX])
         f, v, length, count = function.args
         builder = code.builder
         by = builder.load(length)
-        with code.loop(_INDEX(0), count) as place:
+        with code.loop(INDEX(0), count) as place:
             at, speed = (builder.gep(data, [place]) for data in (f, v))
             moved = builder.fmul(by, builder.load(speed))
             builder.store(builder.fadd(builder.load(at), moved), at)
@@ -612,43 +476,43 @@ class _Writer:
 
     def _script(self, functions: dict[str, Any]) -> None:
         """The function that is called: it makes ``count`` calls, each of so many words."""
-        function, code = self._function("script", [_INDICES, _INDEX], internal=False)
+        function, code = self._function("script", [_INDICES, INDEX], internal=False)
         words, count = function.args
         builder, size = code.builder, 1 + max(FUNCTIONS.values())
-        with flushed_subnormals(self._module, builder), code.loop(_INDEX(0), count) as row:
-            at = builder.gep(words, [builder.mul(row, _INDEX(size))])
+        with flushed_subnormals(self._module, builder), code.loop(INDEX(0), count) as row:
+            at = builder.gep(words, [builder.mul(row, INDEX(size))])
             wanted = builder.load(at)
             for place, name in enumerate(FUNCTIONS):
                 called = functions[name]
-                with builder.if_then(builder.icmp_signed("==", wanted, _INDEX(place))):
+                with builder.if_then(builder.icmp_signed("==", wanted, INDEX(place))):
                     given = []
                     for number, argument in enumerate(called.args, 1):
-                        word = builder.load(builder.gep(at, [_INDEX(number)]))
-                        pointer = argument.type != _INDEX
+                        word = builder.load(builder.gep(at, [INDEX(number)]))
+                        pointer = argument.type != INDEX
                         given.append(builder.inttoptr(word, argument.type) if pointer else word)
                     builder.call(called, given)
         builder.ret_void()
 
     def _passages(self, groups: dict[int, Any], kept: dict[int, int]) -> Any:
         """The function of ``passages`` times ``stages`` stages over all rows."""
-        kinds = [*[_DOUBLES] * 6, *[_INDICES] * 2, *[_INDEX] * 8]
+        kinds = [*[_DOUBLES] * 6, *[_INDICES] * 2, *[INDEX] * 8]
         function, code = self._function("passages", kinds)
         f, v, carried, drifts, kicks, numbers, target, source, *counts = function.args
         copies, plane, pitch, width, rows, stages, passages, period = counts
         builder = code.builder
         copied = LaneCode(self._module, builder, self._copied)
-        with code.loop(_INDEX(0), passages) as passage:
-            with code.loop(_INDEX(0), copies) as copy:
+        with code.loop(INDEX(0), passages) as passage:
+            with code.loop(INDEX(0), copies) as copy:
                 to, at = (builder.load(builder.gep(data, [copy])) for data in (target, source))
                 for data in (f, v):
                     for field in range(self._flow.fields):
-                        begin = builder.gep(data, [builder.mul(plane, _INDEX(field))])
+                        begin = builder.gep(data, [builder.mul(plane, INDEX(field))])
                         copied.store(begin, to, copied.load(begin, at))
             begun = builder.srem(builder.mul(passage, stages), period)
-            at_kicks = builder.mul(begun, _INDEX(self._flow.weights))
+            at_kicks = builder.mul(begun, INDEX(self._flow.weights))
             weights = [builder.gep(drifts, [begun]), builder.gep(kicks, [at_kicks])]
             data = f, v, carried, *weights, numbers, plane, pitch, width
-            sizes = {size: builder.mul(pitch, _INDEX(number)) for size, number in kept.items()}
+            sizes = {size: builder.mul(pitch, INDEX(number)) for size, number in kept.items()}
             self._passage(code, groups, data, sizes, rows, stages)
         builder.ret_void()
         return function
@@ -663,24 +527,24 @@ class _Writer:
         stages: Any,
     ) -> None:
         """All stages once over the rows, a block of them at a time."""
-        builder, skew = code.builder, _INDEX(self._skew)
+        builder, skew = code.builder, INDEX(self._skew)
         together = self._together
-        paired = builder.mul(builder.sdiv(stages, _INDEX(together)), _INDEX(together))
+        paired = builder.mul(builder.sdiv(stages, INDEX(together)), INDEX(together))
         carried = data[2]
-        most = builder.mul(builder.sdiv(stages, _INDEX(together)), sizes[together])
+        most = builder.mul(builder.sdiv(stages, INDEX(together)), sizes[together])
 
         def advance(size: int, level: Any, low: Any, place: Any) -> None:
             behind = builder.mul(level, skew)
-            high = code.least(builder.add(low, _INDEX(self._block)), rows)
-            untrue = builder.mul(level, _INDEX(self._below))
+            high = code.least(builder.add(low, INDEX(self._block)), rows)
+            untrue = builder.mul(level, INDEX(self._below))
             first = code.most(builder.sub(low, behind), untrue)
             kept = builder.gep(carried, [place])
             past = builder.sub(high, behind)
             builder.call(groups[size], [*data[:2], kept, *data[3:], level, first, past])
 
-        with code.loop(_INDEX(0), rows, self._block) as low:
-            with code.loop(_INDEX(0), paired, together) as level:
-                number = builder.sdiv(level, _INDEX(together))
+        with code.loop(INDEX(0), rows, self._block) as low:
+            with code.loop(INDEX(0), paired, together) as level:
+                number = builder.sdiv(level, INDEX(together))
                 advance(together, level, low, builder.mul(number, sizes[together]))
             if together > 1:
                 with code.loop(paired, stages) as level:

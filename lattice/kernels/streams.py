@@ -24,9 +24,9 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 if TYPE_CHECKING:
-    from longwave.lattice.disordered_lattice import MassKind, Variation
     from longwave.lattice.force_program import ForceProgram
     from longwave.lattice.numeric_lattice import Entry, NumericLattice
+    from longwave.lattice.variation import MassKind, Variation
 
 Kind = Literal[
     "position", "velocity", "sum", "force", "varied", "kept", "felt", "kicked", "pulsed", "spread"

@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from llvmlite import ir  # type: ignore[import-untyped]
 
 if TYPE_CHECKING:
-    from longwave.lattice.kernels.row_code import LaneCode
+    from longwave.lattice.kernels.lane_code import LaneCode
 
 __all__ = ["FUNCTIONS_OF_LANES", "LARGEST_EXPONENT", "Lanes", "power"]
 

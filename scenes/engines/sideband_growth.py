@@ -53,7 +53,7 @@ from longwave.support.request_limits import ExpectedCost, OverBudgetError, check
 
 if TYPE_CHECKING:
     from longwave.derive import Envelope
-    from longwave.scenes.starts.lattice_wave import CellRing
+    from longwave.scenes.starts.cell_ring import CellRing
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

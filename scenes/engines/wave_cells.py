@@ -23,7 +23,8 @@ from longwave.scenes.engines.wave_rings import ComparedCells, Ends, WaveRings, s
 from longwave.scenes.engines.window import Window, stored_chain
 from longwave.scenes.observed.observables import observable_named
 from longwave.scenes.observed.view import View
-from longwave.scenes.starts.lattice_wave import CellRing, LatticeWave
+from longwave.scenes.starts.cell_ring import CellRing
+from longwave.scenes.starts.lattice_wave import LatticeWave
 from longwave.support.checkpoint import Memory
 
 Array = NDArray[np.float64]

@@ -29,8 +29,8 @@ from longwave.scenes.engines.ring_cost import (
     search_cost,
 )
 from longwave.scenes.engines.window import front, least_window, round_up
+from longwave.scenes.starts.cell_ring import CellRing
 from longwave.scenes.starts.lattice_wave import (
-    CellRing,
     LatticeWave,
     largest_group_velocity,
     nearest_cell,

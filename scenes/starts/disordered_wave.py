@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 from sympy import Expr
 
-from longwave.lattice.disordered_lattice import DisorderedLattice, Variation, disordered, mass_kind
+from longwave.lattice.disordered_lattice import DisorderedLattice, disordered, mass_kind
 from longwave.lattice.force_program import ForceProgram, force_program
 from longwave.lattice.random_sites import mean_inverse
+from longwave.lattice.variation import Variation
 from longwave.scenes.description.scene_disorder import MASS, Disorder
 from longwave.scenes.starts.pulse_meter import PulseMeter
 from longwave.support.known_names import one_of
@@ -21,32 +22,33 @@ from longwave.support.user_files import shown
 if TYPE_CHECKING:
     from longwave.derive.lattice import Lattice
     from longwave.lattice.numeric_lattice import NumericLattice
-    from longwave.scenes.starts.lattice_wave import CellRing, LatticeWave
+    from longwave.scenes.starts.cell_ring import CellRing
 
 Array = NDArray[np.float64]
 
 
 class WaveDisorder:
-    """Deviations of the lattice of ``wave``, whose data and theory stay those of the ordered one.
+    """Deviations of a wave's ``lattice``; its data and theory stay those of the ordered one.
 
     ``symbolic`` is the lattice's declaration and ``values`` are its constants. ``far``: what a long
-    wave tends to on both sides, None of an envelope and of what does not end. Only a wave that
-    tends to 0 has a crest, whose largest force is where it is. Raises ValueError in one line for a
+    wave tends to on both sides, None of an envelope and of what does not end; ``uniform``: the
+    strain of each field that it is added to. Only a wave that tends to 0 has a crest, whose
+    largest force is where it is. Raises ValueError in one line for a
     lattice without such a disorder, and for springs that differ where a background stretches them.
     """
 
     def __init__(
         self,
-        wave: LatticeWave,
+        lattice: NumericLattice,
         disorder: Disorder,
         symbolic: Lattice,
         values: Mapping[str, Expr],
-        far: float | None = 0.0,
+        uniform: Array,
+        far: float | None,
     ) -> None:
         self._disorder, self._has_crest = disorder, far == 0.0
-        self._bonds = wave.lattice.bonds
-        self._variation = variation_of(disorder, symbolic, values, wave.lattice)
-        uniform = np.zeros(len(wave.lattice.fields)) if far is None else wave.uniform()
+        self._bonds = lattice.bonds
+        self._variation = variation_of(disorder, symbolic, values, lattice)
         self._rest = [
             math.fsum(entry.weight * float(uniform[entry.field]) for entry in bond.stretch)
             for bond in self._bonds

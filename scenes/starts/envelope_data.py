@@ -21,8 +21,9 @@ from longwave.lattice.numeric_lattice import (
     numeric_lattice,
     stretch_text,
 )
+from longwave.scenes.starts.cell_ring import CellRing
 from longwave.scenes.starts.envelope_flow import EnvelopeFlow
-from longwave.scenes.starts.lattice_wave import CellRing, LatticeWave
+from longwave.scenes.starts.lattice_wave import LatticeWave
 from longwave.solutions.pieces import PIECE
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ and with the next correction the equation has terms of the same size, so neither
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,7 +20,7 @@ from longwave.scenes.starts.fourier_interval import FourierInterval
 from longwave.scenes.starts.jet_polynomial import JetPolynomial
 
 if TYPE_CHECKING:
-    from longwave.scenes.starts.long_wave_data import JetWave
+    from longwave.solutions import WaveValues
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -34,6 +34,19 @@ POINTS, MOST_POINTS = 384, 24576
 RESOLVED = 3e-7
 """The largest of the modes that are dropped, in units of the largest. What steps to TOLERANCE leave
 there of a wave that is resolved is less (1.3e-7 in scene 1:108 of `searches/soak.py`)."""
+
+
+class JetWave(Protocol):
+    """A solution of the reduced equation: `solutions.Wave`, or one computed."""
+
+    def jets(self, X: ArrayLike, T: float, highest: int) -> Array:
+        """Y, Y_X, Y_XX, ...: an array (highest + 1, *points)."""
+
+    def antiderivative(self, X: ArrayLike, T: float) -> Array:
+        """W with W_X = Y, up to a constant at each T."""
+
+    def background(self, X: ArrayLike, T: float) -> WaveValues:
+        """The bare wave, or the constant, that the wave deviates from."""
 
 
 class FirstCorrection:

@@ -298,7 +298,8 @@ def lattice_wave(scene: Scene) -> LatticeWave:
     values = _values(scene.constants, {"eps": exact("eps", scene.eps)})
     lattice = scene.symbolic_lattice
     far = None if scene.is_envelope else wave_of(scene).constant_background
-    wave.disorder = WaveDisorder(wave, scene.disorder, lattice, values, far)
+    uniform = np.zeros(len(wave.lattice.fields)) if far is None else wave.uniform()
+    wave.disorder = WaveDisorder(wave.lattice, scene.disorder, lattice, values, uniform, far)
     wave.lattice = wave.disorder.on(wave.lattice, np.zeros(0))
     return wave
 

@@ -9,7 +9,7 @@ import itertools
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -19,57 +19,13 @@ from numpy.typing import ArrayLike, NDArray
 from longwave.lattice.numeric_lattice import NumericLattice, place_text
 from longwave.lattice.seam import Fading
 from longwave.lattice.state import Sites
-from longwave.lattice.trial import nudged
+from longwave.scenes.starts.cell_ring import CellRing
 
 if TYPE_CHECKING:
     from longwave.scenes.description.losses import LossRates
     from longwave.scenes.starts.disordered_wave import WaveDisorder
 
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class CellRing:
-    """A state on a ring of ``cells``, consecutive along each axis; ``f``, ``v``: (fields, *sites).
-
-    ``f`` is periodic: of displacements it is what ``mean_strain`` times the cells leaves, and
-    ``lattice`` has its bonds stretched by that.  A kernel is given ``lattice``, ``f`` and ``v``.
-    """
-
-    lattice: NumericLattice
-    mean_strain: tuple[float, ...]
-    cells: Array
-    t: float
-    f: Array
-    v: Array
-
-    @property
-    def slopes(self) -> list[Array]:
-        """The slope of each bond's force in each cell."""
-        return self.lattice.slopes(self.lattice.stretches(self.f))
-
-    def smoothed(self, room: int) -> CellRing:
-        """A chain of displacements whose strain and velocity pass smoothly from end to end.
-
-        They do so within ``room`` cells of the seam; the mean strain stays.
-        """
-        if not room:
-            return self
-        share = np.sin(np.pi / 4 * (np.arange(room) + 0.5) / room) ** 2
-        f, v = self.f.copy(), self.v.copy()
-        strains = (f[:, 1] - f[:, 0]) - (f[:, -1] - f[:, -2])
-        moved = np.cumsum(strains[:, np.newaxis] * share, axis=1)
-        turned = (v[:, 0] - v[:, -1])[:, np.newaxis] * share
-        f[:, -room:] += moved
-        f[:, :room] += moved[:, ::-1]
-        v[:, -room:] += turned
-        v[:, :room] -= turned[:, ::-1]
-        return replace(self, f=f, v=v)
-
-    def nudged(self, times: float = 1.0) -> CellRing:
-        """The ring with the last digits of its state changed (`trial.nudged`)."""
-        f, v = nudged(self.f, self.v, times=times)
-        return replace(self, f=f, v=v)
 
 
 class LatticeWave(ABC):

@@ -24,7 +24,7 @@ from longwave.derive.lattice import Lattice
 from longwave.derive.symbols import eps as EPS
 from longwave.lattice.numeric_lattice import NumericLattice, numeric_lattice, place_text
 from longwave.scenes.starts.damped_soliton import DampedSoliton
-from longwave.scenes.starts.first_correction import FirstCorrection
+from longwave.scenes.starts.first_correction import FirstCorrection, JetWave
 from longwave.scenes.starts.jet_polynomial import JetPolynomial, with_numbers
 from longwave.scenes.starts.lattice_wave import (
     LatticeWave,
@@ -32,7 +32,7 @@ from longwave.scenes.starts.lattice_wave import (
     sound_speed,
 )
 from longwave.scenes.starts.wave_extent import extent, places_about, support_of, watched_times
-from longwave.solutions import NumericWave, WaveValues
+from longwave.solutions import NumericWave
 from longwave.solutions.pieces import PIECE
 
 if TYPE_CHECKING:
@@ -47,19 +47,6 @@ FLAT = 1e-9
 
 FARTHEST = 400.0
 """A wave that has not ended so far in X fills the line."""
-
-
-class JetWave(Protocol):
-    """A solution of the reduced equation: `solutions.Wave`, or one computed."""
-
-    def jets(self, X: ArrayLike, T: float, highest: int) -> Array:
-        """Y, Y_X, Y_XX, ...: an array (highest + 1, *points)."""
-
-    def antiderivative(self, X: ArrayLike, T: float) -> Array:
-        """W with W_X = Y, up to a constant at each T."""
-
-    def background(self, X: ArrayLike, T: float) -> WaveValues:
-        """The bare wave, or the constant, that the wave deviates from."""
 
 
 class LongWaveData(LatticeWave):

@@ -12,7 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.lattice.seam import FADING_DEPTH, Fading, negate_at_seam
 from longwave.lattice.state import Sites, State
-from longwave.scenes.starts.lattice_wave import CellRing, LatticeWave, nearest_cell
+from longwave.scenes.starts.cell_ring import CellRing
+from longwave.scenes.starts.lattice_wave import LatticeWave, nearest_cell
 from longwave.scenes.starts.wave_extent import extent, places_about, support_of, watched_times
 from longwave.solutions import NumericWave, WaveValues, kept_data, kept_wave
 

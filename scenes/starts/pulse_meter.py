@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from longwave.lattice.disordered_lattice import DisorderedLattice
 from longwave.lattice.trial import SAFETY
-from longwave.scenes.starts.lattice_wave import CellRing
+from longwave.scenes.starts.cell_ring import CellRing
 
 Array = NDArray[np.float64]
 

@@ -14,12 +14,13 @@ import pytest
 
 from longwave.derive import LATTICES
 from longwave.lattice import FieldRing, State, integrate, spectral_integrate
-from longwave.lattice.disordered_lattice import DisorderedLattice, Variation, disordered, mass_kind
+from longwave.lattice.disordered_lattice import DisorderedLattice, disordered, mass_kind
 from longwave.lattice.force_program import ForceProgram
 from longwave.lattice.kernels.ring_kernel import RingKernel
 from longwave.lattice.numeric_lattice import Array, NumericLattice, numeric_lattice
 from longwave.lattice.random_sites import mean_inverse, site_deviations
 from longwave.lattice.schemes import REDUCED_PHASE_6
+from longwave.lattice.variation import Variation
 from tests.lattice.test_numeric_lattice import numbers
 
 CHAINS = ("fput_strain", "next_nearest", "fput", "dimer", "klein_gordon", "toda", "granular")

@@ -8,7 +8,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from longwave.lattice.scheme_order import check_order, nystroem_defect, phase_lag_defect
+from longwave.lattice.scheme_order import NystroemTable, nystroem_defect, phase_lag_defect
 from longwave.lattice.schemes import (
     BLANES_MOAN_6,
     KAHAN_LI_8,
@@ -19,9 +19,9 @@ from longwave.lattice.schemes import (
     STOERMER_VERLET,
     SUZUKI_UMENO_8,
     Composition,
-    NystroemTable,
     Scheme,
     Splitting,
+    check_order,
     scheme_named,
 )
 from tests.lattice.order_conditions import composition_defect, runge_kutta_defect, trees, words

@@ -18,7 +18,8 @@ from llvmlite import binding, ir
 
 from longwave.lattice.force_program import UNARY, ForceProgram
 from longwave.lattice.kernels import vector_functions
-from longwave.lattice.kernels.row_code import LaneCode, passage_text
+from longwave.lattice.kernels.lane_code import LaneCode
+from longwave.lattice.kernels.row_code import passage_text
 from longwave.lattice.kernels.streams import stage_plan
 from longwave.lattice.kernels.vector_functions import (
     FUNCTIONS_OF_LANES,
