@@ -18,7 +18,7 @@ from scipy.stats import t as student
 
 from longwave.lattice.state import State
 from longwave.scenes.description.bench import OF_MEANS
-from longwave.scenes.engines.bench_run import BenchReadings, chain_of
+from longwave.scenes.engines.bench_readings import BenchReadings, chain_of
 from longwave.support.checkpoint import begin_loop
 from longwave.support.request_limits import ExpectedCost, check_request
 

@@ -23,7 +23,7 @@ from longwave.scenes.description.named_scenes import load_scene, scene_of_toml, 
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.description.scene_file import toml_text
 from longwave.scenes.description.time_functions import Samples, time_function
-from longwave.scenes.engines.bench_run import chain_of
+from longwave.scenes.engines.bench_readings import chain_of
 from longwave.scenes.engines.methods import expected_cost
 from longwave.scenes.engines.scene_run import resume, run
 from longwave.scenes.starts.bench_chain import READINGS

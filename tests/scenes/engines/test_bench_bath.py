@@ -10,7 +10,7 @@ from scipy.linalg import expm, solve_continuous_lyapunov
 from longwave.scenes.description.named_scenes import load_scene
 from longwave.scenes.engines import bench_bath
 from longwave.scenes.engines.bench_bath import Bath, BrokenRunError, Means
-from longwave.scenes.engines.bench_run import chain_of
+from longwave.scenes.engines.bench_readings import chain_of
 from longwave.scenes.engines.scene_run import run
 
 WARM = load_scene("chain_in_a_bath")
