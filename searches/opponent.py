@@ -44,8 +44,7 @@ from longwave.lattice import integrate
 from longwave.lattice.refine import refine
 from longwave.lattice.trial import StepSearch, Trial
 from longwave.scenes.description.scene import Scene
-from longwave.scenes.description.scene_checks import Pairs
-from longwave.scenes.description.scene_rules import PERTURBED_PLANE
+from longwave.scenes.description.scene_checks import PERTURBED_PLANE, Pairs
 from longwave.scenes.engines.lattice_run import wave_rings
 from longwave.scenes.engines.run_record import RunRecord
 from longwave.scenes.engines.sideband_growth import SidebandRuns, growth_plan

@@ -15,8 +15,7 @@ from fractions import Fraction
 from longwave.derive import LATTICES
 from longwave.lattice.random_sites import DISTRIBUTIONS
 from longwave.scenes.description.scene import Scene
-from longwave.scenes.description.scene_checks import ORDERS
-from longwave.scenes.description.scene_rules import PERTURBED_PLANE
+from longwave.scenes.description.scene_checks import ORDERS, PERTURBED_PLANE
 from longwave.scenes.starts.lattice_derivation import derivation
 from longwave.solutions import CATALOGUE, closed_form
 

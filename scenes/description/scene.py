@@ -10,18 +10,17 @@ import math
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, fields
-from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from longwave.lattice.model import Model
 from longwave.scenes.description import run_hook
 from longwave.scenes.description import scene_checks as check
 from longwave.scenes.description.bench import BENCH_TABLES, Bench, bench_of, check_bath
-from longwave.scenes.description.losses import Losses, lossy
+from longwave.scenes.description.losses import Losses
 from longwave.scenes.description.numerics import NUMERICS, Discretisation, Tolerance, numerics_of
-from longwave.scenes.description.scene_checks import CHAIN, CHAIN_CONSTANTS, Pairs, Value
+from longwave.scenes.description.scene_checks import CHAIN, CHAIN_CONSTANTS, NOT_GIVEN, Value
 from longwave.scenes.description.scene_disorder import Disorder
+from longwave.scenes.description.scene_fields import SceneFields
 from longwave.scenes.description.scene_file import (
     document_of,
     lattice_keywords,
@@ -30,8 +29,6 @@ from longwave.scenes.description.scene_file import (
     toml_text,
 )
 from longwave.scenes.description.scene_rules import (
-    NOT_GIVEN,
-    PERTURBED_PLANE,
     USUAL_OBSERVABLES,
     check_any_lattice,
     check_eps,
@@ -41,16 +38,13 @@ from longwave.scenes.description.scene_rules import (
 from longwave.scenes.description.stated_tables import StatedTables
 from longwave.scenes.observed.observables import OBSERVABLES, observable_named
 from longwave.support.html_tables import html_table
-from longwave.support.known_names import one_of
 from longwave.support.user_files import cut, file_stem, shown, shown_path
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from longwave.derive import Lattice
     from longwave.lattice.refine import Announce
     from longwave.lattice.trial import Progress
-    from longwave.solutions import ClosedForm
 
 ALTERNATIVES = (
     (("slow_times",), ("times",), ("t0", "snapshots")),
@@ -59,12 +53,10 @@ ALTERNATIVES = (
 """Keywords that say one thing in several ways; None is as if it were not given."""
 
 SAID_IN_ONE_WAY = [key for ways in ALTERNATIVES for way in ways for key in way]
-ROUNDING = 1e-12
-"""Share by which a half-width may be above whole cells for rounding."""
 
 
 @dataclass(frozen=True, repr=False)
-class Scene:
+class Scene(SceneFields):
     """One run, stated in full; checked when the record is made.
 
     ``lattice`` is a name of the catalogue, or any name if ``declared`` holds the tables of the
@@ -112,33 +104,6 @@ class Scene:
     ...          half_width=4, tolerance=1e-3)
     <Scene long: kdv_soliton with kappa = 2 on toda, eps = 0.1, T = 0 .. 0.1, |X| <= 4 ...>
     """
-
-    name: str
-    wave: str | ClosedForm
-    eps: float
-    numerics: Discretisation | Tolerance
-    lattice: str = CHAIN
-    constants: Pairs = ()
-    parameters: Pairs = ()
-    order: str = "leading"
-    t0: float = NOT_GIVEN
-    snapshots: tuple[float, ...] = ()
-    slow_times: tuple[float, ...] = ()
-    compared: int = 0
-    half_width: float | None = None
-    amplitude: int | None = None
-    time: int | None = None
-    background: Value = 0
-    carrier: Value = ""
-    branch: str | int = "acoustic"
-    disorder: Disorder | None = None
-    declared: StatedTables | None = None
-    losses: Losses | None = None
-    bench: Bench | None = None
-    observables: tuple[str, ...] = None  # type: ignore[assignment] # those that are usual
-    curve_points: int = 201
-    look_points: int | None = None
-    title: str = ""
 
     @classmethod
     def of(cls, **given: Any) -> Scene:
@@ -299,12 +264,6 @@ class Scene:
                 "compared = 200 in cells)"
             )
 
-    def cells_within(self, power: int) -> int:
-        """Cells that are compared on either side, along an axis that is slow as eps^power."""
-        if self.half_width is None:
-            return self.compared
-        return max(1, math.ceil(self.half_width / self.eps**power * (1.0 - ROUNDING)))
-
     def _check_ansatz(self) -> None:
         for key, most in (("amplitude", 8), ("time", 9)):
             value = getattr(self, key)
@@ -345,10 +304,6 @@ class Scene:
         found = tuple((name, given[name]) for name in (*CHAIN_CONSTANTS, *others))
         self._set("constants", found)
 
-    def __getstate__(self) -> dict[str, Any]:
-        """The fields alone: the wave and its programs are made again where they are asked for."""
-        return {entry.name: getattr(self, entry.name) for entry in fields(self)}
-
     def __repr__(self) -> str:
         values = ", ".join(
             f"{name} = {value if isinstance(value, str) else f'{value:g}'}"
@@ -381,142 +336,6 @@ class Scene:
             with suppress(ValueError):  # of a wave without a closed form
                 rows.append(("formula", self.form._repr_latex_() or "too long to be read"))
         return html_table(self.title or self.name, rows)
-
-    @property
-    def is_envelope(self) -> bool:
-        """Whether the wave is the envelope of a carrier."""
-        return self.carrier != ""
-
-    @property
-    def is_growth(self) -> bool:
-        """Whether the growth rate of a plane wave is measured, and no wave compared."""
-        return self.wave == PERTURBED_PLANE
-
-    @property
-    def has_moving_wave(self) -> bool:
-        """Whether it is the paper's: leading data of a long wave on its chain, with K3 = 0.
-
-        The equation is then the mKdV equation.
-        """
-        values = dict(self.constants)
-        chosen = (self.order, self.background, self.amplitude, self.time, self.carrier)
-        return (
-            self.lattice == CHAIN
-            and not (self.declared or self.disorder or self.losses or self.is_growth or self.bench)
-            and chosen == ("leading", 0, None, None, "")
-            and not any(isinstance(value, str) for value in values.values())
-            and values.get("K3", 0) == 0
-        )
-
-    @property
-    def method(self) -> str:
-        """How it is run, one of `engines.methods.METHODS`."""
-        if self.bench:
-            return "bench"
-        if self.is_growth:
-            return "sidebands"
-        return "moving_wave" if self.has_moving_wave else "ring"
-
-    def check_compared(self) -> None:
-        """Raise ValueError where no wave is compared but a growth rate measured, or nothing."""
-        if self.bench:
-            raise ValueError(
-                f"scene must have a wave that the lattice is compared with, got {self.name}, a "
-                "chain on a bench (`longwave run` and `sweep` take it)"
-            )
-        if self.is_growth:
-            raise ValueError(
-                f"wave must be one that a lattice is compared with, got {self.wave}, whose growth "
-                "rate is measured (`longwave run`, `sweep` and `plot` take it)"
-            )
-
-    @property
-    def wave_name(self) -> str:
-        """The wave's name."""
-        return self.wave if isinstance(self.wave, str) else self.wave.name
-
-    @property
-    def tolerance(self) -> float | None:
-        """The tolerance; None if the discretisation is stated."""
-        return self.numerics.tolerance if isinstance(self.numerics, Tolerance) else None
-
-    @property
-    def discretisation(self) -> Discretisation:
-        """The stated discretisation; ValueError if there is a tolerance instead."""
-        if isinstance(self.numerics, Discretisation):
-            return self.numerics
-        raise ValueError(
-            f"step, domain and sites must be stated for this, got a tolerance in {self.name} "
-            "(give Discretisation(step, domain, sites))"
-        )
-
-    @property
-    def target(self) -> Tolerance:
-        """The tolerance as a record; ValueError if the discretisation is stated instead."""
-        if isinstance(self.numerics, Tolerance):
-            return self.numerics
-        raise ValueError(
-            f"tolerance must be given for this, got a stated step in {self.name} "
-            "(give one: --tolerance, or Scene.with_tolerance)"
-        )
-
-    @property
-    def own_bench(self) -> Bench:
-        """The chain on a bench; ValueError if the scene compares a wave instead."""
-        if self.bench is None:
-            raise ValueError(
-                f"scene must be a chain on a bench, got {self.name}, which compares a wave (state "
-                "[chain] and [start])"
-            )
-        return self.bench
-
-    @cached_property
-    def model(self) -> Model:
-        """The constants of the paper's chain."""
-        values = dict(self.constants)
-        return Model(*(float(values.get(name, 0.0)) for name in CHAIN_CONSTANTS))
-
-    @property
-    def form(self) -> ClosedForm:
-        """The closed form that is named or given; a ValueError lists the known names."""
-        from longwave.solutions import (
-            closed_form,  # scenes are read, listed and shown without formulas
-        )
-
-        if isinstance(self.wave, str):
-            return closed_form(self.wave, dict(self.parameters))
-        return self.wave
-
-    @property
-    def symbolic_lattice(self) -> Lattice:
-        """The lattice in symbols, with its losses; ValueError if its name is not known."""
-        from longwave.derive import LATTICES
-        from longwave.derive.lattice_file import lattice_of
-
-        if self.declared:
-            return lossy(lattice_of(self.declared.tables, self.lattice), self.losses)
-        if self.lattice not in LATTICES:
-            raise ValueError(
-                f"lattice must be one of the catalogue or a file, got {shown(self.lattice)} "
-                f"({one_of(self.lattice, LATTICES)}; or FILE.toml beside the scene)"
-            )
-        return lossy(LATTICES[self.lattice], self.losses)
-
-    @property
-    def end(self) -> float:
-        """The last time of the run."""
-        return self.snapshots[-1]
-
-    @property
-    def keeps_start(self) -> bool:
-        """Whether what it starts from is one of its snapshots."""
-        return bool(self.slow_times) or self.t0 in self.snapshots
-
-    def lattice_times(self, slow: int) -> tuple[float, ...]:
-        """The lattice's times, the first of which is the start; ``T = eps**slow t``."""
-        if self.slow_times:
-            return tuple(T / self.eps**slow for T in self.slow_times)
-        return (self.t0, *(t for t in self.snapshots if t > self.t0))
 
     def run(self, progress: Progress | None = None, announce: Announce | None = None) -> xr.Dataset:
         """Run the scene as `longwave.run` does, and return its data set."""

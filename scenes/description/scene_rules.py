@@ -5,27 +5,20 @@ Each raises ValueError in one line: argument, condition, value, remedy.
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING
 
 from longwave.scenes.description import scene_checks as check
 from longwave.scenes.description.numerics import Discretisation, Tolerance
-from longwave.scenes.description.scene_checks import CHAIN
+from longwave.scenes.description.scene_checks import CHAIN, NOT_GIVEN, PERTURBED_PLANE
 from longwave.scenes.observed.observables import observable_named
 from longwave.support.user_files import shown
 
 if TYPE_CHECKING:
-    from longwave.scenes.description.scene import Scene
-
-NOT_GIVEN = -math.inf
-"""The start of a scene that gives slow times."""
-
-PERTURBED_PLANE = "perturbed_plane"
-"""The wave of a scene that measures how fast a perturbed plane wave grows."""
+    from longwave.scenes.description.scene_fields import SceneFields
 
 PERTURBATION = ("amplitude", "kappa", "share")
-"""Its parameters: |A| of the plane wave, and the wavenumber of the perturbation in X, or that in
-units of the one that grows fastest, which it is if neither is given."""
+"""Parameters of a perturbed plane wave: |A|, and the wavenumber of the perturbation in X, or that
+in units of the one that grows fastest, which it is if neither is given."""
 
 COMPUTED = "computed_soliton"
 """The soliton of a long-wave equation that has none in closed form, of a ``speed`` in X/T."""
@@ -41,7 +34,7 @@ USUAL_OBSERVABLES: dict[str, tuple[str, ...]] = {
 }
 
 
-def check_growth(scene: Scene) -> None:
+def check_growth(scene: SceneFields) -> None:
     """Refuse what does not go with a growth rate: what is found, and what it has no theory for."""
     given: dict[str, object] = {"times": scene.snapshots, "compared": scene.compared or None}
     given |= {"t0": None if scene.t0 == NOT_GIVEN else scene.t0}
@@ -77,7 +70,7 @@ def check_growth(scene: Scene) -> None:
         )
 
 
-def check_moving_wave(scene: Scene) -> None:
+def check_moving_wave(scene: SceneFields) -> None:
     """Refuse numerics that do not go with what is asked for."""
     numerics = scene.numerics
     if isinstance(numerics, Discretisation):
@@ -97,7 +90,7 @@ def check_eps(given: object) -> float:
     return eps
 
 
-def check_any_lattice(scene: Scene) -> None:
+def check_any_lattice(scene: SceneFields) -> None:
     """Refuse what is there for mKdV waves on the paper's chain alone."""
     if not isinstance(scene.wave, str):
         raise ValueError(
@@ -114,7 +107,7 @@ def check_any_lattice(scene: Scene) -> None:
         )
 
 
-def _check_numerics(scene: Scene) -> None:
+def _check_numerics(scene: SceneFields) -> None:
     """Refuse domains and engines that are there for mKdV waves on the paper's chain alone."""
     numerics = scene.numerics
     if isinstance(numerics, Discretisation):
@@ -144,7 +137,7 @@ def _check_numerics(scene: Scene) -> None:
         )
 
 
-def _check_losses(scene: Scene) -> None:
+def _check_losses(scene: SceneFields) -> None:
     """Refuse losses where no theory has them."""
     for word, is_given, why in (
         ("disorder", scene.disorder, "what scatters and what is lost would not be told apart"),
@@ -155,7 +148,7 @@ def _check_losses(scene: Scene) -> None:
             raise ValueError(f"losses must not be given with {word}, got {scene.losses} ({why})")
 
 
-def check_observables(scene: Scene) -> None:
+def check_observables(scene: SceneFields) -> None:
     """Refuse observables that do not go with how a scene is computed."""
     if scene.is_growth and scene.observables != USUAL_OBSERVABLES[scene.method]:
         raise ValueError(

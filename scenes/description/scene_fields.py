@@ -1,0 +1,210 @@
+"""The fields of a scene, and what follows from them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from longwave.lattice.model import Model
+from longwave.scenes.description.bench import Bench
+from longwave.scenes.description.losses import Losses, lossy
+from longwave.scenes.description.numerics import Discretisation, Tolerance
+from longwave.scenes.description.scene_checks import (
+    CHAIN,
+    CHAIN_CONSTANTS,
+    NOT_GIVEN,
+    PERTURBED_PLANE,
+    Pairs,
+    Value,
+)
+from longwave.scenes.description.scene_disorder import Disorder
+from longwave.scenes.description.stated_tables import StatedTables
+from longwave.support.known_names import one_of
+from longwave.support.user_files import shown
+
+if TYPE_CHECKING:
+    from longwave.derive import Lattice
+    from longwave.solutions import ClosedForm
+
+ROUNDING = 1e-12
+"""Share by which a half-width may be above whole cells for rounding."""
+
+
+@dataclass(frozen=True, repr=False)
+class SceneFields:
+    """Fields of a `Scene`, whose docstring says what they mean, and what follows from them."""
+
+    name: str
+    wave: str | ClosedForm
+    eps: float
+    numerics: Discretisation | Tolerance
+    lattice: str = CHAIN
+    constants: Pairs = ()
+    parameters: Pairs = ()
+    order: str = "leading"
+    t0: float = NOT_GIVEN
+    snapshots: tuple[float, ...] = ()
+    slow_times: tuple[float, ...] = ()
+    compared: int = 0
+    half_width: float | None = None
+    amplitude: int | None = None
+    time: int | None = None
+    background: Value = 0
+    carrier: Value = ""
+    branch: str | int = "acoustic"
+    disorder: Disorder | None = None
+    declared: StatedTables | None = None
+    losses: Losses | None = None
+    bench: Bench | None = None
+    observables: tuple[str, ...] = None  # type: ignore[assignment] # those that are usual
+    curve_points: int = 201
+    look_points: int | None = None
+    title: str = ""
+
+    @property
+    def is_envelope(self) -> bool:
+        """Whether the wave is the envelope of a carrier."""
+        return self.carrier != ""
+
+    @property
+    def is_growth(self) -> bool:
+        """Whether the growth rate of a plane wave is measured, and no wave compared."""
+        return self.wave == PERTURBED_PLANE
+
+    @property
+    def has_moving_wave(self) -> bool:
+        """Whether it is the paper's: leading data of a long wave on its chain, with K3 = 0.
+
+        The equation is then the mKdV equation.
+        """
+        values = dict(self.constants)
+        chosen = (self.order, self.background, self.amplitude, self.time, self.carrier)
+        return (
+            self.lattice == CHAIN
+            and not (self.declared or self.disorder or self.losses or self.is_growth or self.bench)
+            and chosen == ("leading", 0, None, None, "")
+            and not any(isinstance(value, str) for value in values.values())
+            and values.get("K3", 0) == 0
+        )
+
+    @property
+    def method(self) -> str:
+        """How it is run, one of `engines.methods.METHODS`."""
+        if self.bench:
+            return "bench"
+        if self.is_growth:
+            return "sidebands"
+        return "moving_wave" if self.has_moving_wave else "ring"
+
+    @property
+    def wave_name(self) -> str:
+        """The wave's name."""
+        return self.wave if isinstance(self.wave, str) else self.wave.name
+
+    @property
+    def tolerance(self) -> float | None:
+        """The tolerance; None if the discretisation is stated."""
+        return self.numerics.tolerance if isinstance(self.numerics, Tolerance) else None
+
+    @property
+    def discretisation(self) -> Discretisation:
+        """The stated discretisation; ValueError if there is a tolerance instead."""
+        if isinstance(self.numerics, Discretisation):
+            return self.numerics
+        raise ValueError(
+            f"step, domain and sites must be stated for this, got a tolerance in {self.name} "
+            "(give Discretisation(step, domain, sites))"
+        )
+
+    @property
+    def target(self) -> Tolerance:
+        """The tolerance as a record; ValueError if the discretisation is stated instead."""
+        if isinstance(self.numerics, Tolerance):
+            return self.numerics
+        raise ValueError(
+            f"tolerance must be given for this, got a stated step in {self.name} "
+            "(give one: --tolerance, or Scene.with_tolerance)"
+        )
+
+    @property
+    def own_bench(self) -> Bench:
+        """The chain on a bench; ValueError if the scene compares a wave instead."""
+        if self.bench is None:
+            raise ValueError(
+                f"scene must be a chain on a bench, got {self.name}, which compares a wave (state "
+                "[chain] and [start])"
+            )
+        return self.bench
+
+    @cached_property
+    def model(self) -> Model:
+        """The constants of the paper's chain."""
+        values = dict(self.constants)
+        return Model(*(float(values.get(name, 0.0)) for name in CHAIN_CONSTANTS))
+
+    @property
+    def form(self) -> ClosedForm:
+        """The closed form that is named or given; a ValueError lists the known names."""
+        from longwave.solutions import (
+            closed_form,  # scenes are read, listed and shown without formulas
+        )
+
+        if isinstance(self.wave, str):
+            return closed_form(self.wave, dict(self.parameters))
+        return self.wave
+
+    @property
+    def symbolic_lattice(self) -> Lattice:
+        """The lattice in symbols, with its losses; ValueError if its name is not known."""
+        from longwave.derive import LATTICES
+        from longwave.derive.lattice_file import lattice_of
+
+        if self.declared:
+            return lossy(lattice_of(self.declared.tables, self.lattice), self.losses)
+        if self.lattice not in LATTICES:
+            raise ValueError(
+                f"lattice must be one of the catalogue or a file, got {shown(self.lattice)} "
+                f"({one_of(self.lattice, LATTICES)}; or FILE.toml beside the scene)"
+            )
+        return lossy(LATTICES[self.lattice], self.losses)
+
+    @property
+    def end(self) -> float:
+        """The last time of the run."""
+        return self.snapshots[-1]
+
+    @property
+    def keeps_start(self) -> bool:
+        """Whether what it starts from is one of its snapshots."""
+        return bool(self.slow_times) or self.t0 in self.snapshots
+
+    def lattice_times(self, slow: int) -> tuple[float, ...]:
+        """The lattice's times, the first of which is the start; ``T = eps**slow t``."""
+        if self.slow_times:
+            return tuple(T / self.eps**slow for T in self.slow_times)
+        return (self.t0, *(t for t in self.snapshots if t > self.t0))
+
+    def cells_within(self, power: int) -> int:
+        """Cells that are compared on either side, along an axis that is slow as eps^power."""
+        if self.half_width is None:
+            return self.compared
+        return max(1, math.ceil(self.half_width / self.eps**power * (1.0 - ROUNDING)))
+
+    def check_compared(self) -> None:
+        """Raise ValueError where no wave is compared but a growth rate measured, or nothing."""
+        if self.bench:
+            raise ValueError(
+                f"scene must have a wave that the lattice is compared with, got {self.name}, a "
+                "chain on a bench (`longwave run` and `sweep` take it)"
+            )
+        if self.is_growth:
+            raise ValueError(
+                f"wave must be one that a lattice is compared with, got {self.wave}, whose growth "
+                "rate is measured (`longwave run`, `sweep` and `plot` take it)"
+            )
+
+    def __getstate__(self) -> dict[str, Any]:
+        """The fields alone: what is computed from them is computed again where it is asked for."""
+        return {entry.name: getattr(self, entry.name) for entry in fields(self)}
