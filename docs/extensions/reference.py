@@ -75,7 +75,7 @@ def _documented(name: str) -> str:
     """The noun's entry: a class, a function, or a catalogue; links lead to where it is defined."""
     value = getattr(import_module(FACE), name)
     if isinstance(value, type):
-        return f".. autoclass:: {FACE}.{name}\n   :no-index:\n\n"
+        return f".. autoclass:: {FACE}.{name}\n   :inherited-members:\n   :no-index:\n\n"
     if callable(value):
         return f".. autofunction:: {FACE}.{name}\n   :no-index:\n\n"
     named = ", ".join(f"``{key}``" for key in getattr(value, "names", value))

@@ -16,9 +16,7 @@ from longwave.scenes.description.scene_checks import MOST_STEPS
 from longwave.scenes.engines.bench_readings import BenchReadings, chain_of, reading_times
 from longwave.scenes.engines.ring_cost import USUAL_RUNS, search_cost
 from longwave.scenes.engines.run_record import RunRecord, judged, searched
-from longwave.scenes.starts.bench_chain import (
-    watched_cuts,
-)
+from longwave.scenes.starts.bench_chain import watched_cuts
 from longwave.support.request_limits import OverBudgetError, check_request
 
 if TYPE_CHECKING:
