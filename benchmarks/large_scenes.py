@@ -25,8 +25,8 @@ from longwave.lattice import integrate
 from longwave.lattice.schemes import scheme_named
 from longwave.lattice.state import State
 from longwave.scenes.description.scene import Scene
-from longwave.scenes.engines.lattice_run import wave_rings
-from longwave.scenes.engines.wave_cells import RingCells
+from longwave.scenes.engines.lattice_run import domain_plan
+from longwave.scenes.engines.stepped_cells import SteppedCells
 
 STEP, SCHEME = 0.25, "reduced_phase_6"
 BESIDE = 1000
@@ -81,7 +81,7 @@ def scene_of(wave: str, sites: int, steps: int, tolerance: float | None) -> Scen
 
 def data_of(scene: Scene) -> tuple[Any, State]:
     """The lattice and the data of a stated scene."""
-    ring = RingCells(*wave_rings(scene)).ring
+    ring = SteppedCells(*domain_plan(scene)).ring
     return ring.lattice, State(ring.t, ring.f, ring.v)
 
 

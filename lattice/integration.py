@@ -31,7 +31,7 @@ from longwave.lattice.schemes import (
     stability_limit,
 )
 from longwave.lattice.state import State
-from longwave.lattice.stepper import CHUNK, Stepper, StillRing
+from longwave.lattice.stepper import CHUNK, FixedDomain, Stepper
 from longwave.lattice.trial import (
     LEAST_FACTOR,
     Choices,
@@ -56,7 +56,7 @@ Look = Callable[[State, EnergyBalance | None], NDArray[Any]]
 
 
 @dataclass(frozen=True)
-class Comparison:
+class StateComparison:
     """What runs are compared by: what a ``look`` at each of the times gives, taken ``together``.
 
     It is in so many ``unit`` of the fields.
@@ -194,7 +194,7 @@ def integrate(
         )
     begun = perf_counter()
     compared = None if judged is None else _of_cells(judged, lattice.cell_count)
-    search = CellRingEngine(lattice, held, moments, scheme, compared, tolerance=tolerance or FINE)
+    search = CellEngine(lattice, held, moments, scheme, compared, tolerance=tolerance or FINE)
     if tolerance is not None:
         trial, error = _found(search, tolerance, moments)
     else:
@@ -203,13 +203,13 @@ def integrate(
     return _outcome(trial, error, moments, begun, search)
 
 
-def _of_cells(judged: Judged, cells: int | None) -> Comparison:
+def _of_cells(judged: Judged, cells: int | None) -> StateComparison:
     """What is judged of the lattice's own cells, walls left out."""
 
     def looked(state: State, _: EnergyBalance | None) -> Array:
         return np.asarray(judged(state.f[:, :cells], state.v[:, :cells], state.t))
 
-    return Comparison(looked)
+    return StateComparison(looked)
 
 
 def _checked(lattice: NumericLattice, state: State) -> State:
@@ -225,7 +225,7 @@ def _checked(lattice: NumericLattice, state: State) -> State:
     return lattice.held(Dynamics(lattice).checked(state))
 
 
-def _found(engine: CellRingEngine, tolerance: float, times: Array) -> tuple[Trial, float]:
+def _found(engine: CellEngine, tolerance: float, times: Array) -> tuple[Trial, float]:
     """A run to the tolerance, and its error."""
     remedy = "it is the error that is accepted, in the unit of what is judged"
     check_positive("tolerance", tolerance, remedy)
@@ -236,7 +236,7 @@ def _found(engine: CellRingEngine, tolerance: float, times: Array) -> tuple[Tria
     return found.trial, found.error
 
 
-def _stated(engine: CellRingEngine, step: float, measure_error: bool) -> tuple[Trial, float]:
+def _stated(engine: CellEngine, step: float, measure_error: bool) -> tuple[Trial, float]:
     """A run with that step, its error measured with a shorter one."""
     check_positive("step", step, "it goes forward in time")
     check_step(step, engine.scheme, engine.first_frequency)
@@ -249,7 +249,7 @@ def _stated(engine: CellRingEngine, step: float, measure_error: bool) -> tuple[T
 
 
 def _outcome(
-    trial: Trial, error: float, times: Array, begun: float, engine: CellRingEngine
+    trial: Trial, error: float, times: Array, begun: float, engine: CellEngine
 ) -> Trajectory:
     blow_up, steps, *held = trial.payload
     f, v = (values[:, :, : engine.lattice.cell_count] for values in held)
@@ -280,7 +280,7 @@ def _outcome(
     return Trajectory(times, f, v, error, engine.scheme.name, trial.choices.step, cost)
 
 
-class CellRingEngine(StepSearch):
+class CellEngine(StepSearch):
     """Runs of a ring of sites from a state, for `refine` to judge: only the step varies.
 
     ``first_frequency`` is the highest of any wave about the state. Positions and velocities are
@@ -298,7 +298,7 @@ class CellRingEngine(StepSearch):
         state: State,
         times: Array,
         scheme: Scheme,
-        compared: Comparison | None = None,
+        compared: StateComparison | None = None,
         kept: Array | None = None,
         cuts: Sequence[int] | None = None,
         tolerance: float = FINE,
@@ -326,7 +326,7 @@ class CellRingEngine(StepSearch):
             )
         self._highest_at_rest = self._frequency_at_rest(ranges)
         self._largest = self._sizes(ranges)
-        self._compared = compared or Comparison(self._stretches_and_rates)
+        self._compared = compared or StateComparison(self._stretches_and_rates)
         stops = np.concatenate([[state.t], times])
         begin, end = float(stops[0]), float(stops[-1])
         opens = any(bond.force.opening is not None for bond in lattice.bonds)
@@ -361,7 +361,7 @@ class CellRingEngine(StepSearch):
         """A run; its payload is what stopped it, its steps, positions and velocities."""
         start = self._start(choices.nudged)
         balance = self.balance(start)
-        ring, chunk = StillRing(start), self._chunk(choices)
+        ring, chunk = FixedDomain(start), self._chunk(choices)
         stepper = Stepper(start, self.scheme, self.lattice, ring, choices.step, None, chunk)
         f, v = np.empty((2, self._kept.size, *self.state.arrays[0].shape))
         rows = {t: row for row, t in enumerate(self._kept.tolist())}

@@ -37,7 +37,7 @@ UPDATES = 3e8
 
 
 @dataclass
-class StillRing(Domain):
+class FixedDomain(Domain):
     """The ring of all sites of a state."""
 
     state: State

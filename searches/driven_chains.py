@@ -38,7 +38,7 @@ from longwave.lattice import (
     integrate,
 )
 from longwave.lattice.energy_balance import EnergyBalance
-from longwave.lattice.integration import CellRingEngine, Comparison
+from longwave.lattice.integration import CellEngine, StateComparison
 from longwave.lattice.numeric_lattice import NumericBond, numeric_lattice
 from longwave.lattice.refine import Refined, refine
 from longwave.lattice.schemes import REDUCED_PHASE_6
@@ -332,7 +332,8 @@ def balanced(case: DrivenCase, tolerance: float) -> Refined:
 
     start = chain.held(case.state)
     return refine(
-        CellRingEngine(chain, start, times, REDUCED_PHASE_6, Comparison(looked), cuts=()), tolerance
+        CellEngine(chain, start, times, REDUCED_PHASE_6, StateComparison(looked), cuts=()),
+        tolerance,
     )
 
 

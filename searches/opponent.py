@@ -38,14 +38,14 @@ from numpy.typing import NDArray
 from scipy.optimize import differential_evolution
 
 import longwave.lattice.refine
-import longwave.scenes.engines.wave_rings
+import longwave.scenes.engines.domain_plan
 from longwave.derive import LATTICES
 from longwave.lattice import integrate
 from longwave.lattice.refine import refine
 from longwave.lattice.trial import StepSearch, Trial
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.description.scene_checks import PERTURBED_PLANE, Pairs
-from longwave.scenes.engines.lattice_run import wave_rings
+from longwave.scenes.engines.lattice_run import domain_plan
 from longwave.scenes.engines.run_record import RunRecord
 from longwave.scenes.engines.sideband_growth import SidebandRuns, growth_plan
 from longwave.scenes.engines.site_engine import SiteEngine
@@ -133,11 +133,11 @@ def of_lattice(scene: Scene) -> Judgement:
     if scene.is_growth:
         growing = SidebandRuns(growth_plan(scene), scene).engine
         return ratio_of_search(growing, growing, scene.target.tolerance)
-    timed, rings = wave_rings(scene)
-    wider = copy(rings)
+    timed, domains = domain_plan(scene)
+    wider = copy(domains)
     wider.window = None
-    wider.signals = [FASTER * speed + 1.0 / (timed.end - timed.t0) for speed in rings.signals]
-    engines = SiteEngine(timed, rings), SiteEngine(timed, wider)
+    wider.signals = [FASTER * speed + 1.0 / (timed.end - timed.t0) for speed in domains.signals]
+    engines = SiteEngine(timed, domains), SiteEngine(timed, wider)
     return ratio_of_search(*engines, scene.target.tolerance)
 
 
@@ -443,7 +443,7 @@ def begin(unmended: bool) -> None:
     if unmended:
         search: Any = longwave.lattice.refine._Search
         search.has_seen_law, search.lawful_change = lambda *_: True, lambda *_: 0.0
-        longwave.scenes.engines.wave_rings.LAWFUL_TURN = math.inf
+        longwave.scenes.engines.domain_plan.LAWFUL_TURN = math.inf
 
 
 def main() -> int:

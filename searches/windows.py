@@ -20,8 +20,8 @@ from collections.abc import Iterator
 from longwave.derive import LATTICES
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.description.scene_checks import CHAIN
-from longwave.scenes.engines.lattice_run import wave_rings
-from longwave.scenes.engines.wave_rings import WaveRings, sites_of
+from longwave.scenes.engines.domain_plan import DomainPlan, sites_of
+from longwave.scenes.engines.lattice_run import domain_plan
 from longwave.support.processes import Job, LocalWorkers, OutOfTime, as_ended, time_limit
 from searches.estimate_judge import warm_up
 from searches.opponent import NeutralError, of_lattice
@@ -31,7 +31,7 @@ REDRAWN = 60
 """Scenes that are drawn before an index is given up."""
 
 
-def window_scene(seed: int, index: int) -> tuple[Scene, WaveRings] | None:
+def window_scene(seed: int, index: int) -> tuple[Scene, DomainPlan] | None:
     """The first drawn scene of that index that runs in a window, with its rings."""
     draw = random.Random(f"windows {seed}:{index}")
     names = sorted(name for name in LATTICES if name != CHAIN)
@@ -48,11 +48,11 @@ def window_scene(seed: int, index: int) -> tuple[Scene, WaveRings] | None:
             scene = drawn.changed(**changes, observables=("strain",), disorder=None)
             if scene.tolerance is None or scene.target.engine or scene.has_moving_wave:
                 continue
-            rings = wave_rings(scene)[1]
+            domains = domain_plan(scene)[1]
         except ValueError:
             continue
-        if rings.window is not None:
-            return scene, rings
+        if domains.window is not None:
+            return scene, domains
     return None
 
 
@@ -61,8 +61,8 @@ def judge(seed: int, index: int, seconds: float) -> tuple[str, float | None]:
     found = window_scene(seed, index)
     if found is None:
         return "no window drawn", None
-    scene, rings = found
-    text = f"{scene.lattice}/{scene.wave_name} {rings.window} of {sites_of(rings.ends())} cells"
+    scene, domains = found
+    text = f"{scene.lattice}/{scene.wave_name} {domains.window} of {sites_of(domains.ends())} cells"
     try:
         with time_limit(seconds):
             estimate, true = of_lattice(scene)

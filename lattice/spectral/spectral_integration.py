@@ -104,7 +104,7 @@ def spectral_integrate(
     check_positive("tolerance", tolerance, "it is the error accepted of what is judged")
     frame = _frame(lattice, speed)
     begun = perf_counter()
-    sight = None if judged is None else RingSight(judged)
+    sight = None if judged is None else FieldComparison(judged)
     engine = FieldRingEngine(lattice, state, wanted, frame, tolerance, sight)
     found = refine(engine, tolerance)
     trial = found.trial
@@ -170,7 +170,7 @@ def _frame(lattice: NumericLattice, speed: float | tuple[float, ...]) -> tuple[f
 
 
 @dataclass(frozen=True)
-class RingSight:
+class FieldComparison:
     """What is seen of a ring: what is ``judged``, in so many ``unit`` of the fields, and ``kept``.
 
     It is ``at_sites`` if it stands at the sites of one lattice alone, each of which is a point of
@@ -212,14 +212,14 @@ class FieldRingEngine(SpectralRingSearch):
         times: Array,
         speed: tuple[float, ...],
         tolerance: float,
-        sight: RingSight | None = None,
+        sight: FieldComparison | None = None,
         longer: float = 1.0,
     ) -> None:
         super().__init__(state.t, float(times[-1] - state.t), max(map(abs, speed)), tolerance)
         self.amplifies_rounding = not lattice.is_linear
         self._lattice, self._state, self._speed = lattice, state, speed
         counts = state.counts
-        self._sight = sight or RingSight(
+        self._sight = sight or FieldComparison(
             lambda ring: np.array(ring_stretches(lattice, ring.sampled(counts)))
         )
         self._times, unit = times, self._sight.unit

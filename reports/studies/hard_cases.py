@@ -172,10 +172,10 @@ def _soft_lattice() -> Reading:
 
 def _first_soft_site(scene: Scene) -> tuple[float, int]:
     """When and where V'' <= 0 is first met, in double-double arithmetic and step by step."""
-    from longwave.scenes.engines.lattice_run import wave_rings
-    from longwave.scenes.engines.wave_cells import RingCells
+    from longwave.scenes.engines.lattice_run import domain_plan
+    from longwave.scenes.engines.stepped_cells import SteppedCells
 
-    ring = RingCells(*wave_rings(scene)).ring
+    ring = SteppedCells(*domain_plan(scene)).ring
     y, s = doubled(ring.f[0]), doubled(ring.v[0])
     h = scene.discretisation.step
     for step in range(1, round((scene.end - scene.t0) / h) + 1):
@@ -211,18 +211,18 @@ def _zone_boundary_noise() -> Reading:
     1.0,
 )
 def _wrong_feed() -> Reading:
-    from longwave.scenes.engines.lattice_run import wave_rings
-    from longwave.scenes.engines.wave_cells import FedWave
+    from longwave.scenes.engines.lattice_run import domain_plan
+    from longwave.scenes.engines.stepped_cells import FedWave
 
     scene = replace(load_scene("rational_2_eps_0.05"), t0=-400.0, snapshots=(0.0,))
     scene = scene.changed(sites=2048, compared=500)
     found, stated = [], scene.discretisation
     for factor in (1.0, 1.001):
-        _, rings = wave_rings(scene)
-        window = Window(FedWave(rings, stated.sites), stated.sites)
+        _, domains = domain_plan(scene)
+        window = Window(FedWave(domains, stated.sites), stated.sites)
         state = window.start()
         amplitude = float(np.max(np.abs(state.f)))
-        rings.wave = replace(moving_wave(scene), eps=factor * scene.eps)
+        domains.wave = replace(moving_wave(scene), eps=factor * scene.eps)
         run = Stepper(state, stated.table, scene.model.lattice, window, stated.step, amplitude)
         found.append((sum(1 for _ in run.stops([0.0])), run.blow_up))
     (sound_moves, sound_end), (moves, end) = found

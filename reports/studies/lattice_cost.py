@@ -24,7 +24,7 @@ from longwave.scenes import run
 from longwave.scenes.description.named_scenes import EPS, ORDERS, load_scene, rational_family_scenes
 from longwave.scenes.description.numerics import Tolerance
 from longwave.scenes.description.scene import Scene
-from longwave.scenes.engines.spectral_data import RingPlace, ring_data
+from longwave.scenes.engines.spectral_data import SpectralDomain, spectral_start
 from longwave.scenes.starts.moving_wave import moving_wave
 from longwave.support.processes import Job, Key
 
@@ -123,8 +123,8 @@ def warmed(scheme: str) -> None:
 
 def march_seconds(scene: Scene, found: xr.Dataset) -> float:
     """Seconds of a ring's last march, done once more from data that are there already."""
-    data = ring_data(moving_wave(scene), scene.tolerance or FINEST_TOLERANCE)
-    ring = RingPlace(float(found.attrs["circumference"]))
+    data = spectral_start(moving_wave(scene), scene.tolerance or FINEST_TOLERANCE)
+    ring = SpectralDomain(float(found.attrs["circumference"]))
     state, step = data.state(ring, int(found.attrs["sites"])), float(found.attrs["step"])
     begun = time.perf_counter()
     SpectralRing(scene.model, state, step, absorbed=data.absorbed).at(scene.end)

@@ -71,12 +71,12 @@ def by_sites(name: str, share: float, progress: Progress | None = None) -> xr.Da
 
 def site_by_site(scene: Scene, share: float) -> Scene:
     """The scene on a ring of whole sites whose seam is out of hearing, with its step stated."""
-    from longwave.scenes.engines.lattice_run import wave_rings
-    from longwave.scenes.engines.wave_rings import SCHEME, longest_step, sites_of
+    from longwave.scenes.engines.domain_plan import SCHEME, longest_step, sites_of
+    from longwave.scenes.engines.lattice_run import domain_plan
 
-    _, rings = wave_rings(scene.changed(engine="stencil"))
-    step = share * longest_step(rings.fastest, 0.0)
-    sites = sites_of(rings.plain_ends(0))
+    _, domains = domain_plan(scene.changed(engine="stencil"))
+    step = share * longest_step(domains.fastest, 0.0)
+    sites = sites_of(domains.plain_ends(0))
     return replace(scene, numerics=Discretisation(step, "ring", sites, SCHEME.name))
 
 

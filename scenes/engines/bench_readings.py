@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from longwave.derive.symbols import number_value
-from longwave.lattice.integration import CellRingEngine, Comparison
+from longwave.lattice.integration import CellEngine, StateComparison
 from longwave.lattice.schemes import REDUCED_PHASE_6, scheme_named
 from longwave.scenes.description.bench import MOST_READINGS, Bench
 from longwave.scenes.description.losses import without_losses
@@ -66,12 +66,12 @@ class BenchReadings:
         self.watched = list(watched(bench, chain))
         scheme = scheme_named(scene.target.scheme) if scene.target.scheme else REDUCED_PHASE_6
         start = chain.held(start_on_bench(bench, chain, scene.t0))
-        self.engine = CellRingEngine(
+        self.engine = CellEngine(
             chain,
             start,
             self.times,
             scheme,
-            Comparison(self.read),
+            StateComparison(self.read),
             kept=self.times[:0],
             cuts=watched_cuts(bench, chain),
             tolerance=scene.target.tolerance,

@@ -15,6 +15,7 @@ from longwave.lattice.refine import Announce
 from longwave.scenes.description.numerics import Tolerance
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.description.scene_checks import enough_steps
+from longwave.scenes.engines.domain_plan import ComparedCells, DomainPlan, expected_rings
 from longwave.scenes.engines.recorders import MOMENT_BYTES, exact_times
 from longwave.scenes.engines.ring_cost import SHOWN, USUAL_RUNS, search_cost
 from longwave.scenes.engines.run_record import (
@@ -28,8 +29,7 @@ from longwave.scenes.engines.run_record import (
 from longwave.scenes.engines.site_engine import SiteEngine
 from longwave.scenes.engines.spectral_run import run_spectral, spectral_cost
 from longwave.scenes.engines.stated_run import run_from, stated_runs
-from longwave.scenes.engines.wave_cells import stated_cells
-from longwave.scenes.engines.wave_rings import ComparedCells, WaveRings, expected_rings
+from longwave.scenes.engines.stepped_cells import stated_cells
 from longwave.scenes.engines.window import STRIDE
 from longwave.scenes.observed.observables import MAP_CELLS, MEASURED, observable_named
 from longwave.scenes.starts.background_growth import check_trust, trust_attributes
@@ -69,17 +69,17 @@ def scene_cost(scene: Scene) -> ExpectedCost:
     """
     is_spectral = isinstance(scene.numerics, Tolerance) and scene.numerics.engine == "spectral"
     if is_spectral and not scene.has_moving_wave:
-        return engine_of(*wave_rings(scene)).expected
+        return engine_of(*domain_plan(scene)).expected
     chosen = "" if scene.tolerance is None else choose_engine(scene)
     return _rings_cost(scene) if chosen == "spectral" else _cells_cost(scene)
 
 
 def _rings_cost(scene: Scene) -> ExpectedCost:
     """The same of the paper's wave on spectral rings."""
-    rings = spectral_cost(scene)
+    domains = spectral_cost(scene)
     kept = (2.0 * scene.compared + 1.0) * len({scene.t0, *exact_times(scene)})
     found = search_cost(moving_wave(scene).lattice, 0.0, 0.0, 1, kept)
-    found = _with(found, replace(rings, seconds=RINGS * rings.seconds))
+    found = _with(found, replace(domains, seconds=RINGS * domains.seconds))
     return _with(found, _seen_cost(scene, compared_cells(scene, moving_wave(scene))))
 
 
@@ -162,13 +162,13 @@ VALUE_BYTES = 20.0
 """For each number that is kept: in rows, in an array, and as a file's content."""
 
 
-def engine_of(timed: Scene, rings: WaveRings) -> SiteEngine | SpectralRuns:
+def engine_of(timed: Scene, domains: DomainPlan) -> SiteEngine | SpectralRuns:
     """The engine that the scene names, or the one site by site."""
     if timed.target.engine != "spectral":
-        return SiteEngine(timed, rings)
+        return SiteEngine(timed, domains)
     from longwave.scenes.engines.ring_spectral import SpectralRuns  # with a library of its own
 
-    return SpectralRuns(timed, rings)
+    return SpectralRuns(timed, domains)
 
 
 def wave_size(scene: Scene, t: float, far_field: bool) -> float:
@@ -199,8 +199,8 @@ def _stops(timed: Scene) -> Sequence[float]:
     return sorted({timed.t0, *exact_times(timed)})
 
 
-def wave_rings(scene: Scene) -> tuple[Scene, WaveRings]:
-    """The scene in the lattice's times, and the rings of its wave from then on."""
+def domain_plan(scene: Scene) -> tuple[Scene, DomainPlan]:
+    """The scene in the lattice's times, and the domains of its wave from then on."""
     wave = scene_wave(scene)
     timed = in_lattice_times(scene, wave.slow)
     _check_axes(timed, wave)
@@ -213,7 +213,7 @@ def wave_rings(scene: Scene) -> tuple[Scene, WaveRings]:
     wave.start(timed.t0)
     closed = getattr(scene.numerics, "domain", "") != "ring" or not scene.has_moving_wave
     tolerance, is_stated = _window_tolerance(timed), scene.tolerance is None
-    return timed, WaveRings(wave, compared, _stops(timed), tolerance, closed, is_stated)
+    return timed, DomainPlan(wave, compared, _stops(timed), tolerance, closed, is_stated)
 
 
 def _window_tolerance(timed: Scene) -> float | None:
@@ -277,11 +277,11 @@ def _by_cells(
     restart: State | None,
     begun: float,
 ) -> RunRecord:
-    timed, rings = wave_rings(scene)
+    timed, domains = domain_plan(scene)
     if scene.tolerance is not None:
-        return _to_tolerance(scene, engine_of(timed, rings), progress, announce, begun)
-    announce(_stated_cost(timed, rings.wave, rings.compared).seconds)
-    return run_from(stated_cells(timed, rings), restart, progress)
+        return _to_tolerance(scene, engine_of(timed, domains), progress, announce, begun)
+    announce(_stated_cost(timed, domains.wave, domains.compared).seconds)
+    return run_from(stated_cells(timed, domains), restart, progress)
 
 
 CHEAPER = "end earlier, compare fewer sites or see fewer times"
@@ -400,20 +400,20 @@ def _to_tolerance(
     judged(record, found, scene, begun)
     if isinstance(runs, SiteEngine):
         _add_pulse(record, runs, found.trial.choices.step)
-    if not isinstance(runs, SiteEngine) or runs.rings.wave.lattice.dimension > 1:
+    if not isinstance(runs, SiteEngine) or runs.domains.wave.lattice.dimension > 1:
         record.scene = scene  # a spectral ring, and that of a plane, has no sites that say it
     return record
 
 
 def _add_pulse(record: RunRecord, engine: SiteEngine, step: float) -> None:
     """Add what disorder left of the wave, where it was metered."""
-    metered, wave = engine.metered.get(step), engine.rings.wave
+    metered, wave = engine.metered.get(step), engine.domains.wave
     if metered is None or not metered.size:
         return
     assert wave.disorder is not None
     theory = []
     for t in engine.times:
-        cells = engine.rings.compared.cells(t)
+        cells = engine.domains.compared.cells(t)
         theory.append(crest(cells, wave.strain(cells, t)[0] - wave.background(cells, t)[0]))
     columns, numbers = pulse_track(metered, engine.metered_before(step), theory)
     kept = [engine.times.index(t) for t in record.reached]

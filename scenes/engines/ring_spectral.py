@@ -16,15 +16,15 @@ import numpy as np
 from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.lattice.spectral.field_ring import FieldRing, fast_count
 from longwave.lattice.spectral.ring_search import run_facts
-from longwave.lattice.spectral.spectral_integration import FieldRingEngine, RingSight
+from longwave.lattice.spectral.spectral_integration import FieldComparison, FieldRingEngine
 from longwave.lattice.state import State
 from longwave.lattice.trial import Trial
 from longwave.scenes.description.scene import Scene
+from longwave.scenes.engines.domain_plan import AROUND, WIDER, DomainPlan, Ends, sites_of
 from longwave.scenes.engines.recorders import Variables, build_recorders
 from longwave.scenes.engines.ring_cost import USUAL_RUNS, search_cost
 from longwave.scenes.engines.run_record import RunRecord
-from longwave.scenes.engines.wave_cells import CellView, RingCells, tell_energies
-from longwave.scenes.engines.wave_rings import AROUND, WIDER, Ends, WaveRings, sites_of
+from longwave.scenes.engines.stepped_cells import CellView, SteppedCells, tell_energies
 from longwave.support.checkpoint import Memory
 from longwave.support.request_limits import ExpectedCost, check_request
 
@@ -48,26 +48,26 @@ class SpectralRuns:
     lattice that is not the same in all cells.
     """
 
-    def __init__(self, scene: Scene, rings: WaveRings) -> None:
-        self.scene, self.rings, self.times = scene, rings, rings.times
-        wave, lattice = rings.wave, rings.wave.lattice
-        self._held: dict[tuple[float, ...], RingCells] = {}
+    def __init__(self, scene: Scene, domains: DomainPlan) -> None:
+        self.scene, self.domains, self.times = scene, domains, domains.times
+        wave, lattice = domains.wave, domains.wave.lattice
+        self._held: dict[tuple[float, ...], SteppedCells] = {}
         self._states: dict[bool, FieldRing] = {}
         state = self._state_of(wider=False)
         ring = self._held[state.circumferences].ring
-        sight = RingSight(
+        sight = FieldComparison(
             lambda state: self._view(state).judged(),
             wave.scale,
             at_sites=True,
             kept=self._kept,
             around=lambda state: self._view(state).judged(AROUND),
-            limit=rings.limit(ring),
+            limit=domains.limit(ring),
             wider=self._wider,
         )
         self.engine = FieldRingEngine(
             ring.lattice,
             state,
-            np.array(rings.times),
+            np.array(domains.times),
             (wave.speed, *(0.0,) * (lattice.dimension - 1)),
             scene.target.tolerance,
             sight,
@@ -83,10 +83,10 @@ class SpectralRuns:
 
     def _expected(self) -> ExpectedCost:
         """What the search takes, by its first run."""
-        engine, fields = self.engine, len(self.rings.wave.lattice.fields)
+        engine, fields = self.engine, len(self.domains.wave.lattice.fields)
         cells = float(sites_of(self._ends(wider=True)))
-        kept = math.prod(2.0 * reach + 1.0 for reach in self.rings.compared.reach)
-        found = search_cost(self.rings.wave.lattice, cells, 0.0, 1, kept * len(self.times))
+        kept = math.prod(2.0 * reach + 1.0 for reach in self.domains.compared.reach)
+        found = search_cost(self.domains.wave.lattice, cells, 0.0, 1, kept * len(self.times))
         work, points = engine.work(engine.first()), engine.points(engine.first())
         return replace(
             found,
@@ -103,8 +103,8 @@ class SpectralRuns:
 
         A wave that ends does so on the ring, for its data to be smooth over the seam.
         """
-        ends = self.rings.ends()
-        low, high = self.rings.wave.support(self.times[0])
+        ends = self.domains.ends()
+        low, high = self.domains.wave.support(self.times[0])
         if math.isfinite(high - low):
             ends[0] = min(ends[0][0], math.floor(low)), max(ends[0][1], math.ceil(high))
         counts = [fast_count(high + 1 - low) for low, high in ends]
@@ -117,7 +117,7 @@ class SpectralRuns:
     def _state_of(self, wider: bool) -> FieldRing:
         """The data on all cells of a ring."""
         if wider not in self._states:
-            cells = RingCells(self.scene, self.rings, self._ends(wider))
+            cells = SteppedCells(self.scene, self.domains, self._ends(wider))
             ring, left = cells.ring, tuple(float(low) for low, _ in cells.ends)
             circumferences = tuple(map(float, ring.f.shape[1:]))
             self._held[circumferences] = cells
@@ -155,8 +155,8 @@ class SpectralRuns:
             variables |= item.variables()
         steps, evaluations = ring.integrator.steps, ring.integrator.evaluations
         told = run_facts(trial, steps, evaluations, math.prod(ring.start.counts), "")
-        reach = self.rings.compared.reach
+        reach = self.domains.compared.reach
         record = RunRecord(self.scene, reach, self.scene.snapshots, variables, told)
-        if self.rings.wave.lattice.conserves_energy:
+        if self.domains.wave.lattice.conserves_energy:
             tell_energies(record, kept[0]["energy"], kept[-1]["energy"])
         return record

@@ -21,39 +21,39 @@ from sympy import Expr
 
 from longwave.derive.algebra.formula_expression import exact_value
 from longwave.lattice.energy_balance import EnergyBalance
-from longwave.lattice.integration import CellRingEngine, Comparison
+from longwave.lattice.integration import CellEngine, StateComparison
 from longwave.lattice.refine import Announce, refine
 from longwave.lattice.schemes import stability_limit
 from longwave.lattice.state import GROWTH, State
 from longwave.lattice.trial import Progress
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.description.scene_checks import positive
-from longwave.scenes.engines.recorders import Variables
-from longwave.scenes.engines.ring_cost import search_cost
-from longwave.scenes.engines.run_record import RunRecord
-from longwave.scenes.engines.wave_rings import (
+from longwave.scenes.engines.domain_plan import (
     LIMIT_SHARE,
     SCHEME,
     check_rest,
     longest_step,
     stiffest_slopes,
 )
+from longwave.scenes.engines.recorders import Variables
+from longwave.scenes.engines.ring_cost import search_cost
+from longwave.scenes.engines.run_record import RunRecord
 from longwave.scenes.starts.envelope_data import EnvelopeData
 from longwave.scenes.starts.lattice_derivation import scene_envelope
 from longwave.scenes.starts.perturbed_plane import (
     MOST_WAVES,
     SIZE,
     PerturbedPlane,
-    WaveRing,
+    PlaneDomain,
     chosen_kappa,
-    wave_ring,
+    plane_domain,
 )
 from longwave.support.checkpoint import spared_seconds
 from longwave.support.request_limits import ExpectedCost, OverBudgetError, check_request
 
 if TYPE_CHECKING:
     from longwave.derive import Envelope
-    from longwave.scenes.starts.cell_ring import CellRing
+    from longwave.scenes.starts.initial_cells import InitialCells
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -88,7 +88,7 @@ SEEN = 3.0
 class GrowthPlan(NamedTuple):
     """The ring, the wave on it, its data, and the moments of a scene that measures growth."""
 
-    ring: WaveRing
+    ring: PlaneDomain
     wave: PerturbedPlane
     data: EnvelopeData
     moments: Array
@@ -280,7 +280,7 @@ def growth_plan(scene: Scene) -> GrowthPlan:
             f"eps must leave a perturbation of fewer than {MOST_CELLS / MOST_WAVES:.0e} cells, got "
             f"{cells:.3g} (take a larger eps, amplitude or kappa)"
         )
-    ring = wave_ring(k, kappa * scene.eps)
+    ring = plane_domain(k, kappa * scene.eps)
     if ring.k != k:
         p, q = _coefficients(found, ring.k, constants)
     wave = PerturbedPlane(a, p, q, ring.perturbation / scene.eps)
@@ -353,7 +353,7 @@ class SidebandRuns:
         times, rows = np.unique(samples, return_inverse=True)
         self._rows = rows.reshape(samples.shape)
         self._check_cost(times)
-        self.ring: CellRing = plan.data.ring(np.arange(float(plan.ring.cells)), 0.0)
+        self.ring: InitialCells = plan.data.ring(np.arange(float(plan.ring.cells)), 0.0)
         lattice, stiffest = self.ring.lattice, stiffest_slopes(self.ring)
         rest = lattice.rest_slopes()
         check_rest(lattice, rest)
@@ -362,12 +362,12 @@ class SidebandRuns:
         self._least = self._largest(self.ring.f)
         longest = longest_step(fastest, abs(omega))
         evaluations = times[-1] / longest * SCHEME.stages
-        self.engine = CellRingEngine(
+        self.engine = CellEngine(
             lattice,
             State(0.0, self.ring.f, self.ring.v),
             times,
             SCHEME,
-            Comparison(self._sidebands, self._logarithms, 1.0 / self.scale / SIZE),
+            StateComparison(self._sidebands, self._logarithms, 1.0 / self.scale / SIZE),
             kept=times[:0],
             tolerance=scene.target.tolerance,
             longest=longest,

@@ -24,25 +24,25 @@ from longwave.lattice.trial import (
 )
 from longwave.scenes.description.numerics import Discretisation
 from longwave.scenes.description.scene import Scene
-from longwave.scenes.engines.recorders import Samples, exact_times
-from longwave.scenes.engines.run_record import UnfinishedRun
-from longwave.scenes.engines.stated_run import run_from
-from longwave.scenes.engines.wave_cells import (
-    FedWave,
-    RingCells,
-    WindowCells,
-    sees_all_cells,
-    tell_energies,
-)
-from longwave.scenes.engines.wave_rings import (
+from longwave.scenes.engines.domain_plan import (
     AROUND,
     SCHEME,
     WIDER,
     ComparedCells,
-    WaveRings,
+    DomainPlan,
     longest_step,
     part_of,
     sites_of,
+)
+from longwave.scenes.engines.recorders import Samples, exact_times
+from longwave.scenes.engines.run_record import UnfinishedRun
+from longwave.scenes.engines.stated_run import run_from
+from longwave.scenes.engines.stepped_cells import (
+    FedWave,
+    SteppedCells,
+    WindowCells,
+    sees_all_cells,
+    tell_energies,
 )
 from longwave.scenes.engines.window import (
     LARGEST_MISFIT,
@@ -88,32 +88,34 @@ class SiteEngine(StepSearch):
 
     decay = WINDOW_DECAY
 
-    def __init__(self, scene: Scene, rings: WaveRings, judged: ComparedCells | None = None) -> None:
-        self.scene, self.rings = scene, rings
-        wave, self.times = rings.wave, rings.times
+    def __init__(
+        self, scene: Scene, domains: DomainPlan, judged: ComparedCells | None = None
+    ) -> None:
+        self.scene, self.domains = scene, domains
+        wave, self.times = domains.wave, domains.times
         self._scheme = scheme_named(scene.target.scheme) if scene.target.scheme else SCHEME
         self._fields = len(wave.lattice.fields)
         self._fades = not sees_all_cells(scene)
         self.amplifies_rounding = wave.amplifies_rounding(self.times[0])
         self.unstable = 1 if wave.watches_strains else StepSearch.unstable
-        self.judged = judged or rings.compared
+        self.judged = judged or domains.compared
         self.metered: dict[float, Array] = {}
-        longest = longest_step(rings.fastest, wave.frequency, self._scheme)
+        longest = longest_step(domains.fastest, wave.frequency, self._scheme)
         longest = min(
             longest, DRIVEN_SHARE * wave.lattice.driven_within(self.times[0], self.times[:2][-1])
         )
-        self._ring = float(sites_of(rings.ends()))
-        self._misfed, self._widened = rings.window is None, 1.0
+        self._ring = float(sites_of(domains.ends()))
+        self._misfed, self._widened = domains.window is None, 1.0
         allowed = FEED_SHARE * scene.target.tolerance / FEED_SAFETY
         self._largest_misfit = min(LARGEST_MISFIT, allowed)
         stops = np.array(self.times)
-        if rings.window is not None:
+        if domains.window is not None:
             self.kinds, self.safety = ("step", "domain"), WINDOW_SAFETY
-            fed = FedWave(rings, rings.window)
+            fed = FedWave(domains, domains.window)
             stops = np.unique([*self.times, *(t for t in window_moves(fed) if t < self.times[-1])])
-        super().__init__(self._scheme.order, longest, stops, float(rings.window or self._ring))
-        self._first = replace(self._first, causal=rings.window is None)
-        self.expected = rings.expected
+        super().__init__(self._scheme.order, longest, stops, float(domains.window or self._ring))
+        self._first = replace(self._first, causal=domains.window is None)
+        self.expected = domains.expected
 
     def run(self, choices: Choices, shown: bool, progress: Progress = lambda _: None) -> Trial:
         """A run in a window of that size, or on a ring as wide as it must be or a little wider.
@@ -130,17 +132,17 @@ class SiteEngine(StepSearch):
             self._widened *= MISFED_GROWTH
             self._misfed = self._widened * self._first.size >= self._ring
             wider = round_up(self._widened * choices.size)
-            self.rings.check_wider(None if self._misfed else wider)
+            self.domains.check_wider(None if self._misfed else wider)
 
     def _run(self, choices: Choices, shown: bool, progress: Progress) -> Trial:
-        wave, ends = self.rings.wave, (self.times[0], self.times[-1])
+        wave, ends = self.domains.wave, (self.times[0], self.times[-1])
         looked = (shown or self._is_ring(choices)) and not choices.nudged
         cells = self._cells(choices, looked)
         judged = Samples(self.times, lambda view: view.judged(0, self.judged))
         around = Samples(ends[1:], lambda view: view.judged(AROUND, self.judged))
         energies = Samples(ends, lambda view: np.array(view.energy))
         witnesses = [judged, around, energies]
-        limit, largest = self.rings.limit(cells.ring), float(np.max(np.abs(cells.ring.f)))
+        limit, largest = self.domains.limit(cells.ring), float(np.max(np.abs(cells.ring.f)))
         metered = Samples(self.times)
         meter = wave.disorder.meter(cells.ring) if wave.disorder is not None else None
         if meter is not None:
@@ -181,51 +183,51 @@ class SiteEngine(StepSearch):
 
     def coarse_engine(self) -> SiteEngine:
         """The same about the wave alone in windows, seen less often, if that saves cells."""
-        rings = self.rings
-        if rings.window is None or rings.extent is None:
+        domains = self.domains
+        if domains.window is None or domains.extent is None:
             return self
-        low, high = rings.extent
+        low, high = domains.extent
         near = math.ceil(max(-low, high, 0.0)) + CLEARANCE
-        if near >= rings.compared.reach[0]:
+        if near >= domains.compared.reach[0]:
             return self
         scene = replace(self.scene, observables=())
-        times = judged_times(FedWave(rings, rings.window), (self.times[0], *exact_times(scene)))
-        compared = replace(rings.compared, reach=(near,))
-        return SiteEngine(scene, WaveRings(rings.wave, compared, times, rings.tolerance))
+        times = judged_times(FedWave(domains, domains.window), (self.times[0], *exact_times(scene)))
+        compared = replace(domains.compared, reach=(near,))
+        return SiteEngine(scene, DomainPlan(domains.wave, compared, times, domains.tolerance))
 
     def parts(self) -> tuple[SiteEngine, SiteEngine] | None:
         """Engines of a part that stands for all cells, and of all of them, judged there.
 
         None where there is none: the data must be no larger, nor steeper, anywhere than there.
         """
-        rings = self.rings
-        part = part_of(rings.wave, rings.compared, rings.times, rings.signals)
+        domains = self.domains
+        part = part_of(domains.wave, domains.compared, domains.times, domains.signals)
         if part is None:
             return None
-        inner = WaveRings(rings.wave, part, rings.times, rings.tolerance)
-        if not np.all(rings.sizes <= (1.0 + ALIKE) * inner.sizes):
+        inner = DomainPlan(domains.wave, part, domains.times, domains.tolerance)
+        if not np.all(domains.sizes <= (1.0 + ALIKE) * inner.sizes):
             return None
         within = SiteEngine(replace(self.scene, observables=()), inner)
-        return within, SiteEngine(self.scene, rings, part)
+        return within, SiteEngine(self.scene, domains, part)
 
     def _is_ring(self, choices: Choices) -> bool:
         return choices.causal or self._misfed
 
-    def _cells(self, choices: Choices, looked: bool) -> RingCells:
+    def _cells(self, choices: Choices, looked: bool) -> SteppedCells:
         observables = self.scene.observables if looked else ()
         scheme = self._scheme.name
         if not self._is_ring(choices):
             size = round_up(self._widened * choices.size)
             stated = Discretisation(choices.step, "window", size, scheme)
             plan = replace(self.scene, numerics=stated, observables=observables)
-            return WindowCells(plan, self.rings, choices.nudged)
+            return WindowCells(plan, self.domains, choices.nudged)
         least = self._ring if choices.causal else self._first.size
-        ends = self.rings.ends(WIDER if choices.size > least else 0)
-        closes = self.rings.wave.watches_strains and self.rings.room  # others always do
+        ends = self.domains.ends(WIDER if choices.size > least else 0)
+        closes = self.domains.wave.watches_strains and self.domains.room  # others always do
         domain = "closed_ring" if closes else "ring"
         stated = Discretisation(choices.step, domain, sites_of(ends), scheme)
         plan = replace(self.scene, numerics=stated, observables=observables)
-        return RingCells(plan, self.rings, ends, choices.nudged, self._fades)
+        return SteppedCells(plan, self.domains, ends, choices.nudged, self._fades)
 
     def _sized(self, choices: Choices, cells: float) -> Choices:
         """With a window of that many cells, or a ring if that takes fewer."""

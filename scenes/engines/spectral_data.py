@@ -48,7 +48,7 @@ absorber ends is then no step for it."""
 
 
 @dataclass(frozen=True)
-class RingPlace:
+class SpectralDomain:
     """Where a ring lies: its middle is ``ahead`` of c t.
 
     On a ``causal`` one no signal from the seam reaches the compared sites in time.
@@ -60,7 +60,7 @@ class RingPlace:
 
 
 @dataclass(frozen=True)
-class RingData:
+class SpectralStart:
     """A moving wave's data, ready to be put on rings of any size.
 
     ``bounds`` holds the wave and the compared sites at all times. No ring needs to be wider than
@@ -114,7 +114,7 @@ class RingData:
             return 0.0
         return max(SMOOTH / circumference, 4.0 * math.asin(math.sqrt(behind)))
 
-    def ring(self, circumference: float, shift: float = 0.0) -> RingPlace:
+    def ring(self, circumference: float, shift: float = 0.0) -> SpectralDomain:
         """A ring of about that circumference, its middle off the usual place by ``shift`` of it.
 
         It is the causal ring if that is not wider.
@@ -122,10 +122,10 @@ class RingData:
         if circumference >= self.causal.circumference:
             return self.causal
         ahead = self.bounds.middle + shift * circumference
-        return RingPlace(self._closed(circumference, ahead), ahead)
+        return SpectralDomain(self._closed(circumference, ahead), ahead)
 
     @cached_property
-    def causal(self) -> RingPlace:
+    def causal(self) -> SpectralDomain:
         """The ring whose seam cannot be felt in time.
 
         No signal is faster than sqrt(max V'') about the strains that it runs through, here those
@@ -138,7 +138,7 @@ class RingData:
         reach = self.seam(2.0 * fastest * moving.duration + 2 * moving.compared)
         half = moving.compared + way + front(fastest, moving.duration) + reach
         ahead = moving.speed * moving.duration
-        return RingPlace(self._closed(2.0 * half + 0.5 * self.unit, ahead), ahead, causal=True)
+        return SpectralDomain(self._closed(2.0 * half + 0.5 * self.unit, ahead), ahead, causal=True)
 
     @property
     def fastest(self) -> float:
@@ -147,7 +147,7 @@ class RingData:
         strain = np.concatenate([self._strain(x), self.bounds.strain])
         return self.moving.constants.highest_frequency(strain) / 2.0
 
-    def state(self, ring: RingPlace, points: int) -> FieldRing:
+    def state(self, ring: SpectralDomain, points: int) -> FieldRing:
         """The ring at t0, blended at its seam, without mean velocity."""
         length = ring.circumference
         x = length * (np.arange(points) / points - 0.5)
@@ -202,9 +202,9 @@ class RingData:
         return np.concatenate(self.moving.state(self._middle + x, self.moving.t0))
 
 
-def ring_data(moving: MovingWave, tolerance: float) -> RingData:
+def spectral_start(moving: MovingWave, tolerance: float) -> SpectralStart:
     """The data of a wave with its bounds."""
-    return RingData(moving, find_bounds(moving, tolerance))
+    return SpectralStart(moving, find_bounds(moving, tolerance))
 
 
 PER_RADIAN = 2.0

@@ -18,20 +18,20 @@ from longwave.lattice.spectral.ring_search import ALIKE, resolving_step, run_fac
 from longwave.lattice.state import State, empty_chain
 from longwave.lattice.trial import Progress, Trial
 from longwave.scenes.description.scene import Scene
+from longwave.scenes.engines.domain_plan import ComparedCells
 from longwave.scenes.engines.recorders import Recorder, build_recorders
 from longwave.scenes.engines.run_record import RunRecord, unfinished
 from longwave.scenes.engines.spectral_data import (
-    RingData,
+    SpectralStart,
     first_density,
-    ring_data,
+    spectral_start,
 )
 from longwave.scenes.engines.spectral_search import (
     MOST_POINTS,
     SpectralCost,
     solve_on_rings,
 )
-from longwave.scenes.engines.wave_cells import CellView
-from longwave.scenes.engines.wave_rings import ComparedCells
+from longwave.scenes.engines.stepped_cells import CellView
 from longwave.scenes.starts.moving_wave import MovingWave, moving_wave
 from longwave.support.request_limits import ExpectedCost, OverBudgetError
 
@@ -83,7 +83,7 @@ POINT_BYTES = 530.0
 def spectral_cost(scene: Scene) -> ExpectedCost:
     """What rings take; the wave's peak sets their points and steps, as in the mKdV limit."""
     moving, tolerance = moving_wave(scene), scene.target.tolerance
-    data, numbers = ring_data(moving, tolerance), moving.wave.numbers
+    data, numbers = spectral_start(moving, tolerance), moving.wave.numbers
     peak = float(np.max(np.abs(data.bounds.strain))) / moving.eps
     turns = numbers.b * moving.eps**3 * moving.duration * peak**3
     evaluations = EVALUATIONS * (1.0 + turns) * tolerance ** (-1.0 / ORDER)
@@ -99,7 +99,9 @@ def spectral_cost(scene: Scene) -> ExpectedCost:
     return ExpectedCost(START_SECONDS + SECONDS_PER_WORK * work, POINT_BYTES * most)
 
 
-def _circumferences(data: RingData, tolerance: float, peak: float, turns: float) -> list[float]:
+def _circumferences(
+    data: SpectralStart, tolerance: float, peak: float, turns: float
+) -> list[float]:
     """Those that are tried: doubled until the law says that it is enough, or until the causal one.
 
     On a constant background a doubling changes by the tails, which are cut off at the seam; on a

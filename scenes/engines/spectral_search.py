@@ -40,11 +40,11 @@ from longwave.lattice.trial import (
     rounding_error,
 )
 from longwave.scenes.engines.spectral_data import (
-    RingPlace,
+    SpectralDomain,
     first_density,
     first_step,
-    ring_data,
     rms_wavenumber,
+    spectral_start,
     turning_time,
 )
 from longwave.scenes.starts.moving_wave import MovingWave
@@ -121,7 +121,7 @@ Stop: TypeAlias = tuple[float, float, bool]
 """A time, the step up to it, and whether the wave is seen there."""
 
 
-class RingMarch:
+class SpectralIntegration:
     """A wave's way from ``state`` on rings, with a new one wherever the step is another.
 
     ``rows`` are its y/eps on the compared sites at the ``stops`` where it is seen. It can be gone
@@ -224,15 +224,15 @@ class SpectralEngine(SpectralRingSearch):
     def __init__(self, moving: MovingWave, tolerance: float, most_work: float) -> None:
         super().__init__(moving.t0, moving.duration, moving.speed, tolerance)
         self._moving, self.most_work = moving, most_work
-        self._data = ring_data(moving, tolerance)
+        self._data = spectral_start(moving, tolerance)
         self.decay = 2.0 if self._data.periodic else 3.0
         steepness = self._steepness(self._data.bounds.strain)
         if steepness > STEEPEST:
             raise self._too_short(f"a wave longer than {1.0 / steepness:.2g} sites")
         self._density = first_density(moving)
         self._started = moving.t0
-        self._rings: dict[tuple[float, float, bool], RingPlace] = {}
-        self._states: dict[tuple[RingPlace, int], FieldRing] = {}
+        self._rings: dict[tuple[float, float, bool], SpectralDomain] = {}
+        self._states: dict[tuple[SpectralDomain, int], FieldRing] = {}
         self._soft: NotHyperbolicError | None = None
 
     def first(self) -> Choices:
@@ -362,7 +362,9 @@ class SpectralEngine(SpectralRingSearch):
         state = self._state(choices)
         if choices.nudged:
             state = replace(state, f=(1.0 + NUDGE) * state.f)
-        march = RingMarch(moving, state, self._stops(choices), self._maker(choices, state))
+        march = SpectralIntegration(
+            moving, state, self._stops(choices), self._maker(choices, state)
+        )
         stopped = False
         try:
             march.run(progress, loop)
@@ -410,7 +412,7 @@ class SpectralEngine(SpectralRingSearch):
         late = [(t, choices.step, True) for t in times if t >= began]
         return [*early, (began, choices.start, False), *late]
 
-    def _ring(self, choices: Choices) -> RingPlace:
+    def _ring(self, choices: Choices) -> SpectralDomain:
         key = (choices.size, choices.shift, choices.causal)
         if key not in self._rings:
             size = math.inf if choices.causal else choices.size

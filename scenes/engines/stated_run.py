@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from longwave.lattice.stepper import Stepper
     from longwave.lattice.trial import Progress
     from longwave.scenes.description.scene import Scene
-    from longwave.scenes.engines.wave_cells import RingCells
+    from longwave.scenes.engines.stepped_cells import SteppedCells
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ class Recording:
 
 
 def record(
-    stepped: RingCells,
+    stepped: SteppedCells,
     observers: Sequence[Observer],
     progress: Progress,
     restart: State | None = None,
@@ -120,7 +120,7 @@ def refined(scene: Scene, measure: str) -> Scene:
 
 
 def measured_error(
-    stepped: RingCells, measure: str, samples: Sequence[Array], progress: Progress
+    stepped: SteppedCells, measure: str, samples: Sequence[Array], progress: Progress
 ) -> list[float]:
     """Largest difference of what is compared between a run and its refinement, in its unit.
 
@@ -139,7 +139,7 @@ def measured_error(
 
 
 def run_from(
-    stepped: RingCells,
+    stepped: SteppedCells,
     restart: State | None,
     progress: Progress | None,
     witnesses: Sequence[Observer] = (),

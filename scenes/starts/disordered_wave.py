@@ -22,7 +22,7 @@ from longwave.support.user_files import shown
 if TYPE_CHECKING:
     from longwave.derive.lattice import Lattice
     from longwave.lattice.numeric_lattice import NumericLattice
-    from longwave.scenes.starts.cell_ring import CellRing
+    from longwave.scenes.starts.initial_cells import InitialCells
 
 Array = NDArray[np.float64]
 
@@ -82,7 +82,7 @@ class WaveDisorder:
         share = abs(float(part.slope(rest) / bond.force.slope(rest)))
         return mean_inverse(self._disorder.distribution, share * self._disorder.spread) ** -0.5
 
-    def meter(self, ring: CellRing) -> PulseMeter | None:
+    def meter(self, ring: InitialCells) -> PulseMeter | None:
         """What measures the crest on its way."""
         return PulseMeter(ring, self._rest) if self._has_crest else None
 

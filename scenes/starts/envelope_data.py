@@ -21,8 +21,8 @@ from longwave.lattice.numeric_lattice import (
     numeric_lattice,
     stretch_text,
 )
-from longwave.scenes.starts.cell_ring import CellRing
 from longwave.scenes.starts.envelope_flow import EnvelopeFlow
+from longwave.scenes.starts.initial_cells import InitialCells
 from longwave.scenes.starts.lattice_wave import LatticeWave
 from longwave.solutions.pieces import PIECE
 
@@ -207,7 +207,7 @@ class EnvelopeData(LatticeWave):
         strains = [_Jets(self, cells[piece], t).sums(kept)[0].real for piece in _pieces(cells)]
         return (float(np.mean(np.concatenate(strains))),)
 
-    def rest_slopes(self, ring: CellRing) -> list[float]:
+    def rest_slopes(self, ring: InitialCells) -> list[float]:
         """The slope of each bond's force at the ring's mean strain, about which the carrier swings.
 
         No cell within a carrier is at rest: its bonds at one time say nothing of the next.

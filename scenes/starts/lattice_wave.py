@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from longwave.lattice.numeric_lattice import NumericLattice, place_text
 from longwave.lattice.seam import Fading
 from longwave.lattice.state import Sites
-from longwave.scenes.starts.cell_ring import CellRing
+from longwave.scenes.starts.initial_cells import InitialCells
 
 if TYPE_CHECKING:
     from longwave.scenes.description.losses import LossRates
@@ -152,7 +152,7 @@ class LatticeWave(ABC):
         """The share of the mean strain by which each field grows; all of it unless overridden."""
         return (1.0,) * len(self.lattice.fields)
 
-    def ring(self, cells: ArrayLike, t: float) -> CellRing:
+    def ring(self, cells: ArrayLike, t: float) -> InitialCells:
         """The state at a time on a ring of these consecutive cells.
 
         Where the wave does not end, its ring has a seam, which must be farther from what is
@@ -169,17 +169,17 @@ class LatticeWave(ABC):
             lattice = self.disorder.on(lattice, where)
         if self.losses is not None:
             lattice = self.losses.on(lattice, where.size)
-        return CellRing(lattice, mean, where, t, f, v)
+        return InitialCells(lattice, mean, where, t, f, v)
 
     def seam_room(self, t: float) -> int:
         """Cells at either end of a ring in which the ends are made to meet; 0 unless overridden."""
         return 0
 
-    def closed(self, ring: CellRing, room: int) -> CellRing:
+    def closed(self, ring: InitialCells, room: int) -> InitialCells:
         """The ring with ends that meet, made to within so many cells of either."""
         return ring.smoothed(room)
 
-    def blended(self, ring: CellRing, room: int) -> CellRing:
+    def blended(self, ring: InitialCells, room: int) -> InitialCells:
         """A chain of strains that passes, within so many cells of either end, into its own copy.
 
         That is the wave as it goes on beyond the other end. Where it passes over moves with the
@@ -275,7 +275,7 @@ class LatticeWave(ABC):
         """
         raise NotImplementedError
 
-    def rest_slopes(self, ring: CellRing) -> list[float]:
+    def rest_slopes(self, ring: InitialCells) -> list[float]:
         """The slope of each bond's force beside the wave.
 
         A long wave is all but uniform about each cell, so that the ring's first one tells it.

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.lattice.seam import FADING_DEPTH, Fading, negate_at_seam
 from longwave.lattice.state import Sites, State
-from longwave.scenes.starts.cell_ring import CellRing
+from longwave.scenes.starts.initial_cells import InitialCells
 from longwave.scenes.starts.lattice_wave import LatticeWave, nearest_cell
 from longwave.scenes.starts.wave_extent import extent, places_about, support_of, watched_times
 from longwave.solutions import NumericWave, WaveValues, kept_data, kept_wave
@@ -288,7 +288,7 @@ class MovingWave(LatticeWave):
         height = float(np.max(np.abs(wave.far_field(0.0, 0.0, "right").Y)))
         return math.ceil(KINK / (wave.numbers.a * self.eps * height))
 
-    def closed(self, ring: CellRing, room: int) -> CellRing:
+    def closed(self, ring: InitialCells, room: int) -> InitialCells:
         """The ring with ends that pass into each other within ``room`` sites of the seam.
 
         Those of a kink, whose far fields differ, pass into the kink's negative at the seam.

@@ -89,7 +89,7 @@ class PerturbedPlane:
 
 
 @dataclass(frozen=True)
-class WaveRing:
+class PlaneDomain:
     """A ring of ``cells`` round which the carrier comes ``turns`` times and the perturbation
     ``waves`` times.
     """
@@ -122,18 +122,18 @@ LARGEST_PART = 200
 """A k that is a part of pi with no larger denominator is taken exactly."""
 
 
-def wave_ring(k: Expr, perturbation: float) -> WaveRing:
+def plane_domain(k: Expr, perturbation: float) -> PlaneDomain:
     """The smallest ring that holds both waves, ``perturbation`` in radians a cell.
 
     A part of pi is held exactly, any other k within `NEAR_K`, and the perturbation within its
     `NEAR_KAPPA`. Raises ValueError where the lower sideband would have no wavenumber in 0 .. pi,
     and where no ring is small enough.
 
-    >>> wave_ring(pi / 2, 0.1)
-    WaveRing(cells=188, turns=47, waves=3)
-    >>> ring = wave_ring(Rational(13, 10), 0.1)
+    >>> plane_domain(pi / 2, 0.1)
+    PlaneDomain(cells=188, turns=47, waves=3)
+    >>> ring = plane_domain(Rational(13, 10), 0.1)
     >>> ring, round(float(ring.k), 5)
-    (WaveRing(cells=314, turns=65, waves=5), 1.30066)
+    (PlaneDomain(cells=314, turns=65, waves=5), 1.30066)
     """
     angle, part = float(k), k / pi
     if not perturbation < angle:
@@ -153,7 +153,7 @@ def wave_ring(k: Expr, perturbation: float) -> WaveRing:
         good &= (turns > waves) & (2 * turns <= cells)
         if np.any(good):
             nearest = np.argmin(np.where(good, np.abs(cells - middle), np.inf))
-            return WaveRing(int(cells[nearest]), int(turns[nearest]), waves)
+            return PlaneDomain(int(cells[nearest]), int(turns[nearest]), waves)
     raise ValueError(
         f"k must fit on a ring with the perturbation, got {k} and {perturbation:.4g} radians a "
         "cell (take a number or a part of pi with a small denominator)"

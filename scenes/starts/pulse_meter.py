@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from longwave.lattice.disordered_lattice import DisorderedLattice
 from longwave.lattice.trial import SAFETY
-from longwave.scenes.starts.cell_ring import CellRing
+from longwave.scenes.starts.initial_cells import InitialCells
 
 Array = NDArray[np.float64]
 
@@ -45,7 +45,7 @@ class PulseMeter:
     side as holds the share ``HELD`` of the energy at the start.
     """
 
-    def __init__(self, ring: CellRing, rest: Sequence[float]) -> None:
+    def __init__(self, ring: InitialCells, rest: Sequence[float]) -> None:
         assert isinstance(ring.lattice, DisorderedLattice)
         self._lattice = ring.lattice
         self._rest = tuple(rest)

@@ -8,7 +8,7 @@ from longwave.lattice.dynamics import Dynamics
 from longwave.lattice.model import Model
 from longwave.lattice.schemes import REDUCED_PHASE_6
 from longwave.lattice.state import State
-from longwave.lattice.stepper import Stepper, StillRing
+from longwave.lattice.stepper import FixedDomain, Stepper
 
 SOFT = Model(1.0, 0.0, -1.0).lattice
 
@@ -75,7 +75,7 @@ def test_steps_that_are_repeated_leave_no_trace_in_the_ranges() -> None:
     y = 0.5 * np.sin(2.0 * np.pi * np.arange(sites) / sites)[np.newaxis]
     state = State(0.0, y, y.copy())
 
-    class Calmed(StillRing):
+    class Calmed(FixedDomain):
         """Comes to rest at each stop."""
 
         def fade(self, state: State) -> None:

@@ -10,7 +10,7 @@ from longwave.derive import LATTICES
 from longwave.lattice import DrivenChain, SiteForce, State, driven_chain, energy_balance
 from longwave.lattice.energy_balance import EnergyBalance, Flow
 from longwave.lattice.force_program import ForceProgram
-from longwave.lattice.integration import CellRingEngine, Comparison
+from longwave.lattice.integration import CellEngine, StateComparison
 from longwave.lattice.numeric_lattice import Entry, NumericBond, NumericLattice, numeric_lattice
 from longwave.lattice.refine import refine
 from longwave.lattice.schemes import REDUCED_PHASE_6
@@ -124,7 +124,7 @@ def test_energy_holds_what_grains_pressed_together_store(ends: tuple[Any, Any]) 
         return np.array([made.energy(*state.arrays), done])
 
     times = np.array([0.0, 3.0])
-    engine = CellRingEngine(made, start, times, REDUCED_PHASE_6, Comparison(energies), cuts=cuts)
+    engine = CellEngine(made, start, times, REDUCED_PHASE_6, StateComparison(energies), cuts=cuts)
     found = refine(engine, 1e-5)
     assert found.trial.values is not None
     (before, _), (after, done) = found.trial.values

@@ -14,7 +14,7 @@ from longwave.lattice import DrivenChain, SiteForce, State, driven_chain, integr
 from longwave.lattice.drive_steps import drive_steps
 from longwave.lattice.force_features import find_feature
 from longwave.lattice.force_program import ForceProgram, force_program, program_of
-from longwave.lattice.integration import CellRingEngine
+from longwave.lattice.integration import CellEngine
 from longwave.lattice.numeric_lattice import Entry, NumericBond, NumericLattice, numeric_lattice
 from longwave.lattice.schemes import REDUCED_PHASE_6
 from longwave.lattice.time_integral import Integral
@@ -189,8 +189,8 @@ def test_a_sharp_corner_that_no_run_follows_is_named() -> None:
         answer(Member(family, genes))
 
 
-def engine_of(made: DrivenChain, end: float) -> CellRingEngine:
-    return CellRingEngine(made, made.held(at_rest(4)), np.array([end]), REDUCED_PHASE_6)
+def engine_of(made: DrivenChain, end: float) -> CellEngine:
+    return CellEngine(made, made.held(at_rest(4)), np.array([end]), REDUCED_PHASE_6)
 
 
 def test_last_digits_of_a_chain_at_rest_are_changed() -> None:

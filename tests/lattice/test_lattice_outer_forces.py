@@ -13,7 +13,7 @@ from longwave.derive.lattice_file import time_formula
 from longwave.lattice import DrivenChain, SiteForce, State, driven_chain, integrate
 from longwave.lattice.energy_balance import EnergyBalance
 from longwave.lattice.force_program import ForceProgram, program_of
-from longwave.lattice.integration import CellRingEngine, Comparison
+from longwave.lattice.integration import CellEngine, StateComparison
 from longwave.lattice.numeric_lattice import numeric_lattice
 from longwave.lattice.outer_forces import looked_at
 from longwave.lattice.schemes import KAHAN_LI_8, REDUCED_PHASE_6, STOERMER_VERLET, Scheme
@@ -97,8 +97,8 @@ def test_a_kind_of_force_is_an_entry() -> None:
         assert balance is not None
         return np.array([balance.total.work.sum()])
 
-    engine = CellRingEngine(
-        made, held, np.array([END]), REDUCED_PHASE_6, Comparison(worked), cuts=[]
+    engine = CellEngine(
+        made, held, np.array([END]), REDUCED_PHASE_6, StateComparison(worked), cuts=[]
     )
     trial = engine.run(replace(engine.first(), step=0.05), True)
     assert trial.values is not None

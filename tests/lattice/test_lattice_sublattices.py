@@ -8,7 +8,7 @@ from longwave.lattice.model import Model
 from longwave.lattice.numeric_lattice import numeric_lattice
 from longwave.lattice.spectral.crest_energy import DENSITY, crest_energy_spread
 from longwave.lattice.spectral.field_ring import FieldRing
-from longwave.scenes.engines.spectral_data import ring_data
+from longwave.scenes.engines.spectral_data import spectral_start
 from longwave.scenes.starts.moving_wave import MovingWave
 from longwave.solutions import Wave, closed_form
 
@@ -19,7 +19,7 @@ def _spread(steepness: float, points_per_site: float = DENSITY) -> tuple[float, 
     """The spread of a soliton's energies, and the same from sums over the sites of each lattice."""
     wave = Wave(closed_form("soliton_sech"), derive.mkdv_normal_form(1, 1), A=1)
     eps = steepness / float(wave.normal_form.a)
-    data = ring_data(MovingWave(wave, Model(1.0, 0.0, 1.0), eps, (0.0, 100.0), 60), 1e-4)
+    data = spectral_start(MovingWave(wave, Model(1.0, 0.0, 1.0), eps, (0.0, 100.0), 60), 1e-4)
     ring = data.ring(data.smallest)
     state = data.state(ring, 2 * round(points_per_site * ring.circumference / 2))
     sites = round(ring.circumference / 2 - data.seam(ring.circumference))

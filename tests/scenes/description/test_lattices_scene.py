@@ -11,9 +11,9 @@ import pytest
 from longwave.scenes.convergence import at_eps
 from longwave.scenes.description.named_scenes import load_scene, scene_of_toml, shipped_scenes
 from longwave.scenes.description.scene import Scene
+from longwave.scenes.engines.domain_plan import ComparedCells
 from longwave.scenes.engines.methods import expected_cost
 from longwave.scenes.engines.scene_run import run
-from longwave.scenes.engines.wave_rings import ComparedCells
 from longwave.scenes.starts.moving_wave import moving_wave
 
 GIVEN: dict[str, Any] = {

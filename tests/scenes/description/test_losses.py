@@ -21,7 +21,7 @@ from longwave.scenes.convergence import at_eps, fitted_rate, scene_convergence, 
 from longwave.scenes.description.losses import Losses
 from longwave.scenes.description.named_scenes import load_scene
 from longwave.scenes.description.scene import Scene
-from longwave.scenes.engines.lattice_run import compared_cells, record_scene, wave_rings
+from longwave.scenes.engines.lattice_run import compared_cells, domain_plan, record_scene
 from longwave.scenes.starts.lattice_derivation import derivation, lattice_wave, wave_of
 from longwave.support.request_limits import request_limits
 
@@ -203,15 +203,15 @@ def test_the_shock_of_dashpots_runs_on_the_lattice_with_the_rate_of_theory() -> 
 def test_the_seam_of_a_shock_is_not_felt_however_dashpots_smear_it(lattice: str) -> None:
     """A ring that is twice as wide gives the same to rounding; without the margin 1e-8 is felt."""
     made = scene(SHOCK, lattice=lattice, slow_times=[0, 8], tolerance=1e-8)
-    timed, rings = wave_rings(made)
-    least = math.prod(high - low + 1 for low, high in rings.ends())
+    timed, domains = domain_plan(made)
+    least = math.prod(high - low + 1 for low, high in domains.ends())
     stated = {"tolerance": None, "domain": "ring", "step": 0.5, "scheme": "reduced_phase_6"}
     narrow, wide = (
         record_scene(made.changed(**stated, sites=sites)).values("strain")
         for sites in (least, 2 * least)
     )
     assert np.abs(narrow - wide).max() < 1e-12
-    assert compared_cells(made, rings.wave).reach[0] < least / 4
+    assert compared_cells(made, domains.wave).reach[0] < least / 4
     assert timed.end == pytest.approx(1000.0)
 
 

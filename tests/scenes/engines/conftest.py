@@ -6,8 +6,8 @@ from typing import Any
 import pytest
 
 from longwave.scenes.description.scene import Scene
-from longwave.scenes.engines.lattice_run import wave_rings
-from longwave.scenes.engines.wave_cells import FedWave
+from longwave.scenes.engines.lattice_run import domain_plan
+from longwave.scenes.engines.stepped_cells import FedWave
 
 RING = Scene.of(
     name="short",
@@ -61,6 +61,6 @@ def fed_wave() -> Callable[[Scene], FedWave]:
     """The wave of a stated scene as its window is fed with it."""
 
     def make(scene: Scene) -> FedWave:
-        return FedWave(wave_rings(scene)[1], scene.discretisation.sites)
+        return FedWave(domain_plan(scene)[1], scene.discretisation.sites)
 
     return make

@@ -11,15 +11,15 @@ from longwave.scenes import run
 from longwave.scenes.description.named_scenes import load_scene
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.engines import window as window_module
-from longwave.scenes.engines.lattice_run import wave_rings
-from longwave.scenes.engines.wave_cells import FedWave
+from longwave.scenes.engines.lattice_run import domain_plan
+from longwave.scenes.engines.stepped_cells import FedWave
 from longwave.scenes.engines.window import INTERPOLATION_ERROR, LARGEST_MISFIT, Window
 from longwave.scenes.starts.moving_wave import moving_wave
 
 
 def window_of(scene: Scene) -> Window:
     sites = scene.discretisation.sites
-    return Window(FedWave(wave_rings(scene)[1], sites), sites)
+    return Window(FedWave(domain_plan(scene)[1], sites), sites)
 
 
 def strain(scene: Scene) -> np.ndarray:

@@ -9,7 +9,7 @@ from longwave.lattice.seam import Fading
 from longwave.lattice.state import State
 from longwave.scenes import run
 from longwave.scenes.description.scene import Scene
-from longwave.scenes.engines.wave_cells import CellDomain
+from longwave.scenes.engines.stepped_cells import CellDomain
 
 SOUND = Scene.of(
     name="sn",

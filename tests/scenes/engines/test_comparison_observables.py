@@ -18,10 +18,10 @@ from longwave.scenes import run
 from longwave.scenes.description.named_scenes import load_scene
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.engines import lattice_run
-from longwave.scenes.engines.lattice_run import wave_rings
+from longwave.scenes.engines.lattice_run import domain_plan
 from longwave.scenes.engines.recorders import LOOK_EVALUATIONS
 from longwave.scenes.engines.spectral_run import view_of
-from longwave.scenes.engines.wave_cells import stated_cells
+from longwave.scenes.engines.stepped_cells import stated_cells
 from longwave.scenes.observed.observables import (
     OBSERVABLES,
     Observable,
@@ -141,7 +141,7 @@ class CountedArray(np.ndarray[Any, np.dtype[np.float64]]):
 
 def operations(scene: Scene, entry: Observable) -> float:
     """Elementary array operations of one look, 5 N log2 N for a Fourier transform."""
-    state = stated_cells(*wave_rings(scene)).stepper(None)[0].state
+    state = stated_cells(*domain_plan(scene)).stepper(None)[0].state
     counted = State(state.t, state.f.view(CountedArray), state.v.view(CountedArray), state.left)
     CountedArray.operations = 0
     entry.measure(view_of(moving_wave(scene), counted))

@@ -12,10 +12,10 @@ from longwave.lattice.state import BlowUp, State
 from longwave.scenes import run
 from longwave.scenes.description.named_scenes import load_scene, scene_of
 from longwave.scenes.description.scene import Scene
-from longwave.scenes.engines.lattice_run import wave_rings
+from longwave.scenes.engines.lattice_run import domain_plan
 from longwave.scenes.engines.spectral_run import view_of
 from longwave.scenes.engines.stated_run import refined
-from longwave.scenes.engines.wave_cells import stated_cells
+from longwave.scenes.engines.stepped_cells import stated_cells
 from longwave.scenes.starts.moving_wave import moving_wave
 
 Y2 = replace(load_scene("rational_2_eps_0.05"), observables=("strain",), snapshots=(0.0,))
@@ -209,7 +209,7 @@ def test_a_blow_up_at_the_seam_is_told_from_one_of_the_wave(sites: int, closes: 
 
 
 def test_a_blow_up_far_from_the_seam_does_not_blame_it(ring_scene: Callable[..., Scene]) -> None:
-    stepper, _ = stated_cells(*wave_rings(scene := ring_scene())).stepper(None)
+    stepper, _ = stated_cells(*domain_plan(scene := ring_scene())).stepper(None)
     state, domain = stepper.state, stepper.domain
     middle = BlowUp("broken", scene.t0, state.size // 2)
     assert domain.locate(middle, state).from_seam is None

@@ -11,16 +11,16 @@ from longwave.lattice.model import Model
 from longwave.lattice.seam import blend_seam, close_circumference
 from longwave.lattice.spectral.evolution import SpectralRing
 from longwave.scenes.description.scene import Scene
-from longwave.scenes.engines.spectral_data import RingData, RingPlace, ring_data
+from longwave.scenes.engines.spectral_data import SpectralDomain, SpectralStart, spectral_start
 from longwave.scenes.starts.moving_wave import MovingWave, moving_wave
 from longwave.solutions import Wave, closed_form
 
 
-def _data(name: str, t0: float, **parameters: object) -> RingData:
+def _data(name: str, t0: float, **parameters: object) -> SpectralStart:
     K4 = closed_form(name).equation.s
     wave = Wave(closed_form(name), derive.mkdv_normal_form(1, K4), **parameters)
     moving = MovingWave(wave, Model(1.0, 0.0, float(K4)), 0.05, (t0, -t0), 100)
-    return ring_data(moving, 1e-4)
+    return spectral_start(moving, 1e-4)
 
 
 def test_the_closed_length_holds_the_phase_jump() -> None:
@@ -33,7 +33,7 @@ def test_a_background_that_hardly_varies_is_closed_near_the_length_asked_for() -
     """Without a bound the best length was -8e-6, where both ends are one place."""
     wave = Wave(closed_form("soliton_dn"), derive.mkdv_normal_form(1, 0.7619), k=0.001429)
     times = (-263566.18773534265, -261313.0594428259)
-    data = ring_data(MovingWave(wave, Model(1.0, 0.0, 0.7619), 0.03595, times, 115), 6e-6)
+    data = spectral_start(MovingWave(wave, Model(1.0, 0.0, 0.7619), 0.03595, times, 115), 6e-6)
     ahead, length = data.causal.ahead, 120.0 * data.unit
     assert abs(data._closed(length, ahead) - length) <= 0.52 * data.unit
     assert data.causal.circumference > data.smallest
@@ -44,7 +44,7 @@ def test_dark_breather_closes_by_its_phase_jump(alpha: float) -> None:
     """The sn waves on the two sides are 4 alpha apart in xi, exactly."""
     data = _data("breather_sn", -1000.0, k=0.5, alpha=alpha, X_0=0)
     a = float(data.moving.wave.normal_form.a)
-    closed = RingPlace(data._closed(40 * data.unit, 0.0)).circumference
+    closed = SpectralDomain(data._closed(40 * data.unit, 0.0)).circumference
     jump = (closed - 40 * data.unit) * a * data.moving.eps
     period = data.unit * a * data.moving.eps
     apart = min(
@@ -69,7 +69,7 @@ def test_what_absorbing_is_worth_on_a_constant_background() -> None:
     data = _rational(-1000.0)
     sites = np.arange(-100, 101) - round(data.moving.speed * data.moving.t0)
 
-    def strain(ring: RingPlace, left: bool = False, short: bool = False) -> np.ndarray:
+    def strain(ring: SpectralDomain, left: bool = False, short: bool = False) -> np.ndarray:
         state = data.state(ring, 2 * round(2.0 * ring.circumference))
         cutoff = data.absorbed if left else 0.0
         turning = data.short(ring.circumference) if short else 0.0
@@ -80,7 +80,7 @@ def test_what_absorbing_is_worth_on_a_constant_background() -> None:
 
     def errors(left: bool, short: bool) -> list[float]:
         """Sup error of y/eps near the crest at t = -t0, against the causal ring."""
-        found = (strain(RingPlace(length), left, short) for length in (1000.0, 2000.0))
+        found = (strain(SpectralDomain(length), left, short) for length in (1000.0, 2000.0))
         return [float(np.abs(ring - exact).max()) / data.moving.eps for ring in found]
 
     nothing, left, both = errors(False, False), errors(True, False), errors(True, True)
@@ -91,20 +91,20 @@ def test_what_absorbing_is_worth_on_a_constant_background() -> None:
     assert left[1] > 8 * both[1]
 
 
-def _rational(t0: float) -> RingData:
+def _rational(t0: float) -> SpectralStart:
     wave = Wave(closed_form("rational_2"), derive.mkdv_normal_form(4, 1))
-    return ring_data(MovingWave(wave, Model(4.0, 0.0, 1.0), 0.1, (t0, -t0), 100), 1e-4)
+    return spectral_start(MovingWave(wave, Model(4.0, 0.0, 1.0), 0.1, (t0, -t0), 100), 1e-4)
 
 
 @pytest.fixture(scope="module")
-def data(request: pytest.FixtureRequest) -> RingData:
+def data(request: pytest.FixtureRequest) -> SpectralStart:
     if request.param == "rational_2":
         return _rational(-100.0)
     return _data("rogue_cn", -100.0, k=0.5)
 
 
 @pytest.mark.parametrize("data", ["rational_2", "rogue_cn"], indirect=True)
-def test_only_the_seam_is_not_the_wave(data: RingData) -> None:
+def test_only_the_seam_is_not_the_wave(data: SpectralStart) -> None:
     ring = data.ring(data.smallest)
     state = data.state(ring, 2000)
     inside = np.abs(state.points() - data.moving.speed * data.moving.t0 - ring.ahead)
@@ -117,7 +117,7 @@ def test_only_the_seam_is_not_the_wave(data: RingData) -> None:
 
 
 @pytest.mark.parametrize("data", ["rational_2", "rogue_cn"], indirect=True)
-def test_the_causal_ring_does_not_feel_its_seam(data: RingData) -> None:
+def test_the_causal_ring_does_not_feel_its_seam(data: SpectralStart) -> None:
     """A disturbance at the seam is not seen on the compared sites; on a ring that lags it is."""
     ring = data.causal
     assert ring == data.ring(2.0 * ring.circumference)
@@ -128,7 +128,7 @@ def test_the_causal_ring_does_not_feel_its_seam(data: RingData) -> None:
     assert abs(changes[1] - changes[0]).max() > 1e-3
 
 
-def _seen(data: RingData, ring: RingPlace, disturbance: float) -> np.ndarray:
+def _seen(data: SpectralStart, ring: SpectralDomain, disturbance: float) -> np.ndarray:
     """y/eps on the compared sites at the end, with a hump at the seam."""
     state = data.state(ring, 2 * round(ring.circumference))
     distance = state.points() - state.left[0]

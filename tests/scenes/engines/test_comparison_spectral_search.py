@@ -14,7 +14,7 @@ from longwave.lattice.spectral.evolution import SpectralRing
 from longwave.lattice.stepper import advance
 from longwave.scenes.description.named_scenes import load_scene
 from longwave.scenes.engines import spectral_run
-from longwave.scenes.engines.spectral_data import ring_data
+from longwave.scenes.engines.spectral_data import spectral_start
 from longwave.scenes.engines.spectral_search import solve_on_rings
 from longwave.scenes.starts.moving_wave import MovingWave
 from longwave.solutions import Wave, closed_form
@@ -131,7 +131,7 @@ def test_long_runs_on_periodic_backgrounds(name: str, k: float) -> None:
     moving = MovingWave(wave, Model(1.0, 0.0, 1.0), 0.05, (-1e4, *times), 400)
     found = solve_on_rings(moving, 1e-4)
     assert found.error <= 1e-4
-    data, trial = ring_data(moving, 1e-4), found.trial
+    data, trial = spectral_start(moving, 1e-4), found.trial
     cost, values = trial.payload, trial.values
     assert values is not None
     points = 2 * round(cost.points * data.causal.circumference / cost.circumference / 2)

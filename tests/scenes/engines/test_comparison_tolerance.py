@@ -17,7 +17,7 @@ from longwave.scenes.description.scene import Scene
 from longwave.scenes.engines import spectral_search
 from longwave.scenes.engines.lattice_run import choose_engine
 from longwave.scenes.engines.scene_run import run
-from longwave.scenes.engines.spectral_data import ring_data
+from longwave.scenes.engines.spectral_data import spectral_start
 from longwave.scenes.starts.moving_wave import moving_wave
 
 Array = NDArray[np.float64]
@@ -51,7 +51,7 @@ def stencil_reference(scene: Scene) -> Array:
 def spectral_reference(scene: Scene) -> Array:
     """The same by the spectral ring, with stated step, sampling and circumference."""
     moving = moving_wave(scene)
-    data = ring_data(moving, 1e-8)
+    data = spectral_start(moving, 1e-8)
     where = data.ring(RING_UNITS * (2 * scene.compared + 1))
     state = data.state(where, 2 * round(RING_DENSITY[scene.eps] * where.circumference / 2))
     step = moving.duration / RING_STEPS[scene.wave_name]

@@ -10,7 +10,7 @@ import pytest
 from longwave.scenes import run
 from longwave.scenes.description.named_scenes import load_scene, scene_of
 from longwave.scenes.description.scene import Scene
-from longwave.scenes.engines.lattice_run import wave_rings
+from longwave.scenes.engines.lattice_run import domain_plan
 from longwave.scenes.engines.methods import expected_cost
 from longwave.scenes.engines.site_engine import SiteEngine
 from longwave.scenes.starts.lattice_derivation import lattice_wave
@@ -138,7 +138,7 @@ def test_a_wave_that_is_not_on_the_part_is_searched_on_all_cells() -> None:
 
     def parts(T: float) -> object:
         scene = to_tolerance("dimer", 150_000).changed(times=(T * 1e3, T * 1e3 + 5.0))
-        return SiteEngine(*wave_rings(scene)).parts()
+        return SiteEngine(*domain_plan(scene)).parts()
 
     assert parts(0.0) is not None
     assert parts(30_000.0) is None

@@ -7,8 +7,8 @@ from scipy.integrate import solve_ivp
 from longwave.lattice.state import BlowUp
 from longwave.scenes import run
 from longwave.scenes.description.scene import Scene
-from longwave.scenes.engines import wave_rings as rings_module
-from longwave.scenes.engines.lattice_run import wave_rings
+from longwave.scenes.engines import domain_plan as rings_module
+from longwave.scenes.engines.lattice_run import domain_plan
 from longwave.scenes.starts.lattice_derivation import lattice_wave
 
 SOFT = Scene.of(
@@ -50,11 +50,11 @@ def test_neighbours_that_move_against_each_other_do_so_all_round_the_ring(order:
     ],
 )
 def test_rings_are_commensurate_with_carriers_that_can_be(k: str) -> None:
-    _, rings = wave_rings(SOFT.changed(carrier=k, times=[0, 3]))
+    _, domains = domain_plan(SOFT.changed(carrier=k, times=[0, 3]))
     for wider in (0, rings_module.WIDER):
-        ends = rings.ends(wider)
-        [(low, high)], [(_, least)] = ends, rings.plain_ends(wider)
-        assert rings.gaps(ends)[0] < 1e-9
+        ends = domains.ends(wider)
+        [(low, high)], [(_, least)] = ends, domains.plain_ends(wider)
+        assert domains.gaps(ends)[0] < 1e-9
         assert least <= high < least + rings_module.FITTING
         turns = (high + 1 - low) * float(lattice_wave(SOFT.changed(carrier=k)).carrier.k)
         assert abs(turns / (2 * np.pi) - round(turns / (2 * np.pi))) < 1e-9
@@ -63,21 +63,21 @@ def test_rings_are_commensurate_with_carriers_that_can_be(k: str) -> None:
 def test_a_carrier_that_closes_on_no_ring_does_so_as_well_as_it_can() -> None:
     found = run(SOFT.changed(carrier=3))
     assert not found.attrs["blow_up"]
-    _, rings = wave_rings(SOFT.changed(carrier=3, times=[0, 3]))
-    assert rings.gaps(rings.ends())[0] < 0.1 * rings.gaps(rings.plain_ends(0))[0]
+    _, domains = domain_plan(SOFT.changed(carrier=3, times=[0, 3]))
+    assert domains.gaps(domains.ends())[0] < 0.1 * domains.gaps(domains.plain_ends(0))[0]
 
 
 @pytest.mark.slow
 def test_what_blows_up_at_a_seam_is_told_as_from_there(monkeypatch: pytest.MonkeyPatch) -> None:
-    _, rings = wave_rings(SOFT.changed(times=[0, 3]))
-    closed = rings.ends()
+    _, domains = domain_plan(SOFT.changed(times=[0, 3]))
+    closed = domains.ends()
     torn = [(closed[0][0], closed[0][1] + 1)]
     found = BlowUp("the fields are not finite", 2.0, torn[0][0] + 1)
-    assert rings.located(found, torn).from_seam == 1
-    assert "and not the lattice" in str(rings.located(found, torn))
-    assert rings.located(found, closed).from_seam is None
+    assert domains.located(found, torn).from_seam == 1
+    assert "and not the lattice" in str(domains.located(found, torn))
+    assert domains.located(found, closed).from_seam is None
     far = BlowUp("the fields are not finite", 0.01, (torn[0][0] + torn[0][1]) // 2)
-    assert rings.located(far, torn).from_seam is None
+    assert domains.located(far, torn).from_seam is None
     monkeypatch.setattr(rings_module, "FITTING", 1)
     told = run(SOFT).attrs["blow_up"]
     assert "from the ring's seam" in told

@@ -13,7 +13,7 @@ import pytest
 from longwave.lattice.refine import refine
 from longwave.scenes import run
 from longwave.scenes.description.scene import Scene
-from longwave.scenes.engines.lattice_run import wave_rings
+from longwave.scenes.engines.lattice_run import domain_plan
 from longwave.scenes.engines.site_engine import SiteEngine
 from longwave.scenes.starts.lattice_derivation import lattice_wave
 from searches.estimate_judge import judge_scene
@@ -77,7 +77,7 @@ CROSSING = LONGER.changed(
 
 def judged(scene: Scene) -> tuple[float, float]:
     """Estimate and true error."""
-    engine = SiteEngine(*wave_rings(scene))
+    engine = SiteEngine(*domain_plan(scene))
     found = refine(engine, scene.tolerance)
     finer = replace(found.trial.choices, step=found.trial.choices.step / 4.0)
     exact = engine.run(finer, False)

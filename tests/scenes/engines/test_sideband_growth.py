@@ -17,7 +17,7 @@ from longwave.scenes.engines.sideband_growth import (
     growth_plan,
     measure_growth,
 )
-from longwave.scenes.starts.perturbed_plane import NEAR_K, NEAR_KAPPA, PerturbedPlane, wave_ring
+from longwave.scenes.starts.perturbed_plane import NEAR_K, NEAR_KAPPA, PerturbedPlane, plane_domain
 from longwave.support.request_limits import OverBudgetError, request_limits
 
 CUBIC: dict[str, Any] = {"K2": 1, "K3": "1/4", "K4": 1}
@@ -168,7 +168,7 @@ def test_rings_hold_carrier_and_perturbation(
     k = pi * Rational(min(above, below), below) if exact else Rational(above, below)
     if not perturbation < float(k) <= math.pi:
         return
-    ring = wave_ring(k, perturbation)
+    ring = plane_domain(k, perturbation)
     assert abs(float(ring.k) - float(k)) <= (0.0 if exact else NEAR_K)
     assert abs(ring.perturbation / perturbation - 1) <= NEAR_KAPPA
     assert 0 < ring.waves < ring.turns <= ring.cells / 2
@@ -176,7 +176,7 @@ def test_rings_hold_carrier_and_perturbation(
 
 def test_a_ring_has_a_wave_below_the_carrier() -> None:
     """Beside it a ring of 44 cells has both going round 7 times."""
-    ring = wave_ring(Integer(1), 0.9995)
+    ring = plane_domain(Integer(1), 0.9995)
     assert ring.waves < ring.turns
 
 

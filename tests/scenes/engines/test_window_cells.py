@@ -13,9 +13,9 @@ from longwave.scenes import load_scene, resume, run
 from longwave.scenes.description.named_scenes import scene_of
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.engines import site_engine
-from longwave.scenes.engines.lattice_run import wave_rings
+from longwave.scenes.engines.lattice_run import domain_plan
 from longwave.scenes.engines.site_engine import SiteEngine
-from longwave.scenes.engines.wave_cells import FedWave
+from longwave.scenes.engines.stepped_cells import FedWave
 from longwave.scenes.engines.window import Window
 from longwave.scenes.starts.lattice_wave import sound_speed
 from longwave.scenes.starts.long_wave_data import LongWaveData
@@ -73,11 +73,11 @@ def test_what_is_fed_wrongly_is_run_on_a_ring(monkeypatch: pytest.MonkeyPatch) -
 
 
 def test_what_a_feed_misses_is_part_of_the_estimate(monkeypatch: pytest.MonkeyPatch) -> None:
-    timed, rings = wave_rings(SCENES["two masses on a background"])
+    timed, domains = domain_plan(SCENES["two masses on a background"])
     monkeypatch.setattr(site_engine, "LARGEST_MISFIT", 1.0)
     monkeypatch.setattr("longwave.scenes.engines.window.LARGEST_MISFIT", 1.0)
     monkeypatch.setattr(LongWaveData, "far_speed", property(lambda _: 1.45))
-    engine = SiteEngine(timed, rings)
+    engine = SiteEngine(timed, domains)
     trial = engine.run(engine.first(), shown=False)
     mismatch = trial.payload.attrs["feed_mismatch"]
     assert trial.common_error == 2.0 * mismatch > 1e-4
@@ -101,22 +101,22 @@ def test_the_speed_of_sound_is_that_of_the_reduction(
 
 
 def test_a_far_field_in_strains_and_displacements_is_at_rest_or_moves_as_a_whole() -> None:
-    _, rings = wave_rings(SCENES["two masses on a background"])
-    growth, velocity = rings.wave.far_rates
+    _, domains = domain_plan(SCENES["two masses on a background"])
+    growth, velocity = domains.wave.far_rates
     assert growth == pytest.approx([0.05, 0.05], rel=1e-12)
-    assert velocity == pytest.approx(-rings.wave.speed * growth, rel=1e-2)
-    _, rings = wave_rings(SCENES["strains about a background"])
-    growth, velocity = rings.wave.far_rates
+    assert velocity == pytest.approx(-domains.wave.speed * growth, rel=1e-2)
+    _, domains = domain_plan(SCENES["strains about a background"])
+    growth, velocity = domains.wave.far_rates
     assert not growth.any()
     assert not velocity.any()
 
 
 @pytest.mark.parametrize("name", [*SCENES])
 def test_the_feed_is_the_wave_itself_at_first(name: str) -> None:
-    _, rings = wave_rings(SCENES[name])
-    assert rings.window is not None
-    fed = FedWave(rings, rings.window)
-    state = Window(fed, rings.window).start()
+    _, domains = domain_plan(SCENES[name])
+    assert domains.window is not None
+    fed = FedWave(domains, domains.window)
+    state = Window(fed, domains.window).start()
     sites = state.sites[-100:]
     speed = fed.background_speed
     assert speed is not None

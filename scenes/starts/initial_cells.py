@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class CellRing:
+class InitialCells:
     """A state on a ring of ``cells``, consecutive along each axis; ``f``, ``v``: (fields, *sites).
 
     ``f`` is periodic: of displacements it is what ``mean_strain`` times the cells leaves, and
@@ -33,7 +33,7 @@ class CellRing:
         """The slope of each bond's force in each cell."""
         return self.lattice.slopes(self.lattice.stretches(self.f))
 
-    def smoothed(self, room: int) -> CellRing:
+    def smoothed(self, room: int) -> InitialCells:
         """A chain of displacements whose strain and velocity pass smoothly from end to end.
 
         They do so within ``room`` cells of the seam; the mean strain stays.
@@ -51,7 +51,7 @@ class CellRing:
         v[:, :room] -= turned[:, ::-1]
         return replace(self, f=f, v=v)
 
-    def nudged(self, times: float = 1.0) -> CellRing:
+    def nudged(self, times: float = 1.0) -> InitialCells:
         """The ring with the last digits of its state changed (`trial.nudged`)."""
         f, v = nudged(self.f, self.v, times=times)
         return replace(self, f=f, v=v)

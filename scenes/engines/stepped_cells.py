@@ -15,15 +15,15 @@ from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.lattice.schemes import Scheme, check_step
 from longwave.lattice.seam import Fading
 from longwave.lattice.state import BlowUp, Domain, Sites, State
-from longwave.lattice.stepper import CHUNK, LEAST_CHUNK, Stepper, StillRing
+from longwave.lattice.stepper import CHUNK, LEAST_CHUNK, FixedDomain, Stepper
 from longwave.scenes.description.scene import Scene
+from longwave.scenes.engines.domain_plan import ComparedCells, DomainPlan, Ends, sites_of
 from longwave.scenes.engines.ring_cost import cell_seconds
 from longwave.scenes.engines.run_record import RunRecord
-from longwave.scenes.engines.wave_rings import ComparedCells, Ends, WaveRings, sites_of
 from longwave.scenes.engines.window import Window, stored_chain
 from longwave.scenes.observed.observables import observable_named
 from longwave.scenes.observed.view import View
-from longwave.scenes.starts.cell_ring import CellRing
+from longwave.scenes.starts.initial_cells import InitialCells
 from longwave.scenes.starts.lattice_wave import LatticeWave
 from longwave.support.checkpoint import Memory
 
@@ -33,7 +33,7 @@ LOOK_SECONDS = 0.02
 """Seconds between two stops, at which it is looked whether the state is finite; Ctrl-C waits."""
 
 
-class RingCells:
+class SteppedCells:
     """The cells of a ring as they are stepped.
 
     The scene has times of the lattice. Its ring has as many sites as it says, unless its ``ends``
@@ -45,22 +45,22 @@ class RingCells:
     def __init__(
         self,
         scene: Scene,
-        rings: WaveRings,
+        domains: DomainPlan,
         ends: list[Ends] | None = None,
         nudged: bool = False,
         fades: bool | None = None,
     ) -> None:
-        self.scene, self.rings, self._nudged = scene, rings, nudged
+        self.scene, self.domains, self._nudged = scene, domains, nudged
         self._fades = not sees_all_cells(scene) if fades is None else fades
-        self.scale, self.reach = rings.wave.scale, rings.compared.reach
+        self.scale, self.reach = domains.wave.scale, domains.compared.reach
         if ends is None:
-            least, sites = sites_of(rings.plain_ends(0)), scene.discretisation.sites
+            least, sites = sites_of(domains.plain_ends(0)), scene.discretisation.sites
             if sites < least:
                 raise ValueError(
                     f"sites must satisfy sites >= {least} on this ring, got {sites} (else signals "
                     "from the seam reach the compared sites; widen it or end earlier)"
                 )
-            ends = rings.plain_ends(sites - least)
+            ends = domains.plain_ends(sites - least)
         self.ends = ends
 
     @property
@@ -69,41 +69,41 @@ class RingCells:
         return f"{self.scene.json()} on {self.ends}{' nudged' if self._nudged else ''}"
 
     @cached_property
-    def ring(self) -> CellRing:
+    def ring(self) -> InitialCells:
         """The data, until they are stepped: there is one copy of a large ring."""
-        ring = self.rings.ring(self.ends)
+        ring = self.domains.ring(self.ends)
         return ring.nudged() if self._nudged else ring
 
     def stepper(self, restart: State | None) -> tuple[Stepper, float]:
         """What steps the cells, and the largest stable step."""
         stated = self.scene.discretisation
-        limit = check_step(stated.step, stated.table, self.rings.fastest)
+        limit = check_step(stated.step, stated.table, self.domains.fastest)
         if restart is not None:
-            self.ends = _ends_of(restart, self.rings.plain_ends(0))
+            self.ends = _ends_of(restart, self.domains.plain_ends(0))
         ring = self.ring
         state = State(ring.t, ring.f, ring.v)
         if restart is not None:
             shape = state.f.shape
             state = State(restart.t, restart.f.reshape(shape), restart.v.reshape(shape))
-        domain = CellDomain(state, self.ends, self.rings, self._fading)
+        domain = CellDomain(state, self.ends, self.domains, self._fading)
         return self._stepper_of(state, domain), limit
 
     def _stepper_of(self, state: State, domain: Domain) -> Stepper:
         ring, stated = self.ring, self.scene.discretisation
-        amplitude = float(np.max(np.abs(ring.f))) if self.rings.wave.watches_strains else None
+        amplitude = float(np.max(np.abs(ring.f))) if self.domains.wave.watches_strains else None
         return ring_stepper(ring.lattice, state, domain, stated.table, stated.step, amplitude)
 
     @property
     def _fading(self) -> Fading | None:
         """What fades the cells whose signals come too late."""
-        return self.rings.fading() if self._fades and self.rings.room else None
+        return self.domains.fading() if self._fades and self.domains.room else None
 
     def view(self, state: State) -> CellView:
         """The compared cells."""
-        rings, ring = self.rings, self.ring
+        domains, ring = self.domains, self.ring
         ends, arrays = self.ends_at(state), self.arrays_at(state)
         return CellView(
-            rings.wave, rings.compared, ring.lattice, ring.mean_strain, state, ends, arrays
+            domains.wave, domains.compared, ring.lattice, ring.mean_strain, state, ends, arrays
         )
 
     def ends_at(self, state: State) -> Sequence[Ends]:
@@ -114,9 +114,9 @@ class RingCells:
         """Fields and velocities of a state in the order of the cells."""
         return state.arrays
 
-    def refined(self, scene: Scene) -> RingCells:
+    def refined(self, scene: Scene) -> SteppedCells:
         """The cells of a finer scene."""
-        return RingCells(scene, self.rings)
+        return SteppedCells(scene, self.domains)
 
     def told(self, stepper: Stepper) -> dict[str, Any]:
         """The sites of the ring, which on a plane the scene does not say, and strains."""
@@ -124,7 +124,7 @@ class RingCells:
 
     def _strains(self, stepper: Stepper) -> dict[str, float]:
         """The strains that were met, of a wave that watches them."""
-        if not self.rings.wave.watches_strains:
+        if not self.domains.wave.watches_strains:
             return {}
         least, most = stepper.ranges[0]
         return {"least_strain": float(least), "most_strain": float(most)}
@@ -148,11 +148,11 @@ def _ends_of(restart: State, needed: Sequence[Ends]) -> list[Ends]:
 
 
 @dataclass
-class CellDomain(StillRing):
+class CellDomain(FixedDomain):
     """A ring of cells with these ends, some of which may fade."""
 
     ends: Sequence[Ends]
-    rings: WaveRings
+    domains: DomainPlan
     fading: Fading | None
 
     def fade(self, state: State) -> None:
@@ -169,7 +169,7 @@ class CellDomain(StillRing):
         """``found``, with the cell in the place of where it is stored."""
         columns = state.f[0].size // state.f.shape[1]
         site = self.ends[0][0] + found.site // columns
-        return self.rings.located(replace(found, site=site), self.ends)
+        return self.domains.located(replace(found, site=site), self.ends)
 
 
 def ring_stepper(
@@ -307,64 +307,64 @@ def tell_energies(run: RunRecord, begin: float, end: float) -> None:
 
 @dataclass(frozen=True)
 class FedWave:
-    """The wave of these rings as a window of ``size`` cells is fed with it (`WindowWave`).
+    """The wave of these domains as a window of ``size`` cells is fed with it (`WindowWave`).
 
     With ``nudged`` the last digits of its data are changed.
     """
 
-    rings: WaveRings
+    domains: DomainPlan
     size: int
     nudged: bool = False
 
     @property
     def name(self) -> str:
         """The wave's."""
-        return self.rings.wave.name
+        return self.domains.wave.name
 
     @property
     def t0(self) -> float:
         """The first of the times."""
-        return self.rings.times[0]
+        return self.domains.times[0]
 
     @property
     def duration(self) -> float:
         """From the first to the last."""
-        return self.rings.times[-1] - self.rings.times[0]
+        return self.domains.times[-1] - self.domains.times[0]
 
     @property
     def speed(self) -> float:
         """That of the wave's frame."""
-        return self.rings.wave.speed
+        return self.domains.wave.speed
 
     @property
     def compared(self) -> int:
         """Cells on either side of the frame's origin."""
-        return self.rings.compared.reach[0]
+        return self.domains.compared.reach[0]
 
     @property
     def scale(self) -> float:
         """The unit of errors."""
-        return self.rings.wave.scale
+        return self.domains.wave.scale
 
     @property
     def background_speed(self) -> float | None:
         """The speed of small long waves far from the wave."""
-        return self.rings.wave.far_speed
+        return self.domains.wave.far_speed
 
     @property
     def fastest(self) -> float:
         """The largest group velocity of any wave far from the wave."""
-        return self.rings.wave.far_fastest
+        return self.domains.wave.far_fastest
 
     def frame(self, t: float) -> int:
         """The cell nearest to the frame's origin."""
-        return self.rings.compared.middle(t)
+        return self.domains.compared.middle(t)
 
     @cached_property
-    def ring(self) -> CellRing:
+    def ring(self) -> InitialCells:
         """The data, with the mean strain that their displacements keep from end to end."""
         first = self.frame(self.t0) - self.size // 2
-        ring = self.rings.wave.ring(np.arange(first, first + self.size, dtype=float), self.t0)
+        ring = self.domains.wave.ring(np.arange(first, first + self.size, dtype=float), self.t0)
         return ring.nudged() if self.nudged else ring
 
     def initial_data(self, sites: Sites) -> tuple[Array, Array]:
@@ -378,30 +378,30 @@ class FedWave:
 
     def rigid_data(self, speed: float, offsets: Array) -> tuple[Array, Array]:
         """What deviates from the uniform far field, moving as it is at ``speed``."""
-        wave = self.rings.wave
+        wave = self.domains.wave
         f, slopes = wave.rigid(offsets, self.t0)
         return f, wave.far_rates[1][:, np.newaxis] - speed * slopes
 
     def uniform(self, sites: Sites, t: float) -> Array:
         """The uniform far field, less the mean strain, which the lattice's bonds hold."""
-        wave, [mean] = self.rings.wave, self.ring.mean_strain
+        wave, [mean] = self.domains.wave, self.ring.mean_strain
         growth, velocity = wave.far_rates
         left = growth - mean * np.array(wave.growth_shares)
         moved = np.multiply.outer(left, np.asarray(sites, dtype=np.float64))
         return np.asarray(moved + velocity[:, np.newaxis] * (t - self.t0))
 
 
-class WindowCells(RingCells):
+class WindowCells(SteppedCells):
     """The cells of a moving window as they are stepped; as many as the scene states.
 
     Raises ValueError for a wave without a constant background, and for too few of them.
     """
 
-    def __init__(self, scene: Scene, rings: WaveRings, nudged: bool = False) -> None:
-        self.scene, self.rings, self._nudged = scene, rings, nudged
-        self.scale, self.reach = rings.wave.scale, rings.compared.reach
-        self._window = Window(FedWave(rings, scene.discretisation.sites, nudged), self._size)
-        first = self._window.left(rings.times[0])
+    def __init__(self, scene: Scene, domains: DomainPlan, nudged: bool = False) -> None:
+        self.scene, self.domains, self._nudged = scene, domains, nudged
+        self.scale, self.reach = domains.wave.scale, domains.compared.reach
+        self._window = Window(FedWave(domains, scene.discretisation.sites, nudged), self._size)
+        first = self._window.left(domains.times[0])
         self.ends = [(first, first + self._size - 1)]
 
     @property
@@ -409,7 +409,7 @@ class WindowCells(RingCells):
         return self.scene.discretisation.sites
 
     @cached_property
-    def ring(self) -> CellRing:
+    def ring(self) -> InitialCells:
         """The data."""
         wave = self._window.wave
         assert isinstance(wave, FedWave)
@@ -418,7 +418,7 @@ class WindowCells(RingCells):
     def stepper(self, restart: State | None) -> tuple[Stepper, float]:
         """What steps the cells, and the largest stable step."""
         stated = self.scene.discretisation
-        limit = check_step(stated.step, stated.table, self.rings.fastest)
+        limit = check_step(stated.step, stated.table, self.domains.fastest)
         state = self._window.start()
         if restart is not None:
             shape = state.f.shape
@@ -436,14 +436,14 @@ class WindowCells(RingCells):
 
     def refined(self, scene: Scene) -> WindowCells:
         """The cells of a finer scene."""
-        return WindowCells(scene, self.rings)
+        return WindowCells(scene, self.domains)
 
     def told(self, stepper: Stepper) -> dict[str, Any]:
         """How well the feed fitted, and strains."""
         return {"feed_mismatch": stepper.domain.mismatch, **self._strains(stepper)}
 
 
-def stated_cells(scene: Scene, rings: WaveRings) -> RingCells:
+def stated_cells(scene: Scene, domains: DomainPlan) -> SteppedCells:
     """The cells of the domain that a scene states."""
     is_window = scene.discretisation.domain == "window"
-    return WindowCells(scene, rings) if is_window else RingCells(scene, rings)
+    return WindowCells(scene, domains) if is_window else SteppedCells(scene, domains)

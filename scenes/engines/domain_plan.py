@@ -29,7 +29,7 @@ from longwave.scenes.engines.ring_cost import (
     search_cost,
 )
 from longwave.scenes.engines.window import front, least_window, round_up
-from longwave.scenes.starts.cell_ring import CellRing
+from longwave.scenes.starts.initial_cells import InitialCells
 from longwave.scenes.starts.lattice_wave import (
     LatticeWave,
     largest_group_velocity,
@@ -250,8 +250,8 @@ PERIODS = 20
 """The same of a periodic background, in wavelengths."""
 
 
-class WaveRings:
-    """Rings of one wave at ``times``, the first of which is the start.
+class DomainPlan:
+    """The domains of one wave at ``times``, the first of which is the start: rings and windows.
 
     ``signals`` are the speeds of the fastest waves along each axis, ``fastest`` is the highest
     frequency of any; ``room`` cells at either end of a ring make its ends meet. ``window`` is the
@@ -314,7 +314,7 @@ class WaveRings:
                 "take a larger eps, end earlier or compare fewer cells",
             )
 
-    def _beside(self) -> Iterator[CellRing]:
+    def _beside(self) -> Iterator[InitialCells]:
         """A chain's wave where it is at first, in pieces: it may run to the compared cells.
 
         A soliton outside them may be faster than any signal among them, and be left out.
@@ -365,13 +365,13 @@ class WaveRings:
         is_periodic = wave.frequency or self.room
         return bool(filled and is_periodic and wave.lattice.dimension == 1)
 
-    def gaps(self, rings: Sequence[Ends]) -> Array:
+    def gaps(self, domains: Sequence[Ends]) -> Array:
         """By how much a carrier misses itself at the seam of each ring, in units of itself."""
         beside = np.arange(-BESIDE, BESIDE + 1)
         sides = []
         for firsts in (
-            np.array([low for low, _ in rings]),
-            np.array([high + 1 for _, high in rings]),
+            np.array([low for low, _ in domains]),
+            np.array([high + 1 for _, high in domains]),
         ):
             cells = np.arange(firsts.min() - BESIDE, firsts.max() + BESIDE + 1)
             f, v = self.wave.state(cells.astype(np.float64), self.times[0])
@@ -405,7 +405,7 @@ class WaveRings:
         more = 2 * (self.room + self._spread) + wider
         return self.compared.ring(self.times, self.signals, more)
 
-    def ring(self, ends: Sequence[Ends]) -> CellRing:
+    def ring(self, ends: Sequence[Ends]) -> InitialCells:
         """The wave at the first time on the ring with these ends."""
         return self.wave.closed(self.wave.ring(_grid(ends), self.times[0]), self.room)
 
@@ -413,12 +413,12 @@ class WaveRings:
         """What fades cells of a closed ring from which no compared one can be reached any more."""
         return self.wave.fading(self.times[0], self.signals[0])
 
-    def limit(self, ring: CellRing) -> float:
+    def limit(self, ring: InitialCells) -> float:
         """The largest that may be seen of a run from this state, in units of the scale."""
         largest = max(float(np.max(sizes[0])) for sizes in (self.sizes, self._sizes(ring)))
         return GROWTH * largest / self.wave.scale
 
-    def _sizes(self, ring: CellRing) -> Array:
+    def _sizes(self, ring: InitialCells) -> Array:
         """The largest that is seen of each quantity and rate on a ring, and step to the next cell.
 
         An array (2, 2, quantities).
@@ -461,7 +461,7 @@ def check_rest(lattice: NumericLattice, slopes: Sequence[float]) -> None:
         )
 
 
-def stiffest_slopes(ring: CellRing) -> list[float]:
+def stiffest_slopes(ring: InitialCells) -> list[float]:
     """The largest slope of each bond's force about the stretches of a state.
 
     Raises ValueError where a force is not defined, or a contact is open.
