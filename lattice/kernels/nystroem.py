@@ -10,10 +10,12 @@ combination of constants is compiled by itself and the absent terms are absent f
 code.
 """
 
+from itertools import product
+
 import numpy as np
 from numpy.typing import NDArray
 
-from longwave.support.compiled.jit import njit
+from longwave.support.compiled.jit import doubles, njit
 
 Array = NDArray[np.float64]
 
@@ -66,7 +68,14 @@ def advance_nystroem(
     _advance(y, s, table, h, steps, space, *constants)
 
 
-@njit(cache=True, subnormals=False, fastmath={"contract"})
+_TABLE_EXAMPLE = doubles(1), doubles(2), doubles(1), doubles(1)
+_EXAMPLES = [
+    (doubles(1), doubles(1), _TABLE_EXAMPLE, 0.0, 0, doubles(2), 0.0, K3, K4)
+    for K3, K4 in product((0.0, None), repeat=2)
+]
+
+
+@njit(cache=True, subnormals=False, examples=_EXAMPLES, fastmath={"contract"})
 def _advance(
     y: Array,
     s: Array,

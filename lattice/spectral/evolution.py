@@ -30,7 +30,7 @@ from numpy.typing import NDArray
 from longwave.lattice.spectral.absorber import ABSORBER_STRENGTH, LeftAbsorber, ShortAbsorber
 from longwave.lattice.spectral.exponential import ExponentialAdams
 from longwave.lattice.spectral.field_ring import FieldRing, modes_of, spectrum_tails, values_of
-from longwave.support.compiled.jit import njit
+from longwave.support.compiled.jit import complexes, doubles, njit
 
 if TYPE_CHECKING:
     from longwave.lattice.model import Model
@@ -66,7 +66,11 @@ class NotHyperbolicError(RunawayError):
         super().__init__(t, told)
 
 
-@njit(cache=True, fastmath={"contract"})
+@njit(
+    cache=True,
+    examples=[(complexes(2), doubles(1), complexes(1))],
+    fastmath={"contract"},
+)
 def _strain_modes(p: Complex, inverse: Array, out: Complex) -> None:
     """y = (p_+ - p_-)/(2 i w), mode by mode."""
     for k in range(1, p.shape[1]):
@@ -74,14 +78,14 @@ def _strain_modes(p: Complex, inverse: Array, out: Complex) -> None:
         out[k] = complex(difference.imag * inverse[k], -difference.real * inverse[k])
 
 
-@njit(cache=True, fastmath={"contract"})
+@njit(cache=True, examples=[(doubles(1), 0.0, 0.0, 0.0)], fastmath={"contract"})
 def _residual_force(y: Array, b: float, K3: float, K4: float) -> None:
     """V'(y) - (K2 + b) y, in place."""
     for i in range(y.size):
         y[i] *= y[i] * (K3 + K4 * y[i]) - b
 
 
-@njit(cache=True)
+@njit(cache=True, examples=[(complexes(1), doubles(1))])
 def _bend(force: Complex, symbol: Array) -> None:
     for k in range(force.size):
         force[k] *= symbol[k]

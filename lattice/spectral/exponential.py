@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from longwave.support.compiled.jit import njit
+from longwave.support.compiled.jit import complexes, njit
 
 if TYPE_CHECKING:
     from longwave.support.checkpoint import Memory
@@ -122,7 +122,11 @@ SLACK = 1e-9
 """A time this near to a whole step, in steps, is that step."""
 
 
-@njit(cache=True, fastmath={"contract"})
+@njit(
+    cache=True,
+    examples=[(complexes(2), complexes(2), complexes(3), complexes(2), complexes(2))],
+    fastmath={"contract"},
+)
 def _predict(factor: Complex, p: Complex, weights: Complex, past: Complex, out: Complex) -> None:
     for branch in range(p.shape[0]):
         for k in range(p.shape[1]):
@@ -132,7 +136,11 @@ def _predict(factor: Complex, p: Complex, weights: Complex, past: Complex, out: 
             out[branch, k] = value
 
 
-@njit(cache=True, fastmath={"contract"})
+@njit(
+    cache=True,
+    examples=[(complexes(3), complexes(1), complexes(2), complexes(2))],
+    fastmath={"contract"},
+)
 def _correct(weights: Complex, newest: Complex, past: Complex, p: Complex) -> None:
     for branch in range(p.shape[0]):
         for k in range(p.shape[1]):

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -29,7 +29,7 @@ from longwave.lattice.spectral.evolution import WATCH, RunawayError, SamplingErr
 from longwave.lattice.spectral.exponential import ExponentialAdams
 from longwave.lattice.spectral.field_ring import FieldRing, modes_of, spectrum_tails, values_of
 from longwave.lattice.spectral.normal_modes import multipliers, normal_modes
-from longwave.support.compiled.jit import njit
+from longwave.support.compiled.jit import complexes, doubles, njit
 
 if TYPE_CHECKING:
     from longwave.support.checkpoint import Memory
@@ -43,10 +43,11 @@ STILL = 0.03
 BLOCK = 64
 """Modes of a chain whose phases are products of a coarse and a fine one."""
 
-_jit = njit(cache=True, fastmath={"contract"})
+_jit = partial(njit, cache=True, fastmath={"contract"})
+_PHASES_EXAMPLE = complexes(1), complexes(1)
 
 
-@_jit
+@_jit(examples=[(complexes(2), complexes(3), *_PHASES_EXAMPLE, complexes(2))])
 def _bend(p: Complex, lift: Complex, coarse: Complex, fine: Complex, out: Complex) -> None:
     """The bonds' stretches in the frame that stands still."""
     bonds, branches, modes = lift.shape
@@ -58,7 +59,7 @@ def _bend(p: Complex, lift: Complex, coarse: Complex, fine: Complex, out: Comple
             out[bond, k] = total * (coarse[k // fine.size] * fine[k % fine.size])
 
 
-@_jit
+@_jit(examples=[(complexes(2), complexes(3), *_PHASES_EXAMPLE, complexes(1))])
 def _drive(force: Complex, drive: Complex, coarse: Complex, fine: Complex, out: Complex) -> None:
     """What the bonds' forces do to the normal coordinates in the moving frame."""
     branches, bonds, modes = drive.shape
@@ -71,7 +72,7 @@ def _drive(force: Complex, drive: Complex, coarse: Complex, fine: Complex, out: 
             out[j * modes + k] = total * phase
 
 
-@_jit
+@_jit(examples=[(doubles(1), 0.0, doubles(1), 0.0)])
 def _polynomial_residual(x: Array, offset: float, coefficients: Array, slope: float) -> None:
     """Force at offset + x less the slope times x, in place."""
     degree = coefficients.size

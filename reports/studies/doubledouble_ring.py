@@ -1,7 +1,7 @@
 """The lattice in double-double arithmetic (about 32 digits), to find what rounding does."""
 
 from fractions import Fraction
-from itertools import pairwise
+from itertools import pairwise, repeat
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from longwave.lattice.model import Model
 from longwave.lattice.schemes import Composition
 from longwave.solutions.run.doubledouble import add, multiply, scale, split, subtract
-from longwave.support.compiled.jit import njit
+from longwave.support.compiled.jit import doubles, njit
 
 Array = NDArray[np.float64]
 
@@ -40,7 +40,7 @@ def _bends(f: Array, g: Array) -> None:
         g[i, 0], g[i, 1] = subtract(ends, scale((f[i, 0], f[i, 1]), 2.0))
 
 
-@njit(cache=True)
+@njit(cache=True, examples=[(*repeat(doubles(2), 6), 0, 0.0, 0.0, 0.0)])
 def _advance(
     y: Array,
     s: Array,

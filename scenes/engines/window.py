@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from longwave.lattice.state import BlowUp, Domain, Sites, State
 from longwave.support.checkpoint import Memory
-from longwave.support.compiled.jit import njit
+from longwave.support.compiled.jit import doubles, njit
 
 Array = NDArray[np.float64]
 
@@ -164,9 +164,6 @@ INTERPOLATION_ERROR = 1e-14
 """Largest error of the interpolation, of y/eps or of what is largest."""
 
 
-_jit = njit(cache=True, fastmath={"contract"}, error_model="numpy")
-
-
 def _chebyshev_sums(coefficients: Array, u: Array) -> Array:
     """Sums of coefficients[:, k] T_k(u), of shape (rows of ``coefficients``, u.size)."""
     found = np.empty((len(coefficients), u.size))
@@ -174,7 +171,11 @@ def _chebyshev_sums(coefficients: Array, u: Array) -> Array:
     return found
 
 
-@_jit
+@njit(
+    cache=True,
+    examples=[(doubles(2), doubles(1), doubles(2), doubles(1))],
+    fastmath={"contract"},
+)
 def _clenshaw(coefficients: Array, u: Array, found: Array, work: Array) -> None:
     """Clenshaw's sums, all places a term at a time: the processor then takes several at once."""
     rows, terms = coefficients.shape

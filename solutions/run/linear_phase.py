@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from longwave.solutions.run.doubledouble import Three, check_range, split_three, two_prod, two_sum
-from longwave.support.compiled.jit import njit
+from longwave.support.compiled.jit import THREE, doubles, njit
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -45,7 +45,7 @@ def _plus(a: Three, b: Three) -> Three:
     return high, middle, a[2] + b[2] + (f + g)
 
 
-@njit(cache=True)
+@njit(cache=True, examples=[(THREE, doubles(1), doubles(2))])
 def _add_across(w: Three, z: Array, out: Array) -> None:
     """Add ``w z`` to what `_fill` made."""
     for i in range(z.size):
@@ -58,7 +58,7 @@ def _add_across(w: Three, z: Array, out: Array) -> None:
         out[3, i] += OF_TERMS * abs(across[0])
 
 
-@njit(cache=True)
+@njit(cache=True, examples=[(THREE, THREE, THREE, doubles(1), doubles(1), doubles(2))])
 def _fill(p: Three, q: Three, r: Three, x: Array, t: Array, out: Array) -> None:
     for i in range(x.size):
         moving, drifting = _three(p, x[i]), _three(q, t[i])

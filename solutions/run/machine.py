@@ -36,7 +36,7 @@ from longwave.solutions.run.elementary import (
     start_logarithm,
     tanh,
 )
-from longwave.support.compiled.jit import njit
+from longwave.support.compiled.jit import doubles, integers, njit
 
 
 @njit()
@@ -111,7 +111,13 @@ def _exponential(operation: int, x: Array, z: Array, scratch: Array) -> None:
         logarithm(x, source, power, z)
 
 
-@njit(cache=True)
+_EXAMPLE = (
+    *(integers(2), doubles(2), doubles(2)),
+    *(integers(1), doubles(3), doubles(2), doubles(3)),
+)
+
+
+@njit(cache=True, examples=[_EXAMPLE])
 def _run(
     code: NDArray[np.int64],
     constants: Array,
@@ -147,14 +153,14 @@ def _run(
                     out[row, part, start + i] = registers[outputs[row], part * BLOCK + i]
 
 
-@njit(cache=True)
+@njit(cache=True, examples=[(doubles(2), (0.0, 0.0))])
 def _scale_row(row: Array, factor: Pair) -> None:
     for i in range(row.shape[1]):
         bounded = factor[0], factor[1], UNIT * abs(factor[0])
         row[0, i], row[1, i], row[2, i] = multiply((row[0, i], row[1, i], row[2, i]), bounded)
 
 
-@njit(cache=True)
+@njit(cache=True, examples=[(doubles(2), doubles(2), (0.0, 0.0))])
 def _add_row(row: Array, other: Array, factor: Pair) -> None:
     bounded = factor[0], factor[1], UNIT * abs(factor[0])
     for i in range(row.shape[1]):

@@ -34,7 +34,7 @@ from longwave.solutions.run.doubledouble import (
 )
 from longwave.solutions.run.linear_phase import CONSTANT_DIGITS, LONG, long_number
 from longwave.solutions.run.machine import run_pairs
-from longwave.support.compiled.jit import njit
+from longwave.support.compiled.jit import THREE, doubles, njit
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -230,7 +230,7 @@ def _without(u: Three, j: float, quarter: Three) -> Three:
     return high, middle, low
 
 
-@njit(cache=True)
+@njit(cache=True, examples=[(doubles(2), THREE, doubles(3))])
 def _reduce(phase: Array, K: Three, out: Array) -> None:
     """A quotient of more than 53 bits takes the second step."""
     quarter = K[0] if K[0] != 0.0 else np.inf

@@ -29,7 +29,7 @@ from longwave.solutions.run.doubledouble import (
     split,
 )
 from longwave.solutions.run.linear_phase import LinearPhase, Variables, as_pairs, long_number
-from longwave.support.compiled.jit import njit
+from longwave.support.compiled.jit import doubles, integers, njit
 
 if TYPE_CHECKING:
     import sympy as sp
@@ -186,7 +186,17 @@ def _wave(A: Array, B: Array, weights: Array, e: float, sign: float, out: Array)
         bounded.store(out[6 * BLOCK :], i, rate)
 
 
-@njit(cache=True)
+_SPACE_EXAMPLE = (
+    *(doubles(1), doubles(1), doubles(1), doubles(2), doubles(2)),
+    *(doubles(2), doubles(3), doubles(2), doubles(1)),
+)
+_PLACES_EXAMPLE = doubles(2), doubles(2), doubles(1)
+
+
+@njit(
+    cache=True,
+    examples=[(doubles(4), integers(1), 0.0, *_PLACES_EXAMPLE, _SPACE_EXAMPLE, doubles(3))],
+)
 def rational_loop(
     tables: Array,
     parities: NDArray[np.int64],

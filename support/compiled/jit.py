@@ -2,10 +2,12 @@
 
 Numba, whose import and first look at a type take half a second, is asked when a kernel is first
 called with arguments of some kinds. The text in LLVM's language that it gives is kept as machine
-code by `support.compiled.native_code`, which the next process loads without numba. Its arguments
-are words of 64 bits: of an array the address of NumPy's object, of a tuple the items, for None 0.
-They are handed over as numba does from kernel to kernel: an array as its owner, twice (here 0),
-size, item size, address, shape and strides.
+code by `support.compiled.native_code`, which the next process loads without numba. For the
+``examples`` of a kernel that text comes with the package (`support.compiled.shipped_kernels`).
+
+The arguments are words of 64 bits: of an array the address of NumPy's object, of a tuple the items,
+for None 0. They are handed over as numba does from kernel to kernel: an array as its owner, twice
+(here 0), size, item size, address, shape and strides.
 """
 
 from __future__ import annotations
@@ -15,13 +17,16 @@ import functools
 import os
 import re
 import struct
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import nullcontext
 from functools import cached_property, lru_cache
 from types import MethodType
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
+
+Arguments = tuple[Any, ...]
 
 OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": False}
 """What a function does not say: one that is silent of ``fastmath`` takes it from the first kernel
@@ -48,14 +53,38 @@ NEVER_CALLED = re.compile(r"^declare (void @NRT_MemInfo_call_dtor\(.*?\)).*$", r
 """What numba calls when an array of its own is left: never in a kernel that makes none."""
 
 
+def doubles(axes: int) -> NDArray[np.float64]:
+    """Return an array of doubles in the order of C, for an example of a kernel's arguments."""
+    return np.zeros((1,) * axes)
+
+
+def integers(axes: int) -> NDArray[np.int64]:
+    """Return an array of integers in the order of C, for an example of a kernel's arguments."""
+    return np.zeros((1,) * axes, np.int64)
+
+
+def complexes(axes: int) -> NDArray[np.complex128]:
+    """Return an array of complex numbers in the order of C, for an example of arguments."""
+    return np.zeros((1,) * axes, np.complex128)
+
+
+THREE = 0.0, 0.0, 0.0
+"""Example of an argument that is a number as three floats."""
+
+
 def njit(
-    *, cache: bool = False, subnormals: bool = True, **options: Any
+    *,
+    cache: bool = False,
+    subnormals: bool = True,
+    examples: Sequence[Arguments] = (),
+    **options: Any,
 ) -> Callable[[Callable[..., Any]], Any]:
     """``numba.njit(**options)``; with ``cache``, a kernel whose machine code is kept.
 
     A kernel takes doubles, integers, arrays, tuples and None. It gives nothing, makes no arrays and
     raises nothing. One without ``subnormals`` takes and gives 0 for them, however it is called from
-    Python (`support.compiled.subnormals`).
+    Python (`support.compiled.subnormals`). ``examples`` are arguments of the kinds that runs
+    call it with, a tuple for each combination: the package comes with the text for them.
 
     >>> @njit()
     ... def half(x):
@@ -67,7 +96,7 @@ def njit(
     def compiled(function: Callable[..., Any]) -> Any:
         if os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0"):
             return function
-        return Kernel(function, cache, subnormals, options)
+        return Kernel(function, cache, subnormals, examples, options)
 
     return compiled
 
@@ -80,12 +109,15 @@ class Kernel:
         function: Callable[..., Any],
         kept: bool,
         subnormals: bool,
+        examples: Sequence[Arguments],
         options: dict[str, Any],
     ) -> None:
         if not (kept or subnormals):
             raise ValueError("cache must be True where subnormals is False, got False")
+        if examples and not kept:
+            raise ValueError("cache must be True where there are examples, got False")
         functools.update_wrapper(self, function)
-        self.py_func = function
+        self.py_func, self.examples = function, examples
         self._kept, self._subnormals, self._options = kept, subnormals, OPTIONS | options
         self._entries: dict[tuple[Any, ...], tuple[Callable[..., int], Callable[..., bytes]]] = {}
 
@@ -110,25 +142,38 @@ class Kernel:
         return self if instance is None else MethodType(self, instance)
 
     def _entry(
-        self, kinds: tuple[Any, ...], words: list[Any], arguments: tuple[Any, ...]
+        self, kinds: tuple[Any, ...], words: list[Any], arguments: Arguments
     ) -> tuple[Callable[..., int], Callable[..., bytes]]:
         """The machine code for arguments of these kinds, and what packs their words."""
         from longwave.support.compiled.native_code import native_functions
 
-        key = f"{self.py_func.__qualname__}-{self.py_func.__code__.co_firstlineno} {kinds}"
-        [entry] = native_functions(
-            self.__module__, key, lambda: self._text(arguments), {ENTRY: PROTOTYPE}
-        )
+        key = self._key(kinds)
+
+        def text() -> str:
+            from longwave.support.compiled.shipped_kernels import shipped_text
+
+            return shipped_text(self.__module__, key) or self.text(arguments)
+
+        [entry] = native_functions(self.__module__, key, text, {ENTRY: PROTOTYPE})
         letters = ("d" if isinstance(word, float) else "q" for word in words)
         return entry, struct.Struct("".join(letters)).pack
 
-    def _text(self, arguments: tuple[Any, ...]) -> str:
-        """The kernel in LLVM's language, for arguments of these types, and its entry."""
+    def _key(self, kinds: tuple[Any, ...]) -> str:
+        return f"{self.py_func.__qualname__}-{self.py_func.__code__.co_firstlineno} {kinds}"
+
+    def key(self, arguments: Arguments) -> str:
+        """Return the name, within its module, of the kernel for arguments of these kinds."""
+        kinds: list[Any] = []
+        _unpack(arguments, kinds, [])
+        return self._key(tuple(kinds))
+
+    def text(self, arguments: Arguments) -> str:
+        """Have numba write the kernel and its entry, for these kinds of arguments, as LLVM text."""
         from llvmlite import binding  # type: ignore[import-untyped]
 
         numba = _numba()
         types = tuple(numba.typeof(_plain(argument)) for argument in arguments)
-        _compile_complex_product()
+        compile_complex_product()
         _, folded = self.dispatcher._compiler.fold_argument_types(types, {})
         self.dispatcher.compile(folded)
         compiled = self.dispatcher.overloads[folded]
@@ -275,7 +320,7 @@ def _numba() -> Any:
 
 
 @lru_cache(maxsize=1)
-def _compile_complex_product() -> None:
+def compile_complex_product() -> None:
     """Compile the product of complex numbers before any kernel that is kept.
 
     Numba compiles it once, with the flags of the kernel that needs it first: whether its products

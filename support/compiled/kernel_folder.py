@@ -163,15 +163,21 @@ def _fault(state: os.stat_result, others: int) -> str:
 
 def _digest(sources: str) -> str:
     """What machine code depends on: the sources and numba's settings."""
+    settings = numba_settings()
+    if hasattr(os, "geteuid"):  # several users may have one NUMBA_CACHE_DIR
+        settings.insert(0, f"user {os.geteuid()}")
+    return hashlib.sha256("\n".join([sources, *settings]).encode()).hexdigest()
+
+
+def numba_settings() -> list[str]:
+    """Return numba's settings, of the environment and of the file in the current folder."""
     from longwave.support.compiled.source_digest import compiler_settings
     from longwave.support.sealed_file import open_plain
 
     settings = compiler_settings()
-    if hasattr(os, "geteuid"):  # several users may have one NUMBA_CACHE_DIR
-        settings.append(f"user {os.geteuid()}")
     with suppress(OSError), open(open_plain(".numba_config.yaml"), encoding="utf-8") as stream:
         settings.append(stream.read())
-    return hashlib.sha256("\n".join([sources, *settings]).encode()).hexdigest()
+    return settings
 
 
 def _bases(file: Path) -> Iterator[Path]:

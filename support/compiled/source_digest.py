@@ -30,6 +30,9 @@ ROOT = Path(__file__).absolute().parents[3]
 MAKERS = ("sympy", "mpmath", "python-flint", "numpy", "numba", "llvmlite")
 """Packages that exact numbers and machine code are made with."""
 
+KERNEL_MAKERS = ("numba", "llvmlite")
+"""Packages that write a kernel's text from its sources; of NumPy it has the layout of arrays."""
+
 Files = tuple[tuple[str, Path], ...]
 """Modules with their files, in order."""
 
@@ -65,10 +68,20 @@ def all_sources(modules: tuple[str, ...]) -> Files:
 @lru_cache
 def text_digest(sources: Files) -> str:
     """The digest of their text, and of the versions of Python and of what makes code and data."""
+    return _digest(sources, sys.version, MAKERS)
+
+
+@lru_cache
+def kernel_digest(sources: Files) -> str:
+    """Return the digest of their text, and of the versions of what writes a kernel's text."""
+    return _digest(sources, str(sys.implementation.cache_tag), KERNEL_MAKERS)
+
+
+def _digest(sources: Files, python: str, packages: tuple[str, ...]) -> str:
     total = hashlib.sha256("\n".join(name for name, _ in sources).encode())
     for _, path in sources:
         total.update(_text_digest(path))
-    versions = [sys.version, *(f"{name} {installed_version(name)}" for name in MAKERS)]
+    versions = [python, *(f"{name} {installed_version(name)}" for name in packages)]
     total.update("\n".join(versions).encode())
     return total.hexdigest()
 

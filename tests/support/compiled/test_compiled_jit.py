@@ -18,7 +18,14 @@ SOLUTIONS = Path("longwave") / "solutions"
 RUN_FILES = (
     *(
         f"support/compiled/{n}.py"
-        for n in ("jit", "native_code", "kernel_folder", "source_digest", "subnormals")
+        for n in (
+            "jit",
+            "native_code",
+            "kernel_folder",
+            "shipped_kernels",
+            "source_digest",
+            "subnormals",
+        )
     ),
     *(f"support/{name}.py" for name in ("atomic_file", "sealed_file", "lazy_exports")),
 )
