@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any, Concatenate, ParamSpec
 
 import matplotlib as mpl
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure, FigureBase
 from matplotlib.text import Text
 
@@ -164,11 +165,25 @@ def save(figure: Figure, path: Path) -> Path:
 
 def _write(figure: Figure, path: Path) -> None:
     suffix = path.suffix.lower()
-    figure.savefig(path, metadata={_CHANGING.get(suffix, "Software"): None})
+    if suffix == ".png":
+        _write_pixels(figure, path)
+        return
+    figure.savefig(path, metadata={_CHANGING[suffix]: None})
     if suffix == ".svg":
         text = path.read_text(encoding="utf-8")
         text = text.replace("'STIXGeneral'", _FAMILIES)
         path.write_text(_with_numbered_clips(text), encoding="utf-8")
+
+
+def _write_pixels(figure: Figure, path: Path) -> None:
+    """Write a PNG by one drawing, which lays the figure out as well: `savefig` draws it twice."""
+    canvas, dpi = figure.canvas, figure.dpi
+    try:
+        figure.dpi = mpl.rcParams["savefig.dpi"]
+        FigureCanvasAgg(figure).print_png(path, metadata={"Software": None})
+    finally:
+        figure.dpi = dpi
+        figure.set_canvas(canvas)
 
 
 def _set_in_tex(figure: Figure) -> None:
