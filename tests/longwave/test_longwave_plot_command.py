@@ -8,7 +8,6 @@ from typing import Any
 import pytest
 
 from house import HOUSE
-
 from longwave.__main__ import main
 from longwave.cli.command_tree import PICTURES
 from longwave.reports.pictures import plotting as drawing
