@@ -122,11 +122,11 @@ class DriftKick(Scheme):
 
     def oscillator(self, z: Array) -> Array:
         """One step of y'' = -y with the steps ``z``, as matrices of shape (len(z), 2, 2)."""
-        step = np.tile(np.eye(2), (len(z), 1, 1))
+        step = np.tile(np.eye(2)[..., None], len(z))
         for drift, kick in zip(self.drifts, [*self.kicks, 0.0], strict=True):
-            step[:, 0] += drift * z[:, None] * step[:, 1]
-            step[:, 1] -= kick * z[:, None] * step[:, 0]
-        return step
+            step[0] += drift * z * step[1]
+            step[1] -= kick * z * step[0]
+        return np.moveaxis(step, -1, 0)
 
 
 @dataclass(frozen=True)
