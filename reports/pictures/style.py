@@ -15,6 +15,7 @@ import matplotlib as mpl
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure, FigureBase
 from matplotlib.text import Text
+from matplotlib.ticker import ScalarFormatter
 
 from longwave.support.atomic_file import write_atomically
 
@@ -130,6 +131,26 @@ def part(
         return made
 
     return declare
+
+
+class PowerTicks(ScalarFormatter):
+    """Labels of ticks less a power of ten, where it is not between two, which stands at the axis.
+
+    The power is mathematics and the digits are text, which is set in a tenth of the time; TeX's
+    letters have no minus sign in text, there digits are mathematics as well.
+    """
+
+    def __init__(self, least: int = -3, most: int = 3) -> None:
+        super().__init__(useMathText=True)
+        self.set_powerlimits((least, most))
+        self._has_text = not mpl.rcParams["axes.formatter.use_mathtext"]
+
+    def __call__(self, x: float, pos: int | None = None) -> str:
+        """The label of a tick."""
+        label = str(super().__call__(x, pos))
+        if not self._has_text:
+            return label
+        return label.removeprefix(r"$\mathdefault{").removesuffix("}$")
 
 
 _CHANGING = {".pdf": "CreationDate", ".svg": "Date"}
