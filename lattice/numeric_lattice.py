@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -88,6 +88,21 @@ class NumericBond:
             total += part
         return total
 
+    def grown(self, mean_strain: Sequence[float], shares: Sequence[float]) -> NumericBond:
+        """Return the bond where displacements grow by ``mean_strain`` (`NumericLattice.grown`)."""
+        growth = [e.weight * (shares[e.field] if shares else 1.0) for e in self.stretch]
+        if abs(math.fsum(growth)) > ROUNDED * max(map(abs, growth)):
+            raise ValueError(
+                "mean_strain must be 0 where a bond feels a field itself, got "
+                f"{tuple(mean_strain)} (such a lattice has no uniform strain, or it is the "
+                "field's own mean)"
+            )
+        moved = [
+            sum(a * b for a, b in zip(mean_strain, e.shift, strict=True)) * share
+            for e, share in zip(self.stretch, growth, strict=True)
+        ]
+        return replace(self, offset=math.fsum(moved))
+
     def stretch_range(self, f: Array, ranges: Sequence[Range]) -> Range:
         """The least and the largest stretch, where these are the fields and their ranges."""
         if len(self.stretch) > 1:
@@ -127,6 +142,15 @@ class NumericLattice:
     def dimension(self) -> int:
         """The number of axes."""
         return len(self.bonds[0].stretch[0].shift)
+
+    def grown(self, mean_strain: Sequence[float], shares: Sequence[float] = ()) -> NumericLattice:
+        """Return the lattice at rest with its displacements growing by ``mean_strain``.
+
+        Arguments and errors are those of `numeric_lattice`.
+        """
+        if not any(mean_strain):
+            return self
+        return replace(self, bonds=tuple(bond.grown(mean_strain, shares) for bond in self.bonds))
 
     @property
     def reach(self) -> int:
@@ -368,33 +392,18 @@ def numeric_lattice(
     for symbol, value in values.items():
         if symbol.is_positive and not (value > 0 or (value == 0 and symbol in touched)):
             raise ValueError(f"{symbol} must satisfy {symbol} > 0, got {value} ({lattice.name})")
-    return NumericLattice(
+    found = NumericLattice(
         lattice.name,
         lattice.fields,
         tuple(float(mass.xreplace(values)) for mass in lattice.masses),
-        tuple(_numeric_bond(bond, values, mean_strain, shares) for bond in lattice.bonds),
+        tuple(_numeric_bond(bond, values) for bond in lattice.bonds),
     )
+    return found.grown(mean_strain, shares)
 
 
-def _numeric_bond(
-    bond: Bond, values: Mapping[Any, Any], mean_strain: Sequence[float], shares: Sequence[float]
-) -> NumericBond:
+def _numeric_bond(bond: Bond, values: Mapping[Any, Any]) -> NumericBond:
     stretch, action = (tuple(map(_entry, part)) for part in (bond.stretch, bond.action))
-    slopes = tuple(mean_strain) or (0.0,) * len(stretch[0].shift)
-    found = NumericBond(stretch, action, force_program(bond.force.xreplace(values)))
-    if not any(slopes):
-        return found
-    grown = [e.weight * (shares[e.field] if shares else 1.0) for e in stretch]
-    if abs(math.fsum(grown)) > ROUNDED * max(map(abs, grown)):
-        raise ValueError(
-            f"mean_strain must be 0 where a bond feels a field itself, got {slopes} (such a "
-            "lattice has no uniform strain, or it is the field's own mean)"
-        )
-    moved = [
-        sum(a * b for a, b in zip(slopes, e.shift, strict=True)) * share
-        for e, share in zip(stretch, grown, strict=True)
-    ]
-    return NumericBond(stretch, action, found.force, math.fsum(moved))
+    return NumericBond(stretch, action, force_program(bond.force.xreplace(values)))
 
 
 def _entry(entry: Stencil) -> Entry:

@@ -113,11 +113,11 @@ class DriftKick(Scheme):
 
     def oscillator(self, z: Array) -> Array:
         """One step of y'' = -y with the steps ``z``, as matrices of shape (len(z), 2, 2)."""
-        step = np.tile(np.eye(2), (len(z), 1, 1))
+        step = np.tile(np.eye(2)[..., None], len(z))
         for drift, kick in zip(self.drifts, [*self.kicks, 0.0], strict=True):
-            step[:, 0] += drift * z[:, None] * step[:, 1]
-            step[:, 1] -= kick * z[:, None] * step[:, 0]
-        return step
+            step[0] += drift * z * step[1]
+            step[1] -= kick * z * step[0]
+        return np.moveaxis(step, -1, 0)
 
 
 @dataclass(frozen=True)
@@ -246,6 +246,9 @@ def _floats(values: Iterable[object]) -> Array:
 SCAN = np.linspace(0.0, 8.0, 80_001)[1:]
 """Steps at which stability is looked at first."""
 
+SCANS = 80
+"""Pieces of them, until one holds an unstable step: each fits the cache."""
+
 JURY_SLACK = 1e-12
 """What rounding may add to an eigenvalue on the unit circle."""
 
@@ -273,10 +276,10 @@ def stability_limit(scheme: Scheme) -> float:
     >>> round(stability_limit(scheme_named("rk4")) ** 2, 6)
     8.0
     """
-    unstable = np.flatnonzero(~_stable(scheme, SCAN))
-    if unstable.size == 0:
+    found = (piece[~_stable(scheme, piece)] for piece in np.split(SCAN, SCANS))
+    high = next((float(unstable[0]) for unstable in found if unstable.size), None)
+    if high is None:
         return float(SCAN[-1])
-    high = float(SCAN[unstable[0]])
     low = high - float(SCAN[0])
     for _ in range(40):
         middle = 0.5 * (low + high)

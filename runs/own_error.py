@@ -27,8 +27,7 @@ def scaled_own_error(run: xr.Dataset) -> NDArray[np.float64] | None:
     estimate = run.attrs.get("error_estimate")
     if estimate is not None:
         return np.full(run.sizes.get("time", 0), float(estimate))
-    measured = measured_error(run)
-    return None if measured is None else measured.values
+    return measured_error(run)
 
 
 def own_error_at(run: xr.Dataset, scene: Scene, name: str, place: int) -> float:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from longwave.solutions.pieces import in_pieces
+from longwave.solutions.pieces import PIECE, in_pieces
 from longwave.solutions.points import check_points, evaluate_points
 from longwave.solutions.run.doubledouble import split
 from longwave.solutions.run.linear_phase import LONG, LinearPhase, Variables, long_number
@@ -116,6 +116,7 @@ class NumericWave:
         self.numbers = numbers
         self._make, self._settle = make, settle
         self._evaluators: dict[Part, PointEvaluator] = {}
+        self._valuers: dict[Part, PointEvaluator | None] = {}
         self._known_phases: dict[tuple[Part, object], list[LinearPhase]] = {}
         self._lattices: dict[object, Variables] = {}
         self._series: dict[int, Evaluator] = {}
@@ -161,6 +162,40 @@ class NumericWave:
         """``at`` in double-double: arrays (2, ...) of high and low parts, about 30 digits."""
         variables = self._lattice(eps)
         return self._joined(self._bounded("wave", variables, *self._points(n, t, m))[:, :2])
+
+    def value_at(
+        self,
+        n: ArrayLike,
+        t: ArrayLike,
+        eps: float,
+        part: Part = "wave",
+        *,
+        m: ArrayLike | None = None,
+    ) -> Array:
+        """Y alone of the wave, its background or a far field, at site n and lattice time t.
+
+        As `at`, `background_at` and `far_field_at` give it, in half of the time for most waves.
+        """
+        variables, points = self._lattice(eps), self._points(n, t, m)
+        evaluator = self._values_alone(part)
+        if points[0].size >= PIECE or evaluator is None:
+            return np.asarray(self._evaluate(part, variables, n, t, m).Y)
+        found = self._bounded_values(evaluator, part, variables, *points)[:, 0]
+        return found[0] + 1j * found[1] if self.numbers.is_complex else found[0]
+
+    @property
+    def _value_rows(self) -> list[int]:
+        """The rows of an evaluator that hold the value, its real part and its imaginary one."""
+        return [0, 3 + self.numbers.is_planar] if self.numbers.is_complex else [0]
+
+    def _values_alone(self, part: Part) -> "PointEvaluator | None":
+        """What evaluates the value of a part alone; None where that takes no less."""
+        from longwave.solutions.run.evaluator import Evaluator
+
+        if part not in self._valuers:
+            whole, rows = self._evaluator(part), self._value_rows
+            self._valuers[part] = whole.only(rows) if isinstance(whole, Evaluator) else None
+        return self._valuers[part]
 
     def jets(
         self, X: ArrayLike, T: ArrayLike, highest: int, *, Z: ArrayLike | None = None
@@ -218,8 +253,7 @@ class NumericWave:
             )
         if highest not in self._series:
             program: Any = self._evaluator("formula")
-            rows = [0, 3 + self.numbers.is_planar] if self.numbers.is_complex else [0]
-            self._series[highest] = program.taylor(rows, highest)
+            self._series[highest] = program.taylor(self._value_rows, highest)
         return self._series[highest]
 
     def antiderivative(self, X: ArrayLike, T: float) -> Array:
@@ -366,10 +400,19 @@ class NumericWave:
         rows = scale_rows(rows, self._scales)
         if self.numbers.rates.drift:
             self._drift(rows)
-        with np.errstate(invalid="ignore"):
-            certain = rows[:, 2] <= CERTAIN * np.maximum(1, np.abs(rows[:, 0]))
-        settle = partial(self._settle, part, variables)
-        return settle_rows(rows, certain, points, settle)
+        return settle_rows(rows, _are_certain(rows), points, partial(self._settle, part, variables))
+
+    def _bounded_values(
+        self, evaluator: "PointEvaluator", part: Part, variables: Variables, *points: Array
+    ) -> Array:
+        """The same of the value alone, by what evaluates no other rows."""
+        rows = evaluate_points(partial(evaluator, self._phases(part, variables)), *points)
+        rows = scale_rows(rows, [self._scales[row] for row in self._value_rows])
+
+        def settle(*point: float) -> Array:
+            return self._settle(part, variables, *point)[self._value_rows]
+
+        return settle_rows(rows, _are_certain(rows), points, settle)
 
     def _drift(self, rows: Array) -> None:
         """Subtract drift Y_X from Y_T, for ``xi = a (X - drift T)``."""
@@ -377,6 +420,12 @@ class NumericWave:
         count = 3 + self.numbers.is_planar
         for first in range(0, len(rows), count):
             add_row(rows[first + 2], rows[first + 1], drift)
+
+
+def _are_certain(rows: Array) -> NDArray[np.bool_]:
+    """Whether the bound of the error of each number in ``rows`` (rows, 3, ...) is small enough."""
+    with np.errstate(invalid="ignore"):
+        return np.asarray(rows[:, 2] <= CERTAIN * np.maximum(1, np.abs(rows[:, 0])))
 
 
 def settle_rows(

@@ -195,6 +195,15 @@ def picture_path(output: str | Path) -> Path:
     return path
 
 
+def default_output(source: str, suffix: str = ".png") -> str:
+    """The picture's file in the working folder, named after the run or scene.
+
+    >>> default_output("runs/rogue_cn_k_0.5.nc"), default_output("rogue_cn_k_0.5")
+    ('rogue_cn_k_0.5.png', 'rogue_cn_k_0.5.png')
+    """
+    return Path(source).name.removesuffix(".nc").removesuffix(".toml") + suffix
+
+
 @contextmanager
 def progress_bar(
     name: str,

@@ -14,7 +14,7 @@ from setuptools.command.build_py import build_py
 WRITE = """
 import sys
 sys.path.insert(0, sys.argv[1])
-from longwave.support.compiled.shipped_kernels import write_kernels
+from longwave.support.compiled.kernel_writer import write_kernels
 print(write_kernels(), "compiled kernels come with the package")
 """
 

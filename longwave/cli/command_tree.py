@@ -229,7 +229,7 @@ def sweep(sweep: str, **options: Any) -> int:
 )
 @force_option
 @limit_options
-def plot(source: str, output: str | None, **options: Any) -> int:
+def plot(source: str, **options: Any) -> int:
     """Draw a run or a sweep, or run a scene and draw it.
 
     SOURCE is a run written by `longwave run SCENE --output run.nc`, a scene's TOML file or the name
@@ -238,9 +238,9 @@ def plot(source: str, output: str | None, **options: Any) -> int:
     Of a sweep's file they are a number of its cells over what is swept, curves or heat maps, and
     the errors against the work.
     """
-    from longwave.reports.pictures.plotting import draw
+    from longwave.cli.plot_command import plot_and_print
 
-    return draw(source, output, called_by(), **options)
+    return plot_and_print(source, called_by(), **options)
 
 
 @longwave.command(epilog=example("longwave animate rational_3_eps_0.05 --times -2000 2000"))

@@ -23,7 +23,6 @@ from longwave.reports.pictures.film_files import film_path, has_ffmpeg, save_fil
 from longwave.reports.pictures.plotting import (
     Source,
     changed_source,
-    default_output,
     read_source,
     shown_half_width,
 )
@@ -34,7 +33,7 @@ from longwave.scenes.description.scene import Scene
 from longwave.scenes.engines import scene_run
 from longwave.scenes.engines.methods import expected_cost
 from longwave.support.command_line import fail, fail_for_memory, one_line
-from longwave.support.console import check_output, progress_bar
+from longwave.support.console import check_output, default_output, progress_bar
 from longwave.support.interruption import interrupted
 from longwave.support.request_limits import Announcer, ExpectedCost, check_request
 

@@ -20,6 +20,7 @@ from longwave.reports.pictures.style import (
     LATTICE,
     NUMERICAL,
     OWN,
+    PowerTicks,
     page_width,
     part,
 )
@@ -165,7 +166,7 @@ def _draw_difference(ax: Axes, at: xr.Dataset, largest: float) -> dict[str, Any]
     top = 1.15 * largest or 1.0
     ax.set_ylim(-top, top)
     ax.locator_params(axis="y", nbins=3)
-    ax.ticklabel_format(axis="y", scilimits=(-2, 3), useMathText=True)
+    ax.yaxis.set_major_formatter(PowerTicks(-2, 3))
     ax.set_title(f"own error {told_error(own)}" if own else "", loc="right", fontsize=7.0, pad=2.0)
     return signs
 
@@ -222,7 +223,7 @@ def error_panels(figure: FigureBase, panels: ErrorPanels) -> None:
         entries = len(ax.get_legend_handles_labels()[1])
         ax.set_ylim(0, ax.get_ylim()[1] * (1.0 + max(0, entries - 2) * LEGEND_ROOM))
         ax.locator_params(axis="x", nbins=6)
-        ax.ticklabel_format(axis="y", scilimits=(-3, 3), useMathText=True)
+        ax.yaxis.set_major_formatter(PowerTicks())
         ax.legend()
 
 
@@ -365,7 +366,7 @@ def crest_track(figure: FigureBase, run: xr.Dataset) -> None:
         field = "envelope" if run.attrs.get("carried") else field_label(run, "$y$")
         ax.set_ylabel(label.replace("$y$", field))
         ax.locator_params(axis="x", nbins=6)
-        ax.ticklabel_format(axis="y", scilimits=(-3, 3), useMathText=True)
+        ax.yaxis.set_major_formatter(PowerTicks())
         ax.legend()
 
 

@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from longwave.reports.pictures.drawing import field_label, spread_limits
-from longwave.reports.pictures.style import ANALYTICAL, LATTICE, WAVE
+from longwave.reports.pictures.style import ANALYTICAL, LATTICE, WAVE, PowerTicks
 from longwave.reports.pictures.style import BEADS as BEAD
 
 Array = NDArray[np.float64]
@@ -96,7 +96,7 @@ class Film:
         ax.set_xlabel("$t$")
         ax.set_ylabel({"error": "rel. error"}.get(self._tracked, self._tracked))
         ax.locator_params(axis="y", nbins=3)
-        ax.ticklabel_format(axis="y", scilimits=(-3, 3), useMathText=True)
+        ax.yaxis.set_major_formatter(PowerTicks())
 
     def _draw_clock(self) -> Artist:
         """The text in the corner."""

@@ -61,7 +61,7 @@ from longwave.scenes.description.scene import Scene
 from longwave.scenes.engines.run_record import UnfinishedRun
 from longwave.scenes.observed.observables import MEASURED
 from longwave.support.command_line import fail, fail_for_memory, one_line
-from longwave.support.console import check_output, picture_path, progress_bar
+from longwave.support.console import picture_path, progress_bar
 from longwave.support.interruption import interrupted
 from longwave.support.known_names import one_of
 from longwave.support.request_limits import Announcer
@@ -351,24 +351,20 @@ def changed_source(source: str, changes: Mapping[str, Any]) -> str | Scene:
 
 def draw(
     source: str,
-    output: str | None,
+    path: str,
     program: str,
     *,
-    force: bool,
     kind: str,
     variable: str,
     at: Choice,
     changes: Mapping[str, Any],
     columns: int = 2,
 ) -> int:
-    """Draw and print the picture's path; return the exit status.
+    """Draw to the ``path`` and print it; return the exit status.
 
     0, 2 for wrong input, 130 after Ctrl-C, which ``program`` tells: what was run is drawn.
     """
-    path = default_output(source) if output is None else output
     try:
-        check_output(path, "run.png", force=force)
-        picture_path(path)
         drawn = read_source(changed_source(source, changes))
         if isinstance(drawn, xr.Dataset) and (fault := strain_fault(drawn)):
             print(f"{source}: {fault}", file=sys.stderr)
@@ -387,12 +383,3 @@ def draw(
         return fail_for_memory(error)
     print(path)
     return 0
-
-
-def default_output(source: str, suffix: str = ".png") -> str:
-    """The picture's file in the working folder, named after the run or scene.
-
-    >>> default_output("runs/rogue_cn_k_0.5.nc"), default_output("rogue_cn_k_0.5")
-    ('rogue_cn_k_0.5.png', 'rogue_cn_k_0.5.png')
-    """
-    return Path(source).name.removesuffix(".nc").removesuffix(".toml") + suffix

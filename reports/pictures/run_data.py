@@ -325,7 +325,7 @@ def with_theory(data: xr.Dataset) -> xr.Dataset:
     moving = moving_wave(scene)
     sites = np.array([moving.compared_sites(t) for t in times])
     rows = zip(sites, times, strict=True)
-    strain = np.array([scene.eps * moving.wave.at(at, t, scene.eps).Y for at, t in rows])
+    strain = np.array([scene.eps * moving.wave.value_at(at, t, scene.eps) for at, t in rows])
     place, top = _crests(strain, np.full_like(strain, moving.level), sites)
     found = {"crest_position_wave": place - gone, "crest_strain_wave": top}
     return data.assign({name: ("look_time", values) for name, values in found.items()})

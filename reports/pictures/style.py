@@ -12,8 +12,10 @@ from pathlib import Path
 from typing import Any, Concatenate, ParamSpec
 
 import matplotlib as mpl
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure, FigureBase
 from matplotlib.text import Text
+from matplotlib.ticker import ScalarFormatter
 
 from longwave.support.atomic_file import write_atomically
 
@@ -131,6 +133,26 @@ def part(
     return declare
 
 
+class PowerTicks(ScalarFormatter):
+    """Labels of ticks less a power of ten, where it is not between two, which stands at the axis.
+
+    The power is mathematics and the digits are text, which is set in a tenth of the time; TeX's
+    letters have no minus sign in text, there digits are mathematics as well.
+    """
+
+    def __init__(self, least: int = -3, most: int = 3) -> None:
+        super().__init__(useMathText=True)
+        self.set_powerlimits((least, most))
+        self._has_text = not mpl.rcParams["axes.formatter.use_mathtext"]
+
+    def __call__(self, x: float, pos: int | None = None) -> str:
+        """The label of a tick."""
+        label = str(super().__call__(x, pos))
+        if not self._has_text:
+            return label
+        return label.removeprefix(r"$\mathdefault{").removesuffix("}$")
+
+
 _CHANGING = {".pdf": "CreationDate", ".svg": "Date"}
 """What a picture's metadata would say differently each time, by suffix."""
 
@@ -164,11 +186,25 @@ def save(figure: Figure, path: Path) -> Path:
 
 def _write(figure: Figure, path: Path) -> None:
     suffix = path.suffix.lower()
-    figure.savefig(path, metadata={_CHANGING.get(suffix, "Software"): None})
+    if suffix == ".png":
+        _write_pixels(figure, path)
+        return
+    figure.savefig(path, metadata={_CHANGING[suffix]: None})
     if suffix == ".svg":
         text = path.read_text(encoding="utf-8")
         text = text.replace("'STIXGeneral'", _FAMILIES)
         path.write_text(_with_numbered_clips(text), encoding="utf-8")
+
+
+def _write_pixels(figure: Figure, path: Path) -> None:
+    """Write a PNG by one drawing, which lays the figure out as well: `savefig` draws it twice."""
+    canvas, dpi = figure.canvas, figure.dpi
+    try:
+        figure.dpi = mpl.rcParams["savefig.dpi"]
+        FigureCanvasAgg(figure).print_png(path, metadata={"Software": None})
+    finally:
+        figure.dpi = dpi
+        figure.set_canvas(canvas)
 
 
 def _set_in_tex(figure: Figure) -> None:

@@ -44,7 +44,7 @@ class MeasuredRuns:
         """
         found = measured_error(self.runs[name])
         assert found is not None, f"{name} measured no error"
-        return found
+        return xr.DataArray(found, {"time": self.runs[name]["time"].values}, "time")
 
     def relative_error(self, name: str, time: float, variable: str = "error") -> UncertainNumber:
         """Return the relative sup error at a snapshot.

@@ -33,6 +33,7 @@ from longwave.scenes.engines.stepped_cells import stated_cells
 from longwave.scenes.engines.window import STRIDE
 from longwave.scenes.observed.observables import MAP_CELLS, MEASURED, observable_named
 from longwave.scenes.starts.background_growth import check_trust, trust_attributes
+from longwave.scenes.starts.kept_long_wave import equation_of, scene_lattice_wave
 from longwave.scenes.starts.moving_wave import moving_wave
 from longwave.scenes.starts.pulse_meter import PULSE_VARIABLES, crest, pulse_track
 from longwave.support.request_limits import Announcer, ExpectedCost, check_request
@@ -48,12 +49,8 @@ ACROSS = 2
 
 
 def scene_wave(scene: Scene) -> LatticeWave:
-    """The wave of a scene: the paper's without a derivation, any other by `lattice_wave`."""
-    if scene.has_moving_wave:
-        return moving_wave(scene)
-    from longwave.scenes.starts.lattice_derivation import lattice_wave  # with SymPy
-
-    return lattice_wave(scene)
+    """The wave of a scene: the paper's without a derivation, any other by its lattice's."""
+    return moving_wave(scene) if scene.has_moving_wave else scene_lattice_wave(scene)
 
 
 def compared_cells(scene: Scene, wave: LatticeWave) -> ComparedCells:
@@ -335,14 +332,11 @@ def _tell(record: RunRecord, scene: Scene) -> None:
     if scene.has_moving_wave:
         record.attrs |= trust_attributes(scene)
         return
-    from longwave.scenes.starts.lattice_derivation import derivation
-
-    derived = derivation(scene)
-    record.attrs["equation"] = derived.text()
+    record.attrs["equation"], has_displacements = equation_of(scene)
     if "strains" in record.variables:
         told = {"units": "name", "long_name": "what is compared"}
         record.variables["quantity"] = ("quantity",), np.array(wave.quantities), told
-    is_moved = derived.lattice.has_displacements and not any(" " in q for q in wave.quantities)
+    is_moved = has_displacements and not any(" " in q for q in wave.quantities)
     changes = {name: {"long_name": text} for name, text in LONG_NAMES.items()}
     changes |= {name: {"units": error_unit(wave.power)} for name in ("sup_error", *MEASURED)}
     for name in changes.keys() & record.variables.keys():

@@ -445,12 +445,12 @@ MEASURED = ("time_step_error", "domain_error")
 """What finer runs differ by at the snapshots, in y/eps."""
 
 
-def measured_error(run: xr.Dataset) -> xr.DataArray | None:
+def measured_error(run: xr.Dataset) -> NDArray[np.float64] | None:
     """What y/eps may be off at each snapshot by step and domain together; None if it was not
     measured.
 
     A run differs from the finer one by as little as half of what it is off, where its error falls
     as slowly as the step or 1/size: hence ``SAFETY``.
     """
-    parts = [run[name] for name in MEASURED if name in run.variables]
+    parts = [run.variables[name].values for name in MEASURED if name in run.variables]
     return SAFETY * sum(parts[1:], start=parts[0]) if parts else None

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from longwave.derive import Reduction
 from longwave.scenes.starts.fourier_interval import FourierInterval
-from longwave.scenes.starts.jet_polynomial import with_numbers
+from longwave.scenes.starts.jet_coefficients import with_numbers
 from longwave.solutions import WaveValues
 
 Array = NDArray[np.float64]

@@ -8,12 +8,16 @@ speed as ``r^2``. It solves the equation with losses to leading order in them.
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from longwave.derive.amplitude_law import AmplitudeLaw
-from longwave.solutions import Wave, WaveValues
+from longwave.solutions import WaveValues
+
+if TYPE_CHECKING:
+    from longwave.derive.amplitude_law import AmplitudeLaw
+    from longwave.solutions import Wave
 
 Array = NDArray[np.float64]
 

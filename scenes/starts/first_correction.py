@@ -11,6 +11,7 @@ and with the next correction the equation has terms of the same size, so neither
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
@@ -18,8 +19,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from longwave.scenes.starts.fourier_interval import FourierInterval
 from longwave.scenes.starts.jet_polynomial import JetPolynomial
+from longwave.solutions import NumericWave
 
 if TYPE_CHECKING:
+    from longwave.scenes.description.scene import Scene
+    from longwave.scenes.starts.computed_soliton import ComputedSoliton
+    from longwave.scenes.starts.damped_soliton import DampedSoliton
     from longwave.solutions import WaveValues
 
 Array = NDArray[np.float64]
@@ -160,3 +165,23 @@ class FirstCorrection:
 
 
 TINY = 1e-300
+
+
+INTERVAL = {True: 8.0, False: 2.0}
+"""The X on which the next order of a wave that does not end is solved, in half-widths, of envelopes
+and of long waves. With 6 the Peregrine wave's errors change by less than a hundredth of themselves;
+a longer one would not resolve the crest of a rogue wave (measured on rational_2, half-width 8)."""
+
+
+def correction_interval(
+    scene: Scene, wave: NumericWave | ComputedSoliton | DampedSoliton
+) -> tuple[float, float] | None:
+    """Whole periods of the wave, or many times what is compared; None for a wave that ends."""
+    if scene.order != "corrected" or wave.constant_background == 0.0:
+        return None
+    assert isinstance(wave, NumericWave)
+    compared = scene.half_width or scene.compared * scene.eps
+    period = wave.numbers.wavelength
+    half = INTERVAL[scene.is_envelope] * compared
+    half = half if period is None else math.ceil(half / period) * period
+    return -half, half

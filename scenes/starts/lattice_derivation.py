@@ -6,7 +6,6 @@ constants, and a wave of another equation is refused.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
@@ -26,8 +25,9 @@ from longwave.scenes.description.scene_checks import Pairs, Value, plain
 from longwave.scenes.description.scene_rules import COMPUTED
 from longwave.scenes.starts.computed_soliton import ComputedSoliton
 from longwave.scenes.starts.damped_soliton import LAWFUL, DampedSoliton
+from longwave.scenes.starts.first_correction import correction_interval
 from longwave.scenes.starts.lattice_wave import LatticeWave
-from longwave.scenes.starts.long_wave_data import LongWaveData
+from longwave.scenes.starts.long_wave_numbers import long_wave
 from longwave.solutions import CATALOGUE, ClosedForm, Wave, closed_form
 from longwave.support.user_files import shown
 
@@ -308,7 +308,7 @@ def _ordered_wave(scene: Scene) -> LatticeWave:
     found, wave = derivation(scene), wave_of(scene)
     interval = correction_interval(scene, wave)
     if isinstance(found.source, Reduction):
-        return LongWaveData(found.source, {}, wave, scene.eps, scene.order, found.lattice, interval)
+        return long_wave(found.source, {}, wave, scene.eps, scene.order, found.lattice, interval)
     from longwave.scenes.starts.envelope_data import EnvelopeData, EnvelopeWave
 
     A = cast(EnvelopeWave, wave)
@@ -322,26 +322,6 @@ def _ordered_wave(scene: Scene) -> LatticeWave:
         mean_square=far,
         interval=interval,
     )
-
-
-INTERVAL = {True: 8.0, False: 2.0}
-"""The X on which the next order of a wave that does not end is solved, in half-widths, of envelopes
-and of long waves. With 6 the Peregrine wave's errors change by less than a hundredth of themselves;
-a longer one would not resolve the crest of a rogue wave (measured on rational_2, half-width 8)."""
-
-
-def correction_interval(
-    scene: Scene, wave: Wave | ComputedSoliton | DampedSoliton
-) -> tuple[float, float] | None:
-    """Whole periods of the wave, or many times what is compared; None for a wave that ends."""
-    if scene.order != "corrected" or wave.constant_background == 0.0:
-        return None
-    assert isinstance(wave, Wave)
-    compared = scene.half_width or scene.compared * scene.eps
-    period = wave.numbers.wavelength
-    half = INTERVAL[scene.is_envelope] * compared
-    half = half if period is None else math.ceil(half / period) * period
-    return -half, half
 
 
 FAR, SAMPLES = 200.0, 4096

@@ -1,31 +1,24 @@
-"""A long wave on a lattice: the fields of the ansatz, as the reduction has them, with numbers in.
+"""A long wave on a lattice: the fields of the ansatz at cells and times, by a reduction's numbers.
 
-``f_j = background + eps^p (e_j W + G_j)``, and f_j' by the chain rule with time derivatives along
-the reduced equation.  All of it is one series in eps of polynomials in X-derivatives of the wave.
+``f_j = background + eps^p (e_j W + G_j)``, and f_j', are polynomials in X-derivatives of the wave
+(`long_wave_numbers`).
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Protocol, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from longwave.derive import Reduction
-from longwave.derive.algebra.elimination import TimeElimination
-from longwave.derive.algebra.exact_numbers import Number, exact
-from longwave.derive.algebra.jets import DifferentialPolynomial, EpsSeries, raised
-from longwave.derive.expansion import Expansion
-from longwave.derive.lattice import Lattice
-from longwave.derive.symbols import eps as EPS
-from longwave.lattice.numeric_lattice import NumericLattice, numeric_lattice, place_text
+from longwave.lattice.numeric_lattice import NumericLattice, place_text
 from longwave.scenes.starts.damped_soliton import DampedSoliton
 from longwave.scenes.starts.first_correction import FirstCorrection, JetWave
-from longwave.scenes.starts.jet_polynomial import JetPolynomial, with_numbers
+from longwave.scenes.starts.jet_polynomial import JetPolynomial
 from longwave.scenes.starts.lattice_wave import (
     LatticeWave,
     largest_group_velocity,
@@ -36,8 +29,6 @@ from longwave.solutions import NumericWave
 from longwave.solutions.pieces import PIECE
 
 if TYPE_CHECKING:
-    from sympy import Expr, Symbol
-
     from longwave.solutions.numeric_wave import PlanarValues
 
 Array = NDArray[np.float64]
@@ -49,97 +40,88 @@ FARTHEST = 400.0
 """A wave that has not ended so far in X fills the line."""
 
 
+@dataclass(frozen=True)
+class SlowFrame:
+    """A slow variable ``eps**exponent (direction . cell - speed t)`` with numbers."""
+
+    exponent: int
+    direction: tuple[float, ...]
+    speed: float
+
+
+@dataclass(frozen=True)
+class LongWaveNumbers:
+    """Numbers of a reduction at values of the constants and eps: all that `LongWaveData` takes.
+
+    ``lattice`` has no mean strain. The wave has the size ``eps**amplitude`` and ``T = eps**time
+    t``; ``frames`` are those of X and, if there is one, Z. ``background`` is the uniform strain.
+    ``shares`` are those of the fields in the wave. ``series`` holds each field and its time
+    derivative in X-jets of the unknown: W on a lattice of ``is_displacement``, Y on one of strains.
+    It is empty with Z. ``correction`` is the power of the first one, the flow of the reduced
+    equation and the correction's own, None unless it is asked for.
+    """
+
+    lattice: NumericLattice
+    frames: tuple[SlowFrame, ...]
+    series: tuple[tuple[JetPolynomial, JetPolynomial], ...]
+    correction: tuple[int, JetPolynomial, JetPolynomial] | None
+    is_displacement: bool
+    amplitude: int
+    time: int
+    background: float
+    shares: tuple[float, ...]
+
+
 class LongWaveData(LatticeWave):
     """The data and the theory of a wave on a lattice under one reduction.
 
-    ``numbers``: values of the constants.  ``order``: "leading", the wave alone; "slaved", with the
-    fields that follow it, as far as the reduction was taken; "corrected", with the reduced
-    equation's first correction as well, see `FirstCorrection`.  ``lattice``: what is run, where the
-    reduction expanded forces that are no polynomials.  ``interval``: of X, for the correction of a
-    wave that does not end: many times its width, or whole periods, so that it closes.
+    ``numbers`` are the reduction's (`long_wave_numbers`).  ``order``: "leading", the wave alone;
+    "slaved", with the fields that follow it, as far as the reduction was taken; "corrected", with
+    the reduced equation's first correction as well, see `FirstCorrection`.  ``interval``: of X, for
+    the correction of a wave that does not end: many times its width, or whole periods, so that it
+    closes.
 
-    Raises ValueError for constants without a value or not allowed, and where the reduction has no
-    correction.
+    Raises ValueError for a correction of a wave that does not end or is too narrow.
     """
 
     def __init__(
         self,
-        reduction: Reduction,
-        numbers: Mapping[str, Number],
+        numbers: LongWaveNumbers,
         wave: JetWave,
         eps: float,
         order: str = "slaved",
-        lattice: Lattice | None = None,
         interval: tuple[float, float] | None = None,
     ) -> None:
-        self.reduction, self.wave = reduction, wave
+        self.numbers, self.wave = numbers, wave
         self.eps, self.order = eps, order
-        scaling = reduction.scaling
-        self._space = scaling.space[0]
-        self._values: Mapping[Symbol, Expr] = {
-            **reduction.values(numbers),
-            EPS: exact("eps", eps),
-        }
-        self._declared = lattice or reduction.lattice
-        self._numbers = dict(numbers)
-        self._is_displacement = reduction.is_displacement
-        self.power = scaling.amplitude + self._space.exponent * self._is_displacement
-        self.slow = scaling.time
-        self._frame = float(scaling.speed.xreplace(self._values))
-        self._direction = [float(step.xreplace(self._values)) for step in self._space.direction]
+        self._space = numbers.frames[0]
+        self._is_displacement = numbers.is_displacement
+        self.power = numbers.amplitude + self._space.exponent * self._is_displacement
+        self.slow = numbers.time
+        self._frame, self._direction = self._space.speed, self._space.direction
         self.speed = self._frame / self._direction[0]
-        self.lattice = self.strained((0.0,) * self._declared.dimension)
+        self.lattice = numbers.lattice
         self._planar: PlanarFields | None = None
-        self.correction = self._correction(interval) if order == "corrected" else None
-        if reduction.pde.transverse:
-            self._planar = PlanarFields(reduction, self._values, cast(PlanarWave, wave), eps)
-            return
-        self._series = [
-            (with_numbers(place, self._values, eps), with_numbers(change, self._values, eps))
-            for place, change in FieldSeries(reduction, order).fields
-        ]
+        self.correction = self._correction(interval)
+        if not numbers.series:
+            self._planar = PlanarFields(numbers, cast(PlanarWave, wave), eps)
+        self._series = numbers.series
 
     def strained(self, mean_strain: tuple[float, ...]) -> NumericLattice:
         """The lattice about this uniform strain."""
-        small = {EPS: self._values[EPS]}
-        bonds = tuple(
-            replace(bond, force=bond.force.xreplace(small)) for bond in self._declared.bonds
-        )
-        lattice = replace(self._declared, bonds=bonds)
-        lattice = lattice.with_losses() if lattice.has_losses else lattice
-        known = {str(symbol) for symbol in lattice.constants}
-        given = {name: value for name, value in self._numbers.items() if name in known}
-        defined = {str(s): self._values[s] for s, _ in self.reduction.lattice.definitions}
-        given |= {name: value for name, value in defined.items() if name in known}
-        used = mean_strain if any(mean_strain) else ()
-        return numeric_lattice(lattice, given, used, self.growth_shares)
+        return self.numbers.lattice.grown(mean_strain, self.growth_shares)
 
-    @cached_property
+    @property
     def growth_shares(self) -> tuple[float, ...]:
         """The shares of the fields in the wave, which alone grows from cell to cell."""
-        shares = (share for share, _ in self.reduction.slaved.values())
-        return tuple(float(share.as_expr().xreplace(self._values)) for share in shares)
+        return self.numbers.shares
 
-    def _correction(self, interval: tuple[float, float] | None) -> FirstCorrection:
-        reduction, powers = self.reduction, sorted(self.reduction.corrections)
-        if not powers:
-            ended = reduction.obstruction
-            why = (
-                f"its reduction to a one-way equation ends at eps^{ended[0]}, with a term that is "
-                "no X-derivative"
-                if ended
-                else f"none was derived through eps^{reduction.highest_order}"
-            )
-            raise ValueError(
-                f"order must be leading or slaved for {reduction.lattice.name}, got 'corrected' "
-                f"({why})"
-            )
-        flow, further = (
-            with_numbers(polynomial, self._values)
-            for polynomial in (reduction.pde.flow, reduction.corrections[powers[0]])
-        )
+    def _correction(self, interval: tuple[float, float] | None) -> FirstCorrection | None:
+        if self.numbers.correction is None:
+            return None
+        power, flow, further = self.numbers.correction
         if interval is not None:
-            return FirstCorrection(flow, further, self.wave, powers[0], interval, repeats=True)
+            return FirstCorrection(flow, further, self.wave, power, interval, repeats=True)
         low, high = wave_ends(lambda X: self._profile(X, 0.0))
         if math.isinf(low):
             raise ValueError(
@@ -152,7 +134,7 @@ class LongWaveData(LatticeWave):
                 f"{high:g} (take a smaller kappa)"
             )
         middle, half = (low + high) / 2.0, MARGIN * (high - low) / 2.0
-        return FirstCorrection(flow, further, self.wave, powers[0], (middle - half, middle + half))
+        return FirstCorrection(flow, further, self.wave, power, (middle - half, middle + half))
 
     def crest(self, t: float) -> float | None:
         """The first quantity at a soliton's crest by the law of its losses."""
@@ -255,11 +237,7 @@ class LongWaveData(LatticeWave):
 
     def uniform(self) -> Array:
         """The uniform strain that the wave is added to."""
-        mean = sum(
-            self.eps**power * float(value.xreplace(self._values))
-            for power, value in self.reduction.scaling.background
-        )
-        return np.full(self._quantities, mean)
+        return np.full(self._quantities, self.numbers.background)
 
     def background(self, cells: ArrayLike, t: float) -> Array:
         """The uniform strain, with the bare wave that the wave deviates from, to leading order."""
@@ -440,55 +418,6 @@ def wave_ends(profile: Callable[[Array], Array]) -> tuple[float, float]:
     return -math.inf, math.inf
 
 
-class FieldSeries:
-    """Each field and its time derivative as series in eps of polynomials in X-jets of the unknown.
-
-    The unknown is W on a lattice of displacements, Y on one of strains.
-    """
-
-    def __init__(self, reduction: Reduction, order: str) -> None:
-        self._reduction = reduction
-        series = next(iter(reduction.slaved.values()))[1]
-        self._field, self._limit = series.field, series.limit
-        self._expansion = Expansion(reduction.lattice, reduction.scaling, self._limit, self._field)
-        self._order = order
-        self._elimination = TimeElimination(self._flow(), len(reduction.scaling.axes))
-
-    @property
-    def fields(self) -> list[tuple[EpsSeries, EpsSeries]]:
-        """For each field itself and its time derivative."""
-        found = []
-        for share, slaved in self._reduction.slaved.values():
-            field = share * self._expansion.ansatz()
-            field = field if self._order == "leading" else field + slaved
-            moved = field.apply(self._expansion.time_derivative)
-            found.append((self._elimination.series(field), self._elimination.series(moved)))
-        return found
-
-    def _flow(self) -> EpsSeries:
-        """T-derivative of the unknown: of Y as the reduction has it, of W its antiderivative.
-
-        A correction that has no local antiderivative is left out: it would change the velocity of
-        displacements at its power and that of d/dT, which is of the next correction's size.
-        """
-        flows = {0: self._reduction.pde.flow}
-        if self._order == "corrected":
-            power = min(self._reduction.corrections)
-            flows[power] = self._reduction.corrections[power]
-        if self._reduction.is_displacement:
-            found = {power: _of_displacement(flow) for power, flow in flows.items()}
-            if found[0] is None:
-                raise ValueError("the reduced equation must be a conservation law of the strain")
-            flows = {power: flow for power, flow in found.items() if flow is not None}
-        return EpsSeries(self._field, self._limit, flows)
-
-
-def _of_displacement(flow: DifferentialPolynomial) -> DifferentialPolynomial | None:
-    """W_T, from Y_T as a polynomial in jets of Y = W_X; None if it is not local."""
-    items = ((tuple(sorted(raised(j, 0) for j in m)), value) for m, value in flow.terms.items())
-    return DifferentialPolynomial.collect(flow.field, items).antiderivative()
-
-
 class PlanarWave(Protocol):
     """A solution of a reduced equation with Z, such as a `solutions.Wave` of KP."""
 
@@ -503,31 +432,13 @@ class PlanarFields:
     """The one field of a wave with a slow variable across, and its time derivative.
 
     That is not local in jets: it is by the chain rule through X, Z and T.
-
-    Raises ValueError for more than one field: those that follow are not evaluated across.
     """
 
-    def __init__(
-        self, reduction: Reduction, values: Mapping[Symbol, Expr], wave: PlanarWave, eps: float
-    ) -> None:
-        scaling = reduction.scaling
-        if len(reduction.slaved) > 1 or len(scaling.space) != 2:
-            raise ValueError(
-                "a wave with a variable across must be one of one field and one such variable, got "
-                f"{len(reduction.slaved)} fields and {len(scaling.space) - 1} variables "
-                f"({reduction.lattice.name})"
-            )
-        self._wave, self._is_displacement = wave, reduction.is_displacement
-        self._amplitude = eps**scaling.amplitude
-        self._unit = eps**scaling.time
-        self._frames = [
-            (
-                eps**variable.exponent,
-                [float(step.xreplace(values)) for step in variable.direction],
-                float(variable.speed.xreplace(values)),
-            )
-            for variable in scaling.space
-        ]
+    def __init__(self, numbers: LongWaveNumbers, wave: PlanarWave, eps: float) -> None:
+        self._wave, self._is_displacement = wave, numbers.is_displacement
+        self._amplitude = eps**numbers.amplitude
+        self._unit = eps**numbers.time
+        self._frames = [(eps**f.exponent, f.direction, f.speed) for f in numbers.frames]
 
     def state(self, cells: ArrayLike, t: float) -> tuple[Array, Array]:
         """The field and its time derivative, (1, *sites)."""

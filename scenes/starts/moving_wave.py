@@ -15,7 +15,7 @@ from longwave.lattice.state import Sites, State
 from longwave.scenes.starts.initial_cells import InitialCells
 from longwave.scenes.starts.lattice_wave import LatticeWave, nearest_cell
 from longwave.scenes.starts.wave_extent import extent, places_about, support_of, watched_times
-from longwave.solutions import NumericWave, WaveValues, kept_data, kept_wave
+from longwave.solutions import NumericWave, Side, kept_data, kept_wave
 
 if TYPE_CHECKING:
     from longwave.lattice.model import Model
@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from longwave.solutions import ClosedForm, Wave
 
 Array = NDArray[np.float64]
+
+FAR_FIELDS: tuple[Side, ...] = ("left", "right")
 
 FLAT = 1e-9
 """A wave has ended where it deviates from its far fields by less, in units of eps."""
@@ -206,15 +208,15 @@ class MovingWave(LatticeWave):
             _initial_velocity(),
             {"Y_X": value.Y_X, "Y_T": value.Y_T, "c": self.speed, "eps": self.eps},
         )
-        return self._strain(value), velocity[np.newaxis]
+        return self._scaled(value.Y), velocity[np.newaxis]
 
     def strain(self, cells: ArrayLike, t: float) -> Array:
         """Strains eps Y."""
-        return self._strain(self.wave.at(cells, t, self.eps))
+        return self._scaled(self.wave.value_at(cells, t, self.eps))
 
     def background(self, cells: ArrayLike, t: float) -> Array:
         """Strains of the bare wave of the same phase."""
-        return self._strain(self.wave.background_at(cells, t, self.eps))
+        return self._scaled(self.wave.value_at(cells, t, self.eps, "background"))
 
     def far_field(self, sites: Sites, t: float) -> Array | None:
         """Strains of the left far field behind the middle of the sites, of the right one ahead.
@@ -225,8 +227,8 @@ class MovingWave(LatticeWave):
         if self.wave.constant_background is not None or self.wave.numbers.is_bare:
             return None
         behind, ahead = np.split(sites, [sites.size // 2])
-        left = self._strain(self.wave.far_field_at(behind, t, self.eps, "left"))
-        right = self._strain(self.wave.far_field_at(ahead, t, self.eps, "right"))
+        left = self._scaled(self.wave.value_at(behind, t, self.eps, "left"))
+        right = self._scaled(self.wave.value_at(ahead, t, self.eps, "right"))
         return np.concatenate([left, right], axis=1)
 
     def displaced(self, cells: Array, t: float) -> tuple[Array, Array, Array, Array]:
@@ -276,7 +278,7 @@ class MovingWave(LatticeWave):
     def rigid(self, offsets: Array, t: float) -> tuple[Array, Array]:
         """Strains in the frame at time t, and their slopes from site to site (fields, sites)."""
         value = self.wave(self.eps * offsets, self.eps**3 * t)
-        return self._strain(value), self.eps**2 * value.Y_X[np.newaxis]
+        return self._scaled(value.Y), self.eps**2 * value.Y_X[np.newaxis]
 
     def seam_room(self, t: float) -> int:
         """A wavelength of a periodic background, many widths of a kink; 0 on a constant one."""
@@ -312,8 +314,9 @@ class MovingWave(LatticeWave):
         depth = max(float(FADING_DEPTH), (self.wave.wavelength or 0.0) / self.eps)
         return Fading(t, speed, self.level, depth)
 
-    def _strain(self, value: WaveValues) -> Array:
-        return np.asarray(self.eps * value.Y)[np.newaxis]
+    def _scaled(self, value: Array) -> Array:
+        """Strains of one field, which a wave's values are in units of eps."""
+        return np.asarray(self.eps * value)[np.newaxis]
 
 
 @dataclass(frozen=True)
@@ -360,7 +363,7 @@ def _places(
     origin = constants.sound_speed() * t
     zeros = wave.phase_zeros(t, eps) or [origin]
     x = places_about([zero - origin for zero in zeros], 1.0 / (wave.numbers.a * eps))
-    value = wave.at(origin + x, t, eps).Y
-    left, right = (wave.far_field_at(origin + x, t, eps, side).Y for side in ("left", "right"))
+    value = wave.value_at(origin + x, t, eps)
+    left, right = (wave.value_at(origin + x, t, eps, side) for side in FAR_FIELDS)
     deviation = np.minimum(np.abs(value - left), np.abs(value - right))
     return x, deviation, value

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 from typing import Any
 
@@ -57,6 +57,26 @@ class Bytecode:
     inputs: int
     outputs: tuple[int, ...]
     pool: tuple[Any, ...]
+
+    def only(self, outputs: Sequence[int]) -> tuple[Bytecode, frozenset[int]]:
+        """Return the code for these registers alone, and the inputs that it reads.
+
+        >>> code = Code(inputs=2)
+        >>> x, y = Value(code, 0), Value(code, 1)
+        >>> both = code.assemble([(x * x).number, (x * y).number])
+        >>> square, read = both.only(both.outputs[:1])
+        >>> len(square.code), sorted(read)
+        (1, [0])
+        """
+        live, rows = set(outputs), []
+        for row in self.code[::-1].tolist():
+            operation, target, *operands = row
+            if target in live:
+                live.remove(target)
+                live.update(_operands(Operation(operation), *operands))
+                rows.append(row)
+        code = np.array(rows[::-1], dtype=np.int64).reshape(-1, 5)
+        return replace(self, code=code, outputs=tuple(outputs)), frozenset(live)
 
 
 class Code:

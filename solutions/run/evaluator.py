@@ -79,6 +79,17 @@ class Evaluator:
         run_pairs(self._bytecode, self._constants, inputs, out)
         return out
 
+    def only(self, rows: Sequence[int]) -> Evaluator:
+        """Return what evaluates some of the rows alone, to the same bits."""
+        made = copy(self)
+        made._bytecode, read = self._bytecode.only([self._bytecode.outputs[row] for row in rows])
+        made._functions, first = [], len(self._coefficients)
+        for functions in self._functions:
+            count = len(functions.bytecode.outputs)
+            made._functions.append(functions.only([first + i in read for i in range(count)]))
+            first += count
+        return made
+
     def taylor(self, rows: Sequence[int], highest: int) -> Evaluator:
         """What evaluates the Taylor coefficients in xi, 0 to ``highest``, of some of the rows."""
         constants = [LONG.mpf(high) + LONG.mpf(low) for high, low in self._constants.tolist()]

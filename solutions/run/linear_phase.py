@@ -76,7 +76,10 @@ def as_pairs(phase: Array) -> Array:
     >>> as_pairs(np.array([[1.0], [2.0**-54], [-(2.0**-108)], [0.0]]))[2] == 2.0**-108
     array([ True])
     """
-    return np.stack([phase[0], phase[1], np.abs(phase[2]) + phase[3]])
+    pairs = phase[:3].copy()
+    np.abs(pairs[2], out=pairs[2])
+    pairs[2] += phase[3]
+    return pairs
 
 
 class LinearPhase:

@@ -65,6 +65,13 @@ class JacobiProgram(NamedTuple):
         run_pairs(self.bytecode, self.constants, reduced(phase, self.quarter), out)
         return out
 
+    def only(self, wanted: Sequence[bool]) -> JacobiProgram:
+        """Return what evaluates the wanted functions alone; what others are is undefined."""
+        outputs = self.bytecode.outputs
+        spare = next((o for o, is_wanted in zip(outputs, wanted, strict=True) if is_wanted), 0)
+        kept = [o if is_wanted else spare for o, is_wanted in zip(outputs, wanted, strict=True)]
+        return self._replace(bytecode=self.bytecode.only(kept)[0])
+
 
 @lru_cache(maxsize=256)
 def jacobi_program(m: Any, m1: Any, wanted: tuple[bool, ...] = (True,) * 5) -> JacobiProgram:

@@ -1,10 +1,13 @@
 """`longwave plot`: where the picture goes, wrong input, and what Ctrl-C leaves."""
 
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from house import HOUSE
 from longwave.__main__ import main
 from longwave.cli.command_tree import PICTURES
 from longwave.reports.pictures import plotting as drawing
@@ -30,6 +33,26 @@ def test_a_shipped_scene_is_drawn_into_the_working_folder(
     assert main(["plot", "rogue_cn_k_0.5", "--kind", "snapshots"]) == 0
     assert capsys.readouterr().out == "rogue_cn_k_0.5.png\n"
     assert Path("rogue_cn_k_0.5.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_picture_that_is_there_is_refused_before_anything_is_imported(tmp_path: Path) -> None:
+    picture = tmp_path / "toda.png"
+    picture.touch()
+    line = ["plot", "toda_soliton", "--output", str(picture)]
+    script = (
+        "import sys; from longwave.__main__ import main; status = main(sys.argv[1:]);"
+        "heavy = {'matplotlib', 'xarray', 'numpy'} & set(sys.modules);"
+        "sys.exit(', '.join(heavy) or status)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script, *line],
+        capture_output=True,
+        text=True,
+        cwd=HOUSE,
+        check=False,
+    )
+    assert done.returncode == 2, done.stderr
+    assert "which is there (--force overwrites it)" in done.stderr
 
 
 @pytest.mark.parametrize(

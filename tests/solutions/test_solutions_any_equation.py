@@ -62,6 +62,24 @@ def test_values_and_derivatives(form: ClosedForm, draw: Any, rng: np.random.Gene
         assert len(found) == 3 + wave.numbers.is_planar
 
 
+@pytest.mark.parametrize("form", [*CATALOGUE], ids=lambda form: form.name)
+def test_the_value_alone_has_the_bits_of_that_with_derivatives(
+    form: ClosedForm, draw: Any, rng: np.random.Generator
+) -> None:
+    """Catches: code that a value needs, or a row of a complex or planar wave, left out."""
+    wave = made(form, **draw(form))
+    n, t = np.append(rng.normal(scale=30.0, size=60), [-4e4, 4e4]), 3.25
+    across = keyword(wave, "m", 2.0)
+    whole = {
+        "wave": wave.at(n, t, 0.3, **across),
+        "background": wave.background_at(n, t, 0.3, **across),
+        "left": wave.far_field_at(n, t, 0.3, "left", **across),
+        "right": wave.far_field_at(n, t, 0.3, "right", **across),
+    }
+    for part, values in whole.items():
+        assert np.array_equal(wave.value_at(n, t, 0.3, part, **across), values.Y), part
+
+
 @others
 def test_sites_and_times_lose_no_digit(form: ClosedForm, draw: Any) -> None:
     """At n = 2e7, t = 1e7 a rounded X would be off by 1e-10."""

@@ -192,21 +192,29 @@ def test_old_byte_code_and_young_files_are_seen(tmp_path: Path) -> None:
 WARM = """
 import sys
 from longwave.__main__ import main
-status = main(["run", "rogue_cn_k_0.5_long", "--tolerance", "1e-2"])
+status = main(sys.argv[1:])
 heavy = {"sympy", "numba", "xarray", "pandas", "scipy", "matplotlib"}
 print("imported:", *sorted(heavy & set(sys.modules)), file=sys.stderr)
 sys.exit(status)
 """
 
 
-def test_a_warm_run_imports_nothing_heavy_and_prints_the_same() -> None:
+@pytest.mark.parametrize(
+    ("words", "engine"),
+    [
+        (["rogue_cn_k_0.5_long", "--tolerance", "1e-2"], "spectral"),
+        (["toda_soliton", "--tolerance", "1e-2"], "stencil"),
+    ],
+)
+def test_a_warm_run_imports_nothing_heavy_and_prints_the_same(
+    words: list[str], engine: str
+) -> None:
+    line = [sys.executable, "-c", WARM, "run", *words]
     runs = [
-        subprocess.run(
-            [sys.executable, "-c", WARM], capture_output=True, text=True, cwd=HOUSE, check=True
-        )
+        subprocess.run(line, capture_output=True, text=True, cwd=HOUSE, check=True)
         for _ in range(2)
     ]
-    tables = [run.stdout.partition("spectral")[0] for run in runs]
+    tables = [run.stdout.partition(engine)[0] for run in runs]
     assert tables[0] == tables[1]
     assert runs[1].stderr.split() == ["imported:"]
 

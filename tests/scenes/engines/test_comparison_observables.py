@@ -36,6 +36,10 @@ FLOPS = 9
 """Operations a site and force evaluation in the kernels with K2, K4: drift 2, force 3, kick 4."""
 
 WAVE_CALLS = ("at", "background_at", "far_field_at")
+VALUES = dict(
+    zip(("wave", "background", "left", "right"), (*WAVE_CALLS, "far_field_at"), strict=True)
+)
+"""As which of them the value of a part alone is counted."""
 TOUCHES = {
     "strain": {"at", "background_at", "far_field_at"},
     "error_curve": {"at", "background_at", "far_field_at"},
@@ -56,12 +60,13 @@ def calls(monkeypatch: pytest.MonkeyPatch) -> Counter[str]:
         original = getattr(owner, name)
 
         def counting(*arguments: Any, **options: Any) -> Any:
-            counted[name] += 1
+            part = arguments[4] if len(arguments) > 4 else "wave"  # of value_at
+            counted[VALUES[part] if name == "value_at" else name] += 1
             return original(*arguments, **options)
 
         monkeypatch.setattr(owner, name, counting)
 
-    for name in WAVE_CALLS:
+    for name in (*WAVE_CALLS, "value_at"):
         count(NumericWave, name)
     count(Model, "energy")
     count(scipy.optimize, "least_squares")

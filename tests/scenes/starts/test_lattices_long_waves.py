@@ -23,6 +23,7 @@ from longwave.scenes.starts.fourier_interval import FourierInterval
 from longwave.scenes.starts.jet_polynomial import JetPolynomial
 from longwave.scenes.starts.lattice_derivation import derivation, lattice_wave, wave_of
 from longwave.scenes.starts.long_wave_data import LongWaveData, wave_ends
+from longwave.scenes.starts.long_wave_numbers import long_wave
 from longwave.solutions import Wave, closed_form
 from searches.soak_scenes import soak_scene
 
@@ -76,12 +77,12 @@ def test_a_narrow_wave_is_sampled_finely_and_one_too_narrow_refused() -> None:
     cells, found = np.arange(60.0, 141.0), []
     reduction, wave = reduction_of("2"), wave_of(scene_of("2"))
     for half in (24.0, 72.0):
-        data = LongWaveData(reduction, {}, wave, 0.1, "corrected", interval=(-half, half))
+        data = long_wave(reduction, {}, wave, 0.1, "corrected", interval=(-half, half))
         data.start(0.0)
         found.append(data.strain(cells, 100.0))
     change = np.abs(found[0] - data_of("2").strain(cells, 100.0)).max()
     assert found[0] == pytest.approx(found[1], abs=1e-5 * change)
-    data = LongWaveData(reduction, {}, wave, 0.1, "corrected", interval=(-9e3, 9e3))
+    data = long_wave(reduction, {}, wave, 0.1, "corrected", interval=(-9e3, 9e3))
     data.start(0.0)
     with pytest.raises(ValueError, match="interval must be shorter"):
         data.strain(np.arange(3.0), 1.0)
@@ -145,7 +146,7 @@ def test_velocity_is_the_fields_time_derivative(name: str) -> None:
     cells = np.arange(-300, 301)
     slope = (data.strain(cells, 7.0 + h) - data.strain(cells, 7.0 - h)) / (2 * h)
     velocity = data.state(cells, 7.0)[1]
-    if data.reduction.is_displacement:
+    if data.numbers.is_displacement:
         velocity, slope = np.diff(velocity), slope[:, :-1]
     assert slope == pytest.approx(velocity, abs=1e-4 * np.abs(velocity).max())
 
@@ -168,7 +169,7 @@ def test_mean_strain_is_that_of_the_cells_of_the_ring() -> None:
     numeric = LATTICES["fput"].with_values({k: Rational(1) for k in ("K2", "K3", "K4")})
     reduction = reduce(numeric, Scaling(1))
     wave = Wave(closed_form("kdv_cnoidal"), reduction.normal_form(), kappa=1, k=Rational(4, 5))
-    data = LongWaveData(reduction, {}, wave, 0.2, "slaved", numeric)
+    data = long_wave(reduction, {}, wave, 0.2, "slaved", numeric)
     cells = np.arange(-7, 16)
     ring, strain = data.ring(cells, 0.0), data.strain(cells, 0.0)
     assert ring.mean_strain[0] == pytest.approx(strain.mean(), rel=1e-12)
@@ -181,7 +182,7 @@ def test_forces_with_eps_and_no_polynomials_are_those_that_run() -> None:
     toda = LATTICES["toda"].with_values({"a": Rational(1), "b": Rational(1)})
     reduction = reduce(toda, Scaling(1))
     wave = Wave(closed_form("kdv_soliton"), reduction.normal_form(), kappa=1)
-    data = LongWaveData(reduction, {}, wave, 0.2, "slaved", toda)
+    data = long_wave(reduction, {}, wave, 0.2, "slaved", toda)
     stretch = np.array([0.3])
     assert data.lattice.bonds[0].force(stretch) == pytest.approx(np.expm1(stretch))
 
@@ -189,7 +190,7 @@ def test_forces_with_eps_and_no_polynomials_are_those_that_run() -> None:
 def test_numbers_apart_from_the_lattice_give_the_same_data() -> None:
     symbolic = reduce(LATTICES["fput_strain"])
     numbers = {"K2": 1, "K3": 0, "K4": 1}
-    apart = LongWaveData(symbolic, numbers, wave_of(scene_of("1")), 0.1, "slaved")
+    apart = long_wave(symbolic, numbers, wave_of(scene_of("1")), 0.1, "slaved")
     cells = np.linspace(-50.0, 50.0, 41)
     for one, other in zip(apart.state(cells, 3.0), data_of("1").state(cells, 3.0), strict=True):
         assert one == pytest.approx(other, rel=1e-12)
@@ -201,15 +202,15 @@ def test_what_data_refuse() -> None:
     lattice = derivation(scene_of("1")).lattice
     leading = reduce(lattice, reduction.scaling, 5)
     with pytest.raises(ValueError, match=r"none was derived through eps\^5"):
-        LongWaveData(leading, {}, wave, 0.1, "corrected")
+        long_wave(leading, {}, wave, 0.1, "corrected")
     ended = replace(reduce(lattice), corrections={}, obstruction=(2, leading.pde.flow))
     with pytest.raises(ValueError, match=r"reduction to a one-way equation ends at eps\^2"):
-        LongWaveData(ended, {}, wave, 0.1, "corrected")
+        long_wave(ended, {}, wave, 0.1, "corrected")
     with pytest.raises(ValueError, match="start must come before"):
         data_of("1", 0.1, "corrected").strain(np.arange(3), 0.0)
     rational = Wave(closed_form("rational_1"), reduction.normal_form())
     with pytest.raises(ValueError, match="interval must be given"):
-        LongWaveData(reduction, {}, rational, 0.1, "corrected")
+        long_wave(reduction, {}, rational, 0.1, "corrected")
 
 
 def test_computed_soliton_solves_its_equation() -> None:
@@ -276,7 +277,7 @@ def test_waves_of_kp_meet_the_square_lattice(
     cells = np.stack(np.meshgrid(np.arange(-40.0, 40.0), np.arange(-5.0, 6.0), indexing="ij"))
     found = []
     for eps in (0.2, 0.1):
-        data, h = LongWaveData(reduction, {}, wave, eps), 1e-3 / eps
+        data, h = long_wave(reduction, {}, wave, eps), 1e-3 / eps
         ring = data.ring(cells, 0.0)
         assert ring.mean_strain[0] > 0.0 == ring.mean_strain[1]
         strain = data.measured(ring.f, ring.mean_strain)
@@ -286,7 +287,7 @@ def test_waves_of_kp_meet_the_square_lattice(
         found.append(np.abs(gap[:, 2:-2, 2:-2]).max())
     assert math.log2(found[0] / found[1]) > 6.6
     with pytest.raises(ValueError, match="none was derived"):
-        LongWaveData(reduction, {}, wave, 0.1, "corrected")
+        long_wave(reduction, {}, wave, 0.1, "corrected")
 
 
 def test_ends_of_a_wave() -> None:

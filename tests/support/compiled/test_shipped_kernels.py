@@ -13,9 +13,16 @@ import pytest
 from house import HOUSE, ROOMS
 from longwave.lattice.spectral import evolution
 from longwave.solutions.run import machine
-from longwave.support.compiled import native_code, shipped_kernels, source_digest
+from longwave.support.compiled import (
+    kernel_writer,
+    native_code,
+    shipped_kernels,
+    source_digest,
+)
 from longwave.support.compiled.jit import Kernel, njit
-from longwave.support.compiled.shipped_kernels import shipped_text, write_kernels
+from longwave.support.compiled.kernel_writer import write_kernels
+from longwave.support.compiled.shipped_kernels import shipped_text
+from longwave.support.sealed_file import write_sealed
 from tests.support.compiled.cache_places import caches_in
 
 SCALE = machine.__name__, "_scale_row", 0
@@ -26,8 +33,8 @@ FORCE = evolution.__name__, "_residual_force", 0
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """The folder of shipped texts, with the two kernels."""
-    for name, packed in map(shipped_kernels._packed, (SCALE, FORCE)):
-        shipped_kernels.write_sealed(tmp_path / name, packed)
+    for name, packed in map(kernel_writer._packed, (SCALE, FORCE)):
+        write_sealed(tmp_path / name, packed)
     monkeypatch.setattr(shipped_kernels, "FOLDER", tmp_path)
     return tmp_path
 
@@ -43,7 +50,7 @@ def texts() -> tuple[str | None, str | None]:
 
 def test_every_kept_kernel_of_the_package_says_what_it_is_called_with() -> None:
     """Without examples it is not shipped, and the scan for modules must see it."""
-    scanned = shipped_kernels.modules_with_kernels()
+    scanned = kernel_writer.modules_with_kernels()
     for room in ROOMS:
         for path in (HOUSE / room).rglob("*.py"):
             if "cache=True" not in path.read_text(encoding="utf-8") or path.name == "jit.py":
@@ -90,7 +97,7 @@ def other_source(patch: pytest.MonkeyPatch) -> None:
 
 
 def other_layout(patch: pytest.MonkeyPatch) -> None:
-    patch.setattr(shipped_kernels, "_computers", lambda: ("other here", "other"))
+    patch.setattr(shipped_kernels, "computers", lambda: ("other here", "other"))
 
 
 @pytest.mark.parametrize(
@@ -169,7 +176,7 @@ def test_a_build_without_numba_goes_on_and_says_so(
 def test_a_kernel_that_cannot_be_compiled_leaves_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(shipped_kernels, "_tasks", lambda: iter([SCALE, (SCALE[0], "_run", 99)]))
+    monkeypatch.setattr(kernel_writer, "_tasks", lambda: iter([SCALE, (SCALE[0], "_run", 99)]))
     with pytest.raises(IndexError):
         write_kernels(tmp_path / "texts")
     assert not (tmp_path / "texts").exists()

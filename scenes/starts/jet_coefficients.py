@@ -1,0 +1,67 @@
+"""The coefficients of differential polynomials as numbers, at values of the constants."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+from typing import Any
+
+import mpmath
+from sympy import Expr, Symbol
+
+from longwave.derive.algebra.jets import DifferentialPolynomial, EpsSeries
+from longwave.derive.algebra.rational_functions import RationalFunction
+from longwave.scenes.starts.jet_polynomial import JetPolynomial
+
+DIGITS = 40
+"""Of the constants, in coefficients whose terms may cancel."""
+
+_EXACT = mpmath.MPContext()
+_EXACT.dps = DIGITS
+
+
+def with_numbers(
+    series: EpsSeries | DifferentialPolynomial, values: Mapping[Symbol, Expr], eps: float = 1.0
+) -> JetPolynomial:
+    """A series at eps, or one polynomial, at values of the constants.
+
+    Raises ValueError for jets with derivatives other than by X, and for a constant without a value.
+    """
+    parts = {0: series} if isinstance(series, DifferentialPolynomial) else series.parts
+    numbers = {symbol: _number(value) for symbol, value in values.items()}
+    total: dict[tuple[tuple[int, int], ...], Any] = {}
+    for order, part in parts.items():
+        for monomial, value in part.terms.items():
+            if any(any(jet[1:]) for jet in monomial):
+                raise ValueError(
+                    f"jets must have derivatives by X alone, got {monomial} (replace those by T "
+                    "along the flow)"
+                )
+            key = tuple(sorted(Counter(jet[0] for jet in monomial).items()))
+            term = _at(value, numbers) * _EXACT.mpf(eps) ** order
+            total[key] = total[key] + term if key in total else term
+    return JetPolynomial(tuple((float(value), key) for key, value in sorted(total.items())))
+
+
+def _number(value: Expr) -> Any:
+    return _EXACT.mpf(str(value.evalf(DIGITS)))
+
+
+def _at(element: RationalFunction, numbers: Mapping[Symbol, Any]) -> Any:
+    """A rational function of the constants at their values."""
+    above, below = (_sum(element, line, numbers) for line in (False, True))
+    return above / below
+
+
+def _sum(element: RationalFunction, below: bool, numbers: Mapping[Symbol, Any]) -> Any:
+    total = _EXACT.mpf(0)
+    for exponents, coefficient in element.terms(below=below):
+        product = _EXACT.mpf(coefficient)
+        for symbol, power in zip(element.field.symbols, exponents, strict=True):
+            if not power:
+                continue
+            if symbol not in numbers:
+                raise ValueError(f"constant {symbol} must have a value, got none (give it)")
+            product *= numbers[symbol] ** power
+        total += product
+    return total

@@ -1,0 +1,95 @@
+"""The wave of a scene on its lattice. What SymPy makes for it is kept for the next process."""
+
+from __future__ import annotations
+
+from dataclasses import astuple
+from functools import partial
+from typing import TYPE_CHECKING, Any, cast
+
+from longwave.lattice.force_program import ForceProgram
+from longwave.lattice.numeric_lattice import Entry, NumericBond, NumericLattice
+from longwave.scenes.description.scene import Scene
+from longwave.scenes.description.scene_rules import COMPUTED
+from longwave.scenes.starts.first_correction import correction_interval
+from longwave.scenes.starts.jet_polynomial import JetPolynomial
+from longwave.scenes.starts.lattice_wave import LatticeWave
+from longwave.scenes.starts.long_wave_data import LongWaveData, LongWaveNumbers, SlowFrame
+from longwave.solutions import kept_data, kept_wave
+
+if TYPE_CHECKING:
+    from longwave.derive import Reduction
+    from longwave.solutions import Wave
+
+
+def scene_lattice_wave(scene: Scene) -> LatticeWave:
+    """Return `lattice_derivation.lattice_wave` of a scene, from what was kept if it was."""
+    if not _is_kept(scene):
+        from longwave.scenes.starts.lattice_derivation import lattice_wave  # with SymPy
+
+        return lattice_wave(scene)
+    key = _key(scene)
+    wave = kept_wave(__name__, key, partial(_derived_wave, scene))
+    numbers = _numbers_of(kept_data(__name__, f"numbers {key}", partial(_derived_parts, scene)))
+    interval = correction_interval(scene, wave)
+    return LongWaveData(numbers, wave, scene.eps, scene.order, interval)
+
+
+def equation_of(scene: Scene) -> tuple[str, bool]:
+    """Return the equation that was derived in one line, and whether its lattice has
+    displacements."""
+    make = partial(_derived_equation, scene)
+    return kept_data(__name__, f"equation {_key(scene)}", make) if _is_kept(scene) else make()
+
+
+def _is_kept(scene: Scene) -> bool:
+    """Whether the wave is a shipped closed form, and its data those of a lossless long wave."""
+    is_other = scene.is_envelope or scene.losses or scene.disorder or scene.wave_name == COMPUTED
+    return isinstance(scene.wave, str) and not is_other
+
+
+def _key(scene: Scene) -> str:
+    """Return the scene without what neither its wave nor its equation depends on."""
+    unseen: dict[str, Any] = {"name": "", "title": "", "observables": None, "curve_points": 201}
+    times = {"times": (0.0, 1.0), "slow_times": (), "look_points": None}
+    return scene.with_tolerance(1.0).changed(**unseen, **times).json()
+
+
+def _derived_wave(scene: Scene) -> Wave:
+    from longwave.scenes.starts.lattice_derivation import wave_of
+
+    return cast("Wave", wave_of(scene))
+
+
+def _derived_parts(scene: Scene) -> tuple[Any, ...]:
+    """Return the wave's numbers as plain data."""
+    from longwave.scenes.starts.lattice_derivation import derivation
+    from longwave.scenes.starts.long_wave_numbers import long_wave_numbers
+
+    found = derivation(scene)
+    source = cast("Reduction", found.source)
+    return astuple(long_wave_numbers(source, {}, scene.eps, scene.order, found.lattice))
+
+
+def _numbers_of(parts: tuple[Any, ...]) -> LongWaveNumbers:
+    """Return the wave's numbers from `_derived_parts`."""
+    (name, fields, masses, bonds), frames, series, correction, *plain = parts
+    return LongWaveNumbers(
+        NumericLattice(name, fields, masses, tuple(map(_bond_of, bonds))),
+        tuple(SlowFrame(*frame) for frame in frames),
+        tuple((JetPolynomial(*place), JetPolynomial(*change)) for place, change in series),
+        correction and (correction[0], *(JetPolynomial(*terms) for terms in correction[1:])),
+        *plain,
+    )
+
+
+def _bond_of(parts: tuple[Any, ...]) -> NumericBond:
+    ends, (force, offset) = parts[:2], parts[2:]
+    stretch, action = (tuple(Entry(*entry) for entry in entries) for entries in ends)
+    return NumericBond(stretch, action, ForceProgram(*force), offset)
+
+
+def _derived_equation(scene: Scene) -> tuple[str, bool]:
+    from longwave.scenes.starts.lattice_derivation import derivation
+
+    found = derivation(scene)
+    return found.text(), found.lattice.has_displacements
