@@ -9,7 +9,6 @@ from rich.progress import TextColumn
 from longwave.__main__ import main
 from longwave.cli import scene_command as cli
 from longwave.scenes.description.named_scenes import load_scene
-from longwave.scenes.description.scene import Scene
 from longwave.support import console
 
 SCENE = """
@@ -62,6 +61,6 @@ def test_the_bars_label_is_no_markup(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(console, "TextColumn", Noted)
     terminal = Console(force_terminal=True, stderr=True)
     monkeypatch.setattr(console, "plain_console", lambda **_: terminal)
-    monkeypatch.setattr(Scene, "record", lambda *_: None)
+    monkeypatch.setattr(cli, "record_scene", lambda *_: None)
     cli._run_with_bar(load_scene("rogue_cn_k_0.5"), None, "the work")
     assert [column.markup for column in columns] == [False]

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from longwave.cli import scene_command
 from longwave.cli.scene_command import run_and_print
 from longwave.runs import run_pack, run_store, sweep_cells
 from longwave.runs.run_file import load_run
@@ -25,7 +26,6 @@ from longwave.runs.sweep_dataset import cell_run, sweep_dataset, write_sweep
 from longwave.runs.sweep_file import Sweep, sweep_of
 from longwave.runs.sweep_workers import code_here
 from longwave.scenes.description.named_scenes import load_scene
-from longwave.scenes.description.scene import Scene
 from longwave.scenes.engines import scene_run
 from longwave.support.compiled import cores
 from longwave.support.processes import Call, Job, LostProcess
@@ -293,7 +293,7 @@ def test_a_run_is_found_whoever_made_it(
     whole = bits(scene_run.run(scene))
     run_sweep(sweep, store, HereWorkers())
     monkeypatch.setattr(scene_run, "run", None)
-    monkeypatch.setattr(Scene, "record", None)
+    monkeypatch.setattr(scene_command, "record_scene", None)
     path, kept = str(tmp_path / "small.toml"), str(store.folder)
     assert run_and_print(path, "longwave run", store=kept) == 0
     told = capsys.readouterr()
