@@ -258,8 +258,7 @@ def _outcome(
             f"times must end before the lattice blows up, got {times[-1]:g} ({blow_up}, with "
             f"steps down to {trial.choices.step:.2g}; end earlier or take smaller strains)"
         )
-    if trial.values is None and math.isinf(error) and engine.meets_features:
-        raise ValueError(engine.told_unfollowed(trial.choices.step))
+    engine.check_followed(trial)
     if trial.values is None and math.isinf(error):
         raise ValueError(
             f"times must end before strains run away, got {times[-1]:g} (steps down to "
@@ -530,17 +529,14 @@ class CellEngine(StepSearch):
         found = super().improved(choices, kind, excess)
         return replace(found, step=min(found.step, self._most_kept * step))
 
-    @property
-    def meets_features(self) -> bool:
-        """Whether what changes fast in a force, and no wave, asks for the shortest steps."""
-        return self._by_feature
-
-    def told_unfollowed(self, step: float) -> str:
-        """Why no run was sound where a force changes fast."""
-        return (
-            f"forces of {self.lattice.name} must change slowly enough to be followed, got one that "
-            f"steps down to {step:.2g} do not follow (widen what changes fast, or end earlier)"
-        )
+    def check_followed(self, trial: Trial) -> None:
+        """Raise ValueError if it broke down where a force changes fast, and not as waves grew."""
+        if trial.values is None and trial.payload[0] is None and self._by_feature:
+            raise ValueError(
+                f"forces of {self.lattice.name} must change slowly enough to be followed, got one "
+                f"that steps down to {trial.choices.step:.2g} do not follow (widen what changes "
+                "fast, or end earlier)"
+            )
 
     def told_dear(self, work: float, tolerance: float | None) -> str:
         """Why runs of so many steps are refused: strains that grew, or the tolerance."""

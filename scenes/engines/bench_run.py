@@ -96,8 +96,7 @@ def record_scene(
         raise ValueError(readings.engine.told_dear(dear.work, scene.tolerance)) from None
     record = readings.record_of(found.trial)
     if found.trial.values is None:
-        if readings.engine.meets_features and not record.attrs["blow_up"]:
-            raise ValueError(readings.engine.told_unfollowed(found.trial.choices.step))
+        readings.engine.check_followed(found.trial)
         raise ValueError(
             f"times must end before {scene.lattice} flies apart, got {scene.end:g} "
             f"({record.attrs['blow_up'] or 'no run comes to the end'}, with steps down to "

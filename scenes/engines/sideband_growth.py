@@ -243,8 +243,7 @@ def measure_growth(
         found = refine(runs.engine, scene.target.tolerance, progress or (lambda _: None), announce)
     except OverBudgetError as dear:
         raise ValueError(runs.engine.told_dear(dear.work, scene.tolerance)) from None
-    if found.trial.values is None and runs.engine.meets_features:
-        raise ValueError(runs.engine.told_unfollowed(found.trial.choices.step))
+    runs.engine.check_followed(found.trial)
     if math.isinf(found.error) or found.trial.values is None:
         raise ValueError(
             f"amplitude must leave a plane wave that lasts, got one on {scene.lattice} that blows "
