@@ -14,6 +14,7 @@ import pytest
 from house import HOUSE, ROOMS
 
 SCENE = "rogue_cn_k_0.5"
+KERNELS = "longwave/support/compiled/kernel_texts/"
 PIP = (sys.executable, "-m", "pip", "--disable-pip-version-check")
 
 
@@ -66,10 +67,12 @@ def test_the_wheel_holds_every_source_and_every_file_that_is_read(wheel: Path) -
     }
     assert "longwave/py.typed" in expected
     with ZipFile(wheel) as archive:
-        held = {name for name in archive.namelist() if ".dist-info/" not in name}
+        names = {name for name in archive.namelist() if ".dist-info/" not in name}
         (top,) = (name for name in archive.namelist() if name.endswith("/top_level.txt"))
         assert archive.read(top) == b"longwave\n"
-    assert held == expected
+    kernels = {name for name in names if name.startswith(KERNELS) and name.endswith(".ll.z")}
+    assert kernels, "the build wrote no compiled kernels"
+    assert names - kernels == expected
 
 
 @pytest.mark.slow
