@@ -30,7 +30,7 @@ def seems_still(f: Array, v: Array) -> bool:
     """
     every = slice(None, None, max(1, f.shape[1] // SAMPLES))
     moving = f[:, every].any(axis=0) | v[:, every].any(axis=0)
-    return 2 * np.count_nonzero(moving) <= moving.size
+    return bool(2 * np.count_nonzero(moving) <= moving.size)
 
 
 def moving_cells(f: Array, v: Array) -> NDArray[np.bool_]:
