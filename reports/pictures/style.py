@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import wraps
 from pathlib import Path
-from typing import Any, Concatenate, ParamSpec
+from typing import Any, Concatenate, ParamSpec, cast
 
 import matplotlib as mpl
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -143,7 +143,7 @@ def _leave_out_spines(figure: FigureBase) -> None:
 
     Ticks point inwards, so that the four spines of axes end where the axes do.
     """
-    for ax in figure.axes:
+    for ax in cast(Figure, figure).axes:  # SubFigure has them, too
         for side in _SIDES & ax.spines.keys():
             ax.spines[side].set_in_layout(False)
 
