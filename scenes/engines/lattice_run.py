@@ -15,7 +15,7 @@ from longwave.lattice.refine import Announce
 from longwave.scenes.description.numerics import Tolerance
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.description.scene_checks import enough_steps
-from longwave.scenes.engines.domain_plan import ComparedCells, DomainPlan, expected_rings
+from longwave.scenes.engines.domain_plan import STRIDE, ComparedCells, DomainPlan, expected_rings
 from longwave.scenes.engines.recorders import MOMENT_BYTES, exact_times
 from longwave.scenes.engines.ring_cost import SHOWN, USUAL_RUNS, search_cost
 from longwave.scenes.engines.run_record import (
@@ -30,7 +30,6 @@ from longwave.scenes.engines.site_engine import SiteEngine
 from longwave.scenes.engines.spectral_run import run_spectral, spectral_cost
 from longwave.scenes.engines.stated_run import run_from, stated_runs
 from longwave.scenes.engines.stepped_cells import stated_cells
-from longwave.scenes.engines.window import STRIDE
 from longwave.scenes.observed.observables import MAP_CELLS, MEASURED, observable_named
 from longwave.scenes.starts.background_growth import check_trust, trust_attributes
 from longwave.scenes.starts.kept_long_wave import equation_of, scene_lattice_wave

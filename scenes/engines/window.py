@@ -12,106 +12,113 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Protocol
 
 import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
 from longwave.lattice.state import BlowUp, Domain, Sites, State
+from longwave.scenes.engines.domain_plan import (
+    STRIDE,
+    WATCHED,
+    DomainPlan,
+    fed_cells,
+    least_window,
+)
+from longwave.scenes.starts.initial_cells import InitialCells
 from longwave.support.checkpoint import Memory
 from longwave.support.compiled.jit import doubles, njit
 
 Array = NDArray[np.float64]
 
-MARGIN = 64
-"""Sites beyond the distance of sound that a window leaves for a signal's dispersive front."""
 
-FRONT = 12.0
-"""Airy lengths by which a signal's front runs ahead of the sound: Ai(12) is 1e-13."""
+@dataclass(frozen=True)
+class FedWave:
+    """The wave of these domains as a window of ``size`` cells is fed with it.
 
-SIZE_MULTIPLE = 64
-"""Sizes are multiples of this, which suits the kernels."""
+    With ``nudged`` the last digits of its data are changed.
+    """
 
-STRIDE = 64
-"""Most cells by which a window moves at once."""
-
-
-WATCHED = 8
-"""Cells next to the fed ones on which feed and lattice are compared."""
-
-
-class WindowWave(Protocol):
-    """What a window is to know of the wave in it."""
+    domains: DomainPlan
+    size: int
+    nudged: bool = False
 
     @property
     def name(self) -> str:
-        """What a message calls the wave."""
+        """The wave's."""
+        return self.domains.wave.name
 
     @property
     def t0(self) -> float:
-        """The time at which it begins."""
+        """The first of the times."""
+        return self.domains.times[0]
 
     @property
     def duration(self) -> float:
-        """The time from then on for which it is compared."""
+        """From the first to the last."""
+        return self.domains.times[-1] - self.domains.times[0]
 
     @property
     def speed(self) -> float:
-        """Cells a unit of time by which it moves."""
+        """That of the wave's frame."""
+        return self.domains.wave.speed
 
     @property
     def compared(self) -> int:
-        """Cells on either side of where its speed leads to in which it is compared."""
+        """Cells on either side of the frame's origin."""
+        return self.domains.compared.reach[0]
 
     @property
     def scale(self) -> float:
         """The unit of errors."""
+        return self.domains.wave.scale
 
     @property
     def background_speed(self) -> float | None:
-        """The speed of its far field; None where the background is not constant."""
+        """The speed of small long waves far from the wave."""
+        return self.domains.wave.far_speed
 
     @property
     def fastest(self) -> float:
-        """The speed of the fastest signal."""
+        """The largest group velocity of any wave far from the wave."""
+        return self.domains.wave.far_fastest
 
     def frame(self, t: float) -> int:
-        """The cell nearest to where the wave's speed leads to by then."""
+        """The cell nearest to the frame's origin."""
+        return self.domains.compared.middle(t)
+
+    @cached_property
+    def ring(self) -> InitialCells:
+        """The data, with the mean strain that their displacements keep from end to end."""
+        first = self.frame(self.t0) - self.size // 2
+        ring = self.domains.wave.ring(np.arange(first, first + self.size, dtype=float), self.t0)
+        return ring.nudged() if self.nudged else ring
 
     def initial_data(self, sites: Sites) -> tuple[Array, Array]:
-        """Fields and velocities at t0, (fields, cells)."""
+        """The periodic parts of the fields, and the velocities, in all cells of the window."""
+        return self.ring.f, self.ring.v
 
     def rigid_offsets(self, speed: float, sites: Sites, t: float) -> Array:
-        """Cells at time t, from where the wave began, in a frame that moves at ``speed``."""
+        """Cells at time t, from where the frame began, in one that moves at ``speed``."""
+        begin = self.speed * self.t0
+        return np.asarray((sites - begin) - speed * (t - self.t0), dtype=np.float64)
 
     def rigid_data(self, speed: float, offsets: Array) -> tuple[Array, Array]:
-        """Fields and velocities, as `initial_data`, of the initial wave that moves rigidly."""
+        """What deviates from the uniform far field, moving as it is at ``speed``."""
+        wave = self.domains.wave
+        f, slopes = wave.rigid(offsets, self.t0)
+        return f, wave.far_rates[1][:, np.newaxis] - speed * slopes
 
     def uniform(self, sites: Sites, t: float) -> Array:
-        """What fields are at time t in these cells beside that: uniform in strain and velocity."""
+        """The uniform far field, less the mean strain, which the lattice's bonds hold."""
+        wave, [mean] = self.domains.wave, self.ring.mean_strain
+        growth, velocity = wave.far_rates
+        left = growth - mean * np.array(wave.growth_shares)
+        moved = np.multiply.outer(left, np.asarray(sites, dtype=np.float64))
+        return np.asarray(moved + velocity[:, np.newaxis] * (t - self.t0))
 
 
-def front(speed: float, duration: float) -> float:
-    """Sites by which the dispersive front of a signal of that speed is ahead of it."""
-    return max(MARGIN, FRONT * (speed * duration / 8.0) ** (1.0 / 3.0))
-
-
-def fed_cells(moved: int, ratio: float) -> int:
-    """Cells that a window feeds when it has moved by so many.
-
-    Signals from its seam, ``ratio`` times as fast as it, have reached them since the last move.
-    """
-    faster = math.ceil(ratio * moved) - MARGIN // 2  # the rest of the margin is their front
-    return moved + max(moved, faster) + MARGIN
-
-
-def least_window(reach: int, ratio: float = 1.0) -> int:
-    """Fewest cells of a window whose ends keep away from the cells within ``reach``."""
-    return 2 * (reach + max(2 * (STRIDE + MARGIN), fed_cells(STRIDE + 1, ratio) + WATCHED))
-
-
-def signal_drift(wave: WindowWave) -> int:
+def signal_drift(wave: FedWave) -> int:
     """Cells by which the fastest signal gains on the wave's frame in that time."""
     return math.ceil(max(0.0, wave.fastest - wave.speed) * wave.duration)
 
@@ -134,23 +141,18 @@ SEEN = 16
 """Moves of a window at which runs are compared, beside the times that are asked for."""
 
 
-def round_up(sites: float) -> int:
-    """The next multiple of ``SIZE_MULTIPLE``."""
-    return SIZE_MULTIPLE * math.ceil(sites / SIZE_MULTIPLE)
-
-
 def widened(sites: float, excess: float, decay: float) -> float:
     """The size of a window whose error, which falls like 1/size^decay, is smaller by ``excess``."""
     return sites * min(LARGEST_GROWTH, max(1.2, 1.05 * excess ** (1.0 / decay)))
 
 
-def judged_times(wave: WindowWave, exact: Sequence[float]) -> tuple[float, ...]:
+def judged_times(wave: FedWave, exact: Sequence[float]) -> tuple[float, ...]:
     """The exact times and some of the stops that a window's moves make anyway."""
     moves = [t for t in window_moves(wave) if t < wave.t0 + wave.duration]
     return tuple(sorted({*moves[:: max(1, len(moves) // SEEN)], *exact}))
 
 
-def window_moves(wave: WindowWave) -> tuple[float, ...]:
+def window_moves(wave: FedWave) -> tuple[float, ...]:
     """The times, counted from t0, after which sound has gone ``STRIDE`` sites again."""
     stay = STRIDE / wave.speed
     count = math.ceil(wave.duration / stay)
@@ -199,7 +201,7 @@ class Tail:
     ``low`` and ``high`` are offsets in cells from where the wave began.
     """
 
-    wave: WindowWave
+    wave: FedWave
     speed: float
     low: float
     high: float
@@ -261,7 +263,7 @@ class Window(Domain):
     for a wave without a constant background, and for compared cells too near the window's ends.
     """
 
-    wave: WindowWave
+    wave: FedWave
     size: int
     mismatch: float = field(default=0.0, init=False)
 
