@@ -85,7 +85,7 @@ class SteppedCells:
         if restart is not None:
             shape = state.f.shape
             state = State(restart.t, restart.f.reshape(shape), restart.v.reshape(shape))
-        domain = CellDomain(state, self.ends, self.domains, self._fading)
+        domain = RingDomain(state, self.ends, self.domains, self._fading)
         return self._stepper_of(state, domain), limit
 
     def _stepper_of(self, state: State, domain: Domain) -> Stepper:
@@ -148,7 +148,7 @@ def _ends_of(restart: State, needed: Sequence[Ends]) -> list[Ends]:
 
 
 @dataclass
-class CellDomain(FixedDomain):
+class RingDomain(FixedDomain):
     """A ring of cells with these ends, some of which may fade."""
 
     ends: Sequence[Ends]
@@ -355,9 +355,3 @@ class WindowCells(SteppedCells):
     def told(self, stepper: Stepper) -> dict[str, Any]:
         """How well the feed fitted, and strains."""
         return {"feed_mismatch": stepper.domain.mismatch, **self._strains(stepper)}
-
-
-def stated_cells(scene: Scene, domains: DomainPlan) -> SteppedCells:
-    """The cells of the domain that a scene states."""
-    is_window = scene.discretisation.domain == "window"
-    return WindowCells(scene, domains) if is_window else SteppedCells(scene, domains)

@@ -32,55 +32,24 @@ from longwave.support.compiled.jit import doubles, njit
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
 class FedWave:
     """The wave of these domains as a window of ``size`` cells is fed with it.
 
-    With ``nudged`` the last digits of its data are changed.
+    ``compared`` cells on either side of the frame's origin are compared for a ``duration`` from
+    ``t0``. The far field moves at ``background_speed``. With ``nudged`` the last digits of the data
+    are changed.
     """
 
-    domains: DomainPlan
-    size: int
-    nudged: bool = False
-
-    @property
-    def name(self) -> str:
-        """The wave's."""
-        return self.domains.wave.name
-
-    @property
-    def t0(self) -> float:
-        """The first of the times."""
-        return self.domains.times[0]
-
-    @property
-    def duration(self) -> float:
-        """From the first to the last."""
-        return self.domains.times[-1] - self.domains.times[0]
-
-    @property
-    def speed(self) -> float:
-        """That of the wave's frame."""
-        return self.domains.wave.speed
-
-    @property
-    def compared(self) -> int:
-        """Cells on either side of the frame's origin."""
-        return self.domains.compared.reach[0]
-
-    @property
-    def scale(self) -> float:
-        """The unit of errors."""
-        return self.domains.wave.scale
-
-    @property
-    def background_speed(self) -> float | None:
-        """The speed of small long waves far from the wave."""
-        return self.domains.wave.far_speed
+    def __init__(self, domains: DomainPlan, size: int, nudged: bool = False) -> None:
+        self.domains, self.size, self.nudged = domains, size, nudged
+        wave, times = domains.wave, domains.times
+        self.t0, self.duration = times[0], times[-1] - times[0]
+        self.compared = domains.compared.reach[0]
+        self.speed, self.scale, self.background_speed = wave.speed, wave.scale, wave.far_speed
 
     @property
     def fastest(self) -> float:
-        """The largest group velocity of any wave far from the wave."""
+        """Largest group velocity of any wave far from the wave."""
         return self.domains.wave.far_fastest
 
     def frame(self, t: float) -> int:
@@ -270,7 +239,7 @@ class Window(Domain):
     def __post_init__(self) -> None:
         if self.wave.background_speed is None:
             raise ValueError(
-                f"domain must be 'ring' for {self.wave.name}, got 'window' "
+                f"domain must be 'ring' for {self.wave.domains.wave.name}, got 'window' "
                 "(its far field is not that of a closed form on a constant background)"
             )
         self.background_speed = self.wave.background_speed
