@@ -314,20 +314,14 @@ class WindowCells(SteppedCells):
     def __init__(self, scene: Scene, domains: DomainPlan, nudged: bool = False) -> None:
         self.scene, self.domains, self._nudged = scene, domains, nudged
         self.scale, self.reach = domains.wave.scale, domains.compared.reach
-        self._window = Window(FedWave(domains, scene.discretisation.sites, nudged), self._size)
-        first = self._window.left(domains.times[0])
-        self.ends = [(first, first + self._size - 1)]
-
-    @property
-    def _size(self) -> int:
-        return self.scene.discretisation.sites
+        fed = FedWave(domains, scene.discretisation.sites, nudged)
+        self._window, first = Window(fed, fed.size), fed.first(fed.t0)
+        self.ends = [(first, first + fed.size - 1)]
 
     @cached_property
     def ring(self) -> InitialCells:
         """The data."""
-        wave = self._window.wave
-        assert isinstance(wave, FedWave)
-        return wave.ring
+        return self._window.wave.ring
 
     def stepper(self, restart: State | None) -> tuple[Stepper, float]:
         """What steps the cells, and the largest stable step."""

@@ -52,20 +52,16 @@ class FedWave:
         """Largest group velocity of any wave far from the wave."""
         return self.domains.wave.far_fastest
 
-    def frame(self, t: float) -> int:
-        """The cell nearest to the frame's origin."""
-        return self.domains.compared.middle(t)
+    def first(self, t: float) -> int:
+        """Return the first cell of a window whose middle is nearest to the frame's origin."""
+        return self.domains.compared.middle(t) - self.size // 2
 
     @cached_property
     def ring(self) -> InitialCells:
         """The data, with the mean strain that their displacements keep from end to end."""
-        first = self.frame(self.t0) - self.size // 2
+        first = self.first(self.t0)
         ring = self.domains.wave.ring(np.arange(first, first + self.size, dtype=float), self.t0)
         return ring.nudged() if self.nudged else ring
-
-    def initial_data(self, sites: Sites) -> tuple[Array, Array]:
-        """The periodic parts of the fields, and the velocities, in all cells of the window."""
-        return self.ring.f, self.ring.v
 
     def rigid_offsets(self, speed: float, sites: Sites, t: float) -> Array:
         """Cells at time t, from where the frame began, in one that moves at ``speed``."""
@@ -85,11 +81,6 @@ class FedWave:
         left = growth - mean * np.array(wave.growth_shares)
         moved = np.multiply.outer(left, np.asarray(sites, dtype=np.float64))
         return np.asarray(moved + velocity[:, np.newaxis] * (t - self.t0))
-
-
-def signal_drift(wave: FedWave) -> int:
-    """Cells by which the fastest signal gains on the wave's frame in that time."""
-    return math.ceil(max(0.0, wave.fastest - wave.speed) * wave.duration)
 
 
 SIZE_RATIO = 1.3
@@ -244,7 +235,8 @@ class Window(Domain):
             )
         self.background_speed = self.wave.background_speed
         self._ratio = self.wave.fastest / self.wave.speed
-        least = least_window(self.wave.compared + signal_drift(self.wave), self._ratio)
+        drift = math.ceil(max(0.0, self.wave.fastest - self.wave.speed) * self.wave.duration)
+        least = least_window(self.wave.compared + drift, self._ratio)
         if self.size < least:
             raise ValueError(
                 f"sites must satisfy sites >= {least} in this window, got {self.size} "
@@ -262,17 +254,12 @@ class Window(Domain):
 
     def start(self) -> State:
         """The initial state, centred on where the wave begins."""
-        left = self.left(self.wave.t0)
-        f, v = self.wave.initial_data(np.arange(left, left + self.size))
-        return stored_chain(self.wave.t0, left, f, v)
-
-    def left(self, t: float) -> int:
-        """The first cell once the window has moved at time t."""
-        return self.wave.frame(t) - self.size // 2
+        t, ring = self.wave.t0, self.wave.ring
+        return stored_chain(t, self.wave.first(t), ring.f, ring.v)
 
     def follow(self, state: State) -> BlowUp | None:
         """Move with the wave, feeding the cells in front; a feed that does not fit is told."""
-        left, cells = self.left(state.t), state.f.shape[1]
+        left, cells = self.wave.first(state.t), state.f.shape[1]
         fed = fed_cells(left - state.left, self._ratio)
         state.left = left
         end = left + cells
