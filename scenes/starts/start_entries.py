@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class WaveStart(StartRules):
-    """A wave on the lattice itself, without a reduced equation; ``equation`` is told of its runs.
+    """A wave on the lattice itself, without a reduced equation; runs record ``equation``.
 
     ``wave`` builds it, and raises ValueError in one line for parameters that it does not admit.
     """
