@@ -131,7 +131,7 @@ def test_what_is_no_state_of_the_lattice_is_refused() -> None:
         (State(0.0, ring, ring[:, 1:]), r"state.v must have the shape .* got \(2, 7\)"),
         (
             State(0.0, ring, ring + np.inf),
-            r"state.v must be finite, got inf at place \(0, 0\)",
+            r"state.v must be finite, got inf at index \(0, 0\)",
         ),
         (State(0.0, ring[0], ring[0]), r"state.f must have the shape .* got \(8,\)"),
         (FieldRing(0.0, (0.0,), (8.0,), ring, ring), "state must be a State, got a FieldRing"),

@@ -84,7 +84,7 @@ def test_what_is_not_there_has_no_stretch_and_no_energy() -> None:
     )
     moved = np.zeros((1, 24))
     moved[0, 12:] = 1.5
-    held = chain.held(State(6.0, moved, np.zeros((1, 24))))
+    held = chain.with_walls(State(6.0, moved, np.zeros((1, 24))))
     [stretch], [force] = chain.stretches(held.f), chain.forces(held.f)
     cut = chain.bond_shares[0] == 0.0
     assert np.flatnonzero(cut).tolist() == [11, 24]  # and that from wall to wall

@@ -177,14 +177,16 @@ def test_a_realisation_is_the_same_on_any_machine() -> None:
 def test_what_cannot_be_disordered_is_one_line() -> None:
     size = 8
     hertz = numbers("granular")
-    with pytest.raises(ValueError, match=r"disorder must leave granular at rest .* \(let the"):
+    with pytest.raises(
+        ValueError, match=r"must exert no force at zero stretch, got granular, .* \(let the"
+    ):
         disordered(hertz, Variation(0.1, None, (hertz.bonds[0].force,)), np.zeros((1, size)))
     soft = numeric_lattice(
         LATTICES["next_nearest"], {"K2": 1, "K3": 0, "K4": 0, "L2": "-1/5", "L3": 0, "L4": 0}
     )
     parts = soft.bonds[0].force, None
     with pytest.raises(
-        ValueError, match=r"spread must leave waves of next_nearest stable, got 0\.3"
+        ValueError, match=r"spread must leave next_nearest linearly stable, got 0\.3"
     ):
         disordered(soft, Variation(0.3, None, parts), np.zeros((1, size)))
     plane = Variation(0.1, "displacements")

@@ -207,7 +207,7 @@ def test_a_linear_chain_with_defects_is_its_modes() -> None:
     turned = np.cos(np.outer(times, omega)) * f + np.sin(np.outer(times, omega)) / omega * v
     run = integrate(made, state, times, tolerance=1e-10)
     assert np.abs(run.f[:, 0] - turned @ shapes.T / root).max() < 1e-10
-    energy = made.energy(*made.held(state).arrays)
+    energy = made.energy(*made.with_walls(state).arrays)
     assert energy == pytest.approx(0.5 * np.sum(v**2 + squares * f**2), rel=1e-12)
 
 
@@ -272,7 +272,7 @@ def energies(made: DrivenChain, run: Any) -> Array:
     """The energy of the cells that move and of what is stretched beside them, at all times."""
     return np.array(
         [
-            made.energy(*made.held(State(t, f, v)).arrays)
+            made.energy(*made.with_walls(State(t, f, v)).arrays)
             for t, f, v in zip(run.times, run.f, run.v, strict=True)
         ]
     )
@@ -316,11 +316,11 @@ REFUSED: list[tuple[Callable[[], object], str]] = [
     (lambda: driven_chain(BETA, 8, spring_factors={1: [1, 2]}), "must be positive, one or 1, got"),
     (
         lambda: driven_chain(STRAIN, 8, mass_factors={1: 2.0}),
-        "must be of a chain of displacements, got fput_strain",
+        "need a chain of displacements, got fput_strain",
     ),
     (
         lambda: driven_chain(STRAIN, 8, left="fixed", right="fixed"),
-        "must be of a chain of displacements, got fput_strain",
+        "need a chain of displacements, got fput_strain",
     ),
     (
         lambda: integrate(driven_chain(BETA, 8), start(BETA, 9), [1.0], 1e-3),
@@ -330,7 +330,7 @@ REFUSED: list[tuple[Callable[[], object], str]] = [
         lambda: integrate(
             driven_chain(BETA, 8, losses=0.1), start(BETA, 8), [1.0], step=0.1, scheme=RK4
         ),
-        "scheme must be a splitting with ends, losses or forces, got rk4",
+        "a chain with ends, losses or forces needs a splitting scheme, got rk4",
     ),
     (
         lambda: integrate(
@@ -414,7 +414,7 @@ def test_a_fast_push_is_followed() -> None:
 
 def test_losses_of_a_declared_lattice_are_not_passed_over() -> None:
     lossy = LATTICES["beta_fput"].with_losses(site="1/10")
-    with pytest.raises(ValueError, match="losses must not be in a lattice that is run, got those"):
+    with pytest.raises(ValueError, match="lattice must have no losses of its own to be run, got"):
         numeric_lattice(lossy, {"K2": 1, "K4": 2})
 
 

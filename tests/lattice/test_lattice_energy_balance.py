@@ -116,7 +116,7 @@ def test_energy_holds_what_grains_pressed_together_store(ends: tuple[Any, Any]) 
     """They push off from where nothing holds them; a wall works against their force at rest."""
     grains = numeric_lattice(LATTICES["granular"], {"A": 1, "d": 1})
     made = driven_chain(grains, 6, left=ends[0], right=ends[1])
-    start = made.held(State(0.0, *np.zeros((2, 1, 6))))
+    start = made.with_walls(State(0.0, *np.zeros((2, 1, 6))))
     cuts = () if made.exchanges_energy else None
 
     def energies(state: State, balance: EnergyBalance | None) -> Array:

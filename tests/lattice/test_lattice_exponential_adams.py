@@ -22,7 +22,7 @@ def _solve(h: float) -> np.ndarray:
     solution = ExponentialAdams(1j * W, _turn, START, h)
     for _ in range(solution.whole_steps(END)):
         solution.step()
-    return solution.ahead(END)
+    return solution.solution_at(END)
 
 
 def _real(h: float) -> np.ndarray:

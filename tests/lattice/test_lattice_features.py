@@ -174,11 +174,11 @@ def test_a_refusal_names_what_asks_for_short_steps() -> None:
     engine = engine_of(driven_chain(BETA, 4, left="free", right="free"), 20.0)
     engine._note_admitted(1.0, 1e-50, np.inf)  # broke down
     engine._note_admitted(0.1, 1.0, 1e-9)
-    assert "forces of beta_fput must change slowly enough" in engine.told_dear(1e9, 1e-6)
+    assert "forces of beta_fput must change slowly enough" in engine.budget_message(1e9, 1e-6)
     engine._note_admitted(0.01, 1.0, 0.5)
-    assert "tolerance must be one that" in engine.told_dear(1e9, 1e-6)
+    assert "tolerance must be reachable with" in engine.budget_message(1e9, 1e-6)
     engine._note_admitted(0.001, 1e-12, np.inf)
-    assert "times must end before strains run away" in engine.told_dear(1e9, 1e-6)
+    assert "times must end before strains run away" in engine.budget_message(1e9, 1e-6)
 
 
 def test_a_sharp_corner_that_no_run_follows_is_named() -> None:
@@ -190,7 +190,7 @@ def test_a_sharp_corner_that_no_run_follows_is_named() -> None:
 
 
 def engine_of(made: DrivenChain, end: float) -> CellEngine:
-    return CellEngine(made, made.held(at_rest(4)), np.array([end]), REDUCED_PHASE_6)
+    return CellEngine(made, made.with_walls(at_rest(4)), np.array([end]), REDUCED_PHASE_6)
 
 
 def test_last_digits_of_a_chain_at_rest_are_changed() -> None:

@@ -234,9 +234,9 @@ def test_what_cannot_be_run_is_refused_in_one_line(message: str) -> None:
         ([[1.0]], "times must be one or more finite numbers"),
         (np.ones((3, 3)), "times must be one or more finite numbers"),
         ([1.0, math.inf], "every time must be finite"),
-        ([-1.0, 2.0], r"times must increase from state.t = 0 on, got -1 at place 0"),
-        ([1.0, 3.0, 2.0], r"times must increase from state.t = 0 on, got 2 at place 2"),
-        ([1.0, 1.0], r"times must increase from state.t = 0 on, got 1 at place 1"),
+        ([-1.0, 2.0], r"times must increase from state.t = 0 on, got -1 at index 0"),
+        ([1.0, 3.0, 2.0], r"times must increase from state.t = 0 on, got 2 at index 2"),
+        ([1.0, 1.0], r"times must increase from state.t = 0 on, got 1 at index 1"),
     ],
 )
 def test_wrong_times_are_refused(times: list[float], message: str) -> None:
@@ -246,7 +246,7 @@ def test_wrong_times_are_refused(times: list[float], message: str) -> None:
 
 
 def test_forces_beyond_all_numbers_are_refused() -> None:
-    with pytest.raises(ValueError, match=r"state must leave .* finite, got a stretch of"):
+    with pytest.raises(ValueError, match=r"state must have .* finite, got a stretch of"):
         integrate(Model(1.0, 1e300, 1e300).lattice, replace(ROUGH, f=1e10 * ROUGH.f), [1.0], 1e-3)
 
 

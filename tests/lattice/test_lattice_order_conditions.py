@@ -179,7 +179,7 @@ def test_a_stated_scheme_is_the_table_of_its_weights() -> None:
     ("text", "message"),
     [
         ("mine, order 4: drifts 1/2, kicks 1", "mine, order 4: drifts 1/2, kicks 1 must satisfy"),
-        ("mine, order 2: drifts 1/2", "scheme must be stated as 'mine, order 2: "),
+        ("mine, order 2: drifts 1/2", "scheme must be defined as 'mine, order 2: "),
         ("mine, order 2: drifts __import__, kicks 1", "weights of a scheme must be decimals or"),
         ("mine, order 2: drifts 1/0, kicks 1", "weights of a scheme must be decimals or"),
         ("mine, order 2: drifts 1/2 1/2 1/2, kicks 1", "drift_half must have as many weights"),

@@ -15,7 +15,7 @@ from longwave.lattice.energy_balance import EnergyBalance
 from longwave.lattice.force_program import ForceProgram, program_of
 from longwave.lattice.integration import CellEngine, StateComparison
 from longwave.lattice.numeric_lattice import numeric_lattice
-from longwave.lattice.outer_forces import looked_at
+from longwave.lattice.outer_forces import shortest_time_scale
 from longwave.lattice.schemes import KAHAN_LI_8, REDUCED_PHASE_6, STOERMER_VERLET, Scheme
 from longwave.lattice.sensitivities import FreeParameter, Sensor, VariedChain
 from longwave.scenes.description.time_functions import time_function
@@ -91,7 +91,7 @@ def test_a_kind_of_force_is_an_entry() -> None:
     run = integrate(made, state, [END], tolerance=1e-8)
     u, work = exact(state)
     assert np.abs(run.f[-1, 0] - u).max() < run.error_estimate <= 1e-8
-    held = made.held(state)
+    held = made.with_walls(state)
 
     def worked(_: State, balance: EnergyBalance | None) -> Array:
         assert balance is not None
@@ -158,12 +158,12 @@ def test_poles_and_jumps_in_time_are_refused_at_once(text: str) -> None:
     with pytest.raises(
         ValueError, match=r"without jumps, got one that is not near t = (0\.3|1\.5)"
     ):
-        looked_at([time_function("force", text)], 0.0, 2.0)
+        shortest_time_scale([time_function("force", text)], 0.0, 2.0)
 
 
 @pytest.mark.parametrize("text", ["1/(t*t - 2*t + 10001/10000)", "tanh(10**9*(t - 1))"])
 def test_what_is_steep_is_no_jump(text: str) -> None:
-    assert looked_at([time_function("force", text)], 0.0, 2.0)[0] > 1e-10
+    assert shortest_time_scale([time_function("force", text)], 0.0, 2.0)[0] > 1e-10
 
 
 def test_chains_are_equal_where_all_is_that_acts() -> None:

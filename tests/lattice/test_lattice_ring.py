@@ -168,6 +168,6 @@ def test_waves_that_grow_like_time_are_refused() -> None:
     )
     chain = NumericLattice("jordan", ("f", "g"), (1.0, 1.0), bonds)
     with pytest.raises(
-        ValueError, match="lattice must have waves that are oscillators, got jordan"
+        ValueError, match="lattice must have normal modes that decouple, got jordan"
     ):
         normal_modes(chain, np.zeros((1, 1)), [1.0, 1.0], 0.01)

@@ -171,7 +171,7 @@ def test_a_run_that_has_no_end_is_refused() -> None:
         ({"left": (0.0, 0.0)}, {}, "state.left and state.circumferences must have 1 entries"),
         ({}, {"tolerance": 0.0}, "tolerance must satisfy 0 < tolerance < inf, got 0.0"),
         ({}, {"speed": (1.0, 0.0)}, "speed must have one finite entry for each of 1 axes"),
-        ({}, {"times": [2.0, 1.0]}, "times must increase from state.t = 0 on, got 1 at place 1"),
+        ({}, {"times": [2.0, 1.0]}, "times must increase from state.t = 0 on, got 1 at index 1"),
         ({}, {"tolerance": 1e-17}, "tolerance must satisfy tolerance >= "),
     ],
 )

@@ -40,7 +40,7 @@ def advanced_positions(request: pytest.FixtureRequest):
     def compute() -> np.ndarray:
         lattice = Model(1.0, 0.0, 1.0).lattice
         f = np.full((1, request.param), SUBNORMAL)
-        ring = lattice.held(State(0.0, f, np.zeros_like(f)))
+        ring = lattice.with_walls(State(0.0, f, np.zeros_like(f)))
         Dynamics(lattice).advance(REDUCED_PHASE_6, ring.f, ring.v, 0.1, 3)
         return ring.f[0, : request.param]
 
