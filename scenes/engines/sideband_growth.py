@@ -48,7 +48,7 @@ from longwave.scenes.starts.perturbed_plane import (
     chosen_kappa,
     plane_domain,
 )
-from longwave.support.checkpoint import spared_seconds
+from longwave.support.checkpoint import restored_seconds
 from longwave.support.request_limits import ExpectedCost, OverBudgetError, check_request
 
 if TYPE_CHECKING:
@@ -250,7 +250,7 @@ def measure_growth(
             "up (take a smaller amplitude or eps)"
         )
     _, steps, _, _ = found.trial.payload
-    whole = perf_counter() - begun + spared_seconds()
+    whole = perf_counter() - begun + restored_seconds()
     cost = {
         "engine": "stencil",
         "scheme": SCHEME.name,

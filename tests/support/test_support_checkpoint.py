@@ -18,8 +18,8 @@ from longwave.support.checkpoint import (
     Memory,
     begin_loop,
     branches,
+    checkpoints_in,
     fitting,
-    kept_by,
 )
 from longwave.support.request_limits import request_limits
 from longwave.support.sealed_file import write_sealed
@@ -126,17 +126,17 @@ def test_machine_code_is_given_no_other_array_than_its_own(value: object) -> Non
     """It asks for no size of what goes on."""
     like = np.zeros((2, 3))
     assert fitting(like, like) is like
-    with pytest.raises(ValueError, match=r"^a checkpoint must hold what its run remembers, got "):
+    with pytest.raises(ValueError, match=r"^a checkpoint must have the state of its run, got "):
         fitting(value, like)
 
 
 def test_a_memory_of_another_kind_is_told_in_one_line(tmp_path: Path) -> None:
     """Whoever knows the stamp of a run can write a file that fits but for what it remembers."""
     CheckpointFolder(tmp_path, "this run").write("1", "this task", {"seconds": 1.0})
-    told = rf"^a checkpoint must hold [^\n]* got {tmp_path} with KeyError: 'f' \(remove"
+    told = rf"^a checkpoint must have [^\n]* got {tmp_path} with KeyError: 'f' \(remove"
 
     def go_on(run: str) -> None:
-        with kept_by(CheckpointFolder(tmp_path, run)):
+        with checkpoints_in(CheckpointFolder(tmp_path, run)):
             (begin_loop("this task").memory or {})["f"]
 
     with pytest.raises(ValueError, match=told):
@@ -163,7 +163,7 @@ def test_drafts_are_no_loops_and_those_of_the_living_stay(tmp_path: Path) -> Non
     draft = draft_path(path)
     draft.write_bytes(path.read_bytes())
     keeper.tell("this scene")
-    assert keeper.kept_seconds == MEMORY["seconds"]
+    assert keeper.stored_seconds == MEMORY["seconds"]
     keeper.clear()
     assert list(tmp_path.iterdir()) == [draft]
     draft.unlink()
@@ -173,7 +173,7 @@ def test_drafts_are_no_loops_and_those_of_the_living_stay(tmp_path: Path) -> Non
 
 def test_loops_are_numbered_by_the_order_in_which_they_begin(tmp_path: Path) -> None:
     """Those of work that is done at once by themselves, whichever is first."""
-    with kept_by(CheckpointFolder(tmp_path, "this run")):
+    with checkpoints_in(CheckpointFolder(tmp_path, "this run")):
         first = begin_loop("").name
         one, other = branches(2)
         later = [place.run(lambda: begin_loop("").name) for place in (other, one, one)]
@@ -186,7 +186,7 @@ def test_keeping_takes_a_small_share_of_the_time(tmp_path: Path) -> None:
     """Whatever a write costs, it is done so seldom: the clock is the test's."""
     keeper = CheckpointFolder(tmp_path, "this run", least=0.0, share=0.01)
     written = []
-    with kept_by(keeper), pytest.MonkeyPatch.context() as patched:
+    with checkpoints_in(keeper), pytest.MonkeyPatch.context() as patched:
         clock = [0.0]
         patched.setattr("longwave.support.checkpoint.perf_counter", lambda: clock[0])
 

@@ -82,7 +82,7 @@ def test_outcomes_are_what_they_are() -> None:
         workers = workers_of(Answers(("told", 3, error)))
         workers.submit(Job(len, ("",)))
         (call,) = workers.ended(1.0)
-        assert (call.told, call.value, call.error) == ("told", 3, error)
+        assert (call.message, call.value, call.error) == ("told", 3, error)
 
 
 def test_workers_that_do_not_say_what_they_run_are_refused(
@@ -95,7 +95,7 @@ def test_workers_that_do_not_say_what_they_run_are_refused(
     def check(_: Any) -> None:
         raise TypeError("'int' object is not\nsubscriptable")
 
-    with pytest.raises(ValueError, match=r"^--scheduler must be of workers that say[^\n]*$"):
+    with pytest.raises(ValueError, match=r"^--scheduler must have workers that report[^\n]*$"):
         DaskWorkers("tcp://127.0.0.1:1", "", check)
     assert closed
 

@@ -93,7 +93,7 @@ def test_numbers_of_files_that_change_are_not_waited_for(
 ) -> None:
     monkeypatch.setattr(os.path, "samestat", lambda *_: False)
     with locked(place):
-        assert "the number of a file changes" in caplog.text
+        assert "the inode of a file changes" in caplog.text
 
 
 def test_a_link_in_the_place_of_a_lock_is_replaced(

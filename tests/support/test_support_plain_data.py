@@ -91,11 +91,11 @@ def crafted(tree: object, arrays: bytes = b"") -> bytes:
     ],
 )
 def test_what_was_not_written_by_it_is_one_error(content: bytes) -> None:
-    with pytest.raises(ValueError, match=r"^data must be as they were written"):
+    with pytest.raises(ValueError, match=r"^data must be those of plain_bytes"):
         plain_value(content)
 
 
 def test_what_is_nested_too_deep_is_one_error() -> None:
     text = b"[" * 10**5
-    with pytest.raises(ValueError, match=r"^data must be as they were written"):
+    with pytest.raises(ValueError, match=r"^data must be those of plain_bytes"):
         plain_value(len(text).to_bytes(HEAD, "little") + text)

@@ -113,7 +113,7 @@ def wait_until(condition: Callable[[], bool]) -> None:
 @pytest.mark.parametrize("apart", [False, True])
 def test_a_lost_process_costs_its_own_job_alone(apart: bool) -> None:
     jobs = [Job(sqrt, (4.0,)), Job(killed), Job(sqrt, (9.0,)), Job(sqrt, (-1.0,))]
-    ended = dict(as_ended(enumerate(jobs), LocalWorkers(1, apart=apart)))
+    ended = dict(as_ended(enumerate(jobs), LocalWorkers(1, isolated=apart)))
     assert [ended[place].value for place in (0, 2)] == [2.0, 3.0]
     assert isinstance(ended[1].error, LostProcess)
     assert isinstance(ended[3].error, ValueError)
@@ -168,14 +168,14 @@ def test_what_is_told_is_there_though_the_process_is_lost() -> None:
         killed()
 
     call = run_apart(Job(tells, tells=True))
-    assert (call.told, type(call.error)) == ("second", LostProcess)
+    assert (call.message, type(call.error)) == ("second", LostProcess)
 
 
 def test_a_job_gives_way_to_the_next() -> None:
     workers = LocalWorkers(1)
     try:
         older = workers.submit(Job(endless, tells=True, gives_way=True))
-        wait_until(lambda: not workers.ended(0.0) and older.told == 0.5)
+        wait_until(lambda: not workers.ended(0.0) and older.message == 0.5)
         newest = workers.submit(Job(sqrt, (4.0,)))
         ended = workers.ended(60.0)
         while newest not in ended:
@@ -189,7 +189,7 @@ def test_a_job_gives_way_to_the_next() -> None:
 
 def test_results_keep_the_order_of_their_jobs() -> None:
     jobs = [Job(time.sleep, (0.3,)), Job(abs, (-1,)), Job(abs, (-2,))]
-    assert list(in_order(jobs, LocalWorkers(2, apart=True))) == [None, 1, 2]
+    assert list(in_order(jobs, LocalWorkers(2, isolated=True))) == [None, 1, 2]
 
 
 def test_an_error_tells_where_it_was_raised() -> None:
@@ -212,7 +212,7 @@ from pathlib import Path
 from longwave.support.processes import Job, LocalWorkers
 from tests.support.process_jobs import sleeping
 if __name__ == "__main__":
-    workers = [LocalWorkers(1), LocalWorkers(1, apart=True), LocalWorkers(1, apart=True)]
+    workers = [LocalWorkers(1), LocalWorkers(1, isolated=True), LocalWorkers(1, isolated=True)]
     for place, one in enumerate(workers):
         one.submit(Job(sleeping, (Path(sys.argv[1]) / str(place), 100.0)))
     workers[0].ended(100.0)
@@ -248,7 +248,7 @@ def test_a_fork_ends_no_garbage_of_its_parent(tmp_path: Path) -> None:
     gc.disable()
     try:
         Garbage(file)
-        (found,) = in_order([Job(gc.collect)], LocalWorkers(1, apart=True))
+        (found,) = in_order([Job(gc.collect)], LocalWorkers(1, isolated=True))
         assert isinstance(found, int)
         assert not file.exists()
     finally:

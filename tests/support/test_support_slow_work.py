@@ -12,9 +12,9 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from longwave.support.checkpoint import CheckpointFolder, begin_loop, kept_by, kept_seconds
+from longwave.support.checkpoint import CheckpointFolder, begin_loop, checkpoints_in, stored_seconds
 from longwave.support.console import progress_bar
-from longwave.support.slow_work import EVERY, TimeLeft, announce, time_told
+from longwave.support.slow_work import EVERY, TimeLeft, announce, report_time_left
 
 Output = pytest.CaptureFixture[str]
 
@@ -62,7 +62,7 @@ def test_a_line_comes_rarely_and_has_a_number(
     monkeypatch: pytest.MonkeyPatch, capsys: Output
 ) -> None:
     clock = Hands()
-    with looking(monkeypatch) as look, time_told("longwave derive", clock):
+    with looking(monkeypatch) as look, report_time_left("longwave derive", clock):
         look()
         clock.now = EVERY - 1.0
         look()
@@ -110,9 +110,9 @@ def test_what_a_checkpoint_holds_is_not_told_again(tmp_path: Path, capsys: Outpu
     before.write("1", "task", {"seconds": 80.0})
     now = CheckpointFolder(tmp_path / "kept", "stamp")
     now.tell("run")
-    with progress_bar("run", "the run", Console(stderr=True)) as (_, tell), kept_by(now):
-        assert kept_seconds() == 80.0
+    with progress_bar("run", "the run", Console(stderr=True)) as (_, tell), checkpoints_in(now):
+        assert stored_seconds() == 80.0
         tell(100.0)
         begin_loop("task")
-        assert kept_seconds() == 0.0
+        assert stored_seconds() == 0.0
     assert capsys.readouterr().err == "the run: about 20 s (Ctrl-C stops it)\n"

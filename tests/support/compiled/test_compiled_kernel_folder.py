@@ -46,7 +46,7 @@ def test_what_others_may_have_planted_is_told_and_not_read(
     plant(first.path, tmp_path / "elsewhere")
     assert first.read("code") is None
     forget()
-    with pytest.warns(RuntimeWarning, match=f"must be the user's alone, got {shared}[^\n]*$"):
+    with pytest.warns(RuntimeWarning, match=f"must be private to the user, got {shared}[^\n]*$"):
         second = cache_folder(MODULE)
     assert second.path is not None
     assert second.path.parent == own

@@ -128,7 +128,7 @@ def test_a_kernel_gives_nothing_and_makes_no_arrays() -> None:
 
     with pytest.raises(TypeError, match="must return nothing to be kept"):
         double(2.0)
-    with pytest.raises(TypeError, match="give it its space"):
+    with pytest.raises(TypeError, match="pass them as arguments"):
         copied(np.zeros(3), np.zeros(3))
 
 
