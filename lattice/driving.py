@@ -364,12 +364,11 @@ def driven_chain(
     """Return a chain of so many cells with ends, losses and forces, for `lattice.integrate`.
 
     Without ``left`` and ``right`` the chain is a ring. Otherwise walls are added next to the first
-    and the last cell; each wall has as many cells as a force reaches. ``losses`` are the factors g
-    of ``-g du/dt`` on each field's cells; ``dashpots`` are the coefficients of each bond's rate of
-    stretch in an additional force. ``mass_factors`` multiply the masses of single cells.
-    ``spring_factors`` multiply the forces of single bonds and of their dashpots; bond n joins cell
-    n to cell n + 1, bond -1 a wall to cell 0. The fields must be displacements. Raises ValueError
-    for arguments that do not fit.
+    and the last cell, of as many cells as a force reaches. ``losses`` are the factors g of ``-g
+    du/dt`` on each field's cells; ``dashpots`` are the coefficients of each bond's rate of stretch
+    in an additional force. ``mass_factors`` multiply masses of cells, ``spring_factors`` the forces
+    of bonds and of their dashpots; bond n joins cell n to cell n + 1, bond -1 a wall to cell 0. The
+    fields must be displacements. Raises ValueError for arguments that do not fit.
 
     >>> from longwave.derive import LATTICES
     >>> from longwave.lattice.numeric_lattice import numeric_lattice

@@ -360,10 +360,7 @@ class CellEngine(StepSearch):
         return np.array([stretches(state.f), stretches(state.v) / self._highest_at_rest])
 
     def run(self, choices: Choices, shown: bool, progress: Progress = lambda _: None) -> Trial:
-        """Run with the given choices; resumes from a checkpoint if there is one.
-
-        The trial's payload is (blow-up or None, steps, positions, velocities).
-        """
+        """Make or resume a run; its payload is (blow-up, steps, positions, velocities)."""
         start = self._start(choices.nudged)
         balance = self.balance(start)
         ring, chunk = FixedDomain(start), self._chunk(choices)

@@ -90,7 +90,7 @@ class Stops:
         if self.stop == 0:
             raise InterruptedError
 
-    def spared(self, seconds: float) -> None:
+    def add_restored(self, seconds: float) -> None:
         return
 
 
