@@ -74,7 +74,7 @@ def written_for(by_library: bool) -> Iterator[None]:
         patch.object(ring_kernel, "native_functions", kept),
         patch.object(row_code, "FUNCTIONS_OF_LANES", {}),
         patch.object(
-            row_code, "power", lambda x, p: x.made(x.code.function("pow", x.value, x.of(p)))
+            row_code, "power", lambda x, p: x.with_value(x.code.function("pow", x.value, x.of(p)))
         ),
     ):
         yield

@@ -68,13 +68,13 @@ class Problem:
 
     def advanced(self, scheme: Any, count: int, f: Array, v: Array) -> None:
         """Advance positions and velocities in place to the end."""
-        ring, cells = self.lattice.held(State(0.0, f, v)), f.shape[1]
+        ring, cells = self.lattice.with_walls(State(0.0, f, v)), f.shape[1]
         Dynamics(self.lattice).advance(scheme, ring.f, ring.v, self.duration / count, count)
         f[:], v[:] = ring.f[:, :cells], ring.v[:, :cells]
 
     def stretches(self, f: Array) -> Array:
         """What errors are measured of."""
-        return np.array(self.lattice.stretches(self.lattice.held(State(0.0, f, f)).f))
+        return np.array(self.lattice.stretches(self.lattice.with_walls(State(0.0, f, f)).f))
 
     def error(self, f: Array, exact: Array) -> float:
         """Sup over cells of the stretches' difference, in the unit."""

@@ -189,7 +189,7 @@ def attempts(
     """Ask each tool about each statement, ``workers`` at a time, as they come to an end."""
     task = report.add_task("attempts", total=len(asked))
     jobs = [Job(_work, (tool, text, limit), seconds=PATIENCE * limit) for tool, text in asked]
-    for place, call in as_ended(enumerate(jobs), LocalWorkers(workers, apart=True)):
+    for place, call in as_ended(enumerate(jobs), LocalWorkers(workers, isolated=True)):
         answer, seconds = (SILENT, limit) if call.error else call.value
         tool, text = asked[place]
         report.advance(task)

@@ -39,7 +39,7 @@ def lattices() -> Iterator[tuple[str, NumericLattice, Array]]:
 
 def step_time(lattice: NumericLattice, f: Array) -> float:
     """Nanoseconds of processor time a cell and step."""
-    ring = lattice.held(State(0.0, f.copy(), np.zeros_like(f)))
+    ring = lattice.with_walls(State(0.0, f.copy(), np.zeros_like(f)))
     dynamics = Dynamics(lattice)
     dynamics.advance(REDUCED_PHASE_6, ring.f, ring.v, 0.05, 4)
     begin = process_time()

@@ -1,7 +1,7 @@
-"""The lattice with numbers: no symbols, no waves, no files.
+"""Numerical lattices and their time integration: no symbols, no waves, no files.
 
-``integrate(lattice, state, times, tolerance)`` is the room's face. Each noun is imported when it is
-first asked for: a model needs no compiler.
+The entry point is ``integrate(lattice, state, times, tolerance)``. Names are imported on first use,
+so that a model needs no compiler.
 """
 
 from typing import TYPE_CHECKING

@@ -1,4 +1,4 @@
-"""What can be wrong with a state, wherever its lattice comes from."""
+"""Detection of a blown-up state: fields that are not finite, unstable bonds, runaway stretches."""
 
 from __future__ import annotations
 
@@ -11,62 +11,64 @@ from longwave.lattice.state import GROWTH, BlowUp, State
 Array = NDArray[np.float64]
 
 WAVES = {1: 33, 2: 9, 3: 5}
-"""Of a grid over the zone at which the waves about the bonds of single cells are looked at."""
+"""Wavenumbers per axis, by dimension, of the grid over the Brillouin zone on which the stability of
+a single cell's bonds is checked."""
 
 CELLS = 4096
-"""Cells that are looked at at once: some 10 MB for two fields."""
+"""Cells checked in one batch: about 10 MB for two fields."""
 
 TINY = 1e-300
+"""Floor of the largest squared frequency, so that the stability threshold is never 0."""
 
 
 def find_blow_up(
     lattice: NumericLattice, state: State, initial_amplitude: float | None
 ) -> BlowUp | None:
-    """The first criterion that the state meets, None if it is sound.
+    """Return the first blow-up criterion that the state meets, or None if the state is sound.
 
-    A number that is not finite; then, for a wave, whose largest stretch began with
-    ``initial_amplitude`` (less the bond's offset): waves about the bonds of some cell grow, that
-    is, the lattice made of such cells is unstable; or the largest stretch has grown by more than
-    ``GROWTH``.
+    First criterion: a value is not finite. The others apply if ``initial_amplitude`` is given, the
+    largest stretch at the start less the bond's offset: a bond's force is not finite; waves grow in
+    the uniform lattice whose bonds all have one cell's slopes; or the largest stretch has grown by
+    more than ``GROWTH``.
     """
     broken = ~np.all(np.isfinite(state.f) & np.isfinite(state.v), axis=0)
     if broken.any():
-        return _seen("the fields are not finite", state, broken)
+        return _blow_up_at("the fields are not finite", state, broken)
     if initial_amplitude is None:
         return None
     with np.errstate(all="ignore"):
         stretches = lattice.stretches(state.f)
     slopes = lattice.slopes(stretches)
-    torn = ~np.all(np.isfinite(slopes), axis=0)
-    if torn.any():
-        return _seen("a bond is stretched beyond its force", state, torn)
+    overstretched = ~np.all(np.isfinite(slopes), axis=0)
+    if overstretched.any():
+        return _blow_up_at("a bond is stretched beyond its force", state, overstretched)
     if not lattice.is_stable([float(np.min(slope)) for slope in slopes]):
-        growing = _growing(lattice, slopes)
-        if growing.any():
-            return _seen("a bond is stretched to where waves grow", state, growing)
-    pairs = zip(lattice.bonds, stretches, strict=True)
-    moved = np.max([np.abs(stretch - bond.offset) for bond, stretch in pairs], axis=0)
-    large = moved > GROWTH * initial_amplitude
+        unstable = _unstable_cells(lattice, slopes)
+        if unstable.any():
+            return _blow_up_at("a bond is stretched to where waves grow", state, unstable)
+    bond_stretches = zip(lattice.bonds, stretches, strict=True)
+    amplitudes = np.max([np.abs(stretch - bond.offset) for bond, stretch in bond_stretches], axis=0)
+    large = amplitudes > GROWTH * initial_amplitude
     if large.any():
-        return _seen(f"the largest stretch has grown {GROWTH:g}-fold", state, large)
+        return _blow_up_at(f"the largest stretch has grown {GROWTH:g}-fold", state, large)
     return None
 
 
-def _growing(lattice: NumericLattice, slopes: list[Array]) -> NDArray[np.bool_]:
-    """Whether waves grow in the lattice that has the slopes of a cell everywhere, cell by cell."""
+def _unstable_cells(lattice: NumericLattice, slopes: list[Array]) -> NDArray[np.bool_]:
+    """Return a mask of the cells whose slopes, repeated in every cell, give an unstable lattice."""
     units = np.eye(len(slopes))
     waves = zone_wavenumbers(lattice.dimension, WAVES[lattice.dimension])
     matrices = np.array([lattice.dynamical_matrix(waves, list(unit)) for unit in units])
     flat = np.stack([slope.ravel() for slope in slopes])
-    found = []
-    for part in np.array_split(flat, -(-flat.shape[1] // CELLS), axis=1):
-        squares = np.linalg.eigvals(np.einsum("bc,bwij->cwij", part, matrices)).real
-        squares = squares.reshape(part.shape[1], -1)
-        found.append(squares.min(axis=1) < -ROUNDED * np.maximum(squares.max(axis=1), TINY))
-    return np.concatenate(found).reshape(slopes[0].shape)
+    masks = []
+    for batch in np.array_split(flat, -(-flat.shape[1] // CELLS), axis=1):
+        squares = np.linalg.eigvals(np.einsum("bc,bwij->cwij", batch, matrices)).real
+        squares = squares.reshape(batch.shape[1], -1)
+        masks.append(squares.min(axis=1) < -ROUNDED * np.maximum(squares.max(axis=1), TINY))
+    return np.concatenate(masks).reshape(slopes[0].shape)
 
 
-def _seen(criterion: str, state: State, where: NDArray[np.bool_]) -> BlowUp:
-    """At the first cell in their order."""
-    first = np.argmax(np.roll(where, -state.left, axis=0) if state.left else where)
+def _blow_up_at(criterion: str, state: State, mask: NDArray[np.bool_]) -> BlowUp:
+    """Return a `BlowUp` at the first cell, in site order, where the mask is set."""
+    first = np.argmax(np.roll(mask, -state.left, axis=0) if state.left else mask)
     return BlowUp(criterion, state.t, state.left + int(first))

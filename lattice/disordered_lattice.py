@@ -1,7 +1,7 @@
-"""A chain whose masses or springs differ from cell to cell, with what bounds its waves.
+"""Chains whose masses or springs differ from cell to cell, with bounds on their wave speeds.
 
-A cell's mass is ``m (1 + d)``, or the part ``c G`` of a bond's force is ``c (1 + d) G``, where d is
-the cell's deviation: at most ``bound`` in size, which must be less than 1.
+A cell's mass is ``m (1 + d)``, or the part ``c G`` of a bond's force is ``c (1 + d) G``. Here d is
+the cell's deviation; its size is at most ``bound``, which must be less than 1.
 """
 
 from __future__ import annotations
@@ -22,70 +22,72 @@ Array = NDArray[np.float64]
 
 
 def mass_kind(lattice: NumericLattice) -> MassKind:
-    """Whether the lattice's fields are displacements of masses or strains between them.
+    """Return "displacements" or "strains": the kind of field that the lattice's masses carry.
 
-    Raises ValueError for a lattice of neither kind: its masses have no place in a cell.
+    Raises ValueError for a lattice of neither kind, whose masses cannot be assigned to cells.
     """
-    found = _moving(lattice)
-    if found is None:
+    kind = _kind_of_fields(lattice)
+    if kind is None:
         raise ValueError(
-            f"masses must be those of displacements or of the strains between them, got "
-            f"{lattice.name}, whose bonds do not act on what they are stretched by (declare it in "
-            "its displacements)"
+            f"lattice with varied masses must be one of displacements or of strains, got "
+            f"{lattice.name}, whose bonds do not act on the fields that stretch them (declare it "
+            "in its displacements)"
         )
-    return found
+    return kind
 
 
-def _moving(lattice: NumericLattice) -> MassKind | None:
-    """What moves in the lattice, None if neither does."""
+def _kind_of_fields(lattice: NumericLattice) -> MassKind | None:
+    """Return "displacements", "strains", or None for a lattice of neither kind."""
     if lattice.conserves_energy:
         return "displacements"
     if len(lattice.fields) == lattice.dimension == 1 and all(
-        _terms(bond.action) == _terms(_moves(bond.stretch)) for bond in lattice.bonds
+        _weights_by_shift(bond.action) == _weights_by_shift(_action_on_strains(bond.stretch))
+        for bond in lattice.bonds
     ):
         return "strains"
     return None
 
 
-def _terms(entries: Sequence[Entry]) -> dict[int, float]:
-    found: dict[int, float] = {}
+def _weights_by_shift(entries: Sequence[Entry]) -> dict[int, float]:
+    """Return the total weight of the entries at each shift, zero weights left out."""
+    weights: dict[int, float] = {}
     for entry in entries:
-        found[entry.shift[0]] = found.get(entry.shift[0], 0.0) + entry.weight
-    return {shift: weight for shift, weight in found.items() if weight}
+        weights[entry.shift[0]] = weights.get(entry.shift[0], 0.0) + entry.weight
+    return {shift: weight for shift, weight in weights.items() if weight}
 
 
-def _pulls(stretch: Sequence[Entry]) -> list[Entry]:
-    """How a bond with this stretch in strains pulls at the masses between which they lie."""
+def _action_on_masses(stretch: Sequence[Entry]) -> list[Entry]:
+    """Return the entries by which a bond with this stretch, in strains, acts on the masses."""
     return [
-        Entry((step - entry.shift[0],), sign * entry.weight, 0)
+        Entry((offset - entry.shift[0],), sign * entry.weight, 0)
         for entry in stretch
-        for step, sign in ((0, 1.0), (-1, -1.0))
+        for offset, sign in ((0, 1.0), (-1, -1.0))
     ]
 
 
-def _moves(stretch: Sequence[Entry]) -> list[Entry]:
-    """How it acts on the strains, which are differences of neighbouring masses."""
+def _action_on_strains(stretch: Sequence[Entry]) -> list[Entry]:
+    """Return the entries by which a bond with this stretch acts on strains u_{n+1} - u_n."""
     return [
-        Entry((entry.shift[0] + step,), sign * entry.weight, 0)
-        for entry in _pulls(stretch)
-        for step, sign in ((1, 1.0), (0, -1.0))
+        Entry((entry.shift[0] + offset,), sign * entry.weight, 0)
+        for entry in _action_on_masses(stretch)
+        for offset, sign in ((1, 1.0), (0, -1.0))
     ]
 
 
 @dataclass(frozen=True, eq=False)
 class DisorderedLattice(NumericLattice):
-    """A chain of cells with the deviations ``deviations``, (rows, cells), of what varies.
+    """A chain whose cells have the ``deviations``, (rows, cells), of the varied masses and forces.
 
-    What is asked of waves, their frequencies and speeds, is answered for the ordered chain with the
-    lightest masses and, where slopes are told, the stiffest springs that ``variation`` allows: no
-    wave of the disordered one is faster.
+    Frequencies and speeds of waves are those of an ordered chain with the lightest masses and,
+    where slopes are asked for, the stiffest springs that ``variation`` allows. They are upper
+    bounds: no wave of the disordered chain is faster.
     """
 
     variation: Variation
     deviations: Array
 
     def __eq__(self, other: object) -> bool:
-        """Whether all that they are made of is the same."""
+        """Return whether both have the same type and equal fields."""
         return type(other) is type(self) and all(
             np.array_equal(one, two) if isinstance(one, np.ndarray) else one == two
             for one, two in (
@@ -97,40 +99,41 @@ class DisorderedLattice(NumericLattice):
 
     @property
     def ordered(self) -> NumericLattice:
-        """The chain without deviations."""
-        return NumericLattice(*(getattr(self, held.name) for held in fields(NumericLattice)))
+        """The same chain without deviations."""
+        return NumericLattice(*(getattr(self, item.name) for item in fields(NumericLattice)))
 
     @property
     def cellwise(self) -> tuple[NumericLattice, Variation, Array]:
-        """The ordered chain, what differs in it, and the shares by which it does."""
+        """The ordered chain, its variation, and the `shares` of every cell."""
         return self.ordered, self.variation, self.shares
 
     @property
     def cell_count(self) -> int | None:
-        """The cells of its ring."""
+        """Number of cells of its ring."""
         return int(self.deviations.shape[1])
 
     @property
     def shares(self) -> Array:
-        """The deviations; of masses, by how much their inverse is larger."""
+        """Relative deviations of inverse masses, then of varied forces, (rows, cells)."""
         masses = self.variation.mass_rows(len(self.fields))
-        found = np.array(self.deviations)
-        found[:masses] = -found[:masses] / (1.0 + found[:masses])
-        return found
+        shares = np.array(self.deviations)
+        shares[:masses] = -shares[:masses] / (1.0 + shares[:masses])
+        return shares
 
     @property
     def stays_at_rest(self) -> bool:
-        """Whether no varied force pulls where no bond is stretched."""
+        """Whether every varied force vanishes at zero stretch."""
         parts = (part for part in self.variation.forces if part is not None)
         return all(float(part(np.array(0.0))) == 0.0 for part in parts)
 
     @property
     def softest(self) -> list[float]:
-        """The least slopes of the bonds' forces at the mean stretch."""
+        """Lower bound of the slope of each bond's force at the mean stretch."""
         pairs = zip(super().rest_slopes(), self._part_slopes(), strict=True)
         return [slope - self.variation.bound * abs(part) for slope, part in pairs]
 
     def _part_slopes(self) -> list[float]:
+        """Return the slope of each bond's varied force at the mean stretch, 0 if it has none."""
         parts = self.variation.forces or (None,) * len(self.bonds)
         return [
             0.0 if part is None else float(part.slope(np.array(bond.offset)))
@@ -138,57 +141,68 @@ class DisorderedLattice(NumericLattice):
         ]
 
     def rest_slopes(self) -> list[float]:
-        """The largest slope of each bond's force at the mean stretch."""
+        """Return an upper bound of the slope of each bond's force at the mean stretch."""
         pairs = zip(super().rest_slopes(), self._part_slopes(), strict=True)
         return [slope + self.variation.bound * abs(part) for slope, part in pairs]
 
-    def largest_slope(self, place: int, stretches: Array) -> float:
-        """The largest size of the slope of a bond's force at these stretches, in any cell."""
-        return super().largest_slope(place, stretches) + self._added_slope(place, stretches)
+    def largest_slope(self, bond_index: int, stretches: Array) -> float:
+        """Return an upper bound of abs(slope) of a bond's force at these stretches.
 
-    def steepest(self, place: int, stretches: Array) -> float:
-        """The largest slope of a bond's force at these stretches, in any cell."""
-        return super().steepest(place, stretches) + self._added_slope(place, stretches)
+        It holds in every cell.
+        """
+        return super().largest_slope(bond_index, stretches) + self._added_slope(
+            bond_index, stretches
+        )
 
-    def _added_slope(self, place: int, stretches: Array) -> float:
-        part = self.variation.forces[place] if self.variation.forces else None
+    def steepest(self, bond_index: int, stretches: Array) -> float:
+        """Return an upper bound of the slope of a bond's force at these stretches.
+
+        It holds in every cell.
+        """
+        return super().steepest(bond_index, stretches) + self._added_slope(bond_index, stretches)
+
+    def _added_slope(self, bond_index: int, stretches: Array) -> float:
+        """Return by how much the variation may increase abs(slope) of one bond's force."""
+        part = self.variation.forces[bond_index] if self.variation.forces else None
         if part is None:
             return 0.0
         with np.errstate(all="ignore"):
             return self.variation.bound * float(np.max(np.abs(part.slope(stretches))))
 
-    def _varied(self) -> list[tuple[ForceProgram, Array] | None]:
-        """The varied part of each bond's force and its deviations in all cells."""
+    def _varied_parts(self) -> list[tuple[ForceProgram, Array] | None]:
+        """Return, for each bond, its varied force and the deviations in all cells, or None."""
         rows = iter(self.deviations[self.variation.mass_rows(len(self.fields)) :])
         parts = self.variation.forces or (None,) * len(self.bonds)
         return [None if part is None else (part, next(rows)) for part in parts]
 
     def slopes(self, stretches: Sequence[Array]) -> list[Array]:
-        """The slope of each bond's force at its stretches, cell by cell."""
-        found = super().slopes(stretches)
+        """Return the slope of each bond's force at its stretches, cell by cell."""
+        slopes = super().slopes(stretches)
         with np.errstate(all="ignore"):
-            for place, varied in enumerate(self._varied()):
+            for bond_index, varied in enumerate(self._varied_parts()):
                 if varied is not None:
                     part, row = varied
-                    found[place] = found[place] + row * part.slope(stretches[place])
-        return found
+                    slopes[bond_index] = slopes[bond_index] + row * part.slope(
+                        stretches[bond_index]
+                    )
+        return slopes
 
     def forces(self, f: Array) -> list[Array]:
-        """The force of each bond in each cell."""
+        """Return the force of each bond in each cell."""
         stretches = self.stretches(f)
-        found = [bond.force(x) for bond, x in zip(self.bonds, stretches, strict=True)]
-        for place, varied in enumerate(self._varied()):
+        forces = [bond.force(x) for bond, x in zip(self.bonds, stretches, strict=True)]
+        for bond_index, varied in enumerate(self._varied_parts()):
             if varied is not None:
                 part, row = varied
-                found[place] = found[place] + row * part(stretches[place])
-        return found
+                forces[bond_index] = forces[bond_index] + row * part(stretches[bond_index])
+        return forces
 
     def acceleration(self, f: Array) -> Array:
-        """f'' of every field and cell, by NumPy: what the kernel must give."""
+        """Compute f'' of every field and cell with NumPy; compiled kernels must agree with it."""
         total = np.zeros_like(f)
         strains = self.variation.masses == "strains"
         for bond, force in zip(self.bonds, self.forces(f), strict=True):
-            for entry in _pulls(bond.stretch) if strains else bond.action:
+            for entry in _action_on_masses(bond.stretch) if strains else bond.action:
                 total[entry.field] += entry.weight * np.roll(force, -entry.shift[0])
         if self.variation.masses:
             total *= 1.0 + self.shares[: len(self.fields)]
@@ -198,40 +212,41 @@ class DisorderedLattice(NumericLattice):
 
     @property
     def lightest(self) -> float:
-        """The least mass, in units of those of the ordered chain."""
+        """Lower bound of the cells' masses, in units of the ordered chain's."""
         return 1.0 - self.variation.bound if self.variation.masses else 1.0
 
     def dynamical_matrix(self, wavenumbers: ArrayLike, slopes: Sequence[float]) -> Complex:
-        """As of an ordered chain with the lightest masses."""
+        """Return the dynamical matrix of an ordered chain with the lightest masses."""
         return self.ordered.dynamical_matrix(wavenumbers, slopes) / self.lightest
 
     def energy(self, f: Array, v: Array) -> float:
-        """The sum of `energies`."""
+        """Return the total energy, the sum of `energies`."""
         return float(np.sum(self.energies(f, v)))
 
     def energies(
         self, f: Array, v: Array, velocity: float = 0.0, rest: Sequence[float] = ()
     ) -> Array:
-        """The energy of each cell, 0 where bonds are stretched as at ``rest``: not, unless told.
+        """Return the energy of each cell. With stretches ``rest``, bonds store nothing there.
 
-        Of strains it takes the ``velocity`` of the first cell's mass, which they do not tell.
+        If the fields are strains, ``velocity`` is the velocity of the first cell's mass, which
+        strains do not determine.
         """
-        moving = velocity + (np.cumsum(v, axis=1) - v) if self.holds_strains else v
-        total = np.sum(0.5 * self.cell_masses * moving * moving, axis=0)
-        resting = rest or (0.0,) * len(self.bonds)
-        for bond, stretch, varied, still in zip(
-            self.bonds, self.stretches(f), self._varied(), resting, strict=True
+        velocities = velocity + (np.cumsum(v, axis=1) - v) if self.holds_strains else v
+        total = np.sum(0.5 * self.cell_masses * velocities * velocities, axis=0)
+        rest_stretches = rest or (0.0,) * len(self.bonds)
+        for bond, stretch, varied, rest_stretch in zip(
+            self.bonds, self.stretches(f), self._varied_parts(), rest_stretches, strict=True
         ):
-            total = total + _stored(bond.force, stretch, still)
+            total = total + _energy_above_rest(bond.force, stretch, rest_stretch)
             if varied is not None:
                 part, row = varied
-                total = total + row * _stored(part, stretch, still)
+                total = total + row * _energy_above_rest(part, stretch, rest_stretch)
         return np.asarray(total)
 
     @property
     def has_energy(self) -> bool:
-        """Whether there are masses: of a lattice without, `energies` are none."""
-        return _moving(self) is not None
+        """Whether the lattice has masses; without any, `energies` mean nothing."""
+        return _kind_of_fields(self) is not None
 
     @property
     def holds_strains(self) -> bool:
@@ -240,22 +255,22 @@ class DisorderedLattice(NumericLattice):
 
     @property
     def cell_masses(self) -> Array:
-        """The mass of each field in each cell, (fields, cells)."""
+        """Mass of each field in each cell, (fields, cells)."""
         masses = np.array(self.masses)[:, None] * np.ones((1, self.deviations.shape[1]))
         if not self.variation.masses:
             return masses
         return np.asarray(masses * (1.0 + self.deviations[: len(self.fields)]))
 
 
-def _stored(force: ForceProgram, stretch: Array, rest: float) -> Array:
-    """The energy of a stretch above that at rest, less what the force there does on the way."""
-    stored, resting = held_at(force, rest)
-    return np.asarray(force.potential(stretch) - (stored + resting * (stretch - rest)))
+def _energy_above_rest(force: ForceProgram, stretch: Array, rest: float) -> Array:
+    """Return the energy above that at rest, less the work of the constant rest force."""
+    rest_energy, rest_force = energy_and_force_at(force, rest)
+    return np.asarray(force.potential(stretch) - (rest_energy + rest_force * (stretch - rest)))
 
 
 @lru_cache(maxsize=64)
-def held_at(force: ForceProgram, rest: float) -> tuple[float, float]:
-    """What a bond stores at a stretch, and its force there."""
+def energy_and_force_at(force: ForceProgram, rest: float) -> tuple[float, float]:
+    """Return the energy that a bond stores at a stretch, and its force there."""
     still = np.array(rest)
     return float(force.potential(still)), float(force(still))
 
@@ -263,27 +278,27 @@ def held_at(force: ForceProgram, rest: float) -> tuple[float, float]:
 def disordered(
     lattice: NumericLattice, variation: Variation, deviations: ArrayLike
 ) -> DisorderedLattice:
-    """The chain with these deviations, (rows, cells) of its ring.
+    """Return the chain with these deviations, (rows, cells) of its ring.
 
-    Raises ValueError in one line for a lattice of more axes, and where the softest springs or the
-    forces at rest would let the chain fall apart.
+    Raises ValueError for a lattice of several axes, for varied forces that do not vanish at rest,
+    and for a spread so large that the softest springs make the chain unstable.
     """
     if lattice.dimension != 1:
         raise ValueError(
             f"disorder must be in a chain, got {lattice.name} in {lattice.dimension} dimensions "
-            "(take a lattice of one axis)"
+            "(take a lattice with one axis)"
         )
-    held = {item.name: getattr(lattice, item.name) for item in fields(NumericLattice)}
+    ordered_fields = {item.name: getattr(lattice, item.name) for item in fields(NumericLattice)}
     rows = real_array("every deviation", deviations)
-    made = DisorderedLattice(**held, variation=variation, deviations=rows)
-    if not made.stays_at_rest:
+    chain = DisorderedLattice(**ordered_fields, variation=variation, deviations=rows)
+    if not chain.stays_at_rest:
         raise ValueError(
-            f"disorder must leave {lattice.name} at rest where nothing is stretched, got a force "
-            "there that differs from bond to bond (let the masses differ)"
+            f"disordered springs must exert no force at zero stretch, got {lattice.name}, whose "
+            "force there would differ from bond to bond (let the masses differ)"
         )
-    if not made.is_stable(made.softest):
+    if not chain.is_stable(chain.softest):
         raise ValueError(
-            f"spread must leave waves of {lattice.name} stable, got {variation.bound:g}, with "
-            "which some grow at rest (take a smaller one)"
+            f"spread must leave {lattice.name} linearly stable, got {variation.bound:g}, with "
+            "which some waves grow at rest (take a smaller one)"
         )
-    return made
+    return chain

@@ -1,8 +1,8 @@
-"""Steps that follow what drives a chain in time: one for all times, and more stops at features.
+"""Steps that resolve the drives of a chain: one step size, and additional stops at short features.
 
-Where a drive changes faster than a step for a short while, as at a pulse or a corner, stops are
-put so close that the scheme's stages give its integral there. What is short is found on the panels
-of its integral to rounding, on which its slope is enclosed.
+Where a drive changes faster than a step for a short while, as at a pulse or a corner, the stops are
+so close that the scheme's stages integrate it to the tolerance. Such features are found on panels
+on which the drive's integral is known to rounding and its slope is enclosed.
 """
 
 from __future__ import annotations
@@ -16,26 +16,27 @@ from numpy.typing import NDArray
 
 from longwave.lattice.force_program import ForceProgram
 from longwave.lattice.numeric_lattice import DriveSteps
-from longwave.lattice.outer_forces import TimeFunction, looked_at
+from longwave.lattice.outer_forces import TimeFunction, shortest_time_scale
 from longwave.lattice.schemes import DriftKick, Scheme
 from longwave.lattice.time_integral import LEAST_PANEL, Integral
 
 Array = NDArray[np.float64]
 
 FOLLOWED = 1e-5
-"""Share of the tolerance that the integral of a drive may be off by on one panel."""
+"""Share of the tolerance allowed for the error of a drive's integral on one panel."""
 
 SHORT = 0.1
-"""Share of a run's time that may take stops of its own."""
+"""Largest share of a run's time that may be covered by additional stops."""
 
 ASIDE = 0.618034
-"""Share of a panel by which they are moved aside: a corner at a round time lies on none's edge."""
+"""Shift of the panels, as a share of their length, so that a corner at a round time lies on no
+panel's edge."""
 
 MOST_STOPS, MOST_HALVED = 2**14, 2**17
-"""Stops beside those that are asked for, and panels that are looked at."""
+"""Most additional stops, and most panels examined."""
 
 ROUNDING = 2.0**-48
-"""Share of the largest integral that is taken for rounding."""
+"""Rounding error of an integral, as a share of the largest one."""
 
 
 def drive_steps(
@@ -46,28 +47,29 @@ def drive_steps(
     scheme: Scheme,
     tolerance: float,
 ) -> tuple[DriveSteps, float]:
-    """The steps, none longer than ``step``, and the time in which drives change beside the stops.
+    """Return the steps, none longer than ``step``, and the shortest time scale of the drives.
 
-    ``tolerance`` is that of the velocities that drives give.
+    Times that have additional stops do not count towards that time scale. ``tolerance`` is that of
+    the velocities that the drives cause.
     """
     stops, spans, missed = [np.zeros(0)], [np.zeros((2, 0))], 0.0
     for value in drives:
         formula = value.slope if isinstance(value, Integral) else value
         if isinstance(formula, ForceProgram) and isinstance(scheme, DriftKick) and begin < end:
-            step, found, off = _followed(formula, begin, end, step, scheme, tolerance)
-            if found.size:
-                missed += off
-                stops.append(np.unique(found))
-                spans.append(_joined(*found))
-    own = np.unique(np.concatenate(stops))
-    followed = _joined(*np.concatenate(spans, axis=1))
-    within, turns = looked_at(drives, begin, end, followed)
-    return DriveSteps(step, own[(begin < own) & (own < end)], turns, missed), within
+            step, panels, error = _step_and_panels(formula, begin, end, step, scheme, tolerance)
+            if panels.size:
+                missed += error
+                stops.append(np.unique(panels))
+                spans.append(_merged_spans(*panels))
+    added = np.unique(np.concatenate(stops))
+    covered = _merged_spans(*np.concatenate(spans, axis=1))
+    within, turns = shortest_time_scale(drives, begin, end, covered)
+    return DriveSteps(step, added[(begin < added) & (added < end)], turns, missed), within
 
 
 @lru_cache(maxsize=16)
-def _exact(formula: ForceProgram, begin: float, end: float) -> Integral | None:
-    """Its integral; None where it changes too fast for that."""
+def _exact_integral(formula: ForceProgram, begin: float, end: float) -> Integral | None:
+    """Return the integral of a drive, or None if the drive changes too fast for one."""
     try:
         return Integral.of(formula, begin, end)
     except ValueError:
@@ -75,7 +77,7 @@ def _exact(formula: ForceProgram, begin: float, end: float) -> Integral | None:
 
 
 @lru_cache(maxsize=16)
-def _followed(
+def _step_and_panels(
     formula: ForceProgram,
     begin: float,
     end: float,
@@ -83,56 +85,63 @@ def _followed(
     scheme: DriftKick,
     tolerance: float,
 ) -> tuple[float, Array, float]:
-    """Return the step at most times, and the panels, (2, panels), followed with shorter ones.
+    """Return the step for most times, and the panels, (2, panels), that need shorter steps.
 
-    And the sum of what the scheme's stages miss of the integral on each of these panels.
+    The third value is the sum of the integration errors of the scheme's stages on these panels.
     """
-    exact, nothing = _exact(formula, begin, end), np.zeros((2, 0))
+    exact, no_panels = _exact_integral(formula, begin, end), np.zeros((2, 0))
     if exact is None or not np.isfinite(exact.sums).all():
-        return step, nothing, 0.0
+        return step, no_panels, 0.0
     count = max(2, math.ceil((end - begin) / step))
     if count > MOST_HALVED:
-        return step, nothing, 0.0
+        return step, no_panels, 0.0
     inner = begin + (end - begin) * (np.arange(1, count - 1) + ASIDE) / count
     edges = np.concatenate([[begin], inner, [end]])
-    panels = _halved(exact, np.array([edges[:-1], edges[1:]]), 0.0, None)
+    panels = _refined_panels(exact, np.array([edges[:-1], edges[1:]]), 0.0, None)
     allowed = FOLLOWED * tolerance
     lengths, bound = panels[1] - panels[0], step
     for _ in range(60):
         short = lengths < 0.6 * bound
         if lengths[short].sum() <= SHORT * (end - begin):
-            found = _halved(exact, panels[:, short], allowed, scheme)
-            if found.shape[1] <= MOST_STOPS:
-                return bound, found, float(_missed(exact, found[0], found[1], scheme).sum())
+            short_panels = _refined_panels(exact, panels[:, short], allowed, scheme)
+            if short_panels.shape[1] <= MOST_STOPS:
+                return (
+                    bound,
+                    short_panels,
+                    float(_panel_errors(exact, short_panels[0], short_panels[1], scheme).sum()),
+                )
         bound /= 2.0
-    return bound, nothing, 0.0
+    return bound, no_panels, 0.0
 
 
-def _missed(exact: Integral, low: Array, high: Array, scheme: DriftKick | None) -> Array:
-    """Return how far Gauss's rule, or a scheme's stages, are off the integral on each panel.
+def _panel_errors(exact: Integral, low: Array, high: Array, scheme: DriftKick | None) -> Array:
+    """Return the error on each panel of Gauss's rule (without a scheme) or of the scheme's stages.
 
-    What swings to and fro has no integral on a panel where it hides: Gauss's rule must give that to
-    any place between, and the stages what the integral itself comes to.
+    An oscillation that Gauss's rule cannot resolve gives no reliable integral. Gauss's rule is
+    therefore compared at every intermediate point, the stages with the integral over the whole
+    panel.
     """
     if scheme is None:
         return np.asarray(exact.missed_within(low, high))
     nodes = np.cumsum(scheme.drifts)[:-1]
     with np.errstate(all="ignore"):
-        found = exact.slope(np.add.outer(low, 0.0 * nodes) + np.outer(high - low, nodes))
+        slopes = exact.slope(np.add.outer(low, 0.0 * nodes) + np.outer(high - low, nodes))
     length = high - low
-    pushed = length * (found @ scheme.kicks) - (exact(high) - exact(low))
-    moved = length * (found @ (scheme.kicks * (1.0 - nodes))) - exact.moment(low, high)
-    return np.asarray(np.maximum(np.abs(pushed), np.abs(moved)))
+    velocity_error = length * (slopes @ scheme.kicks) - (exact(high) - exact(low))
+    position_error = length * (slopes @ (scheme.kicks * (1.0 - nodes))) - exact.moment(low, high)
+    return np.asarray(np.maximum(np.abs(velocity_error), np.abs(position_error)))
 
 
-def _halved(exact: Integral, panels: Array, allowed: float, scheme: DriftKick | None) -> Array:
-    """The panels, halved until Gauss's rule, or a scheme's stages, give each one's integral."""
+def _refined_panels(
+    exact: Integral, panels: Array, allowed: float, scheme: DriftKick | None
+) -> Array:
+    """Halve the panels until Gauss's rule, or the scheme's stages, integrate the drive on each."""
     done, count = [panels[:, :0]], panels.shape[1]
     rounding = ROUNDING * float(np.abs(exact.sums).max())
     while panels.size and count <= MOST_HALVED:
         low, high = panels
-        apart = _missed(exact, low, high, scheme)
-        rough = ~(apart <= exact.rounding(low, high) + rounding + allowed)
+        errors = _panel_errors(exact, low, high, scheme)
+        rough = ~(errors <= exact.rounding(low, high) + rounding + allowed)
         rough &= high - low > 2.0 * LEAST_PANEL * np.maximum(np.abs(low), np.abs(high))
         done.append(panels[:, ~rough])
         low, high = panels[:, rough]
@@ -140,12 +149,12 @@ def _halved(exact: Integral, panels: Array, allowed: float, scheme: DriftKick | 
         panels = np.array([np.append(low, middle), np.append(middle, high)])
         count += low.size
     done.append(panels)
-    found = np.concatenate(done, axis=1)
-    return found[:, np.argsort(found[0])]
+    result = np.concatenate(done, axis=1)
+    return result[:, np.argsort(result[0])]
 
 
-def _joined(low: Array, high: Array) -> Array:
-    """Spans that do not meet, in their order, in the place of those that do."""
+def _merged_spans(low: Array, high: Array) -> Array:
+    """Return disjoint spans in ascending order; spans that touch are merged."""
     order = np.argsort(low)
     low, high = low[order], np.maximum.accumulate(high[order]) if low.size else high
     first = np.append(True, low[1:] > high[:-1]) if low.size else np.zeros(0, dtype=np.bool_)

@@ -1,4 +1,4 @@
-"""What a march and its judge ask of a lattice: how it is advanced, how fast its waves are."""
+"""A lattice's dynamics for a time march: advancing states, wave speeds, and checks of states."""
 
 from __future__ import annotations
 
@@ -20,29 +20,32 @@ from longwave.support.real_arrays import real_array
 Array = NDArray[np.float64]
 
 SLOPES = 65
-"""Stretches, from the least that was met to the most, at which slopes are looked at."""
+"""Stretches, from the least to the most encountered, at which slopes are evaluated."""
 
 LARGEST_SLOPE = 1e290
-"""Beyond it sums of slopes, in units of masses, may be no numbers."""
+"""Largest slope, in units of masses, of which sums cannot overflow."""
 
 WIDER = 0.125
-"""By which part of itself a range of stretches is widened at either end where it is looked at, so
-that waves that rise a little from stop to stop are not looked at anew each time."""
+"""Share of itself by which a range of stretches is widened at either end before it is checked, so
+that a wave that rises slowly from stop to stop does not need a new check each time."""
 
 
 class Dynamics:
-    """A lattice that can be advanced, and what its states say of how.
+    """Advances states of a lattice and computes the frequencies and ranges that steps depend on.
 
-    *Ranges* are the least and the largest of each bond's stretch, then those of each field.
+    *Ranges* are (least, largest) pairs: of each bond's stretch, then of each field.
     """
 
     def __init__(self, lattice: NumericLattice) -> None:
         self.lattice = lattice
         self._kernels: dict[tuple[int, ...], RingKernel] = {}
-        self._firm: list[tuple[float, float]] = []
+        self._safe_ranges: list[tuple[float, float]] = []
 
     def checked(self, state: State) -> State:
-        """The state with arrays of doubles of the lattice's shape."""
+        """Return the state with contiguous double arrays.
+
+        Raises ValueError if its shape does not fit the lattice or a value is not finite.
+        """
         fields, axes = len(self.lattice.fields), self.lattice.dimension
         f, v = (
             np.ascontiguousarray(
@@ -50,9 +53,9 @@ class Dynamics:
             )
             for name, values in (("f", state.f), ("v", state.v))
         )
-        found = State(state.t, f, v, state.left)
-        for name, values in (("f", found.f), ("v", found.v)):
-            fits = values.ndim == 1 + axes and values.shape == found.f.shape
+        result = State(state.t, f, v, state.left)
+        for name, values in (("f", result.f), ("v", result.v)):
+            fits = values.ndim == 1 + axes and values.shape == result.f.shape
             if not fits or values.shape[0] != fields or not values.size:
                 raise ValueError(
                     f"state.{name} must have the shape (fields, *cells) of {fields} fields and "
@@ -60,19 +63,19 @@ class Dynamics:
                 )
             _check_finite(name, values)
         cells = self.lattice.cell_count
-        if cells not in (None, found.f.shape[1]):
+        if cells not in (None, result.f.shape[1]):
             raise ValueError(
-                f"state must have the {cells} cells of the lattice, got {found.f.shape[1]} (what "
-                "differs from cell to cell, and its ends, are stated for so many)"
+                f"state must have the {cells} cells of the lattice, got {result.f.shape[1]} (its "
+                "disorder and ends are defined for that number)"
             )
-        return found
+        return result
 
     def advance(
         self, scheme: Scheme, f: Array, v: Array, h: float, steps: int, t: float = 0.0
     ) -> None:
-        """Advance fields and velocities in place by ``steps`` steps of length ``h`` from ``t`` on.
+        """Advance fields and velocities in place by ``steps`` steps of length ``h`` from ``t``.
 
-        Chains and planes by machine code written for them, if the scheme is a splitting.
+        Splittings on chains and planes run as compiled kernels written for the lattice.
         """
         if self.lattice.is_driven:
             self._advance_driven(scheme, f, v, h, steps, t)
@@ -89,13 +92,16 @@ class Dynamics:
     def _advance_driven(
         self, scheme: Scheme, f: Array, v: Array, h: float, steps: int, t: float
     ) -> None:
-        """With losses and forces at the time of each stage."""
+        """Advance a chain with losses, walls and forces.
+
+        Forces and walls are evaluated at the time of each stage.
+        """
         chain = self.lattice
         assert isinstance(chain, DrivenChain)
         if not isinstance(scheme, DriftKick):
             raise ValueError(
-                f"scheme must be a splitting with ends, losses or forces, got {scheme.name} (leave "
-                "it out)"
+                "a chain with ends, losses or forces needs a splitting scheme, got "
+                f"{scheme.name} (leave scheme out)"
             )
         chain.place_walls(f, v, t)
         drifts, kicks = chain.stage_weights(scheme, v, t, h, steps)
@@ -103,7 +109,7 @@ class Dynamics:
         chain.place_walls(f, v, t + steps * h)
 
     def _advance_by_stages(self, scheme: Scheme, f: Array, v: Array, h: float, steps: int) -> None:
-        """A Nystroem method: of the paper's chain by machine code."""
+        """Advance by a Nystroem method, compiled for the paper's chain and in NumPy for others."""
         constants = chain_constants(self.lattice)
         if constants is not None and f.shape[1] >= 3:
             nystroem.advance_nystroem(f[0], v[0], scheme.floats, h, steps, *constants)
@@ -112,101 +118,106 @@ class Dynamics:
             reference.advance_nystroem_method(acceleration, f, v, scheme.floats, h, steps)
 
     def _kernel(self, shape: tuple[int, ...]) -> RingKernel:
-        """The kernel for rings of that shape, with the room that the last one took."""
+        """Return the kernel for rings of that shape; only the last one is cached."""
         if shape not in self._kernels:
             self._kernels.clear()
             self._kernels[shape] = RingKernel(self.lattice, *shape)
         return self._kernels[shape]
 
     def threads(self, scheme: Scheme) -> int:
-        """How many states may be advanced at once.
+        """Return how many states can be advanced concurrently.
 
-        The machine code leaves the interpreter to others, NumPy's many small calls do not.
+        Compiled code releases the interpreter lock; NumPy's many small calls do not.
         """
         return 2 if isinstance(scheme, DriftKick) and self.lattice.dimension <= 2 else 1
 
     def ranges(self, state: State) -> Array:
-        """The ranges of one state."""
+        """Return the least and largest value of each bond's stretch, then of each field."""
         with np.errstate(invalid="ignore", over="ignore"):  # after a blow-up
             fields = [value_range(values) for values in state.f]
             bonds = self.lattice.stretch_ranges(state.f, fields)
         return np.array([*bonds, *fields])
 
     def highest_frequency(self, ranges: Array) -> float:
-        """The highest frequency of any wave about what is in these ranges; inf if none is.
+        """Return a bound of the frequency of waves about states in these ranges, inf if unbounded.
 
-        With the largest slope of each bond in its range, of either sign, and at rest.
+        It uses each bond's largest abs(slope) over its range and at rest.
         """
-        found = []
-        for place, bond in enumerate(self.lattice.bonds):
-            least, most = map(float, ranges[place])
+        slopes = []
+        for index, bond in enumerate(self.lattice.bonds):
+            least, most = map(float, ranges[index])
             if not math.isfinite(most - least):
                 return math.inf
             stretches = np.append(np.linspace(least, most, SLOPES), bond.offset)
-            seen = self.lattice.largest_slope(place, stretches)
+            sampled = self.lattice.largest_slope(index, stretches)
             with np.errstate(all="ignore"):
-                bare = float(np.max(np.abs(bond.force.slope(stretches))))
-            hidden = bond.force.steepest_between(least, most, bare)
-            found.append(seen if hidden == bare else seen / bare * hidden)
-        if not all(slope < LARGEST_SLOPE for slope in found):
+                sampled_ordered = float(np.max(np.abs(bond.force.slope(stretches))))
+            bound = bond.force.steepest_between(least, most, sampled_ordered)
+            slopes.append(
+                sampled if bound == sampled_ordered else sampled / sampled_ordered * bound
+            )
+        if not all(slope < LARGEST_SLOPE for slope in slopes):
             return math.inf
-        return self.lattice.highest_frequency(found)
+        return self.lattice.highest_frequency(slopes)
 
     def largest(self, ranges: Array) -> float:
-        """The size of the numbers whose rounding is felt, in the unit of stretches.
+        """Return the largest number whose rounding matters, in the unit of stretches.
 
-        The largest field, as often as it enters a stretch, or a force's largest summand: what
-        rounding does to that, a stretch does that is smaller by the force's slope. Infinite after
-        a blow-up.
+        It is the largest field times its weights in a stretch, or a force's largest summand divided
+        by the force's slope. Infinite after a blow-up.
         """
         bonds = self.lattice.bonds
         if not all(math.isfinite(most - least) for least, most in ranges.tolist()):
             return math.inf
         weights = [sum(abs(part.weight) for part in bond.stretch) for bond in bonds]
-        found = float(np.max(np.abs(ranges[len(bonds) :]))) * max(weights)
+        size = float(np.max(np.abs(ranges[len(bonds) :]))) * max(weights)
         for bond, (least, most) in zip(bonds, ranges, strict=False):
-            places = np.linspace(least, most, SLOPES)
+            samples = np.linspace(least, most, SLOPES)
             with np.errstate(all="ignore"):
-                slope = float(np.max(np.abs(bond.force.slope(places))))
-                summand = bond.force.largest_summand(places)
-            found = max(found, summand / slope if slope > 0.0 else 0.0)
-        return found
+                slope = float(np.max(np.abs(bond.force.slope(samples))))
+                summand = bond.force.largest_summand(samples)
+            size = max(size, summand / slope if slope > 0.0 else 0.0)
+        return size
 
     def stretches(self, f: Array) -> Array:
-        """The stretch of each bond in each cell."""
+        """Return the stretch of each bond in each cell, (bonds, *cells)."""
         return np.array(self.lattice.stretches(f))
 
     def find_blow_up(self, state: State, ranges: Array, amplitude: float | None) -> BlowUp | None:
-        """What is wrong with a state of those ranges, if anything (`blow_up.find_blow_up`)."""
-        sound = amplitude is not None and self._is_sound(ranges, GROWTH * amplitude)
+        """Return the blow-up criterion that a state with those ranges meets, or None.
+
+        See `blow_up.find_blow_up`; states whose ranges are clearly safe skip its work.
+        """
+        sound = amplitude is not None and self._is_clearly_sound(ranges, GROWTH * amplitude)
         if sound and math.isfinite(float(state.v.sum())):
             return None
         return find_blow_up(self.lattice, state, amplitude)
 
-    def _is_sound(self, ranges: Array, limit: float) -> bool:
-        """Whether the ranges alone say that nothing is wrong: most of the work is saved then."""
+    def _is_clearly_sound(self, ranges: Array, limit: float) -> bool:
+        """Return whether the ranges alone exclude a blow-up, without the full check."""
         bonds = self.lattice.bonds
-        met = ranges[: len(bonds)].tolist()
-        for bond, (least, most) in zip(bonds, met, strict=True):
+        bond_ranges = ranges[: len(bonds)].tolist()
+        for bond, (least, most) in zip(bonds, bond_ranges, strict=True):
             if not -limit <= least - bond.offset <= most - bond.offset <= limit:
                 return False
-        if self._firm and all(
+        if self._safe_ranges and all(
             low <= least and most <= high
-            for (low, high), (least, most) in zip(self._firm, met, strict=True)
+            for (low, high), (least, most) in zip(self._safe_ranges, bond_ranges, strict=True)
         ):
             return True
-        rooms = [WIDER * (most - least) for least, most in met]
+        margins = [WIDER * (most - least) for least, most in bond_ranges]
         wider = [
-            (least - room, most + room) for (least, most), room in zip(met, rooms, strict=True)
+            (least - margin, most + margin)
+            for (least, most), margin in zip(bond_ranges, margins, strict=True)
         ]
-        self._firm = wider if self._is_firm(wider) else []
-        return bool(self._firm)
+        self._safe_ranges = wider if self._is_stable_within(wider) else []
+        return bool(self._safe_ranges)
 
-    def _is_firm(self, ranges: list[tuple[float, float]]) -> bool:
-        """Whether no wave grows wherever the stretches are in these ranges.
+    def _is_stable_within(self, ranges: list[tuple[float, float]]) -> bool:
+        """Return whether no wave grows for any stretches in these ranges.
 
-        A slope's least value may lie between two that are looked at, lower by less than these
-        differ from their neighbours.
+        A slope's minimum may lie between two samples, lower than both by less than neighbouring
+        samples differ.
         """
         if not self.lattice.gets_stiffer_by_bonds:
             return False
@@ -219,11 +230,12 @@ class Dynamics:
 
 
 def _check_finite(name: str, values: Array) -> None:
+    """Raise ValueError with the first value that is not finite."""
     broken = ~np.isfinite(values)
     if np.any(broken):
-        place = tuple(int(axis) for axis in np.argwhere(broken)[0])
-        where = place[0] if len(place) == 1 else place
+        index = tuple(int(axis) for axis in np.argwhere(broken)[0])
+        shown_index = index[0] if len(index) == 1 else index
         raise ValueError(
-            f"state.{name} must be finite, got {values[place]} at place {where} "
-            "(look at where the state comes from)"
+            f"state.{name} must be finite, got {values[index]} at index {shown_index} "
+            "(check how the state was computed)"
         )

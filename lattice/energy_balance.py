@@ -1,8 +1,8 @@
-"""What has been done to a chain since its start, what it has lost, and what went through it.
+"""Energy balance of a driven chain: work done on it, heat, and energy through its cuts.
 
-Integrals over time know nothing of the scheme. In a step fields are polynomials of degree 5 with
-the values, velocities and f'' of both ends; they give f'' at the nodes of Gauss and Legendre, and
-that polynomials of degree 7, of which rates are taken. The error falls like step^8.
+Time integrals do not depend on the scheme. Within a step the fields are polynomials of degree 5
+through the values, velocities and f'' at both ends. These give f'' at Gauss-Legendre nodes, which
+give polynomials of degree 7, from which the rates are computed. The error falls like step^8.
 """
 
 from __future__ import annotations
@@ -21,34 +21,37 @@ from longwave.support.checkpoint import Memory
 Array = NDArray[np.float64]
 
 NODES, WEIGHTS = ((legendre.leggauss(4)[0] + 1.0) / 2.0, legendre.leggauss(4)[1] / 2.0)
-"""On 0 .. 1."""
+"""Nodes and weights of Gauss's rule on 0 .. 1."""
 
 TOGETHER = 64
-"""Most steps of which the integrals are taken at once."""
+"""Most steps integrated in one batch."""
 
 
-def _powers(places: Sequence[float] | Array, derivative: int) -> Array:
-    """A derivative of 1, x, .., x^7 at some places, (place, power)."""
-    found = [np.polynomial.Polynomial(unit).deriv(derivative) for unit in np.eye(8)]
-    return np.stack([each(np.array(places)) for each in found], axis=1)
+def _powers(points: Sequence[float] | Array, derivative: int) -> Array:
+    """Return a derivative of 1, x, .., x^7 at the given points, (point, power)."""
+    monomials = [np.polynomial.Polynomial(unit).deriv(derivative) for unit in np.eye(8)]
+    return np.stack([each(np.array(points)) for each in monomials], axis=1)
 
 
 def _at_nodes(*known: Array) -> Array:
-    """A polynomial's values and slopes at the nodes from what is known of it, (2, node, known)."""
+    """Return matrices from a polynomial's known data to its values and slopes at the nodes.
+
+    The shape is (2, node, datum); each argument has the rows of `_powers` of some data.
+    """
     conditions = np.concatenate(known)
-    given = np.linalg.inv(conditions[:, : len(conditions)])
-    return np.array([_powers(NODES, each)[:, : len(given)] @ given for each in (0, 1)])
+    inverse = np.linalg.inv(conditions[:, : len(conditions)])
+    return np.array([_powers(NODES, each)[:, : len(inverse)] @ inverse for each in (0, 1)])
 
 
 _ENDS = [_powers([0.0, 1.0], each) for each in range(3)]
 FIRST = _at_nodes(*_ENDS)
-"""From values, slopes and second derivatives at both ends."""
+"""Map from values, slopes and second derivatives at both ends."""
 SECOND = _at_nodes(_ENDS[0], _ENDS[2], _powers(NODES, 2))
-"""From values at both ends, and second derivatives there and at the nodes."""
+"""Map from values at both ends, and second derivatives there and at the nodes."""
 
 
 class Flow(NamedTuple):
-    """Energy, or power: from each of the chain's drivers, as heat, and through each cut."""
+    """Energy, or power: work of each of the chain's drivers, heat, and flow through each cut."""
 
     work: Array = np.zeros(0)
     heat: Array = np.zeros(1)
@@ -58,53 +61,60 @@ class Flow(NamedTuple):
 def power(
     chain: DrivenChain, f: Array, v: Array, times: Array, cuts: Sequence[int] = ()
 ) -> tuple[Array, Array]:
-    """The rates at which energy comes and goes, and f'', of states at some times.
+    """Return the rates at which energy is exchanged, and f'', for states at several times.
 
-    Rates are (rates, times): of the work of each of the chain's `drivers`, of the heat, and of what
-    goes through the ``cuts``, each to the right of a cell. There half of what a bond stores,
-    and loses, is on either side. Fields, velocities and f'' have the shape (fields, times,
-    ring); what walls do then is put in its place.
+    The rates, (rates, times), are the power of each of the chain's `drivers`, the heat, and the
+    flow through each of the ``cuts``, just right of a cell. A bond's stored energy and loss count
+    half on either side of a cut. Fields, velocities and f'' have the shape (fields, times, ring).
+    The cells of walls are set, in place, to what they are at these times.
     """
     chain.place_walls(f, v, times, moving=True)
     cells, masses = chain.cells, np.array(chain.masses)[:, np.newaxis, np.newaxis]
-    dashed = chain.dashed(v)
-    forces = [force + pot for force, pot in zip(chain.forces(f), dashed, strict=True)]
-    found = chain.pulled(forces)
-    gained = masses * found * v
-    flows = [-gained[..., list(wall.places)].sum(axis=(0, 2)) for wall in chain.moved]
-    for push in chain.outer_forces:
-        acting = push.at(f, times, chain.cell_masses[push.field, :cells])
-        flows.append((acting * v[push.field, :, :cells]).sum(axis=1))
-        found[push.field, :, :cells] += acting / chain.masses[push.field]
+    dashpot_forces = chain.dashpot_forces(v)
+    forces = [
+        force + dashpot_force
+        for force, dashpot_force in zip(chain.forces(f), dashpot_forces, strict=True)
+    ]
+    acceleration = chain.acceleration_by(forces)
+    wall_power = masses * acceleration * v
+    flows = [-wall_power[..., list(wall.places)].sum(axis=(0, 2)) for wall in chain.moved]
+    for outer in chain.outer_forces:
+        acting = outer.at(f, times, chain.cell_masses[outer.field, :cells])
+        flows.append((acting * v[outer.field, :, :cells]).sum(axis=1))
+        acceleration[outer.field, :, :cells] += acting / chain.masses[outer.field]
     damping = np.array(chain.losses)[:, np.newaxis, np.newaxis] * v
-    found -= damping
+    acceleration -= damping
     heat = (masses * damping * v)[..., :cells].sum(axis=(0, 2))
-    for bond, pot in zip(chain.bonds, dashed, strict=True):
-        heat = heat + (pot * (bond.stretched(v) - bond.offset)).sum(axis=-1)
+    for bond, dashpot_force in zip(chain.bonds, dashpot_forces, strict=True):
+        heat = heat + (dashpot_force * (bond.stretched(v) - bond.offset)).sum(axis=-1)
     if rows := chain.variation.mass_rows(len(chain.fields)):
-        found /= 1.0 + chain.deviations[:rows, np.newaxis]
+        acceleration /= 1.0 + chain.deviations[:rows, np.newaxis]
     flows += [heat, *(_flux(chain, forces, v, cut) for cut in cuts)]
-    return np.array(flows), found
+    return np.array(flows), acceleration
 
 
 def _flux(chain: DrivenChain, forces: Sequence[Array], v: Array, cut: int) -> Array:
-    """Half of what the bonds over a cut do to the cells on its right, less that on its left."""
-    found, ring = np.zeros(v.shape[1]), v.shape[2]
+    """Return the energy flow through the bonds over a cut.
+
+    It is half the power of these bonds on the cells right of the cut less that on its left.
+    """
+    flux, ring = np.zeros(v.shape[1]), v.shape[2]
     for bond, force in zip(chain.bonds, forces, strict=True):
         shifts = [entry.shift[0] for entry in bond.stretch]
         for left in range(min(shifts), max(shifts)):
-            base = cut - left
+            cell = cut - left
             for entry in bond.stretch:
                 half = -0.5 if entry.shift[0] > left else 0.5
-                speed = v[entry.field, :, (base + entry.shift[0]) % ring]
-                found += half * entry.weight * force[:, base % ring] * speed
-    return found
+                speed = v[entry.field, :, (cell + entry.shift[0]) % ring]
+                flux += half * entry.weight * force[:, cell % ring] * speed
+    return flux
 
 
 class EnergyBalance:
-    """What flows in a chain and through ``cuts``, from a state on, followed step by step.
+    """Running integral of the energy flows of a chain and through ``cuts``, updated step by step.
 
-    ``total`` is since the start and ``rate`` now, both of when it was last settled.
+    ``total`` is the energy since the start and ``rate`` the current power, both at the last
+    `settle`.
     """
 
     def __init__(self, chain: DrivenChain, cuts: Sequence[int], start: State) -> None:
@@ -114,48 +124,50 @@ class EnergyBalance:
         self.settle()
 
     def follow(self, state: State) -> None:
-        """Note the end of a step."""
+        """Record the state at the end of a step."""
         if state.t > self._ends[-1][0]:
             self._ends.append((state.t, state.f.copy(), state.v.copy()))
         if len(self._ends) > TOGETHER:
             self.settle()
 
     def settle(self) -> None:
-        """Add what flowed in the steps since this was last done."""
+        """Integrate the flows over the steps recorded since the last call."""
         times, *rings = zip(*self._ends, strict=True)
         t, (f, v) = np.array(times), (np.stack(each, axis=1) for each in rings)
         with np.errstate(all="ignore"):  # before a blow-up
-            rates, bent = power(self._chain, f, v, t, self._cuts)
+            rates, acceleration = power(self._chain, f, v, t, self._cuts)
             if t.size > 1:
-                self._sum = self._sum + self._between(t, f, v, bent)
+                self._sum = self._sum + self._between(t, f, v, acceleration)
         self._ends = self._ends[-1:]
         kinds = np.cumsum([len(self._chain.drivers), 1])
         self.total, self.rate = (Flow(*np.split(each, kinds)) for each in (self._sum, rates[:, -1]))
 
     def memory(self) -> Memory:
-        """What `recall` needs to go on, bit by bit."""
+        """Return the data from which `recall` resumes bit by bit."""
         return {"sum": self._sum, "ends": self._ends}
 
     def recall(self, memory: Memory) -> None:
-        """Be what another balance, made alike, was."""
+        """Restore the balance from the `memory` of one with the same chain and cuts."""
         self._sum, self._ends = memory["sum"], memory["ends"]
 
-    def _between(self, t: Array, f: Array, v: Array, bent: Array) -> Array:
-        """What flowed in steps with these fields, velocities and f'' at their ends."""
+    def _between(self, t: Array, f: Array, v: Array, acceleration: Array) -> Array:
+        """Return the integrals over steps with these fields, velocities and f'' at their ends."""
         h = np.diff(t)
         times, length = t[:-1, np.newaxis] + np.outer(h, NODES), h[:, np.newaxis]
 
         def between(weights: Array, known: Sequence[Array]) -> tuple[Array, Array]:
-            places, speeds = weights[:, np.newaxis, np.newaxis] @ np.stack(known, axis=2)
+            indices, speeds = weights[:, np.newaxis, np.newaxis] @ np.stack(known, axis=2)
             flat = len(f), times.size, f.shape[2]
             speeds = (speeds / length[..., np.newaxis]).reshape(flat)
-            return power(self._chain, places.reshape(flat), speeds, times.ravel(), self._cuts)
+            return power(self._chain, indices.reshape(flat), speeds, times.ravel(), self._cuts)
 
-        places, slopes, bends = (
+        indices, slopes, accelerations = (
             [scale * values[:, :-1], scale * values[:, 1:]]
-            for scale, values in ((1.0, f), (length, v), (length**2, bent))
+            for scale, values in ((1.0, f), (length, v), (length**2, acceleration))
         )
-        _, found = between(FIRST, [*places, *slopes, *bends])
-        inner = [length**2 * found[:, node :: NODES.size] for node in range(NODES.size)]
-        rates, _ = between(SECOND, [*places, *bends, *inner])
+        _, node_accelerations = between(FIRST, [*indices, *slopes, *accelerations])
+        inner = [
+            length**2 * node_accelerations[:, node :: NODES.size] for node in range(NODES.size)
+        ]
+        rates, _ = between(SECOND, [*indices, *accelerations, *inner])
         return np.asarray(rates.reshape(-1, *times.shape) @ WEIGHTS @ h)

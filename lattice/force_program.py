@@ -1,7 +1,7 @@
-"""A force law as a short program of numbers: what arrays are put through and kernels compiled from.
+"""Force laws as short numeric programs, which arrays are evaluated with and kernels compiled from.
 
-A program is a sequence of instructions for a stack, made from an expression whose functions are
-known; no text is ever evaluated.
+A program is a sequence of stack instructions, built from a SymPy expression of known functions; no
+text is ever evaluated.
 """
 
 from __future__ import annotations
@@ -23,37 +23,37 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 Instruction = tuple[str, float]
-"""What to do, and the number that "number" and "power" take (0 for the others)."""
+"""An operation, and the operand of "number" and "power" (0 for the others)."""
 
 UNARY: dict[str, Callable[[Array], Array]] = {
     "exp": np.exp, "log": np.log, "sin": np.sin, "cos": np.cos, "tan": np.tan,
     "sinh": np.sinh, "cosh": np.cosh, "tanh": np.tanh, "atan": np.arctan, "asinh": np.arcsinh,
     "contact": lambda x: np.maximum(x, 0.0), "touching": lambda x: np.heaviside(x, 0.0),
 }  # fmt: skip
-"""The functions of one argument that a force may have."""
+"""Functions of one argument that a force may contain."""
 
 QUADRATURE = 24
-"""Points of the rule that integrates a force to its potential."""
+"""Points of the quadrature rule that integrates a force to its potential."""
 
 FEW_TURNS = 8
-"""Degree up to which a polynomial's slopes at 65 places are short of the largest by a few percent
-(by Markov's inequality)."""
+"""Highest degree of polynomials whose largest slope at 65 samples is low by a few percent at most
+(Markov's inequality)."""
 
 MOVED = 2.0**-20
-"""Share of a summand by which it is changed to see what the force makes of it."""
+"""Relative change of a summand that measures how strongly the force depends on it."""
 
 PLACES, MOST_PLACES, DEEPEST, UNSEEN = 65, 2**12, 9, 0.1
-"""Of ranges on which slopes are enclosed: their ends at first, and the most that are divided in 16,
-at most so often; the part by which a slope must exceed what was met to count."""
+"""For enclosing slopes: initial edges, most panels that are divided by 16 at once, most divisions,
+and the share by which a slope must exceed the sampled ones to count."""
 
 
 @dataclass(frozen=True)
 class ForceProgram:
-    """A force law: a polynomial's ``coefficients`` of x, x^2, ..., or instructions for a stack.
+    """A force law: a polynomial's ``coefficients`` of x, x^2, ..., or stack ``instructions``.
 
-    Called with stretches it gives forces; ``slope`` their derivative, ``potential`` their integral
-    from 0. At the stretch of its ``opening`` a contact opens, where its slope or the derivative of
-    that jumps.
+    Calling it with stretches gives forces; ``slope`` gives their derivative, ``potential`` their
+    integral from 0. At the stretch ``opening`` a contact opens: the slope, or its derivative,
+    jumps.
 
     >>> from sympy import exp
     >>> from longwave.derive.symbols import x
@@ -88,23 +88,23 @@ class ForceProgram:
 
     @cached_property
     def _stored_unstretched(self) -> Array:
-        """What is stored at no stretch, from where the contact opens."""
+        """Integral from the contact's opening to zero stretch."""
         return self._from_opening(np.zeros(()))
 
     def __call__(self, stretch: Array) -> Array:
-        """The force at these stretches."""
+        """Return the force at these stretches."""
         if self.instructions:
             return _run(self.instructions, stretch)
         return _horner((0.0, *self.coefficients), stretch)
 
     def slope(self, stretch: Array) -> Array:
-        """The force's derivative."""
+        """Return the force's derivative at these stretches."""
         if self.instructions:
             return _run(self.slope_instructions, stretch)
         return _horner(self._slope, stretch)
 
     def enclosed(self, low: Array, high: Array) -> tuple[Array, Array]:
-        """Bounds of what a program gives between ``low`` and ``high``, cell by cell.
+        """Return bounds of the program's values on the intervals from ``low`` to ``high``.
 
         >>> from sympy import exp
         >>> from longwave.derive.symbols import x
@@ -115,7 +115,7 @@ class ForceProgram:
         return _enclosed(self.instructions, low, high)
 
     def slope_enclosed(self, low: Array, high: Array) -> tuple[Array, Array]:
-        """Bounds of the slope between ``low`` and ``high``; without a bound they are infinite.
+        """Return bounds of the slope on the intervals from ``low`` to ``high``, maybe infinite.
 
         >>> low, high = ForceProgram((1.0, 0.0, 1.0)).slope_enclosed(np.zeros(1), np.ones(1))
         >>> low.tolist(), high.tolist()
@@ -135,41 +135,41 @@ class ForceProgram:
 
     @property
     def is_smooth(self) -> bool:
-        """Whether its slopes at a few places show all: a polynomial turns no more often."""
+        """Whether a few samples show all of its slope: a polynomial of low degree."""
         return not self.instructions and len(self.coefficients) <= FEW_TURNS
 
-    def steepest_between(self, low: float, high: float, seen: float) -> float:
-        """The largest size of the slope on a range on which ``seen`` is the largest that was met.
+    def steepest_between(self, low: float, high: float, sampled: float) -> float:
+        """Return the largest abs(slope) between two stretches, given the largest one sampled.
 
-        That itself unless it is exceeded by more than its part `UNSEEN`. Infinite where there is
-        no bound.
+        The sampled value ``sampled`` is returned unless it is exceeded by more than its share
+        `UNSEEN`. Infinite if the slope is unbounded.
         """
         if self.is_smooth or not low < high:
-            return seen
-        edges, largest = np.linspace(low, high, PLACES), seen
+            return sampled
+        edges, largest = np.linspace(low, high, PLACES), sampled
         lows, highs = edges[:-1], edges[1:]
         for _ in range(DEEPEST):
             bounds = np.maximum(*map(np.abs, self.slope_enclosed(lows, highs)))
-            [places] = np.nonzero(~(bounds <= (1.0 + UNSEEN) * largest))
-            if places.size == 0 or places.size > MOST_PLACES:
+            [open_panels] = np.nonzero(~(bounds <= (1.0 + UNSEEN) * largest))
+            if open_panels.size == 0 or open_panels.size > MOST_PLACES:
                 break
-            parts = np.linspace(lows[places], highs[places], 17)
+            parts = np.linspace(lows[open_panels], highs[open_panels], 17)
             lows, highs = parts[:-1].ravel(), parts[1:].ravel()
             with np.errstate(all="ignore"):
                 largest = np.fmax(largest, np.nanmax(np.abs(self.slope(parts)), initial=0.0))
         else:
-            apart = self.opening is None or not np.all(
+            is_bounded = self.opening is None or not np.all(
                 (lows[:, None] <= self.opening) & (self.opening <= highs[:, None])
             )
             bounds = np.maximum(*map(np.abs, self.slope_enclosed(lows, highs)))
-            largest = float(bounds.max()) if apart else largest
-        return float(largest) if largest > (1.0 + UNSEEN) * seen else seen
+            largest = float(bounds.max()) if is_bounded else largest
+        return float(largest) if largest > (1.0 + UNSEEN) * sampled else sampled
 
     def largest_summand(self, stretch: Array) -> float:
-        """The largest number that is added on the way: the force holds its roundings.
+        """Return the largest summand whose rounding affects the force.
 
-        As far as the force depends on it: far from a pulse, it does not on its exponent. A
-        polynomial adds nothing that is larger than its terms, which vanish with the stretch.
+        A summand counts as far as the force depends on it. The result is 0 for a polynomial, whose
+        terms vanish with the stretch.
 
         >>> ForceProgram((), (("x", 0.0), ("exp", 0.0), ("number", -1.0), ("add", 0.0))
         ... ).largest_summand(np.array([-1e-9, 1e-9]))
@@ -177,30 +177,30 @@ class ForceProgram:
         """
         sizes: list[Array] = []
 
-        def noted(a: Array, b: Array) -> Array:
+        def recording_add(a: Array, b: Array) -> Array:
             sizes.append(np.maximum(np.abs(a), np.abs(b)))
             return a + b
 
-        force, largest = _run(self.instructions, stretch, noted), 0.0
-        for place, size in enumerate(sizes):
+        force, largest = _run(self.instructions, stretch, recording_add), 0.0
+        for index, size in enumerate(sizes):
             if not float(np.max(size)) <= largest:
                 change = MOVED * size
-                off = np.abs(self._with_sum_changed(place, change, stretch) - force)
-                felt = np.where(off < (1.0 - 1e-3) * change, off / MOVED, size)
-                largest = max(largest, float(np.max(felt)))
+                response = np.abs(self._with_sum_changed(index, change, stretch) - force)
+                effective = np.where(response < (1.0 - 1e-3) * change, response / MOVED, size)
+                largest = max(largest, float(np.max(effective)))
         return largest
 
-    def _with_sum_changed(self, place: int, change: Array, stretch: Array) -> Array:
-        """Return the forces with a ``change`` of one of the program's sums."""
-        places = count()
+    def _with_sum_changed(self, index: int, change: Array, stretch: Array) -> Array:
+        """Return the forces after adding ``change`` to one of the program's sums."""
+        indices = count()
 
-        def changed(a: Array, b: Array) -> Array:
-            return a + b + (change if next(places) == place else 0.0)
+        def changing_add(a: Array, b: Array) -> Array:
+            return a + b + (change if next(indices) == index else 0.0)
 
-        return _run(self.instructions, stretch, changed)
+        return _run(self.instructions, stretch, changing_add)
 
     def potential(self, stretch: Array) -> Array:
-        """The energy stored at these stretches, 0 at no stretch."""
+        """Return the energy stored at these stretches, 0 at zero stretch."""
         if not self.instructions:
             return _horner(self._integral, stretch)
         if self.opening is not None:
@@ -210,26 +210,32 @@ class ForceProgram:
         return np.asarray(stretch * sum(parts))
 
     def _from_opening(self, stretch: Array) -> Array:
-        """From where the contact opens, in the root of the distance, in which it is smooth."""
+        """Return the force's integral from the contact's opening.
+
+        The variable is the root of the distance, in which the integrand is smooth.
+        """
         assert self.opening is not None
         nodes, weights = _quadrature()
-        apart, roots = stretch - self.opening, (1 + nodes) / 2
-        forces = self(self.opening + np.multiply.outer(roots**2, apart))
-        return np.asarray(apart * np.tensordot(weights * roots, forces, 1))
+        distance, roots = stretch - self.opening, (1 + nodes) / 2
+        forces = self(self.opening + np.multiply.outer(roots**2, distance))
+        return np.asarray(distance * np.tensordot(weights * roots, forces, 1))
 
 
 def _horner(coefficients: Sequence[float], x: Array) -> Array:
-    """A polynomial's values, as NumPy's are to the last bit: that takes longer for few of them."""
-    found = coefficients[-1] + 0.0 * x
+    """Return a polynomial's values, equal to NumPy's to the bit.
+
+    NumPy's `Polynomial` takes longer for few values.
+    """
+    total = coefficients[-1] + 0.0 * x
     for coefficient in coefficients[-2::-1]:
-        found = coefficient + found * x
-    return np.asarray(found)
+        total = coefficient + total * x
+    return np.asarray(total)
 
 
 def _enclosed(
     instructions: tuple[Instruction, ...], low: Array, high: Array
 ) -> tuple[Array, Array]:
-    """Bounds of the value of a program."""
+    """Return bounds of a program's values by interval arithmetic."""
     stack: list[tuple[Array, Array]] = []
     for word, number in instructions:
         if word in ("x", "number"):
@@ -248,11 +254,12 @@ def _enclosed(
 
 
 def _hull(*values: Array) -> tuple[Array, Array]:
+    """Return the elementwise minimum and maximum of several arrays."""
     return np.minimum.reduce(values), np.maximum.reduce(values)
 
 
 def _power(a: Array, b: Array, power: float) -> tuple[Array, Array]:
-    """Bounds of a power between a and b."""
+    """Return bounds of a power of numbers between a and b."""
     whole, even = power.is_integer(), power % 2.0 == 0.0
     a = a if whole else np.maximum(a, 0.0)
     low, high = _hull(a**power, b**power)
@@ -264,7 +271,7 @@ def _power(a: Array, b: Array, power: float) -> tuple[Array, Array]:
 
 
 def _unary(word: str, a: Array, b: Array) -> tuple[Array, Array]:
-    """Bounds of a function of one argument between a and b."""
+    """Return bounds of a function of one argument between a and b."""
     low, high = _hull(UNARY[word](a), UNARY[word](b))
     if word == "cosh":
         low = np.where((a < 0.0) & (b > 0.0), 1.0, low)
@@ -284,14 +291,15 @@ def _unary(word: str, a: Array, b: Array) -> tuple[Array, Array]:
 
 @cache
 def _quadrature() -> tuple[Array, Array]:
-    """Nodes and weights on -1 .. 1."""
+    """Return nodes and weights of Gauss's rule on -1 .. 1."""
     return legendre.leggauss(QUADRATURE)
 
 
 def force_program(force: Expr) -> ForceProgram:
-    """The program of a force in ``derive.symbols.x`` whose constants are numbers.
+    """Compile a force in ``derive.symbols.x`` whose constants are numbers.
 
-    Raises ValueError for a function that is not among `UNARY`, and for constants without a value.
+    Raises ValueError for a function that is not in `UNARY`, for constants without a value, and for
+    a polynomial that does not vanish at 0.
     """
     from sympy import Poly
 
@@ -303,18 +311,18 @@ def force_program(force: Expr) -> ForceProgram:
             f"force must have numbers for its constants, got {unknown[0]} without one (give all)"
         )
     if force.is_polynomial(x):
-        found = [float(value) for value in reversed(Poly(force, x).all_coeffs())]
-        if found[0] != 0.0:
+        coefficients = [float(value) for value in reversed(Poly(force, x).all_coeffs())]
+        if coefficients[0] != 0.0:
             raise ValueError(
-                f"force must vanish without stretch, got {found[0]:g} (move the zero of x)"
+                f"force must vanish without stretch, got {coefficients[0]:g} (move the zero of x)"
             )
-        return ForceProgram(tuple(found[1:]))
+        return ForceProgram(tuple(coefficients[1:]))
     slope = tuple(_instructions(force.diff(x)))
     return ForceProgram((), tuple(_instructions(force)), slope, _opening(force))
 
 
 def _opening(force: Expr) -> float | None:
-    """The stretch at which the contacts of a force open; None without any."""
+    """Return the stretch at which the contacts of a force open; None if it has no contacts."""
     from sympy import Poly
 
     from longwave.derive.algebra.contact import contact
@@ -324,17 +332,17 @@ def _opening(force: Expr) -> float | None:
     if not gaps:
         return None
     linear = all(gap.is_polynomial(x) and Poly(gap, x).degree() == 1 for gap in gaps)
-    found = {float(-gap.subs(x, 0) / gap.diff(x)) for gap in gaps} if linear else set()
-    if len(found) != 1:
+    openings = {float(-gap.subs(x, 0) / gap.diff(x)) for gap in gaps} if linear else set()
+    if len(openings) != 1:
         raise ValueError(
-            f"contacts of a force must open at one stretch, got {force} (take a bond for each, and "
-            "a gap that is linear in x)"
+            f"contacts of a force must all open at one stretch, got {force} (use one bond for each "
+            "contact, and gaps that are linear in x)"
         )
-    return found.pop()
+    return openings.pop()
 
 
 def program_of(expression: Expr) -> ForceProgram:
-    """The program of any formula in ``derive.symbols.x``, which need not vanish at 0."""
+    """Compile any formula in ``derive.symbols.x``; it need not vanish at 0."""
     from longwave.derive.symbols import x
 
     slope = tuple(_instructions(expression.diff(x)))
@@ -342,22 +350,22 @@ def program_of(expression: Expr) -> ForceProgram:
 
 
 def _instructions(expression: Any) -> list[Instruction]:
-    """The expression in postfix order."""
+    """Return the expression's instructions in postfix order."""
     from sympy import Add, Mul, Pow, exp
 
     if expression.is_Symbol:
         return [("x", 0.0)]
     if expression.is_number:
         if not expression.is_real:
-            raise ValueError(f"numbers of a formula must be real, got {expression} (change it)")
+            raise ValueError(f"numbers in a formula must be real, got {expression} (change it)")
         return [("number", float(expression))]
     if isinstance(expression, Add | Mul):
         word = "add" if isinstance(expression, Add) else "multiply"
         first, *others = expression.args
-        found = _instructions(first)
+        instructions = _instructions(first)
         for other in others:
-            found += [*_instructions(other), (word, 0.0)]
-        return found
+            instructions += [*_instructions(other), (word, 0.0)]
+        return instructions
     if isinstance(expression, Pow) and expression.exp.is_number:
         return [*_instructions(expression.base), ("power", float(expression.exp))]
     if isinstance(expression, Pow):
@@ -365,7 +373,7 @@ def _instructions(expression: Any) -> list[Instruction]:
     name = type(expression).__name__
     if name not in UNARY or len(expression.args) != 1:
         raise ValueError(
-            f"force must be made of {', '.join(UNARY)} and powers, got {name} (write it with these)"
+            f"force must be built from {', '.join(UNARY)} and powers, got {name} (rewrite it)"
         )
     return [*_instructions(expression.args[0]), (name, 0.0)]
 
@@ -381,7 +389,7 @@ def _run(
     x: Array,
     add: Callable[[Any, Any], Any] = operator.add,
 ) -> Array:
-    """Return the value of a program whose sums are made by ``add``."""
+    """Run a program on the stretches ``x``; ``add`` computes its sums."""
     stack: list[Any] = [] if instructions else [x]
     for word, number in instructions:
         if word == "x":

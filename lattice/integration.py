@@ -1,7 +1,7 @@
-"""A lattice with numbers from a state through given times, to a stated tolerance.
+"""Time integration of a numerical lattice from a state through given times, to a tolerance.
 
-The run is judged by `lattice.refine`: done again with a shorter step, and with the last digits of
-its data changed where the lattice may amplify rounding.
+`lattice.refine` estimates the error: the run is repeated with a shorter step, and with the last
+digits of its data changed where the lattice may amplify rounding.
 """
 
 from __future__ import annotations
@@ -49,21 +49,21 @@ from longwave.support.request_limits import OverBudgetError
 
 Array = NDArray[np.float64]
 Judged = Callable[[Array, Array, float], ArrayLike]
-"""What is judged, from positions, velocities and the time."""
+"""Function of positions, velocities and time whose values the error estimate is for."""
 
-Look = Callable[[State, EnergyBalance | None], NDArray[Any]]
-"""The same from a state, and the balance of energy where it is followed."""
+Observe = Callable[[State, EnergyBalance | None], NDArray[Any]]
+"""Function of a state, and of its energy balance if one is followed, whose values are compared."""
 
 
 @dataclass(frozen=True)
 class StateComparison:
-    """What runs are compared by: what a ``look`` at each of the times gives, taken ``together``.
+    """Quantity compared between runs: ``observe`` at each time, all times joined by ``combine``.
 
-    It is in so many ``unit`` of the fields.
+    ``unit`` is its unit, in that of the fields.
     """
 
-    look: Look
-    together: Callable[[NDArray[Any]], Array] = lambda looks: looks
+    observe: Observe
+    combine: Callable[[NDArray[Any]], Array] = lambda observed: observed
     unit: float = 1.0
 
 
@@ -71,48 +71,49 @@ LIMIT_SHARE = 0.9
 """Longest step tried, in units of the stability limit at the largest strain."""
 
 SLOW = 1e6
-"""Waves that take so many times the run's duration do not bound the step."""
+"""Waves whose period is this many times the run's duration do not limit the step."""
 
 LARGE = 2**20
-"""Numbers of a state from which on one run is made at a time, on both cores: two would take twice
-the memory."""
+"""Size of a state, in numbers, from which runs are made one at a time on both cores: two at once
+would take twice the memory."""
 
 RUNAWAY, LEAST_RUNAWAY = 4e4, 1e5
-"""Steps, in units of the longest one's and at least, that a run takes only where strains run away:
-with an order of 2 a tolerance of 1e-9 takes 3e4 times the longest one's."""
+"""Number of steps beyond which strains must be running away: in units of the number with the
+longest step, and at least. With an order of 2, a tolerance of 1e-9 takes 3e4 times that number."""
 
 RAN_AWAY = 100.0
-"""Strains run away if those met ask for steps so many times shorter than those at first."""
+"""Strains count as running away if they require steps this many times shorter than at the start."""
 
 ORDER_AT_OPENINGS = 2
-"""With which errors fall at least where contacts open and close, or where a drive has a corner."""
+"""Least order at which errors fall where contacts open and close, or where a drive has a corner."""
 
 KEPT_AT_OPENINGS = 0.5
-"""The most of a step that is kept where it was too long and contacts open: what a step changes
-falls by jumps there, and from little shorter ones it was taken not to fall."""
+"""Largest ratio of the next step to one that was too long where contacts open. Errors fall in jumps
+there, and with a ratio close to 1 they seemed not to fall."""
 
 FINE = 1e-9
-"""Tolerance for which features of drives and forces are followed where none is given."""
+"""Tolerance used for resolving drives and forces if none is given."""
 
 NEAR = 2.0
-"""Room beside the stretches that were met, in units of their range, where features are sought."""
+"""Margin searched for features on either side of the stretches visited, in units of their range."""
 
 NEAR_GAPS = round(GAPS * (1.0 + 2.0 * NEAR))
-"""Gaps between samples of slopes there: as long as those between samples of what was met."""
+"""Gaps between samples of slopes on the range with its margins: as long as those on the range
+alone."""
 
 UNFOLLOWED = 3
 """Runs, with shorter and shorter steps, that must meet a feature that is too narrow before it is
 refused."""
 
 STILL = 0.1
-"""Time between stops, in units of the inverse highest frequency at rest, that shows all that
-stretches pass."""
+"""Time between two stops, in units of the inverse highest frequency at rest, in which stretches
+change little enough that stops show their range."""
 
 PATIENT, MOST_FOLLOWED = 12, 2e6
-"""Steps tried until one follows the features of forces, and the most that one run may take."""
+"""Steps tried until one resolves the features of forces, and most steps of such a run."""
 
 NUDGED = 4
-"""Times, with the start, at which a run's last digits are changed."""
+"""Number of times, the start included, at which a run's last digits are changed."""
 
 RING_SAFETY = 6.0
 """Factor on the difference of two runs. With 2, one estimate in 2000 was too small, by 1.6, and
@@ -122,9 +123,9 @@ with 4 one in 2500, by 1.2, where strains begin to run away (the random cases of
 
 @dataclass(frozen=True)
 class Cost:
-    """Steps and force evaluations a site of the run that is returned, and its seconds.
+    """Steps, force evaluations per site and seconds of the run that is returned.
 
-    ``all_seconds`` are those of all runs, with the ones that only judge it.
+    ``all_seconds`` also counts the runs that only estimate the error.
     """
 
     steps: int
@@ -137,9 +138,9 @@ class Cost:
 class Trajectory:
     """Fields ``f`` and velocities ``v`` of a ring at all ``times``: (time, field, *cells).
 
-    ``error_estimate`` is what the largest error of what is judged, of the stretches of all bonds
-    if nothing else was asked for, is at most estimated to be, over all cells and times; nan if it
-    was not asked for. ``step`` is the longest step.
+    ``error_estimate`` is an upper estimate of the largest error, over all cells and times, of the
+    judged quantity (the stretches of all bonds by default); nan if it was not measured. ``step`` is
+    the longest step.
     """
 
     times: Array
@@ -162,18 +163,17 @@ def integrate(
     step: float | None = None,
     measure_error: bool = True,
 ) -> Trajectory:
-    """The lattice from ``state``, on its ring of cells, at all ``times``.
+    """Integrate the lattice from ``state``, on its ring of cells, through all ``times``.
 
-    With a ``tolerance`` the step is found: the error of the stretches of all bonds, over all cells
-    and times, is at most that. Of a ring of displacements their sum, the drift of the whole ring,
-    is not judged then. ``judged(f, v, t)`` is an array of what is judged in place of them, in the
-    fields' unit: ``lambda f, v, t: f`` judges the fields themselves. With a ``step`` it is taken as
-    it is (at most: each of the times is hit), and the error is measured with a shorter one unless
-    ``measure_error`` is False. ``times`` increase and do not lie before ``state.t``. The state is
-    left alone.
+    With a ``tolerance`` the step is chosen so that the error of the stretches of all bonds, over
+    all cells and times, is at most that. The drift of a whole ring of displacements changes no
+    stretch and is not judged. ``judged(f, v, t)`` returns other quantities to judge, in the fields'
+    unit: ``lambda f, v, t: f`` judges the fields themselves. A given ``step`` is used as it is, or
+    shortened to hit each time; the error is measured with a shorter one unless ``measure_error`` is
+    False. ``times`` increase from ``state.t`` on. The state is not changed.
 
-    Raises ValueError for what cannot be run, for a lattice that blows up before the last time, and
-    for a tolerance below what rounding leaves.
+    Raises ValueError for invalid arguments, for a lattice that blows up before the last time, and
+    for a tolerance that rounding errors exceed.
 
     >>> from longwave.lattice import Model
     >>> wave = 0.1 * np.cos(np.pi * np.arange(64) / 32)
@@ -183,61 +183,61 @@ def integrate(
     >>> bool(np.abs(run.f[1] - exact).max() <= run.error_estimate <= 1e-6)
     True
     """
-    held = _checked(lattice, state)
-    moments = checked_times(times, held.t)
+    start = _checked(lattice, state)
+    moments = checked_times(times, start.t)
     if scheme not in SCHEMES:
         check_order(scheme)
     if (tolerance is None) == (step is None):
         raise ValueError(
             f"either tolerance or step must be given, got tolerance {tolerance} and step {step} "
-            "(a tolerance finds the step)"
+            "(with a tolerance the step is chosen for you)"
         )
-    begun = perf_counter()
-    compared = None if judged is None else _of_cells(judged, lattice.cell_count)
-    search = CellEngine(lattice, held, moments, scheme, compared, tolerance=tolerance or FINE)
+    started = perf_counter()
+    comparison = None if judged is None else _comparison_of_cells(judged, lattice.cell_count)
+    search = CellEngine(lattice, start, moments, scheme, comparison, tolerance=tolerance or FINE)
     if tolerance is not None:
-        trial, error = _found(search, tolerance, moments)
+        trial, error = _run_to_tolerance(search, tolerance, moments)
     else:
         assert step is not None
-        trial, error = _stated(search, step, measure_error)
-    return _outcome(trial, error, moments, begun, search)
+        trial, error = _run_with_step(search, step, measure_error)
+    return _trajectory(trial, error, moments, started, search)
 
 
-def _of_cells(judged: Judged, cells: int | None) -> StateComparison:
-    """What is judged of the lattice's own cells, walls left out."""
+def _comparison_of_cells(judged: Judged, cells: int | None) -> StateComparison:
+    """Return the comparison by ``judged`` on the lattice's own cells, without those of walls."""
 
-    def looked(state: State, _: EnergyBalance | None) -> Array:
+    def observe(state: State, _: EnergyBalance | None) -> Array:
         return np.asarray(judged(state.f[:, :cells], state.v[:, :cells], state.t))
 
-    return StateComparison(looked)
+    return StateComparison(observe)
 
 
 def _checked(lattice: NumericLattice, state: State) -> State:
-    """The state with arrays of doubles; ValueError for what is no state of the lattice."""
+    """Return the state as double arrays, with walls. Raises ValueError if it does not fit."""
     for name, value, kind, remedy in (
-        ("lattice", lattice, NumericLattice, "numeric_lattice or Model(...).lattice makes one"),
+        ("lattice", lattice, NumericLattice, "numeric_lattice or Model(...).lattice builds one"),
         ("state", state, State, "State(t, f, v), with f and v of the shape (fields, *cells)"),
     ):
         if not isinstance(value, kind):
             raise ValueError(
                 f"{name} must be a {kind.__name__}, got a {type(value).__name__} ({remedy})"
             )
-    return lattice.held(Dynamics(lattice).checked(state))
+    return lattice.with_walls(Dynamics(lattice).checked(state))
 
 
-def _found(engine: CellEngine, tolerance: float, times: Array) -> tuple[Trial, float]:
-    """A run to the tolerance, and its error."""
-    remedy = "it is the error that is accepted, in the unit of what is judged"
+def _run_to_tolerance(engine: CellEngine, tolerance: float, times: Array) -> tuple[Trial, float]:
+    """Return a run to the tolerance, and its error estimate."""
+    remedy = "it is the largest accepted error, in the unit of the judged quantity"
     check_positive("tolerance", tolerance, remedy)
     try:
-        found = refine(engine, tolerance)
-    except OverBudgetError as dear:
-        raise ValueError(engine.told_dear(dear.work, tolerance)) from None
-    return found.trial, found.error
+        refined = refine(engine, tolerance)
+    except OverBudgetError as over_budget:
+        raise ValueError(engine.budget_message(over_budget.work, tolerance)) from None
+    return refined.trial, refined.error
 
 
-def _stated(engine: CellEngine, step: float, measure_error: bool) -> tuple[Trial, float]:
-    """A run with that step, its error measured with a shorter one."""
+def _run_with_step(engine: CellEngine, step: float, measure_error: bool) -> tuple[Trial, float]:
+    """Return a run with the given step, and its error measured with a shorter one."""
     check_positive("step", step, "it goes forward in time")
     check_step(step, engine.scheme, engine.first_frequency)
     choices = replace(engine.first(), step=step)
@@ -248,11 +248,12 @@ def _stated(engine: CellEngine, step: float, measure_error: bool) -> tuple[Trial
     return trial, error
 
 
-def _outcome(
-    trial: Trial, error: float, times: Array, begun: float, engine: CellEngine
+def _trajectory(
+    trial: Trial, error: float, times: Array, started: float, engine: CellEngine
 ) -> Trajectory:
-    blow_up, steps, *held = trial.payload
-    f, v = (values[:, :, : engine.lattice.cell_count] for values in held)
+    """Return a finished run as a `Trajectory`. Raises ValueError if it blew up or broke down."""
+    blow_up, steps, *stored = trial.payload
+    f, v = (values[:, :, : engine.lattice.cell_count] for values in stored)
     if blow_up is not None:
         raise ValueError(
             f"times must end before the lattice blows up, got {times[-1]:g} ({blow_up}, with "
@@ -266,27 +267,27 @@ def _outcome(
         )
     if math.isinf(error):
         raise ValueError(
-            f"times must end while runs that are compared go on, got {times[-1]:g} (one of two "
-            f"broke down, with steps down to {trial.choices.step:.2g}; end earlier or take smaller "
-            "strains)"
+            f"times must end before a run breaks down, got {times[-1]:g} (one of the two runs that "
+            f"are compared did, with steps down to {trial.choices.step:.2g}; end earlier or take "
+            "smaller strains)"
         )
     cost = Cost(
         steps,
         steps * engine.scheme.stages,
         trial.seconds,
-        perf_counter() - begun,
+        perf_counter() - started,
     )
     return Trajectory(times, f, v, error, engine.scheme.name, trial.choices.step, cost)
 
 
 class CellEngine(StepSearch):
-    """Runs of a ring of sites from a state, for `refine` to judge: only the step varies.
+    """Runs of a ring of cells from a state, for `refine`; only the step varies.
 
-    ``first_frequency`` is the highest of any wave about the state. Positions and velocities are
-    ``kept`` at all of the times, or at those given; without ``compared`` stretches and their rates
-    are, at all of them. With ``cuts`` of a driven chain, however few, its `EnergyBalance` is there
-    when it is looked at. No step tried is longer than ``longest``. Last digits are changed by
-    ``amplified`` times what one rounding does.
+    ``first_frequency`` is the highest of any wave about the start. Positions and velocities are
+    stored at ``stored_times``, by default all. Runs are compared by ``compared``, by default the
+    stretches and their rates. If ``cuts`` of a driven chain are given, even none, an
+    `EnergyBalance` is followed. No step tried is longer than ``longest``. Changes of last digits
+    are ``amplified`` times as large as one rounding.
     """
 
     safety = RING_SAFETY
@@ -298,7 +299,7 @@ class CellEngine(StepSearch):
         times: Array,
         scheme: Scheme,
         compared: StateComparison | None = None,
-        kept: Array | None = None,
+        stored_times: Array | None = None,
         cuts: Sequence[int] | None = None,
         tolerance: float = FINE,
         longest: float = math.inf,
@@ -310,32 +311,34 @@ class CellEngine(StepSearch):
         self.dynamics = Dynamics(lattice)
         self.amplifies_rounding = not lattice.is_linear
         self.threads = self.dynamics.threads(scheme) if state.size < LARGE else 1
-        self._times, self._kept = times, times if kept is None else kept
-        self._curious = [at for at, one in enumerate(lattice.bonds) if not one.force.is_smooth]
-        self._has_features, self._unfollowed = False, 0
-        self._told_by, self._by_feature = math.inf, False
+        self._times, self._stored_times = times, times if stored_times is None else stored_times
+        self._featured_bonds = [
+            at for at, one in enumerate(lattice.bonds) if not one.force.is_smooth
+        ]
+        self._has_features, self._refusals = False, 0
+        self._limit_step, self._is_limited_by_feature = math.inf, False
         ranges = self.dynamics.ranges(state)
         self.first_frequency = self.dynamics.highest_frequency(ranges)
         self._duration = float(times[-1] - state.t) or 1.0
-        self._admitted = self._admitted_first = self._longest_step(ranges)
-        if not self._admitted > 0.0:
+        self._step_limit = self._first_limit = self._longest_step(ranges)
+        if not self._step_limit > 0.0:
             raise ValueError(
-                "state must leave the slopes of all forces finite, got a stretch of "
+                "state must have stretches where all slopes of forces are finite, got a stretch of "
                 f"{float(np.max(np.abs(ranges[: len(lattice.bonds)]))):g} (take other units)"
             )
         self._highest_at_rest = self._frequency_at_rest(ranges)
-        self._largest = self._sizes(ranges)
-        self._compared = compared or StateComparison(self._stretches_and_rates)
+        self._largest = self._field_sizes(ranges)
+        self._comparison = compared or StateComparison(self._stretches_and_rates)
         stops = np.concatenate([[state.t], times])
         begin, end = float(stops[0]), float(stops[-1])
         opens = any(bond.force.opening is not None for bond in lattice.bonds)
-        admitted = LIMIT_SHARE * self._admitted
-        self._push = tolerance / max(1.0, self._highest_at_rest) / max(1.0, self._duration)
-        driven = lattice.drive_steps(begin, end, admitted, scheme, self._push)
+        admitted = LIMIT_SHARE * self._step_limit
+        self._allowed_push = tolerance / max(1.0, self._highest_at_rest) / max(1.0, self._duration)
+        driven = lattice.drive_steps(begin, end, admitted, scheme, self._allowed_push)
         opens = opens or driven.turns
         order = min(scheme.order, ORDER_AT_OPENINGS) if opens else scheme.order
-        self._most_kept = KEPT_AT_OPENINGS if opens else 1.0
-        self._missed = driven.missed * tolerance / self._push
+        self._largest_ratio = KEPT_AT_OPENINGS if opens else 1.0
+        self._drive_error = driven.missed * tolerance / self._allowed_push
         if driven.stops.size:
             stops = np.append(stops[0], np.union1d(stops[1:], driven.stops))
         super().__init__(order, min(driven.step, longest), stops, state.size)
@@ -343,55 +346,57 @@ class CellEngine(StepSearch):
 
     @property
     def stops(self) -> Array:
-        """Times at which steps end: those that are judged, and those that follow drives."""
+        """Times at which steps end: the judged ones, and those added to resolve drives."""
         return self._stops[1:]
 
     def _frequency_at_rest(self, ranges: Array) -> float:
-        """The highest frequency at rest, that of the start if there is none."""
+        """Return the highest frequency at rest, or at the start if it is 0 or infinite at rest."""
         frequency = self.dynamics.highest_frequency(0.0 * ranges)
         return frequency if 0.0 < frequency < math.inf else self.first_frequency or 1.0
 
     def _stretches_and_rates(self, state: State, _: EnergyBalance | None) -> Array:
-        """Both in the unit of stretches: rates in units of the highest frequency at rest."""
+        """Return stretches, and their rates in units of the highest frequency at rest."""
         stretches = self.dynamics.stretches
         return np.array([stretches(state.f), stretches(state.v) / self._highest_at_rest])
 
     def run(self, choices: Choices, shown: bool, progress: Progress = lambda _: None) -> Trial:
-        """A run; its payload is what stopped it, its steps, positions and velocities."""
+        """Make or resume a run; its payload is (blow-up, steps, positions, velocities)."""
         start = self._start(choices.nudged)
         balance = self.balance(start)
         ring, chunk = FixedDomain(start), self._chunk(choices)
         stepper = Stepper(start, self.scheme, self.lattice, ring, choices.step, None, chunk)
-        f, v = np.empty((2, self._kept.size, *self.state.arrays[0].shape))
-        rows = {t: row for row, t in enumerate(self._kept.tolist())}
-        met = self._rates(stepper.state)
-        times, judged = self.stops.tolist(), []
-        moments, end = set(self._times.tolist()), times[-1]
+        f, v = np.empty((2, self._stored_times.size, *self.state.arrays[0].shape))
+        rows = {t: row for row, t in enumerate(self._stored_times.tolist())}
+        rates = self._stretch_rates(stepper.state)
+        times, observed = self.stops.tolist(), []
+        judged_times, end = set(self._times.tolist()), times[-1]
         kind = f"{choices.nudged}{', features' if self._has_features else ''}"
         loop = begin_loop(f"{self.scheme.name}, step {choices.step!r}, {kind}")
         if loop.memory is not None:
             stepper.recall(loop.memory)
-            f, v, judged, met = (loop.memory[name] for name in ("f", "v", "judged", "met"))
+            f, v, observed, rates = (loop.memory[name] for name in ("f", "v", "judged", "met"))
             if balance is not None:
                 balance.recall(loop.memory["balance"])
             times = [t for t in times if t > stepper.state.t]
 
         def remember(arrays: bool = True) -> Memory:
-            told = {} if balance is None else {"balance": balance.memory()}
-            return stepper.memory(arrays) | {"f": f, "v": v, "judged": judged, "met": met} | told
+            flow = {} if balance is None else {"balance": balance.memory()}
+            return (
+                stepper.memory(arrays) | {"f": f, "v": v, "judged": observed, "met": rates} | flow
+            )
 
         before = stepper.state.t
         for state in stepper.stops(times) if times else ():
-            met = np.fmax(met, self._rates(state))
+            rates = np.fmax(rates, self._stretch_rates(state))
             if balance is not None:
                 balance.follow(state)
             if state.t in rows:
                 f[rows[state.t]], v[rows[state.t]] = state.at(state.sites)
-            if state.t in moments:
+            if state.t in judged_times:
                 if balance is not None:
                     balance.settle()
                 with np.errstate(all="ignore"):  # where the step is too long
-                    judged.append(self._compared.look(state, balance))
+                    observed.append(self._comparison.observe(state, balance))
             if choices.nudged:
                 self._nudge_again(state, before)
             before = state.t
@@ -400,177 +405,190 @@ class CellEngine(StepSearch):
                 loop.offer(remember)
         if times and stepper.blow_up is None:
             loop.end(lambda: remember(arrays=False))
-        if self._finds_features(stepper.ranges, met):
+        if self._finds_new_features(stepper.ranges, rates):
             return self.run(choices, shown, progress)
         return Trial(
             choices,
-            self._values(stepper, choices, judged, met),
+            self._values(stepper, choices, observed, rates),
             float(stepper.steps),
             perf_counter() - loop.begun,
             self._rounding(stepper),
             (stepper.blow_up, stepper.steps, f, v),
-            common_error=self._missed,
-            shown=self._kept.size == 0,  # no more is kept than what is looked at
+            common_error=self._drive_error,
+            has_observables=self._stored_times.size == 0,  # nothing is stored but what is compared
         )
 
     def _values(
-        self, stepper: Stepper, choices: Choices, judged: list[Array], rates: Array
+        self, stepper: Stepper, choices: Choices, observed: list[Array], rates: Array
     ) -> Array | None:
-        """What was judged; None after a blow-up or with a step that does not follow the run.
+        """Return the compared values, or None after a blow-up or with too long a step.
 
-        Then what strains and fields became is not the motion's.
+        With a step that is too long, strains and fields are not those of the true motion.
         """
-        longest, taken = self._longest_step(stepper.ranges), self._taken(choices.step)
-        followed = math.inf
-        if stepper.blow_up is None and taken <= longest:
-            followed = self._followed_step(stepper.ranges, rates, choices)
-        self._note_admitted(choices.step, longest, followed)
-        longest = min(longest, followed)
-        if stepper.blow_up is not None or taken > longest:
+        longest, longest_taken = (
+            self._longest_step(stepper.ranges),
+            self._longest_taken(choices.step),
+        )
+        feature_limit = math.inf
+        if stepper.blow_up is None and longest_taken <= longest:
+            feature_limit = self._resolving_step(stepper.ranges, rates, choices)
+        self._note_limit(choices.step, longest, feature_limit)
+        longest = min(longest, feature_limit)
+        if stepper.blow_up is not None or longest_taken > longest:
             return None
-        self._largest = np.fmax(self._largest, self._sizes(stepper.ranges))
-        looks = np.array(judged) if len(judged) > 1 else judged[0][np.newaxis]
-        return self._compared.together(looks)
+        self._largest = np.fmax(self._largest, self._field_sizes(stepper.ranges))
+        stacked = np.array(observed) if len(observed) > 1 else observed[0][np.newaxis]
+        return self._comparison.combine(stacked)
 
     def _rounding(self, stepper: Stepper) -> float:
-        """What rounding is taken to have done to what is compared."""
-        largest = self.dynamics.largest(stepper.ranges) / self._compared.unit
+        """Return the estimated rounding error of the compared values."""
+        largest = self.dynamics.largest(stepper.ranges) / self._comparison.unit
         return rounding_error(largest, stepper.steps * self.scheme.stages)
 
-    def _note_admitted(self, step: float, stable: float, followed: float) -> None:
-        """Keep the longest step that the strains and features admit which a run has met.
+    def _note_limit(self, step: float, stable: float, resolving: float) -> None:
+        """Record the longest step that the strains and features of a run allow.
 
-        What the run with the shortest step met counts: a longer one may have shown no motion.
+        Only the run with the shortest step so far counts: one with a longer step may not show the
+        motion.
         """
-        if step < self._told_by:
-            self._admitted, self._told_by = math.inf, step
-        if step == self._told_by and min(stable, followed) < self._admitted:
-            self._admitted, self._by_feature = min(stable, followed), followed < stable
+        if step < self._limit_step:
+            self._step_limit, self._limit_step = math.inf, step
+        if step == self._limit_step and min(stable, resolving) < self._step_limit:
+            self._step_limit, self._is_limited_by_feature = (
+                min(stable, resolving),
+                resolving < stable,
+            )
 
     def _chunk(self, choices: Choices) -> int | None:
-        """Most steps between two stops: few enough for nudges between them."""
+        """Return the most steps between two stops, None for the default."""
         if self._cuts is not None:
             return 1
         steps = self.work(choices) / (2 * NUDGED) if choices.nudged else math.inf
         if self._has_features:
-            steps = min(steps, self._still(choices) / choices.step)
+            steps = min(steps, self._quiet_time(choices) / choices.step)
         return max(1, math.ceil(steps)) if steps < CHUNK else None
 
-    def _still(self, choices: Choices) -> float:
-        """The time between two stops in which stretches and their rates change little."""
+    def _quiet_time(self, choices: Choices) -> float:
+        """Return the time in which stretches and their rates change little."""
         return max(choices.step, STILL / self._highest_at_rest)
 
-    def _rates(self, state: State) -> Array:
-        """The largest rate of each stretch whose force may have features."""
-        if not self._curious:
+    def _stretch_rates(self, state: State) -> Array:
+        """Return the largest rate of each stretch whose force may have narrow features."""
+        if not self._featured_bonds:
             return np.zeros(0)
-        bonds = [self.lattice.bonds[place] for place in self._curious]
+        bonds = [self.lattice.bonds[index] for index in self._featured_bonds]
         rates = [bond.stretched(state.v) - bond.offset for bond in bonds]
         return np.array([float(np.max(np.abs(rate))) for rate in rates])
 
-    def _finds_features(self, ranges: Array, rates: Array) -> bool:
-        """Whether forces have features near what was met, of which nothing was known before."""
-        if self._has_features or not self._curious or not np.isfinite(ranges).all():
+    def _finds_new_features(self, ranges: Array, rates: Array) -> bool:
+        """Return whether forces have features near the stretches visited.
+
+        False if features were found before.
+        """
+        if self._has_features or not self._featured_bonds or not np.isfinite(ranges).all():
             return False
-        for place, rate in zip(self._curious, rates.tolist(), strict=True):
-            force, (least, most) = self.lattice.bonds[place].force, ranges[place].tolist()
+        for index, rate in zip(self._featured_bonds, rates.tolist(), strict=True):
+            force, (least, most) = self.lattice.bonds[index].force, ranges[index].tolist()
             room = NEAR * (most - least + rate / self._highest_at_rest)
             ends = finite_range(force, least, most, room)
-            feature = find_feature(force, *ends, self._push * max(rate, room), NEAR_GAPS)
+            feature = find_feature(force, *ends, self._allowed_push * max(rate, room), NEAR_GAPS)
             if feature.width < math.inf or feature.turns:
                 self._has_features, self.unstable = True, PATIENT
                 self.most_work = max(self.most_work, 4.0 * MOST_FOLLOWED)
         return self._has_features
 
-    def _followed_step(self, ranges: Array, rates: Array, choices: Choices) -> float:
-        """The longest step that sees all features of forces; ValueError if it is far too short."""
+    def _resolving_step(self, ranges: Array, rates: Array, choices: Choices) -> float:
+        """Return the longest step that resolves all features of forces.
+
+        Raises ValueError if it is far too short for the run.
+        """
         longest = math.inf
         if not self._has_features or not np.isfinite(ranges).all():
             return longest
-        for place, rate in zip(self._curious, rates.tolist(), strict=True):
-            force, (least, most) = self.lattice.bonds[place].force, ranges[place].tolist()
-            room = WIDER * (most - least) + rate * self._still(choices)
+        for index, rate in zip(self._featured_bonds, rates.tolist(), strict=True):
+            force, (least, most) = self.lattice.bonds[index].force, ranges[index].tolist()
+            room = WIDER * (most - least) + rate * self._quiet_time(choices)
             ends = finite_range(force, least, most, room)
-            feature = find_feature(force, *ends, self._push * rate)
+            feature = find_feature(force, *ends, self._allowed_push * rate)
             if feature.turns:
-                self.order, self._most_kept = ORDER_AT_OPENINGS, KEPT_AT_OPENINGS
+                self.order, self._largest_ratio = ORDER_AT_OPENINGS, KEPT_AT_OPENINGS
             if rate > 0.0:
                 longest = min(longest, TRAVEL * feature.width / rate)
             if self._duration > MOST_FOLLOWED * longest:
-                self._unfollowed += 1
-                if self._unfollowed < UNFOLLOWED:  # with shorter steps the range may be another
+                self._refusals += 1
+                if self._refusals < UNFOLLOWED:  # with shorter steps the range may be another
                     return self._duration / MOST_FOLLOWED
                 raise ValueError(
-                    f"force of bond {place + 1} of {self.lattice.name} must change slowly enough "
-                    f"to be followed, got one that changes within {feature.width:.2g} where "
+                    f"force of bond {index + 1} of {self.lattice.name} must change slowly enough "
+                    f"to be resolved, got one that changes within {feature.width:.2g} where "
                     f"stretches move at {rate:.2g} (that takes {self._duration / longest:.1g} "
                     "steps; widen it or end earlier)"
                 )
         return longest
 
     def balance(self, start: State) -> EnergyBalance | None:
-        """What follows the energy of a run from there, where it is asked for."""
+        """Return the energy balance of a run from ``start``, or None if it is not followed."""
         if self._cuts is None:
             return None
         assert isinstance(self.lattice, DrivenChain)
         return EnergyBalance(self.lattice, self._cuts, start)
 
-    def _taken(self, step: float) -> float:
-        """The longest step that is taken where the stops shorten it."""
+    def _longest_taken(self, step: float) -> float:
+        """Return the longest step actually taken, where the stops shorten it."""
         gaps = np.diff(self._stops)
         return float(np.max(gaps / np.maximum(np.ceil(gaps / step), 1.0)))
 
     def improved(self, choices: Choices, kind: Kind, excess: float) -> Choices:
-        """A step that follows the strains that were met, or by the law of the order."""
+        """Return a shorter step: the limit of the strains visited, or by the law of the order."""
         step = step_between(self._stops, choices.step)
-        if math.isinf(excess) and 0.0 < self._admitted < self._taken(choices.step):
+        if math.isinf(excess) and 0.0 < self._step_limit < self._longest_taken(choices.step):
             least = LEAST_FACTOR**3 if self._has_features else LEAST_FACTOR
-            return replace(choices, step=max(LIMIT_SHARE * self._admitted, least * step))
-        found = super().improved(choices, kind, excess)
-        return replace(found, step=min(found.step, self._most_kept * step))
+            return replace(choices, step=max(LIMIT_SHARE * self._step_limit, least * step))
+        choices_by_law = super().improved(choices, kind, excess)
+        return replace(choices_by_law, step=min(choices_by_law.step, self._largest_ratio * step))
 
     def check_followed(self, trial: Trial) -> None:
-        """Raise ValueError if it broke down where a force changes fast, and not as waves grew."""
-        if trial.values is None and trial.payload[0] is None and self._by_feature:
+        """Raise ValueError if the run broke down because a force changes too fast."""
+        if trial.values is None and trial.payload[0] is None and self._is_limited_by_feature:
             raise ValueError(
-                f"forces of {self.lattice.name} must change slowly enough to be followed, got one "
-                f"that steps down to {trial.choices.step:.2g} do not follow (widen what changes "
+                f"forces of {self.lattice.name} must change slowly enough to be resolved, got one "
+                f"that steps down to {trial.choices.step:.2g} do not resolve (widen what changes "
                 "fast, or end earlier)"
             )
 
-    def told_dear(self, work: float, tolerance: float | None) -> str:
-        """Why runs of so many steps are refused: strains that grew, or the tolerance."""
-        times = self._admitted_first / self._admitted if self._admitted else math.inf
-        if times > RAN_AWAY and self._by_feature:
+    def budget_message(self, work: float, tolerance: float | None) -> str:
+        """Return why so many steps are refused: fast strains, fast forces, or the tolerance."""
+        times = self._first_limit / self._step_limit if self._step_limit else math.inf
+        if times > RAN_AWAY and self._is_limited_by_feature:
             return (
-                f"forces of {self.lattice.name} must change slowly enough to be followed, got one "
-                f"that asks for steps {times:.1g} times shorter than strains do ({work:.1g} in "
+                f"forces of {self.lattice.name} must change slowly enough to be resolved, got one "
+                f"that needs steps {times:.1g} times shorter than strains do ({work:.1g} in "
                 "all; widen it or end earlier)"
             )
         if times > RAN_AWAY:
             return (
-                f"times must end before strains run away, got {self._times[-1]:g} (those met ask "
-                f"for steps {times:.1g} times shorter than at first, {work:.1g} in all; end "
+                f"times must end before strains run away, got {self._times[-1]:g} (they need "
+                f"steps {times:.1g} times shorter than at first, {work:.1g} in all; end "
                 "earlier or take smaller strains)"
             )
         return (
-            f"tolerance must be one that {self.most_work:.1g} steps reach, got {tolerance:g} (the "
+            f"tolerance must be reachable with {self.most_work:.1g} steps, got {tolerance:g} (the "
             f"next runs would take {work:.1g}; raise it or end earlier)"
         )
 
     def _longest_step(self, ranges: Array) -> float:
-        """The longest step that is stable about what was met; 0 if there is no such step.
+        """Return the longest step that is stable for stretches in these ranges; 0 if none is.
 
-        A run with a longer one shows neither waves nor what runs away: two such runs may agree.
+        A run with a longer step does not show the motion; two such runs may agree.
         """
         highest = self.dynamics.highest_frequency(ranges)
         limit = stability_limit(self.scheme)
         return limit / highest if limit < SLOW * highest * self._duration else self._duration
 
     def _start(self, changed: bool) -> State:
-        """A copy of the state; ``changed`` with the last digits of both its arrays changed.
+        """Return a copy of the state, if ``changed`` with the last digits of both arrays changed.
 
-        Cells at rest have none: they are moved by as much of what fields become in the run.
+        Cells at rest have no last digits; they are moved relative to the fields' sizes in the run.
         """
         start = self.state.copy()
         if changed:
@@ -579,24 +597,24 @@ class CellEngine(StepSearch):
                 start.arrays, nudged(*start.arrays, times=self._amplified), strict=True
             ):
                 values[:] = others
-            start.f += np.where(resting, self._nudges(start.f), 0.0)
+            start.f += np.where(resting, self._digit_changes(start.f), 0.0)
         return start
 
     def _nudge_again(self, state: State, before: float) -> None:
-        """Change last digits of what fields become, where the run has passed a mark."""
+        """Change the last digits of the fields in place if the run has just passed a mark."""
         begin, end = float(self._stops[0]), float(self._stops[-1])
         marks = begin + np.arange(1, NUDGED) * (end - begin) / NUDGED
         if state.t < end and np.any((before < marks) & (marks <= state.t)):
-            state.f += self._nudges(state.f)
+            state.f += self._digit_changes(state.f)
 
-    def _nudges(self, f: Array) -> Array:
-        """Such changes, of cells that move."""
+    def _digit_changes(self, f: Array) -> Array:
+        """Return changes of the last digits, in units of the fields' sizes, 0 in walls."""
         ones = np.zeros_like(f)
         ones[:, : self.lattice.cell_count] = 1.0
-        [signs] = nudged(ones, times=self._amplified)
-        return (signs - ones) * self._largest.reshape(-1, *(1,) * (f.ndim - 1))
+        [factors] = nudged(ones, times=self._amplified)
+        return (factors - ones) * self._largest.reshape(-1, *(1,) * (f.ndim - 1))
 
-    def _sizes(self, ranges: Array) -> Array:
-        """The largest size of each field."""
-        found = np.abs(ranges[len(self.lattice.bonds) :]).max(axis=1)
-        return np.where(np.isfinite(found), found, 0.0)
+    def _field_sizes(self, ranges: Array) -> Array:
+        """Return the largest abs(value) of each field, 0 where it is not finite."""
+        sizes = np.abs(ranges[len(self.lattice.bonds) :]).max(axis=1)
+        return np.where(np.isfinite(sizes), sizes, 0.0)

@@ -1,4 +1,4 @@
-"""The paper's chain in its strains: force constants, what waves they bear, and its energy."""
+"""The paper's chain in strains: force constants, stiffness, sound speed and energy."""
 
 import math
 from dataclasses import dataclass, replace
@@ -14,14 +14,14 @@ from longwave.lattice.state import State
 Array = NDArray[np.float64]
 
 NEGLIGIBLE = 1e-200
-"""K3 and K4 in units of the largest constant below which no strain up to 1e90 feels them; quotients
-of the others neither overflow nor underflow."""
+"""K3 and K4 below this, in units of the largest constant, have no effect for strains up to 1e90;
+quotients of the others neither overflow nor underflow."""
 
 CURVATURE = tuple(Entry((shift,), weight, 0) for shift, weight in ((1, 1.0), (0, -2.0), (-1, 1.0)))
 """D f_n = f_{n+1} - 2 f_n + f_{n-1}."""
 
 STRAIN = NumericBond((Entry((0,), 1.0, 0),), CURVATURE, ForceProgram())
-"""The bond of y_n'' = D V'(y)_n, its force apart."""
+"""The bond of y_n'' = D V'(y)_n, without its force."""
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class Model:
 
     @cached_property
     def lattice(self) -> NumericLattice:
-        """The strain lattice with these numbers, without terms that are absent or negligible.
+        """The strain lattice with these constants, without absent or negligible terms.
 
         >>> Model(4, 1e-300, 1).lattice.bonds[0].force.coefficients
         (4.0, 0.0, 1.0)
@@ -55,7 +55,7 @@ class Model:
         return NumericLattice("fput_strain", ("y",), (1.0,), (replace(STRAIN, force=force),))
 
     def stiffness(self, y: Array) -> Array:
-        """V''(y) = K2 + 2 K3 y + 3 K4 y^2; waves exist only where it is positive.
+        """Return V''(y) = K2 + 2 K3 y + 3 K4 y^2; waves exist only where it is positive.
 
         >>> float(Model(4, 0, 1).stiffness(np.array(1.0)))
         7.0
@@ -64,7 +64,7 @@ class Model:
         return self.K2 + y * (2.0 * self.K3 + 3.0 * self.K4 * y)
 
     def sound_speed(self, ybar: float = 0.0) -> float:
-        """Speed (sites per unit time) of long waves on the uniform strain ``ybar``.
+        """Return the speed (sites per unit time) of long waves on the uniform strain ``ybar``.
 
         >>> Model(4, 0, 1).sound_speed()
         2.0
@@ -78,19 +78,18 @@ class Model:
         return math.sqrt(stiffness)
 
     def highest_frequency(self, y: Array) -> float:
-        """Largest linear frequency (zone boundary, k = pi) about any strain in ``y``."""
+        """Return the largest linear frequency (at k = pi) about any strain in ``y`` or at rest."""
         return 2.0 * math.sqrt(max(float(np.max(self.stiffness(y))), self.K2))
 
     def energy(self, state: State) -> float:
-        """Energy of the chain whose bonds are strained by y: sum of p_n^2 / 2 + V(y_n).
+        """Return the energy of the chain whose bonds are strained by y: sum of p_n^2 / 2 + V(y_n).
 
         The strain lattice is the chain u_n'' = V'(y_n) - V'(y_{n-1}), y_n = u_{n+1} - u_n, whose
-        energy this is. The velocities p_n = u_n' are rebuilt from s_n = p_{n+1} - p_n, in the frame
-        of the centre of mass; the part of s that a ring cannot hold, its mean, is left out.
+        energy this is. The velocities p_n = u_n' are computed from s_n = p_{n+1} - p_n in the frame
+        of the centre of mass. The mean of s, which no periodic p has, is left out.
 
-        The exact flow obeys dH/dt = mean(s) sum V'(y_n): the energy is conserved if the velocities
-        sum to zero, and otherwise changes by the work of stretching the ring. mean(s) is
-        conserved, so data that close up keep H for good.
+        The exact flow obeys dH/dt = mean(s) sum V'(y_n): the energy is conserved if the mean of s
+        is 0, and otherwise changes by the work of stretching the ring. mean(s) is itself conserved.
 
         >>> state = State(0.0, np.array([[1.0, 0.0, 0.0]]), np.array([[0.0, 1.0, -1.0]]))
         >>> round(Model(4, 0, 1).energy(state), 12)  # V = 2 + 1/4, p = (-1, -1, 2) / 3
@@ -105,7 +104,7 @@ class Model:
 
 
 def chain_constants(lattice: NumericLattice) -> tuple[float, float | None, float | None] | None:
-    """K2, K3 and K4 (None where absent) of a lattice y_n'' = D V'(y)_n, None of any other.
+    """Return K2, K3 and K4 (None where absent) of a lattice y_n'' = D V'(y)_n, None for any other.
 
     >>> chain_constants(Model(4, 0, 1).lattice)
     (4.0, None, 1.0)

@@ -1,8 +1,8 @@
-"""Any lattice with numbers: a declared lattice whose constants have values, ready for a kernel.
+"""Numerical lattices: declared lattices whose constants have values, ready for a kernel.
 
 A state is two arrays of shape (fields, *cells), positions and velocities, on a ring along each
-axis. Of a displacement that grows with the cell, ``u_n = E n + periodic part``, the periodic part
-is held, and each bond's ``offset`` is what the mean strain E adds to its stretch.
+axis. For displacements that grow with the cell, ``u_n = E n + periodic part``, the arrays hold the
+periodic part, and each bond's ``offset`` is the stretch that the mean strain E adds.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ Range = tuple[float, float]
 
 @dataclass(frozen=True)
 class Entry:
-    """``weight`` times what stands in ``field`` of the cell at offset ``shift``."""
+    """Stencil term: ``weight`` times the value of ``field`` in the cell at offset ``shift``."""
 
     shift: tuple[int, ...]
     weight: float
@@ -41,7 +41,7 @@ class Entry:
 
 
 def place_text(field: str, shift: tuple[int, ...]) -> str:
-    """A field in the cell at an offset, as lattice files write it.
+    """Return a field in the cell at an offset, as lattice files write it.
 
     >>> place_text("u", (1,)), place_text("u", (0, -1))
     ('u[n+1]', 'u[n,m-1]')
@@ -51,7 +51,7 @@ def place_text(field: str, shift: tuple[int, ...]) -> str:
 
 
 def stretch_text(entries: tuple[Entry, ...], fields: tuple[str, ...]) -> str:
-    """A sum of fields in words, its positive terms first.
+    """Return a sum of fields as text, its positive terms first.
 
     >>> stretch_text((Entry((0,), -1.0, 0), Entry((1,), 2.0, 0)), ("u",))
     '2 u[n+1] - u[n]'
@@ -66,7 +66,10 @@ def stretch_text(entries: tuple[Entry, ...], fields: tuple[str, ...]) -> str:
 
 @dataclass(frozen=True)
 class NumericBond:
-    """A bond of cell n: stretched by ``sum weight f_{n+shift} + offset``, acting as `Bond` says."""
+    """A bond of cell n: its stretch is ``sum weight f_{n+shift} + offset``.
+
+    Its force acts on the fields as `Bond` says.
+    """
 
     stretch: tuple[Entry, ...]
     action: tuple[Entry, ...]
@@ -74,7 +77,7 @@ class NumericBond:
     offset: float = 0.0
 
     def stretched(self, f: Array) -> Array:
-        """The stretch in each cell, where these are the fields."""
+        """Return the stretch in each cell for the fields ``f``."""
         parts = (entry.weight * _shifted(f[entry.field], entry.shift) for entry in self.stretch)
         total = next(parts)
         if self.offset:
@@ -83,8 +86,13 @@ class NumericBond:
             total += part
         return total
 
-    def grown(self, mean_strain: Sequence[float], shares: Sequence[float]) -> NumericBond:
-        """Return the bond where displacements grow by ``mean_strain`` (`NumericLattice.grown`)."""
+    def with_mean_strain(
+        self, mean_strain: Sequence[float], shares: Sequence[float]
+    ) -> NumericBond:
+        """Return the bond with displacements that grow by ``mean_strain`` per cell.
+
+        See `NumericLattice.with_mean_strain`.
+        """
         growth = [e.weight * (shares[e.field] if shares else 1.0) for e in self.stretch]
         if abs(math.fsum(growth)) > ROUNDED * max(map(abs, growth)):
             raise ValueError(
@@ -92,14 +100,14 @@ class NumericBond:
                 f"{tuple(mean_strain)} (such a lattice has no uniform strain, or it is the "
                 "field's own mean)"
             )
-        moved = [
+        offsets = [
             sum(a * b for a, b in zip(mean_strain, e.shift, strict=True)) * share
             for e, share in zip(self.stretch, growth, strict=True)
         ]
-        return replace(self, offset=math.fsum(moved))
+        return replace(self, offset=math.fsum(offsets))
 
     def stretch_range(self, f: Array, ranges: Sequence[Range]) -> Range:
-        """The least and the largest stretch, where these are the fields and their ranges."""
+        """Return the least and the largest stretch for the fields ``f`` and their ranges."""
         if len(self.stretch) > 1:
             return value_range(self.stretched(f))
         [entry] = self.stretch
@@ -109,8 +117,11 @@ class NumericBond:
 
 @dataclass(frozen=True)
 class DriveSteps:
-    """The longest ``step`` at all times, ``stops`` at which steps end, whether a drive has corners
-    beside them, and what integrals of drives between the stops are off by."""
+    """Steps that resolve the drives: the longest ``step`` and additional ``stops``.
+
+    ``turns`` if a drive has corners between stops; ``missed`` bounds the errors of the drives'
+    integrals at the stops.
+    """
 
     step: float
     stops: Array
@@ -120,7 +131,7 @@ class DriveSteps:
 
 @dataclass(frozen=True)
 class NumericLattice:
-    """Equations ``mass f'' = sum of bond forces`` with numbers; hashable, so kernels can be kept.
+    """Equations ``mass f'' = sum of bond forces`` with numbers; hashable, a key for kernels.
 
     >>> from longwave.derive import LATTICES
     >>> chain = numeric_lattice(LATTICES["fput"], {"K2": 1, "K3": 0, "K4": 1})
@@ -135,21 +146,25 @@ class NumericLattice:
 
     @property
     def dimension(self) -> int:
-        """The number of axes."""
+        """Number of axes."""
         return len(self.bonds[0].stretch[0].shift)
 
-    def grown(self, mean_strain: Sequence[float], shares: Sequence[float] = ()) -> NumericLattice:
-        """Return the lattice at rest with its displacements growing by ``mean_strain``.
+    def with_mean_strain(
+        self, mean_strain: Sequence[float], shares: Sequence[float] = ()
+    ) -> NumericLattice:
+        """Return the lattice whose displacements grow by ``mean_strain`` per cell, at rest.
 
         Arguments and errors are those of `numeric_lattice`.
         """
         if not any(mean_strain):
             return self
-        return replace(self, bonds=tuple(bond.grown(mean_strain, shares) for bond in self.bonds))
+        return replace(
+            self, bonds=tuple(bond.with_mean_strain(mean_strain, shares) for bond in self.bonds)
+        )
 
     @property
     def reach(self) -> int:
-        """The number of cells, along any axis, over which a force acts at once."""
+        """Number of cells, along any axis, over which a force acts at once."""
         return max(
             abs(there + here)
             for bond in self.bonds
@@ -160,47 +175,53 @@ class NumericLattice:
 
     @property
     def cellwise(self) -> tuple[NumericLattice, Variation | None, Array]:
-        """What is the same in all cells, what is not, and how much of it a cell has: nothing."""
+        """The ordered lattice, its variation from cell to cell, and the shares: here none."""
         return self, None, np.zeros((0, 0))
 
     @property
     def cell_count(self) -> int | None:
-        """The cells of its states; None if they may be so many as one likes."""
+        """Required number of cells of a state; None if any number will do."""
         return None
 
     @property
     def is_driven(self) -> bool:
-        """Whether stages take weights of their own times (`DrivenChain.stage_weights`): no."""
+        """Whether stages need weights for their own times (`DrivenChain.stage_weights`).
+
+        False here.
+        """
         return False
 
     def drive_within(self, begin: float, end: float) -> tuple[float, bool]:
-        """The least time in which what drives it changes by all that it does; inf without any.
+        """Return the shortest time scale of drives, and whether they have corners.
 
-        And whether that has corners.
+        Without drives the time is inf.
         """
         return math.inf, False
 
     def driven_within(self, begin: float, end: float) -> float:
-        """The least time of `drive_within`."""
+        """Return the shortest time scale of drives (`drive_within`)."""
         return self.drive_within(begin, end)[0]
 
     def drive_steps(
         self, begin: float, end: float, step: float, scheme: Scheme, tolerance: float
     ) -> DriveSteps:
-        """Steps, none longer than ``step``, that follow what drives it: nothing does."""
+        """Return steps, none longer than ``step``, that resolve the drives; there are none here."""
         return DriveSteps(step, np.zeros(0), False)
 
     def spread_within(self, duration: float) -> int:
-        """Cells by which signals run ahead of their speed for losses: 0 without any."""
+        """Return the number of cells by which losses smear fronts in this time.
+
+        0 without losses.
+        """
         return 0
 
-    def held(self, state: State) -> State:
-        """The state with the cells by which the lattice holds its ends: it has none."""
+    def with_walls(self, state: State) -> State:
+        """Return the state with the cells of walls appended; here there are none."""
         return state
 
     @property
     def conserves_energy(self) -> bool:
-        """Whether every bond acts on what it is stretched by, so that `energy` is conserved."""
+        """Whether every bond acts on the fields that stretch it, so that `energy` is conserved."""
         return all(
             sorted((tuple(-s for s in e.shift), -e.weight, e.field) for e in bond.stretch)
             == sorted((e.shift, e.weight, e.field) for e in bond.action)
@@ -214,7 +235,7 @@ class NumericLattice:
 
     @cached_property
     def gets_stiffer_by_bonds(self) -> bool:
-        """Whether each bond, its slope positive, only adds to the squares of the frequencies.
+        """Whether each bond with a positive slope only increases the squared frequencies.
 
         Then no wave grows where all slopes are positive.
         """
@@ -223,28 +244,28 @@ class NumericLattice:
         waves = zone_wavenumbers(self.dimension, WAVENUMBERS[self.dimension])
         root = np.sqrt(self.masses)
         for unit in np.eye(len(self.bonds)):
-            found = self.dynamical_matrix(waves, list(unit)) * (root[:, None] / root)
-            size = ROUNDED * np.abs(found).max()
-            if np.abs(found - found.conj().swapaxes(-1, -2)).max() > size:
+            matrices = self.dynamical_matrix(waves, list(unit)) * (root[:, None] / root)
+            tolerance = ROUNDED * np.abs(matrices).max()
+            if np.abs(matrices - matrices.conj().swapaxes(-1, -2)).max() > tolerance:
                 return False
-            if np.linalg.eigvalsh(found).min() < -size:
+            if np.linalg.eigvalsh(matrices).min() < -tolerance:
                 return False
         return True
 
     def stretches(self, f: Array) -> list[Array]:
-        """The stretch of each bond in each cell."""
+        """Return the stretch of each bond in each cell."""
         return [bond.stretched(f) for bond in self.bonds]
 
     def stretch_ranges(self, f: Array, ranges: Sequence[Range]) -> list[Range]:
-        """The least and the largest stretch of each bond, where these are the fields' ranges."""
+        """Return the least and largest stretch of each bond for fields ``f`` with these ranges."""
         return [bond.stretch_range(f, ranges) for bond in self.bonds]
 
     def acceleration(self, f: Array) -> Array:
-        """f'' of every field and cell, by NumPy: what every kernel must give."""
-        return self.pulled([bond.force(bond.stretched(f)) for bond in self.bonds])
+        """Compute f'' of every field and cell with NumPy; compiled kernels must agree with it."""
+        return self.acceleration_by([bond.force(bond.stretched(f)) for bond in self.bonds])
 
-    def pulled(self, forces: Sequence[Array]) -> Array:
-        """What forces in the bonds of all cells do to f''."""
+    def acceleration_by(self, forces: Sequence[Array]) -> Array:
+        """Return f'' due to the given forces in the bonds of all cells."""
         total = np.zeros((len(self.fields), *forces[0].shape))
         for bond, force in zip(self.bonds, forces, strict=True):
             for entry in bond.action:
@@ -253,52 +274,52 @@ class NumericLattice:
         return np.asarray(total / masses, dtype=np.float64)
 
     def dynamical_matrix(self, wavenumbers: ArrayLike, slopes: Sequence[float]) -> Complex:
-        """D with ``f'' = -D f`` for waves exp(i k n), forces linearised with a slope for each bond.
+        """Return D with ``f'' = -D f`` for waves exp(i k n), given one force slope for each bond.
 
         ``wavenumbers`` have shape (..., axes); the matrices have shape (..., fields, fields).
         """
         k = np.asarray(wavenumbers, dtype=np.float64)
         count = len(self.fields)
-        found = np.zeros((*k.shape[:-1], count, count), dtype=np.complex128)
+        matrices = np.zeros((*k.shape[:-1], count, count), dtype=np.complex128)
         for bond, slope in zip(self.bonds, slopes, strict=True):
             for end in bond.action:
                 for part in bond.stretch:
-                    turn = k @ np.add(end.shift, part.shift).astype(np.float64)
+                    phase = k @ np.add(end.shift, part.shift).astype(np.float64)
                     weight = end.weight * part.weight * slope / self.masses[end.field]
-                    found[..., end.field, part.field] -= weight * np.exp(1j * turn)
-        return found
+                    matrices[..., end.field, part.field] -= weight * np.exp(1j * phase)
+        return matrices
 
     def squared_frequencies(self, wavenumbers: ArrayLike, slopes: Sequence[float]) -> Array:
-        """The eigenvalues of the dynamical matrix, ascending along the last axis."""
+        """Return the eigenvalues of the dynamical matrix, ascending along the last axis."""
         values = np.linalg.eigvals(self.dynamical_matrix(wavenumbers, slopes))
         return np.sort(values.real, axis=-1)
 
     def slopes(self, stretches: Sequence[Array]) -> list[Array]:
-        """The slope of each bond's force at its stretches; not finite where there is no force."""
+        """Return the slope of each bond's force at its stretches; not finite where undefined."""
         pairs = zip(self.bonds, stretches, strict=True)
         with np.errstate(all="ignore"):
             return [np.asarray(bond.force.slope(stretch)) for bond, stretch in pairs]
 
-    def largest_slope(self, place: int, stretches: Array) -> float:
-        """The largest size of the slope of a bond's force at these stretches; may be nan."""
+    def largest_slope(self, bond_index: int, stretches: Array) -> float:
+        """Return the largest abs(slope) of one bond's force at these stretches; may be nan."""
         with np.errstate(all="ignore"):
-            return float(np.max(np.abs(self.bonds[place].force.slope(stretches))))
+            return float(np.max(np.abs(self.bonds[bond_index].force.slope(stretches))))
 
-    def steepest(self, place: int, stretches: Array) -> float:
-        """The largest slope of a bond's force at these stretches; may be nan."""
+    def steepest(self, bond_index: int, stretches: Array) -> float:
+        """Return the largest slope of one bond's force at these stretches; may be nan."""
         with np.errstate(all="ignore"):
-            return float(np.max(self.bonds[place].force.slope(stretches)))
+            return float(np.max(self.bonds[bond_index].force.slope(stretches)))
 
     def rest_slopes(self) -> list[float]:
-        """The slope of each bond's force at the mean stretch."""
+        """Return the slope of each bond's force at the mean stretch."""
         return [float(bond.force.slope(np.array(bond.offset))) for bond in self.bonds]
 
     def highest_frequency(self, slopes: Sequence[float]) -> float:
-        """The largest frequency of any wave, forces linearised with these slopes."""
+        """Return the largest frequency of any wave, forces linearised with these slopes."""
         return math.sqrt(max(float(np.max(self._all_squares(slopes))), 0.0))
 
     def is_stable(self, slopes: Sequence[float]) -> bool:
-        """Whether no wave grows, forces linearised with these slopes."""
+        """Return whether no wave grows, forces linearised with these slopes."""
         squares = self._all_squares(slopes)
         return bool(np.min(squares) >= -ROUNDED * max(float(np.max(squares)), 1e-300))
 
@@ -307,10 +328,9 @@ class NumericLattice:
         return self.squared_frequencies(waves, slopes)
 
     def energy(self, f: Array, v: Array) -> float:
-        """Kinetic and potential energy of a ring of displacements.
+        """Return the kinetic and potential energy of a ring of displacements.
 
-        Of a lattice of strains, whose equations are no Newton's of a mass in each cell, it is no
-        energy.
+        The value has no meaning for a lattice of strains, whose fields have no masses of their own.
         """
         masses = np.array(self.masses).reshape(-1, *(1,) * (f.ndim - 1))
         total = 0.5 * float(np.sum(masses * v * v))
@@ -320,14 +340,15 @@ class NumericLattice:
 
 
 WAVENUMBERS = {1: 257, 2: 33, 3: 9}
-"""Of a grid over the zone: the largest frequency of a chain is found to 1e-4 of itself."""
+"""Wavenumbers per axis, by dimension, of the grid for highest frequencies; a chain's is found with
+a relative error of 1e-4."""
 
 ROUNDED = 1e-12
-"""A square of a frequency so far below 0, in units of the largest, is rounding."""
+"""Negative squared frequencies up to this size, in units of the largest, count as rounding."""
 
 
 def zone_wavenumbers(dimension: int, count: int) -> Array:
-    """A grid (waves, axes) over half the zone, which holds every wave or its conjugate.
+    """Return a grid (waves, axes) on half the Brillouin zone: each wave or its conjugate.
 
     There are ``count`` wavenumbers from 0 to pi along the first axis.
     """
@@ -337,12 +358,12 @@ def zone_wavenumbers(dimension: int, count: int) -> Array:
 
 
 def value_range(values: Array) -> Range:
-    """The least value and the largest; nan if one of them is."""
+    """Return the least and the largest value; nan if any value is."""
     return float(np.minimum.reduce(values, None)), float(np.maximum.reduce(values, None))
 
 
 def _shifted(values: Array, shift: tuple[int, ...]) -> Array:
-    """``values`` of the cells at that offset; cells lie along the last axes."""
+    """Return ``values`` of the cells at that offset; cells lie along the last axes."""
     if not any(shift):
         return values
     if len(shift) == 1:
@@ -358,12 +379,11 @@ def numeric_lattice(
     mean_strain: Sequence[float] = (),
     shares: Sequence[float] = (),
 ) -> NumericLattice:
-    """The lattice with values for all its constants, its displacements growing by ``mean_strain``.
+    """Return the lattice with values for all its constants and a uniform mean strain.
 
-    ``mean_strain`` has one entry for each axis; a field grows by its one of the ``shares`` of that,
-    by all of it unless they are given. Raises ValueError for constants that are missing,
-    unknown or not what their symbols are declared to be, and for a mean strain where forces tie
-    what grows to its site.
+    ``mean_strain`` has one entry for each axis. Each field grows by its one of the ``shares`` of
+    it, all of it by default. Raises ValueError for constants that are missing, unknown or out of
+    their symbols' range, and for a mean strain if a growing field feels forces of its site.
 
     >>> from longwave.derive import LATTICES
     >>> chain = numeric_lattice(LATTICES["toda"], {"a": 1, "b": 1})
@@ -374,8 +394,8 @@ def numeric_lattice(
 
     if lattice.has_losses:
         raise ValueError(
-            f"losses must not be in a lattice that is run, got those of {lattice.name} (give them "
-            "to driven_chain, or in [losses] of a scene)"
+            f"lattice must have no losses of its own to be run, got {lattice.name} with losses "
+            "(give them to driven_chain, or in [losses] of a scene)"
         )
     names = {str(symbol): symbol for symbol in lattice.constants}
     for name in (*constants, *names):
@@ -383,17 +403,17 @@ def numeric_lattice(
             word = "must be given, got none" if name in names else "is not known"
             raise ValueError(f"constant {name} of {lattice.name} {word} ({one_of(name, names)})")
     values = {names[name]: exact(name, value) for name, value in constants.items()}
-    touched = lattice.contact_constants if 0 in values.values() else set()
+    zero_allowed = lattice.contact_constants if 0 in values.values() else set()
     for symbol, value in values.items():
-        if symbol.is_positive and not (value > 0 or (value == 0 and symbol in touched)):
+        if symbol.is_positive and not (value > 0 or (value == 0 and symbol in zero_allowed)):
             raise ValueError(f"{symbol} must satisfy {symbol} > 0, got {value} ({lattice.name})")
-    found = NumericLattice(
+    numeric = NumericLattice(
         lattice.name,
         lattice.fields,
         tuple(float(mass.xreplace(values)) for mass in lattice.masses),
         tuple(_numeric_bond(bond, values) for bond in lattice.bonds),
     )
-    return found.grown(mean_strain, shares)
+    return numeric.with_mean_strain(mean_strain, shares)
 
 
 def _numeric_bond(bond: Bond, values: Mapping[Any, Any]) -> NumericBond:

@@ -1,8 +1,7 @@
-"""Forces from outside and other functions of time that drive a chain: what is to be known of them.
+"""External forces and other functions of time that drive a chain: their values and time scales.
 
-A kind of force is an entry: `SiteForce`, or a subclass that says otherwise on which cells it acts,
-or by which law of their own displacement. Its kicks in the machine code, its work and heat, the
-steps that see it, its derivatives and its cost follow.
+A kind of force is one class: `SiteForce`, or a subclass that acts on other cells or depends on
+their displacement. Compiled kicks, work and heat, step sizes, derivatives and costs follow from it.
 """
 
 from __future__ import annotations
@@ -18,27 +17,27 @@ from longwave.lattice.force_program import ForceProgram
 
 Array = NDArray[np.float64]
 TimeFunction = Callable[[Array], Array]
-"""Of an array of times."""
+"""Function of an array of times."""
 
 LOOKED_AT = 2**17 + 1
-"""Times at which what drives a chain is looked at before it is run. Steps resolve what is seen."""
+"""Times at which drives are sampled before a run, to find the steps that resolve them."""
 
 JUMP, MOST_CORNERS = 0.25, 100
-"""Share of the range of slopes by which one jumps at a corner, and corners beyond which it is taken
-for a drive that is fast."""
+"""Share of the range of slopes by which a slope jumps at a corner, and number of corners beyond
+which a drive counts as fast instead."""
 
 TAIL = 1e-6
-"""Share of the range of all slopes below which what is left beside followed spans has no corner."""
+"""Share of the range of all slopes below which the drive outside covered spans has no corners."""
 
 CLOSER, MOST_HIDDEN, HIDDEN = 6, 2**12, 0.1
-"""Times that a formula is looked at 64 times closer, in at most so many gaps in which it may change
-by that share of all its change: a push may lie in a gap. It went unseen with a width of 1e-4 in a
-run of 2000. Where it still may when times can hardly be told apart, it jumps or has no bound."""
+"""Refinements of the sampling by 64, most gaps refined, and the share of the total change that may
+hide in a gap: a pulse of width 1e-4 in a run of 2000 was missed without them. If a gap may hide
+more even where times are hardly distinct, the drive jumps or is unbounded."""
 
 
 @dataclass(frozen=True)
 class SiteForce:
-    """The force ``value(t)`` on a field of the cell ``site``."""
+    """External force ``value(t)`` on a field of the cell ``site``."""
 
     site: int
     value: TimeFunction
@@ -46,89 +45,93 @@ class SiteForce:
 
     @property
     def law(self) -> ForceProgram | None:
-        """By what of its own displacement the force on a cell is multiplied; None for 1."""
+        """Factor of the force as a function of the cell's displacement; None for 1."""
         return None
 
     def shares(self, masses: Array) -> Array:
-        """How much of it each cell feels, of those with these masses of the field."""
-        found = np.zeros_like(masses)
-        found[self.site] = 1.0
-        return found
+        """Return each cell's share of the force, given the masses of its field in all cells."""
+        shares = np.zeros_like(masses)
+        shares[self.site] = 1.0
+        return shares
 
     def check(self, cells: int, fields: int) -> None:
-        """Refuse what a chain of so many cells and fields does not have."""
+        """Raise ValueError if the chain does not have the force's cell or field."""
         for name, value, size in (("site", self.site, cells), ("field", self.field, fields)):
             if value not in range(size):
                 raise ValueError(f"{name} of a force must be 0 to {size - 1}, got {value}")
 
     def at(self, f: Array, times: Array, masses: Array) -> Array:
-        """The forces on the cells at these times, where these are the fields, (times, cells)."""
+        """Return the forces on the cells, (times, cells), for the fields ``f``.
+
+        The fields are those at these times; ``masses`` are those of the force's field in all cells.
+        """
         shares = self.shares(masses)
-        found = values_at(self.value, times)[:, np.newaxis] * shares
+        forces = values_at(self.value, times)[:, np.newaxis] * shares
         if self.law is not None:
             [cells] = np.nonzero(shares)
-            found[:, cells] *= self.law(f[self.field][:, cells])
-        return found
+            forces[:, cells] *= self.law(f[self.field][:, cells])
+        return forces
 
 
 def slope_of(value: TimeFunction | None) -> TimeFunction:
-    """The velocity of a wall."""
-    found: TimeFunction | None = getattr(value, "slope", None)
-    if found is None:
+    """Return the velocity of a wall. Raises ValueError if its displacement has no slope."""
+    slope: TimeFunction | None = getattr(value, "slope", None)
+    if slope is None:
         raise ValueError(
-            "displacement of a wall whose velocity is felt must have a slope, its velocity, got a "
-            "bare function (longwave.scenes.description.time_functions.time_function makes one)"
+            "displacement of a wall with dashpots must have a slope, its velocity, got a bare "
+            "function (longwave.scenes.description.time_functions.time_function builds one)"
         )
-    return found
+    return slope
 
 
 def values_at(value: TimeFunction, times: Array) -> Array:
-    """A function's values at the times; ValueError where they are no numbers."""
+    """Return a function's values at the times. Raises ValueError if one is not finite."""
     with np.errstate(all="ignore"):
-        found = np.broadcast_to(np.asarray(value(times), dtype=np.float64), times.shape)
-    if not np.isfinite(found).all():
-        t = float(times[~np.isfinite(found)][0])
+        values = np.broadcast_to(np.asarray(value(times), dtype=np.float64), times.shape)
+    if not np.isfinite(values).all():
+        t = float(times[~np.isfinite(values)][0])
         raise ValueError(
-            f"a force or displacement in time must be finite, got {found[~np.isfinite(found)][0]} "
-            f"at t = {t:g} (end earlier or change the formula)"
+            "a force or displacement in time must be finite, got "
+            f"{values[~np.isfinite(values)][0]} at t = {t:g} (end earlier or change the formula)"
         )
-    return found
+    return values
 
 
-def looked_at(
+def shortest_time_scale(
     drives: Sequence[TimeFunction], begin: float, end: float, followed: Array | None = None
 ) -> tuple[float, bool]:
-    """The least time in which a drive changes by all that it does, and whether one has a corner.
+    """Return the shortest time scale of the drives, and whether one has a corner.
 
-    Apart from times that are ``followed`` with steps of their own, (begin and end, spans).
+    A drive's time scale is the range of its values over its steepest slope. Spans ``followed``,
+    (begin and end, spans), which have steps of their own, are left out.
     """
     times = np.linspace(begin, end, LOOKED_AT)
     least, turns = math.inf, False
     for value in drives:
-        seen = _looked_closer(value, times)
-        values = values_at(value, seen)
-        slopes = np.diff(values) / (np.diff(seen) if end > begin else 1.0)
-        is_open = _is_apart(seen, followed)
+        sampled = _refined_times(value, times)
+        values = values_at(value, sampled)
+        slopes = np.diff(values) / (np.diff(sampled) if end > begin else 1.0)
+        is_open = _is_outside(sampled, followed)
         steepest = float(np.abs(slopes).max(where=is_open, initial=0.0))
-        spread = float(np.ptp(slopes[is_open])) if is_open.any() else 0.0
+        slope_range = float(np.ptp(slopes[is_open])) if is_open.any() else 0.0
         least = min(least, float(np.ptp(values)) / steepest if steepest else math.inf)
         bends = np.abs(np.diff(slopes))[is_open[:-1] & is_open[1:]]
-        jumps = np.count_nonzero(bends > JUMP * spread)
-        spreads = spread > (0.0 if is_open.all() else TAIL * float(np.ptp(slopes)))
-        turns = turns or bool(spreads and 0 < jumps <= MOST_CORNERS)
+        jumps = np.count_nonzero(bends > JUMP * slope_range)
+        is_curved = slope_range > (0.0 if is_open.all() else TAIL * float(np.ptp(slopes)))
+        turns = turns or bool(is_curved and 0 < jumps <= MOST_CORNERS)
     return least, turns
 
 
-def _is_apart(times: Array, spans: Array | None) -> NDArray[np.bool_]:
-    """Whether what lies between two times meets none of the spans."""
+def _is_outside(times: Array, spans: Array | None) -> NDArray[np.bool_]:
+    """Return a mask of the intervals between times that meet none of the spans."""
     if spans is None or not spans.size:
         return np.ones(times.size - 1, dtype=np.bool_)
-    begun = np.searchsorted(spans[0], times[1:], "left")
-    return np.asarray(begun == np.searchsorted(spans[1], times[:-1], "right"))
+    started = np.searchsorted(spans[0], times[1:], "left")
+    return np.asarray(started == np.searchsorted(spans[1], times[:-1], "right"))
 
 
-def _looked_closer(value: TimeFunction, times: Array) -> Array:
-    """The times, and more where a formula may do between two of them what neither shows."""
+def _refined_times(value: TimeFunction, times: Array) -> Array:
+    """Return the times, with more where a formula may change between two of them unnoticed."""
     if not isinstance(value, ForceProgram) or times[0] == times[-1]:
         return times
     for _ in range(CLOSER):
@@ -137,12 +140,12 @@ def _looked_closer(value: TimeFunction, times: Array) -> Array:
             low, high = value.enclosed(times[:-1], times[1:])
             widths = np.nan_to_num(high - low, nan=math.inf, posinf=math.inf)
         allowed = HIDDEN * max(np.ptp(values), widths.max(initial=0.0, where=widths < math.inf))
-        [places] = np.nonzero(widths > allowed)
-        if not 0 < places.size <= MOST_HIDDEN:
+        [gaps] = np.nonzero(widths > allowed)
+        if not 0 < gaps.size <= MOST_HIDDEN:
             return times
-        between = np.linspace(times[places], times[places + 1], 65)[1:-1]
+        between = np.linspace(times[gaps], times[gaps + 1], 65)[1:-1]
         times = np.union1d(times, between)
     raise ValueError(
         "a force or displacement in time must be bounded and without jumps, got one that is not "
-        f"near t = {times[places[0]]:g} (end earlier or change the formula)"
+        f"near t = {times[gaps[0]]:g} (end earlier or change the formula)"
     )

@@ -1,8 +1,8 @@
-"""Random numbers that belong to a site: the same on any ring that holds it, and on any machine.
+"""Random numbers by site: the same on every ring that contains the site, and on any machine.
 
-They are those of Philox (Salmon et al., SC11 (2011) 16), a generator that is a function of a key
-and a counter; NumPy promises its bits. What follows from them takes no function whose last digit
-depends on a library, as the logarithm of normal numbers would.
+They come from Philox (Salmon et al., SC11 (2011) 16), a generator that is a function of a key and a
+counter and whose bits NumPy guarantees. No function whose last digit depends on a library, such as
+the logarithm in normal numbers, is applied to them.
 """
 
 from __future__ import annotations
@@ -13,10 +13,10 @@ from numpy.typing import ArrayLike, NDArray
 Array = NDArray[np.float64]
 
 DISTRIBUTIONS = ("uniform", "binary")
-"""Of deviations of at most 1: anything between -1 and 1, or one of the two."""
+"""Distributions of deviations: uniform on -1 .. 1, or -1 and 1 with equal probability."""
 
 ORIGIN = 2**60
-"""Counted from here, all sites have positive numbers."""
+"""Offset that makes all site numbers positive."""
 
 EACH = 4
 """Numbers that the generator gives for one counter."""
@@ -25,9 +25,9 @@ EACH = 4
 def site_deviations(
     cells: ArrayLike, seed: int, row: int = 0, distribution: str = "uniform"
 ) -> Array:
-    """A deviation between -1 and 1 for each of these consecutive cells.
+    """Return a deviation between -1 and 1 for each of these consecutive cells.
 
-    ``row`` tells apart what deviates in a cell.
+    ``row`` selects an independent sequence, for different quantities of a cell.
 
     >>> site_deviations([-1, 0, 1], seed=1).tolist() == [
     ...     *site_deviations([-1], seed=1), *site_deviations([0, 1], seed=1)]
@@ -35,20 +35,20 @@ def site_deviations(
     >>> site_deviations([5, 6, 7, 8], seed=3, distribution="binary").tolist()
     [...]
     """
-    where = np.asarray(cells)
-    if not where.size:
+    sites = np.asarray(cells)
+    if not sites.size:
         return np.zeros(0)
-    first = int(where[0]) + ORIGIN
+    first = int(sites[0]) + ORIGIN
     block, skipped = divmod(first, EACH)
     generator = np.random.Philox(key=[seed, row], counter=[block, 0, 0, 0])
-    bits = generator.random_raw(skipped + where.size)[skipped:]
+    bits = generator.random_raw(skipped + sites.size)[skipped:]
     if distribution == "binary":
         return np.where(bits >> np.uint64(63), 1.0, -1.0)
     return np.asarray((bits >> np.uint64(11)) * 2.0**-52 - (1.0 - 2.0**-53))
 
 
 def mean_inverse(distribution: str, spread: float) -> float:
-    """The mean of ``1/(1 + d)`` over deviations d of at most ``spread`` < 1.
+    """Return the mean of ``1/(1 + d)`` over deviations d of at most ``spread`` < 1.
 
     >>> mean_inverse("uniform", 0.0), round(mean_inverse("uniform", 0.3), 4)
     (1.0, 1.0317)

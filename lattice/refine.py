@@ -1,26 +1,27 @@
-"""The one judge of a run's error: run again, finer, wider and elsewhere, and compare.
+"""Error estimation: repeat a run with finer steps, more points and a wider domain, and compare.
 
-Everything that is chosen about a run is one record, `Choices`. A *control* run varies all of it at
-once: a shorter step, a denser sampling, a wider domain with its ends elsewhere, a weaker absorber.
-Its result is the one that is given; what separates it from the run before it, times ``SAFETY`` or
-what the engine calls for, is its estimated error, with what the engine knows that both runs do
-alike. That bounds the error as soon as the control run is no worse than two thirds of the run
-before it, in each of the things that were varied.
+All numerical choices of a run are one record, `Choices`. A *control run* varies all of them at
+once: a shorter step, denser sampling, a wider domain with its ends elsewhere, a weaker absorber.
+Its result is the one returned. The estimated error is its difference from the run before, times
+``SAFETY`` or the engine's own factor, plus the error that the engine knows both runs to share. This
+bounds the error as long as the control run's error is at most two thirds of the other's, for each
+choice varied.
 
-That is so only where the error of the step obeys its law, step^order. Near the longest stable step
-it does not: there the errors of two steps may agree, and so may the runs. So no run is judged by a
-step at which the law has not been seen: what a shorter step changes must have fallen from what it
-changed at a longer one as the order says, and is not believed to be less than that.
+That holds only where the step's error obeys its law, step^order. Near the longest stable step it
+does not: two steps may have the same error, and so the two runs may agree. Therefore no run is
+judged with a step for which the law has not been confirmed: the change by a shorter step must have
+fallen, from the change at a longer one, as the order predicts, and is never estimated below that
+prediction.
 
-How the choices are come by does not matter for that. They are searched for by laws: the error of a
-step falls like step^order, that of a domain like a power of its size. Where a control run says
-that it is not enough, each of the choices is varied by itself, to see which one it is; but not
-where only a domain is chosen beside the step, and what the step changes is known: the rest is the
-domain's, until widening it does not help.
+The estimate does not depend on how the choices were found. The search uses scaling laws: the error
+of a step falls like step^order, that of a domain like a power of its size. If a control run shows
+too large an error, each choice is varied alone to find the cause. This is skipped if only a domain
+is chosen besides the step, and the effect of the step is known: the rest is the domain's, until
+widening it does not help.
 
-No step helps where the lattice amplifies rounding above the tolerance. So where an error ceases to
-fall, and on backgrounds about which perturbations may grow, a run is done again with the last
-digits of its data changed.
+If rounding errors grow above the tolerance, no step size meets it. So when an error stops falling,
+and on backgrounds on which perturbations may grow, a run is repeated with the last digits of its
+data changed.
 """
 
 import math
@@ -44,13 +45,13 @@ from longwave.support.compiled.cores import usable_cores
 from longwave.support.request_limits import OverBudgetError
 
 Announce = Callable[[float], None]
-"""Called with the seconds that the runs to come are expected to take, however few."""
+"""Callback with the expected seconds of the next runs."""
 
 SHARES: dict[Kind, float] = {"step": 0.5, "sampling": 0.2, "domain": 0.3}
-"""Shares of the tolerance, where each of the choices is varied by itself."""
+"""Shares of the tolerance of each choice when it is varied alone."""
 
 TIGHTER = 1.5
-"""By how much all errors are to fall where each keeps its share and their sum does not."""
+"""Factor by which to reduce each error when all meet their shares but the sum does not."""
 
 STEP: tuple[Kind, ...] = ("step",)
 STEP_AND_DOMAIN: tuple[Kind, ...] = ("step", "domain")
@@ -59,50 +60,50 @@ ATTEMPTS = 12
 """Most control runs."""
 
 BLOWN = 3
-"""Control runs after which a lattice that still blows up does so by itself."""
+"""Control runs after which a lattice that still blows up does so for physical reasons."""
 
 CURE = 32.0
-"""By how much all errors are to fall after a blow-up."""
+"""Factor by which to reduce all errors after a blow-up."""
 
 PATIENCE = 3
-"""Control runs without progress after which rounding is what is left."""
+"""Control runs without progress after which the remaining error is attributed to rounding."""
 
 PROGRESS = 0.7
-"""An error that is more than this share of the one before it has ceased to fall."""
+"""Ratio to the previous error above which an error has stopped falling."""
 
 WARY = 100.0
-"""Factor on what the nudge changes with the longest step: a hundred times as much was seen with
-shorter ones, whose roundings are more (scenes of `searches/estimates.py`)."""
+"""Factor on the effect of changed last digits with the longest step: a hundred times as much was
+seen with shorter steps, which round more often (scenes of `searches/estimates.py`)."""
 
 DRAWN = 1.5
-"""Factor on what the nudge changes of the run that is shown: it is one draw of what rounding grows
-to (with 1 an opponent met an error of 1.08 times its estimate)."""
+"""Factor on the effect of changed last digits on the returned run: it is one sample of the rounding
+error (with 1, a test found an error of 1.08 times its estimate)."""
 
 LAWFUL = 3.0
-"""What a step changes obeys its law if it is at most this much larger than the law has it, and has
-fallen as half of the order would have it."""
+"""Largest ratio of a step's change to its law's prediction at which the law counts as confirmed, if
+the change has also fallen as half of the order predicts."""
 
 NEGLIGIBLE = 0.01
-"""Share of the tolerance below which the change of a step needs obey no law, for it may be rounding
-or what comes round a ring."""
+"""Share of the tolerance below which the change by a step needs to obey no law: it may be rounding,
+or come round a ring."""
 
 LEAST_ON_RING = 0.05
-"""Least share of the tolerance that an error is told as on a ring. There negligible changes
-hid errors of 0.021 of it: the steps of a kink that turned short waves by many radians agreed
+"""Least error reported on a ring, as a share of the tolerance. Negligible changes there hid errors
+of 0.021 of it: the steps of a kink that turned short waves by many radians agreed
 (`tests/scenes/engines/test_comparison_honesty.py`)."""
 
 LEAST = 1e-5
-"""Least share that an error is told as elsewhere: no run was looked at more closely."""
+"""Least error reported elsewhere, as a share of the tolerance: no run was examined more closely."""
 
 
 USUAL_WORK = 4.5
-"""Work of a search, in units of its first run's: 3.9 or 4.9 where that run's step will do."""
+"""Work of a search, in units of its first run's: 3.9 or 4.9 if that run's step is short enough."""
 
 
 class StoppedSearch(KeyboardInterrupt):
-    """Ctrl-C during the search: its best run, if any can be shown, and the seconds of all others.
+    """Raised on Ctrl-C during the search: its best run, if any, and the seconds of all others.
 
-    ``error`` is what its error is estimated at, above the tolerance; None if it was not measured.
+    ``error`` is its estimated error, above the tolerance; None if it was not measured.
     """
 
     def __init__(self, trial: Trial | None, error: float | None, before: float) -> None:
@@ -112,11 +113,11 @@ class StoppedSearch(KeyboardInterrupt):
 
 @dataclass(frozen=True)
 class Refined:
-    """The last control run, and by how much y/eps is estimated to miss the infinite lattice's.
+    """The last control run, and the estimated error of its y/eps.
 
-    ``error`` stands for everything that was chosen, and for rounding, whose part is ``rounding``;
-    it is infinite if the lattice blows up by itself. ``next_decade`` is the factor by which ten
-    times more accuracy costs more.
+    ``error`` covers all numerical choices and rounding, whose part is ``rounding``; it is infinite
+    if the lattice blows up by itself. ``next_decade`` is the factor in cost of ten times the
+    accuracy.
     """
 
     trial: Trial
@@ -131,83 +132,92 @@ def refine(
     progress: Progress = lambda _: None,
     announce: Announce = lambda _: None,
 ) -> Refined:
-    """Run until the estimated error is at most ``tolerance``.
+    """Repeat runs with better choices until the estimated error is at most ``tolerance``.
 
-    ``progress`` is called with the share of the work that is done, 0 .. 1, of ``USUAL_WORK`` or
-    what is known to be more. Raises ValueError if the tolerance cannot be reached: the error
-    ceases to fall above it; StoppedSearch on Ctrl-C.
+    ``progress`` is called with the share of the work done, 0 .. 1, of ``USUAL_WORK`` or more if
+    more is known to be needed. Raises ValueError if the error stops falling above the tolerance,
+    StoppedSearch on Ctrl-C.
     """
     search = _Search(engine, tolerance, progress, announce)
     try:
-        return _refined(search, engine, tolerance)
+        return _search_choices(search, engine, tolerance)
     except KeyboardInterrupt as stop:
         raise search.stopped(stop) from None
 
 
-def _refined(search: "_Search", engine: Engine, tolerance: float) -> Refined:
+def _search_choices(search: "_Search", engine: Engine, tolerance: float) -> Refined:
+    """Search for choices whose control run meets the tolerance."""
     scouting = search.scouting(engine.coarse_engine())
-    choices = _followed(search, scouting, engine.first())
+    choices = _with_lawful_step(search, scouting, engine.first())
     search.seconds = scouting.seconds
-    best, since, blown = math.inf, 0, 0
+    best, without_progress, blow_ups = math.inf, 0, 0
     for _ in range(ATTEMPTS):
         trial, control = search.pair(choices)
         rounding = max(trial.rounding, control.rounding)
-        seen = max(difference(trial, control), search.seen_change(choices))
-        change = max(engine.safety * seen, SAFETY * scouting.lawful_change(choices))
+        step_change = max(difference(trial, control), search.known_change(choices))
+        change = max(engine.safety * step_change, SAFETY * scouting.lawful_change(choices))
         least = LEAST_ON_RING if "sampling" in engine.kinds else LEAST
         error = max(change + rounding + control.common_error, least * tolerance)
         if error <= tolerance and search.wary:
-            grown = DRAWN * search.grown(choices)
-            rounding, error = rounding + grown, error + grown
-        if error <= tolerance and not scouting.has_seen_law(choices):
-            shorter = _followed(search, scouting, choices)
+            digit_effect = DRAWN * search.digit_effect(choices)
+            rounding, error = rounding + digit_effect, error + digit_effect
+        if error <= tolerance and not scouting.is_lawful(choices):
+            shorter = _with_lawful_step(search, scouting, choices)
             if shorter != choices:
                 choices = shorter
                 continue
-        blown = blown + 1 if math.isinf(error) else 0
-        if error <= tolerance or blown == BLOWN:
+        blow_ups = blow_ups + 1 if math.isinf(error) else 0
+        if error <= tolerance or blow_ups == BLOWN:
             decade = 10.0 ** (1.0 / engine.order)
             if not control.choices.causal:
                 decade *= 10.0 ** (1.0 / engine.decay)
             return Refined(control, error, rounding, decade)
         search.judged = control, error
-        fell = error < PROGRESS * best or math.isinf(error)
-        if not fell or search.wary:
+        has_fallen = error < PROGRESS * best or math.isinf(error)
+        if not has_fallen or search.wary:
             search.check_rounding(choices)
-        since = 0 if fell else since + 1
+        without_progress = 0 if has_fallen else without_progress + 1
         best = min(best, error)
-        stuck = since == PATIENCE or (
+        is_stuck = without_progress == PATIENCE or (
             scouting.stalled == PATIENCE and not _may_widen(engine, choices)
         )
-        if stuck and math.isfinite(best):
-            raise ValueError(_refusal(best, tolerance, search.left(choices, rounding, error)))
-        seen = scouting.seen_change(choices) if fell else 0.0
-        choices = search.improved(choices, trial, error, seen)
-    left = f"after {ATTEMPTS} control runs, each with better choices"
-    raise ValueError(_refusal(best, tolerance, left))
+        if is_stuck and math.isfinite(best):
+            raise ValueError(
+                _refusal_message(best, tolerance, search.leftover_message(choices, rounding, error))
+            )
+        step_change = scouting.known_change(choices) if has_fallen else 0.0
+        choices = search.improved(choices, trial, error, step_change)
+    remedy = f"after {ATTEMPTS} control runs, each with better choices"
+    raise ValueError(_refusal_message(best, tolerance, remedy))
 
 
-def _refusal(best: float, tolerance: float, left: str) -> str:
-    """Why a tolerance is refused; ``left`` is what keeps the error at ``best``, inf if unknown."""
+def _refusal_message(best: float, tolerance: float, left: str) -> str:
+    """Return why a tolerance is refused.
+
+    ``left`` says what keeps the error at ``best``, which is inf if unknown.
+    """
     least = f"satisfy tolerance >= {1.05 * best:.2g} here" if best < math.inf else "be larger here"
     return f"tolerance must {least}, got {tolerance:g} ({left}; raise it or shorten the run)"
 
 
 def _may_widen(engine: Engine, choices: Choices) -> bool:
-    """Whether a wider domain may still help: what comes round a ring obeys no law of the step."""
+    """Return whether a wider domain may still help: waves round a ring obey no law of the step."""
     return "domain" in engine.kinds and not choices.causal
 
 
-def _followed(search: "_Search", scouting: "_Search", choices: Choices) -> Choices:
-    """The choices with the longest step, from theirs on, that the scout finds good and lawful."""
+def _with_lawful_step(search: "_Search", scouting: "_Search", choices: Choices) -> Choices:
+    """Return the choices with the longest step that meets its share and obeys its law.
+
+    The step is searched from theirs on, by the scout.
+    """
     if scouting is search:
         return search.with_step(choices)
-    begun = replace(scouting.engine.first(), step=choices.step)
-    return replace(choices, step=scouting.with_step(begun).step)
+    started = replace(scouting.engine.first(), step=choices.step)
+    return replace(choices, step=scouting.with_step(started).step)
 
 
 class _Search:
-    """The runs so far, and the laws by which the next choices are made."""
+    """State of a search: the runs so far, and the laws that give the next choices."""
 
     def __init__(
         self, engine: Engine, tolerance: float, progress: Progress, announce: Announce
@@ -215,10 +225,10 @@ class _Search:
         self.engine, self._tolerance = engine, tolerance
         self._progress, self._announce = progress, announce
         self._done: dict[Choices, Trial] = {}
-        self._changes: dict[float, float] = {}  # what was changed by shortening each step
-        self._lawful = 0.0  # the longest step of which the law was seen
+        self._changes: dict[float, float] = {}  # change of the values by shortening each step
+        self._longest_lawful = 0.0  # longest step for which the law is confirmed
         self._negligible = NEGLIGIBLE * tolerance / SAFETY
-        self._shown, self._first_work, self._worked, self._asked = 0.0, 0.0, 0.0, 0.0
+        self._last_share, self._first_work, self._done_work, self._pending_work = 0.0, 0.0, 0.0, 0.0
         self._stopped, self._is_scout = False, False
         self.seconds = 0.0
         self.wary: bool | None = None
@@ -226,44 +236,55 @@ class _Search:
         self.judged: tuple[Trial, float] | None = None
 
     def scouting(self, scout: Engine) -> "_Search":
-        """A search by another engine, for the same tolerance; itself, if that is its own."""
+        """Return a search by the engine ``scout`` for the same tolerance.
+
+        Itself if it is its own.
+        """
         if scout is self.engine:
             return self
-        found = _Search(scout, self._tolerance, self._progress, self._announce)
-        found._is_scout = True
-        return found
+        search = _Search(scout, self._tolerance, self._progress, self._announce)
+        search._is_scout = True
+        return search
 
     def stopped(self, stop: KeyboardInterrupt) -> StoppedSearch:
-        """The last run whose error was measured, or the last that can be shown, or what was begun.
+        """Return the run to show after Ctrl-C, as `StoppedSearch`.
 
-        Runs whose error is not known come from the first control run, or from what led to it.
+        It is the last run whose error was measured, else the last that can be shown, else the one
+        under way.
         """
         if self.judged is not None and math.isfinite(self.judged[1]):
             trial, error = self.judged
             return StoppedSearch(trial, error, self.seconds - trial.seconds)
-        known = [trial for trial in self._done.values() if trial.shown and trial.values is not None]
-        if known:
-            return StoppedSearch(known[-1], None, self.seconds - known[-1].seconds)
-        begun = stop.trial if isinstance(stop, StoppedTrial) and stop.trial.shown else None
-        return StoppedSearch(begun, None, self.seconds)
+        finished = [
+            trial
+            for trial in self._done.values()
+            if trial.has_observables and trial.values is not None
+        ]
+        if finished:
+            return StoppedSearch(finished[-1], None, self.seconds - finished[-1].seconds)
+        unfinished = (
+            stop.trial if isinstance(stop, StoppedTrial) and stop.trial.has_observables else None
+        )
+        return StoppedSearch(unfinished, None, self.seconds)
 
     def with_step(self, choices: Choices) -> Choices:
-        """Choices whose step keeps its share and was seen to obey its law, if there are any."""
+        """Return choices whose step meets its share and obeys its law, if the search finds any."""
         unstable, last, self.stalled = 0, math.inf, 0
         change: float | None = None
         for _ in range(ATTEMPTS):
             excess = self._excess(choices, "step", change)
             if self.wary is None and math.isfinite(excess):
                 self.wary = (
-                    self.engine.amplifies_rounding and WARY * self.grown(choices) > self._tolerance
+                    self.engine.amplifies_rounding
+                    and WARY * self.digit_effect(choices) > self._tolerance
                 )
             unstable += math.isinf(excess)
-            stuck = 1.0 < excess < math.inf and excess > PROGRESS * last
-            self.stalled = self.stalled + 1 if stuck else 0
-            if stuck:
+            is_stuck = 1.0 < excess < math.inf and excess > PROGRESS * last
+            self.stalled = self.stalled + 1 if is_stuck else 0
+            if is_stuck:
                 self.check_rounding(choices)
-            kept = excess <= 1.0 and self.has_seen_law(choices)
-            if kept or unstable == self.engine.unstable or self.stalled == PATIENCE:
+            is_good = excess <= 1.0 and self.is_lawful(choices)
+            if is_good or unstable == self.engine.unstable or self.stalled == PATIENCE:
                 break
             last, change = excess, None
             if excess <= 1.0:
@@ -271,39 +292,39 @@ class _Search:
                 change = self._lawful_in_wider(choices)
             else:
                 choices = self.engine.improved(choices, "step", excess)
-            self._forget_longer(choices.step)
+            self._drop_longer(choices.step)
         return choices
 
     def _lawful_in_wider(self, choices: Choices) -> float | None:
-        """What the run changes that is to control these choices, if the law is seen by that.
+        """Return the change by the control run of these choices, if it confirms the step's law.
 
-        It has a wider domain, too: where both change no more than the law has it of the step, a run
-        with a shorter step alone is spared. None where it is to be made.
+        The control run also has a wider domain. If both together change no more than the law
+        predicts for the step, a run with a shorter step alone is saved. None otherwise.
         """
         if self._is_scout or self.engine.kinds != STEP_AND_DOMAIN or choices.causal:
             return None
         control = self.engine.control(choices, self.engine.kinds)
         self._run({choices: False, control: True})
-        self._keep_values_alone(choices)
+        self._drop_payload(choices)
         change = difference(self._done[choices], self._done[control])
         if not change <= self._most_lawful(choices):
             return None
         self._note_change(choices, change)
         return change
 
-    def _forget_longer(self, step: float) -> None:
-        """Let go of runs with longer steps, which are not compared with any more."""
+    def _drop_longer(self, step: float) -> None:
+        """Discard runs with longer steps, which are not compared any more."""
         for choices in [one for one in self._done if one.step > step]:
             del self._done[choices]
 
-    def has_seen_law(self, choices: Choices) -> bool:
-        """Whether what such a step changes has fallen by the law, or is next to nothing."""
-        return self.engine.taken(choices) <= self._lawful
+    def is_lawful(self, choices: Choices) -> bool:
+        """Return whether the law is confirmed for this step, or its change is negligible."""
+        return self.engine.taken(choices) <= self._longest_lawful
 
     def lawful_change(self, choices: Choices) -> float:
-        """What the step changes at least, going by the nearest longer one that was tried.
+        """Return the least change expected of the step, from the nearest longer one tried.
 
-        What is next to nothing may be rounding, or what comes round a ring, and obeys no law.
+        A negligible change may be rounding, or come round a ring, and obeys no law.
         """
         step = self.engine.taken(choices)
         longer = [one for one in self._changes.items() if one[0] > step]
@@ -314,21 +335,24 @@ class _Search:
             return change
         return float(change * (step / other) ** self.engine.order)
 
-    def seen_change(self, choices: Choices) -> float:
-        """What this engine has seen that such a step changes; 0 if it has not looked."""
+    def known_change(self, choices: Choices) -> float:
+        """Return the measured change by shortening this step; 0 if it was not measured."""
         return self._changes.get(self.engine.taken(choices), 0.0)
 
     def _note_change(self, choices: Choices, change: float) -> None:
-        """Keep what a step changes, and whether it is what the law expects."""
+        """Record the change by shortening a step, and whether the law expects it."""
         if not math.isfinite(change):
             return
         step = self.engine.taken(choices)
         if change <= self._most_lawful(choices):
-            self._lawful = max(self._lawful, step)
+            self._longest_lawful = max(self._longest_lawful, step)
         self._changes[step] = change
 
     def _most_lawful(self, choices: Choices) -> float:
-        """The most that such a step may change for its law to be seen; less than 0 if none was."""
+        """Return the largest change that confirms the step's law.
+
+        -1 if no longer step was tried.
+        """
         step = self.engine.taken(choices)
         longer = min((one for one in self._changes if one > step), default=math.inf)
         if longer == math.inf:
@@ -336,83 +360,86 @@ class _Search:
         slack = min(LAWFUL, (longer / step) ** (self.engine.order / 2.0))
         return max(slack * self.lawful_change(choices), self._negligible)
 
-    def grown(self, choices: Choices) -> float:
-        """What rounding has come to: ``SAFETY`` times what changes with the data's last digits."""
+    def digit_effect(self, choices: Choices) -> float:
+        """Return the effect of rounding on these choices.
+
+        It is ``SAFETY`` times the change of the values by new last digits of the data.
+        """
         nudged = replace(choices, nudged=True)
         self._run({choices: False, nudged: False})
         return SAFETY * difference_around(self._done[choices], self._done[nudged])
 
-    def left(self, choices: Choices, rounding: float, error: float) -> str:
-        """What is left of an error that has ceased to fall, as far as it was measured."""
-        rounding += DRAWN * self.grown(choices)
+    def leftover_message(self, choices: Choices, rounding: float, error: float) -> str:
+        """Return what is left of an error that has stopped falling, as far as it was measured."""
+        rounding += DRAWN * self.digit_effect(choices)
         kinds = {"step": "finer steps", "sampling": "denser points", "domain": "wider domains"}
-        told = f"{' and '.join(kinds[kind] for kind in self.engine.kinds)} no longer help"
+        text = f"{' and '.join(kinds[kind] for kind in self.engine.kinds)} no longer help"
         if rounding > 0.5 * error:
-            return f"{told}: of the error of {error:.1g} rounding has grown to {rounding:.1g}"
-        return f"{told}, and rounding is only {rounding:.1g} of the error of {error:.1g}"
+            return f"{text}: of the error of {error:.1g} rounding has grown to {rounding:.1g}"
+        return f"{text}, and rounding is only {rounding:.1g} of the error of {error:.1g}"
 
     def check_rounding(self, choices: Choices) -> None:
-        """Raise ValueError if rounding alone comes to more than the tolerance.
+        """Raise ValueError if rounding alone exceeds the tolerance.
 
-        With a shorter step, too: near the longest stable one a scheme may amplify what the lattice
-        does not.
+        It must do so with a shorter step, too: near the longest stable step a scheme may amplify
+        what the lattice does not.
         """
-        grown = self.grown(choices)
-        if self._tolerance < grown < math.inf:
-            grown = min(grown, self.grown(self.engine.control(choices, STEP)))
-        if self._tolerance < grown < math.inf:
+        effect = self.digit_effect(choices)
+        if self._tolerance < effect < math.inf:
+            effect = min(effect, self.digit_effect(self.engine.control(choices, STEP)))
+        if self._tolerance < effect < math.inf:
             raise ValueError(
-                f"tolerance must satisfy tolerance >= {2.5 * grown:.2g} here, got "
+                f"tolerance must satisfy tolerance >= {2.5 * effect:.2g} here, got "
                 f"{self._tolerance:g} (neighbouring states of the lattice part so fast that "
                 "rounding comes to that much with this step and a shorter one; raise it or shorten "
                 "the run)"
             )
 
     def pair(self, choices: Choices) -> tuple[Trial, Trial]:
-        """The run with these choices and its control, which is shown."""
+        """Return the run with these choices and its control run, which can be shown."""
         control = self.engine.control(choices, self.engine.kinds)
         self._run({choices: False, control: True})
-        self._keep_values_alone(choices)
+        self._drop_payload(choices)
         return self._done[choices], self._done.pop(control)
 
-    def _keep_values_alone(self, choices: Choices) -> None:
-        """Let go of what else there is of a run that others control, if it cannot be shown."""
+    def _drop_payload(self, choices: Choices) -> None:
+        """Discard all but the values of a run, if it cannot be shown."""
         trial = self._done[choices]
-        if not trial.shown:
+        if not trial.has_observables:
             self._done[choices] = replace(trial, payload=None)
 
-    def improved(self, choices: Choices, trial: Trial, error: float, seen: float) -> Choices:
-        """Better choices: in what exceeds its share when it is varied by itself, or in all.
+    def improved(self, choices: Choices, trial: Trial, error: float, step_change: float) -> Choices:
+        """Return better choices: of each kind that exceeds its share when varied alone, or of all.
 
-        ``seen`` is what a shorter step is known to change, 0 if it is not. Where that keeps its
-        share, and there is but the domain beside, nothing need be varied: the rest is the domain's.
+        ``step_change`` is the known change by a shorter step, 0 if unknown. If it meets its share,
+        and only the domain is chosen besides, nothing needs to be varied: the rest is the domain's.
         """
-        engine, found = self.engine, choices
+        engine, better = self.engine, choices
         if trial.values is None:
             for kind in engine.kinds:
-                found = engine.improved(found, kind, CURE)
-            return found
-        left = self._tolerance - engine.safety * seen
-        if seen and math.isfinite(error) and engine.kinds == STEP_AND_DOMAIN:
-            if left >= (1.0 - SHARES["step"]) * self._tolerance:
-                found = engine.improved(choices, "domain", max(TIGHTER, error / left))
-            if found != choices:
-                return found
+                better = engine.improved(better, kind, CURE)
+            return better
+        domain_share = self._tolerance - engine.safety * step_change
+        if step_change and math.isfinite(error) and engine.kinds == STEP_AND_DOMAIN:
+            if domain_share >= (1.0 - SHARES["step"]) * self._tolerance:
+                better = engine.improved(choices, "domain", max(TIGHTER, error / domain_share))
+            if better != choices:
+                return better
         for kind in engine.kinds:
             excess = self._excess(choices, kind)
             if excess > 1.0:
-                found = engine.improved(found, kind, excess)
+                better = engine.improved(better, kind, excess)
             if kind == "step" and excess * SHARES["step"] > 0.5 * error / self._tolerance:
                 break
-        if found == choices:
+        if better == choices:
             for kind in engine.kinds:
-                found = engine.improved(found, kind, max(TIGHTER, error / self._tolerance))
-        return found
+                better = engine.improved(better, kind, max(TIGHTER, error / self._tolerance))
+        return better
 
     def _excess(self, choices: Choices, kind: Kind, change: float | None = None) -> float:
-        """By how much the error is above its share when that kind alone is varied.
+        """Return the ratio of the error to its share when that kind alone is varied.
 
-        What that changes is measured if it is not told.
+        ``change`` is measured if it is not given.
         """
         if change is None:
             change = self._change(choices, kind)
@@ -420,71 +447,76 @@ class _Search:
         return SAFETY * change / (share * self._tolerance)
 
     def _change(self, choices: Choices, kind: Kind) -> float:
-        """What is changed where that kind alone is varied."""
+        """Return the change of the values when that kind alone is varied."""
         other = self.engine.control(choices, (kind,))
         self._run({choices: False, other: False})
-        self._keep_values_alone(choices)
+        self._drop_payload(choices)
         change = difference(self._done[choices], self._done[other])
         if kind == "step":
             self._note_change(choices, change)
         return change
 
-    def _run(self, wanted: dict[Choices, bool]) -> None:
-        missing = [choices for choices in wanted if choices not in self._done]
-        self._tell(missing)
+    def _run(self, requested: dict[Choices, bool]) -> None:
+        """Make the requested runs that are missing; the values say whether a run is to be shown."""
+        missing = [choices for choices in requested if choices not in self._done]
+        self._announce_runs(missing)
 
         def run(choices: Choices) -> Trial:
-            return self.engine.run(choices, wanted[choices], self._share)
+            return self.engine.run(choices, requested[choices], self._report_progress)
 
         threads = min(self.engine.threads, usable_cores())
         if threads == 1:
             for choices in missing:
-                self._keep(choices, run(choices))
+                self._record(choices, run(choices))
             return
         with ThreadPoolExecutor(threads) as pool:
-            places = zip(missing, branches(len(missing)), strict=True)
-            begun = {one: pool.submit(place.run, run, one) for one, place in places}
+            indices = zip(missing, branches(len(missing)), strict=True)
+            started = {one: pool.submit(index.run, run, one) for one, index in indices}
             try:
-                wait(begun.values())
+                wait(started.values())
             except KeyboardInterrupt:
                 self._stopped = True
                 pool.shutdown(cancel_futures=True)
         stops = []
-        for choices, future in begun.items():
+        for choices, future in started.items():
             try:
-                self._keep(choices, future.result())
+                self._record(choices, future.result())
             except StoppedTrial as stop:
                 stops.append(stop)
             except CancelledError:
                 continue
         if self._stopped:
-            raise max(stops, key=lambda stop: stop.trial.shown, default=KeyboardInterrupt())
+            raise max(
+                stops, key=lambda stop: stop.trial.has_observables, default=KeyboardInterrupt()
+            )
 
-    def _keep(self, choices: Choices, trial: Trial) -> None:
+    def _record(self, choices: Choices, trial: Trial) -> None:
+        """Record a finished run, its work and its seconds."""
         self._done[choices] = trial
-        self._worked += trial.work
+        self._done_work += trial.work
         self._first_work = self._first_work or trial.work
-        self._asked = max(0.0, self._asked - trial.work)
+        self._pending_work = max(0.0, self._pending_work - trial.work)
         self.seconds += trial.seconds
 
-    def _share(self, share: float) -> None:
+    def _report_progress(self, share: float) -> None:
+        """Report the progress of the whole search, given the share done of the pending runs."""
         if self._stopped:
             raise KeyboardInterrupt
-        usual = USUAL_WORK * (self._first_work or self._asked)
-        whole = max(usual, self._worked + self._asked)
-        done = (self._worked + share * self._asked) / whole if whole else share
-        self._shown = max(self._shown, min(done, 1.0))
-        self._progress(self._shown)
+        usual = USUAL_WORK * (self._first_work or self._pending_work)
+        whole = max(usual, self._done_work + self._pending_work)
+        done = (self._done_work + share * self._pending_work) / whole if whole else share
+        self._last_share = max(self._last_share, min(done, 1.0))
+        self._progress(self._last_share)
 
-    def _tell(self, missing: Collection[Choices]) -> None:
-        """Announce runs that will take long, going by what those before them took.
+    def _announce_runs(self, missing: Collection[Choices]) -> None:
+        """Announce the expected seconds of the next runs, from the pace of those before.
 
-        Raises OverBudgetError for more than the engine is given.
+        Raises OverBudgetError if they exceed the engine's budget.
         """
-        self._asked = asked = sum(map(self.engine.work, missing))
-        if asked > self.engine.most_work:
-            raise OverBudgetError(f"runs that take {asked:.2g}", asked)
+        self._pending_work = pending = sum(map(self.engine.work, missing))
+        if pending > self.engine.most_work:
+            raise OverBudgetError(f"runs that take {pending:.2g}", pending)
         spent = sum(trial.seconds for trial in self._done.values())
         work = sum(trial.work for trial in self._done.values())
         if work > 0.0:
-            self._announce(spent / work * asked)
+            self._announce(spent / work * pending)

@@ -1,4 +1,4 @@
-"""What all runs ask of their times and tolerances."""
+"""Checks of the times and tolerances of all runs."""
 
 import math
 from numbers import Real
@@ -18,18 +18,21 @@ def check_positive(name: str, value: float, remedy: str) -> None:
 
 
 def checked_times(times: ArrayLike, begin: float) -> Array:
-    """The times as an array; ValueError unless they increase from the state's on."""
-    wanted = np.atleast_1d(real_array("every time", times))
-    if wanted.ndim != 1 or wanted.size == 0:
-        shown = " ".join(repr(times).split())[:60]
+    """Return the times as an array.
+
+    Raises ValueError unless they are finite and increase from ``begin`` on.
+    """
+    moments = np.atleast_1d(real_array("every time", times))
+    if moments.ndim != 1 or moments.size == 0:
+        text = " ".join(repr(times).split())[:60]
         raise ValueError(
-            f"times must be one or more finite numbers, got {shown} (give a list of them)"
+            f"times must be one or more finite numbers, got {text} (give a list of them)"
         )
-    steps = np.diff(np.concatenate([[begin], wanted]))
+    steps = np.diff(np.concatenate([[begin], moments]))
     if steps[0] < 0.0 or not np.all(steps[1:] > 0.0):
-        place = int(np.argmax([steps[0] < 0.0, *(steps[1:] <= 0.0)]))
+        index = int(np.argmax([steps[0] < 0.0, *(steps[1:] <= 0.0)]))
         raise ValueError(
-            f"times must increase from state.t = {begin:g} on, got {wanted[place]:g} at place "
-            f"{place} (sort them; to go back in time start from the velocity's negative)"
+            f"times must increase from state.t = {begin:g} on, got {moments[index]:g} at index "
+            f"{index} (sort them; to go back in time negate the velocities)"
         )
-    return wanted
+    return moments

@@ -1,4 +1,4 @@
-"""The order conditions of Nystroem methods, evaluated exactly.
+"""Order conditions of Nystroem methods, evaluated exactly.
 
 A method with nodes c_i, inner weights a_ij, velocity weights b_i and position weights d_i has order
 p when, for every tree t of special Nystroem type,
@@ -12,7 +12,7 @@ the exact double integral instead of a, a monomial in u.
 
 A symmetric splitting turns y'' = -y in a step z by the angle arccos p(z), where p is half the trace
 of its step. It has phase-lag order q when p(z) = cos z + O(z^(q + 2)) (van der Houwen, Sommeijer,
-SIAM J. Numer. Anal. 24 (1987) 595); waves of small amplitude then run at the right speed to that
+SIAM J. Numer. Anal. 24 (1987) 595). Waves of small amplitude then have the right speed to that
 order, whatever the order of the method.
 """
 
@@ -38,14 +38,14 @@ NystroemTree = tuple[int, tuple["NystroemTree", ...]]
 
 
 def _size(tree: NystroemTree) -> int:
-    """The power of h that the tree stands for in the velocity."""
+    """Return the power of h that the tree stands for in the velocity."""
     leaves, branches = tree
     return 1 + leaves + sum(1 + _size(branch) for branch in branches)
 
 
 @cache
 def nystroem_trees(order: int) -> tuple[NystroemTree, ...]:
-    """All trees of that size.
+    """Return all trees of size ``order``.
 
     >>> [len(nystroem_trees(order)) for order in (1, 2, 3, 4, 5, 6)]
     [1, 1, 2, 3, 6, 10]
@@ -59,19 +59,22 @@ def nystroem_trees(order: int) -> tuple[NystroemTree, ...]:
 
 @cache
 def _forests(weight: int, largest: int) -> tuple[tuple[NystroemTree, ...], ...]:
-    """Multisets of branches; a branch weighs its size and one, at most ``largest``."""
+    """Return all multisets of branches of this weight; a branch weighs its size plus one.
+
+    No branch weighs more than ``largest``.
+    """
     if weight == 0:
         return ((),)
-    found: set[tuple[NystroemTree, ...]] = set()
+    forests: set[tuple[NystroemTree, ...]] = set()
     for first in range(2, min(weight, largest) + 1):
         for tree in nystroem_trees(first - 1):
             for rest in _forests(weight - first, first):
-                found.add(tuple(sorted((tree, *rest))))
-    return tuple(sorted(found))
+                forests.add(tuple(sorted((tree, *rest))))
+    return tuple(sorted(forests))
 
 
 def nystroem_defect(table: NystroemTable, order: int) -> float:
-    """Largest deviation from the order conditions, in exact arithmetic.
+    """Return the largest deviation from the order conditions, in exact arithmetic.
 
     >>> half = Fraction(1, 2)
     >>> verlet = NystroemTable([half], [[]], [half], [Fraction(1)])
@@ -90,7 +93,7 @@ def nystroem_defect(table: NystroemTable, order: int) -> float:
 
 
 def _stages(tree: NystroemTree, table: NystroemTable) -> tuple[list[Fraction], Fraction]:
-    """Phi_i at all stages, and the factor of the monomial phi_t = factor u^(size - 1)."""
+    """Return Phi_i at all stages, and the factor of the monomial phi_t = factor u^(size - 1)."""
     leaves, branches = tree
     factor, below = Fraction(1), []
     for branch in branches:
@@ -104,14 +107,14 @@ def _stages(tree: NystroemTree, table: NystroemTable) -> tuple[list[Fraction], F
 
 
 def _dot(weights: Sequence[Fraction], values: Sequence[Fraction]) -> Fraction:
-    """Explicit tables may leave out the zeros at the end of a row."""
+    """Return the dot product; explicit tables may omit the zeros at the end of a row."""
     return sum(map(mul, weights, values), Fraction(0))
 
 
 def phase_lag_defect(
     drifts: Sequence[Fraction], kicks: Sequence[Fraction], phase_order: int
 ) -> float:
-    """Largest coefficient of p(z) - cos z up to z^phase_order, in exact arithmetic.
+    """Return the largest coefficient of p(z) - cos z up to z^phase_order, in exact arithmetic.
 
     >>> half = Fraction(1, 2)
     >>> phase_lag_defect([half, half], [2 * half], 2), phase_lag_defect([half, half], [2 * half], 4)

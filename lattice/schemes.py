@@ -1,14 +1,14 @@
-"""Time-stepping schemes as tables, and how large a step they bear.
+"""Time-stepping schemes as coefficient tables, and their stability limits.
 
-Drift-kick splittings of y'' = f(y) use that the kinetic energy is quadratic. They need satisfy the
-Nystroem conditions only, which are fewer than a general composition's; their free weights are spent
-on a small error. Long waves are nearly linear, so most of that error is a wrong speed: a higher
-phase-lag order removes it. At a sup error of 1e-6 of Y2 the method of order 6 and phase-lag order 8
-evaluates the force half as often as Blanes and Moan's of order 6, and a quarter as often as Kahan
-and Li's of order 8 (`benchmarks/same_lattice.py`).
+Drift-kick splittings of y'' = f(y) exploit that the kinetic energy is quadratic. They need to
+satisfy only the Nystroem conditions, fewer than those of a general composition; their free weights
+are chosen for a small error. Long waves are nearly linear, so most of that error is a wrong speed,
+which a higher phase-lag order removes. At a sup error of 1e-6 of Y2 the method of order 6 and
+phase-lag order 8 evaluates the force half as often as Blanes and Moan's of order 6, and a quarter
+as often as Kahan and Li's of order 8 (`benchmarks/same_lattice.py`).
 
-A table is checked for its shape and its consistency when it is declared, for the order that it
-claims by `check_order`. Adding a scheme is one table here, in `SCHEMES`.
+A table's shape and consistency are checked when it is declared, its order by `check_order`. To add
+a scheme, add its table to `SCHEMES`.
 """
 
 import re
@@ -33,9 +33,8 @@ Exact = tuple[Fraction, ...]
 class Scheme:
     """A time-stepping scheme as a table; `lattice.stepper.advance` runs it.
 
-    ``name`` is the name by which a scene asks for it, ``order`` that of convergence in the step,
-    ``reference`` says where the coefficients come from. Tables are values: equal ones have equal
-    hashes.
+    ``name`` is its name in a scene, ``order`` its order of convergence in the step, ``reference``
+    the source of its coefficients. Tables are values: equal ones have equal hashes.
     """
 
     name: str
@@ -50,7 +49,7 @@ class Scheme:
 
     @property
     def rounding(self) -> float:
-        """The defect allowed to the conditions: what the digits that are given leave."""
+        """Tolerance of the order conditions, given the number of digits in the table."""
         return 0.0
 
     @cached_property
@@ -59,7 +58,7 @@ class Scheme:
         return len(self.table().weights)
 
     def table(self) -> NystroemTable:
-        """The scheme as an explicit Nystroem method."""
+        """Return the scheme as an explicit Nystroem method."""
         raise NotImplementedError
 
     @cached_property
@@ -68,16 +67,16 @@ class Scheme:
         return tuple(map(_floats, self.table()))
 
     def oscillator(self, z: Array) -> Array:
-        """One step of y'' = -y with the steps ``z``, as matrices of shape (len(z), 2, 2)."""
+        """Return one step of y'' = -y with each of the steps ``z``, as matrices (len(z), 2, 2)."""
         raise NotImplementedError
 
 
 class DriftKick(Scheme):
-    """A step of drifts y += drift h s and kicks s += kick h f(y), in turn, one more drift."""
+    """Splitting: drifts y += drift h s and kicks s += kick h f(y) in turn, one more drift."""
 
     @cached_property
     def exact(self) -> tuple[Exact, Exact]:
-        """Drifts and kicks in units of the step, exactly."""
+        """Drifts and kicks in units of the step, as fractions."""
         raise NotImplementedError
 
     def __post_init__(self) -> None:
@@ -100,7 +99,7 @@ class DriftKick(Scheme):
         return _floats(self.exact[1])
 
     def table(self) -> NystroemTable:
-        """The scheme as an explicit Nystroem method."""
+        """Return the scheme as an explicit Nystroem method."""
         drifts, kicks = self.exact
         nodes = list(accumulate(drifts))[:-1]
         inner = [
@@ -112,7 +111,7 @@ class DriftKick(Scheme):
         )
 
     def oscillator(self, z: Array) -> Array:
-        """One step of y'' = -y with the steps ``z``, as matrices of shape (len(z), 2, 2)."""
+        """Return one step of y'' = -y with each of the steps ``z``, as matrices (len(z), 2, 2)."""
         step = np.tile(np.eye(2)[..., None], len(z))
         for drift, kick in zip(self.drifts, [*self.kicks, 0.0], strict=True):
             step[0] += drift * z * step[1]
@@ -141,7 +140,10 @@ class Composition(DriftKick):
 
     @cached_property
     def exact(self) -> tuple[Exact, Exact]:
-        """Drifts, half of each kick on either side of it, and kicks, exactly."""
+        """Drifts and kicks, as fractions.
+
+        Half of each kick's weight drifts on either side of it.
+        """
         kicks = tuple(map(Fraction, self.gammas))
         ends = [Fraction(0), *kicks, Fraction(0)]
         return tuple((a + b) / 2 for a, b in pairwise(ends)), kicks
@@ -149,12 +151,12 @@ class Composition(DriftKick):
 
 @dataclass(frozen=True)
 class Splitting(DriftKick):
-    """A symmetric splitting; decimal literals or fractions up to the middle.
+    """A symmetric splitting, given by decimal literals or fractions up to the middle.
 
-    ``drift_half`` holds the drifts up to the middle, ``kick_half`` the kicks. With one drift more
-    than kicks the last drift is the middle of the step, with as many the last kick is.
-    ``phase_order`` is the phase-lag order where it exceeds the order. Raises ValueError if the
-    drifts or the kicks do not sum to 1.
+    ``drift_half`` holds the drifts up to the middle, ``kick_half`` the kicks. If there is one drift
+    more than kicks, the last drift is the middle of the step; otherwise the last kick is.
+    ``phase_order`` is the phase-lag order if it exceeds the order. Raises ValueError if the drifts
+    or the kicks do not sum to 1.
     """
 
     name: str
@@ -175,21 +177,21 @@ class Splitting(DriftKick):
 
     @property
     def rounding(self) -> float:
-        """Defect allowed: a hundred units in the last place of the shortest decimal."""
+        """Tolerance of the conditions: 100 units in the last place of the shortest decimal."""
         literals = self.drift_half + self.kick_half
         decimals = [len(literal.partition(".")[2]) for literal in literals if "." in literal]
         return 10.0 ** (2.0 - min(decimals)) if decimals else 0.0
 
     @cached_property
     def exact(self) -> tuple[Exact, Exact]:
-        """Drifts and kicks, exactly."""
+        """Drifts and kicks in units of the step, as fractions."""
         middle_is_kick = len(self.kick_half) == len(self.drift_half)
         drifts = _mirrored(self.drift_half, not middle_is_kick)
         return drifts, _mirrored(self.kick_half, middle_is_kick)
 
 
 def _mirrored(half: tuple[str, ...], once: bool) -> Exact:
-    """``half`` and its reflection; the last entry stands ``once`` or twice."""
+    """Return ``half`` and its reflection; the last entry appears ``once`` or twice."""
     return tuple(map(Fraction, half + half[::-1][once:]))
 
 
@@ -222,12 +224,12 @@ class RungeKutta(Scheme):
             raise ValueError(f"b must sum to 1, got {sum(self.b)} in {self.name} (check the table)")
 
     def table(self) -> NystroemTable:
-        """Nodes A 1, inner weights A A, position weights b A and velocity weights b."""
+        """Return nodes A 1, inner weights A A, position weights b A and velocity weights b."""
         A, b = np.array(self.A, dtype=object), np.array(self.b, dtype=object)
         return NystroemTable(A.sum(axis=1).tolist(), (A @ A).tolist(), (b @ A).tolist(), self.b)
 
     def oscillator(self, z: Array) -> Array:
-        """One step of y'' = -y with the steps ``z``, as matrices of shape (len(z), 2, 2)."""
+        """Return one step of y'' = -y with each of the steps ``z``, as matrices (len(z), 2, 2)."""
         generator = np.array([[0.0, 1.0], [-1.0, 0.0]])
         table, weights = _floats(self.A), _floats(self.b)
         step, power = np.tile(np.eye(2), (len(z), 1, 1)), np.eye(2)
@@ -244,17 +246,17 @@ def _floats(values: Iterable[object]) -> Array:
 
 
 SCAN = np.linspace(0.0, 8.0, 80_001)[1:]
-"""Steps at which stability is looked at first."""
+"""Steps, in units of 1/omega, at which stability is checked first."""
 
 SCANS = 80
-"""Pieces of them, until one holds an unstable step: each fits the cache."""
+"""Pieces of `SCAN`, checked in turn until one has an unstable step; each fits the cache."""
 
 JURY_SLACK = 1e-12
-"""What rounding may add to an eigenvalue on the unit circle."""
+"""Tolerance for rounding of an eigenvalue on the unit circle."""
 
 
 def _stable(scheme: Scheme, z: Array) -> NDArray[np.bool_]:
-    """Whether both eigenvalues of the step of y'' = -y stay in the unit disc (Jury's test)."""
+    """Return whether both eigenvalues of steps of y'' = -y lie in the unit disc (Jury's test)."""
     step = scheme.oscillator(z)
     trace = step[:, 0, 0] + step[:, 1, 1]
     determinant = step[:, 0, 0] * step[:, 1, 1] - step[:, 0, 1] * step[:, 1, 0]
@@ -266,7 +268,7 @@ def _stable(scheme: Scheme, z: Array) -> NDArray[np.bool_]:
 
 @cache
 def stability_limit(scheme: Scheme) -> float:
-    """Largest z = omega h below which y'' = -omega^2 y stays bounded.
+    """Return the largest z = omega h below which y'' = -omega^2 y stays bounded.
 
     Scanned in steps of 1e-4 up to 8, then refined by bisection.
 
@@ -276,8 +278,8 @@ def stability_limit(scheme: Scheme) -> float:
     >>> round(stability_limit(scheme_named("rk4")) ** 2, 6)
     8.0
     """
-    found = (piece[~_stable(scheme, piece)] for piece in np.split(SCAN, SCANS))
-    high = next((float(unstable[0]) for unstable in found if unstable.size), None)
+    unstable_steps = (piece[~_stable(scheme, piece)] for piece in np.split(SCAN, SCANS))
+    high = next((float(unstable[0]) for unstable in unstable_steps if unstable.size), None)
     if high is None:
         return float(SCAN[-1])
     low = high - float(SCAN[0])
@@ -291,9 +293,9 @@ def stability_limit(scheme: Scheme) -> float:
 
 
 def check_step(step: float, scheme: Scheme, highest_frequency: float) -> float:
-    """The largest stable step (time units) for waves up to that frequency.
+    """Return the largest stable step (time units) for waves up to that frequency.
 
-    Raises ValueError if ``step`` is past it.
+    Raises ValueError if ``step`` exceeds it.
     """
     limit = stability_limit(scheme) / highest_frequency
     if step > limit:
@@ -424,10 +426,10 @@ REDUCED_PHASE_6 = Splitting(
 
 
 def check_order(scheme: Scheme) -> None:
-    """Raise ValueError unless the scheme has its order, and its phase-lag order if it claims one.
+    """Raise ValueError unless the scheme has its order, and its phase-lag order if it states one.
 
-    The conditions are those of what is run: y'' = f(y) and no other equation. They are evaluated
-    exactly; the defect allowed is what the digits of the table leave.
+    The conditions are those for y'' = f(y) only, evaluated exactly; the tolerance allows for the
+    digits of the table.
 
     >>> check_order(Composition("verlet", 2, ("1",), ""))
     >>> check_order(Composition("verlet", 4, ("1",), ""))
@@ -458,10 +460,11 @@ SCHEMES: tuple[Scheme, ...] = (
 
 
 def scheme_named(name: str) -> Scheme:
-    """The scheme of that name, or the one that is stated; ValueError lists the known ones.
+    """Return the scheme of that name, or the one that the text defines.
 
-    A symmetric splitting of your own is stated by its weights up to the middle of the step, as in
-    `Splitting`, and checked against the conditions of its order.
+    A symmetric splitting of your own is defined by its weights up to the middle of the step, as in
+    `Splitting`, and checked against the conditions of its order. Raises ValueError, listing the
+    known names, for any other text.
 
     >>> scheme_named("rk4").stages
     4
@@ -472,28 +475,29 @@ def scheme_named(name: str) -> Scheme:
         if scheme.name == name:
             return scheme
     if ":" in name:
-        return _stated(name)
+        return _user_defined(name)
     known = one_of(name, [scheme.name for scheme in SCHEMES])
     raise ValueError(f"scheme must be a known one, got {shown(name)} ({known}; or such as {OWN})")
 
 
 OWN = "'mine, order 2: drifts 1/6 2/3, kicks 1/2'"
-"""An example of a scheme that is stated."""
+"""Example of the text that defines a scheme."""
 
-STATED = re.compile(r"([A-Za-z]\w{,39}), order (\d{1,2}): drifts ([^,]+), kicks ([^,]+)")
+USER_DEFINED = re.compile(r"([A-Za-z]\w{,39}), order (\d{1,2}): drifts ([^,]+), kicks ([^,]+)")
 
 WEIGHT = re.compile(r"-?\d{1,9}(\.\d{1,60}|/[1-9]\d{,9})?")
 
 HIGHEST_ORDER, MOST_WEIGHTS = 10, 20
-"""Of a scheme that is stated: its conditions are many."""
+"""Limits of a user-defined scheme, whose order conditions are numerous."""
 
 
 @cache
-def _stated(text: str) -> Scheme:
-    found = STATED.fullmatch(text)
-    if found is None:
-        raise ValueError(f"scheme must be stated as {OWN}, got {shown(text)}")
-    order, drifts, kicks = int(found[2]), *(tuple(found[group].split()) for group in (3, 4))
+def _user_defined(text: str) -> Scheme:
+    """Parse a user-defined scheme. Raises ValueError if its text or order is wrong."""
+    parts = USER_DEFINED.fullmatch(text)
+    if parts is None:
+        raise ValueError(f"scheme must be defined as {OWN}, got {shown(text)}")
+    order, drifts, kicks = int(parts[2]), *(tuple(parts[group].split()) for group in (3, 4))
     for weight in (*drifts, *kicks):
         if not WEIGHT.fullmatch(weight):
             raise ValueError(

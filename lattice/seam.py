@@ -1,21 +1,21 @@
-"""The seam of a ring: closing it, and letting fade what it sends out.
+"""The seam of a ring: closing the wave across it, and damping what it emits.
 
 A localised wave on a periodic background approaches its far field through a phase that decays like
-1/x, so the data at the two ends of m wavelengths miss each other by O(1/m). The circumference of a
-spectral ring is any real number: the one for which Y(x + L) = Y(x) across the seam in the sense of
-least squares leaves a miss of a higher order. Where the phase jumps by a constant, as across the
-dark breather, it closes exactly.
+1/x, so the data at the two ends of m wavelengths differ by O(1/m). The circumference of a spectral
+ring is any real number. The one that makes Y(x + L) = Y(x) across the seam in the least-squares
+sense leaves a mismatch of a higher order. If the phase jumps by a constant, as across the dark
+breather, the ring closes exactly.
 
-A kink between -A and A closes with its own negative, which is a wave of the lattice, too, where the
-force is odd: it stands at the seam.
+A kink between -A and A closes with its own negative, placed at the seam, which is also a wave of
+the lattice if the force is odd.
 
-What is left of the miss leaves a mean velocity, with which the mean strain would drift. It is taken
-off at the seam, not everywhere: the data elsewhere are the wave's own.
+The remaining mismatch has a mean velocity, with which the mean strain would drift. It is subtracted
+at the seam only, so that the data elsewhere are the wave's own.
 
-What the seam of a closed ring sends out may grow until waves cease to exist there, although the
-lattice itself is sound. The sites beyond the cone of the compared ones, which grows narrower all
-the time, are therefore drawn to a constant strain at rest, gently: a sudden end would send a wave
-back, whose strains add to those that arrive.
+What the seam of a closed ring emits may grow until waves cease to exist there, although the lattice
+itself is sound. Sites that can no longer reach the compared ones are therefore relaxed to a
+constant strain at rest. The relaxation sets in gently, because a sharp edge would reflect waves,
+whose strains add to those that arrive.
 """
 
 import math
@@ -34,16 +34,18 @@ SAMPLES = 64
 """Points on the wavelength about the seam, and circumferences tried within one wavelength."""
 
 GAUSS_NEWTON_STEPS, APART = 12, 1e-5
-"""Most steps from the best of those tried; the slope is a difference over so many wavelengths."""
+"""Most Gauss-Newton steps from the best circumference tried, and the difference step of the slope
+in wavelengths."""
 
 BLEND_REACH = 6.0
-"""The blend runs from 0 to 1, to double precision, within so many of its widths on either side."""
+"""Distance, in blend widths, within which the blend runs from 0 to 1 to double precision."""
 
 
 def close_circumference(profile: Profile, wavelength: float, count: int) -> float:
-    """The circumference within half a wavelength of ``count`` of them that closes the profile best.
+    """Return the circumference near ``count`` wavelengths that closes the profile best.
 
-    ``profile`` is Y against x, the seam lies at x = -L/2 and x = L/2.
+    It is within half a wavelength of that. ``profile`` is Y against x; the seam is at x = -L/2 and
+    x = L/2.
 
     >>> round(close_circumference(lambda x: np.cos(x - np.arctan(x) / 2), 2 * np.pi, 8), 4)
     51.7975
@@ -70,10 +72,10 @@ def close_circumference(profile: Profile, wavelength: float, count: int) -> floa
 
 
 def blend_seam(profile: Profile, circumference: float, width: float, x: Array) -> Array:
-    """The profile made smoothly periodic, at points -L/2 <= x <= L/2 (its last axis).
+    """Return the profile made smoothly periodic, at points -L/2 <= x <= L/2 (its last axis).
 
-    Within BLEND_REACH ``width`` of the seam it passes over into its own copy a circumference away,
-    so that what is left of the miss puts no kink, and no short waves, there.
+    Within BLEND_REACH ``width`` of the seam it is blended with its own copy a circumference away,
+    so that the mismatch causes no kink and no short waves.
 
     >>> x = np.array([-5.0, 0.0, 5.0])
     >>> blend_seam(lambda x: x, 10.0, 0.5, x)
@@ -90,11 +92,11 @@ def blend_seam(profile: Profile, circumference: float, width: float, x: Array) -
 
 
 def negate_at_seam(profile: Profile, circumference: float, crest: float, x: Array) -> Array:
-    """A kink's profile with its negative about the seam, at points -L/2 <= x <= L/2.
+    """Return a kink's profile with its negative about the seam, at points -L/2 <= x <= L/2.
 
-    ``crest`` is the place of the site nearest to the kink. Half-way between it and the seam the two
-    pass into each other. The negative lies between sites as the kink does: a steep one's strains
-    depend on that.
+    ``crest`` is the position of the site nearest to the kink. Half-way between kink and seam the
+    profile passes to its negative, which lies between sites as the kink does, because the strains
+    of a steep kink depend on that.
 
     >>> values = negate_at_seam(np.tanh, 80.0, 0.0, np.array([-40.0, -30.0, 0.0, 30.0, 39.0]))
     >>> values.round(3) + 0.0
@@ -108,7 +110,7 @@ def negate_at_seam(profile: Profile, circumference: float, crest: float, x: Arra
 
 
 def rest_at_seam(s: Array, circumference: float, width: float, x: Array) -> Array:
-    """The velocity ``s`` without its mean, taken off where it is blended (-L/2 <= x <= L/2).
+    """Return the velocity ``s`` with zero mean, changed near the seam only (-L/2 <= x <= L/2).
 
     >>> x = np.linspace(-5.0, 5.0, 100, endpoint=False)
     >>> rest = rest_at_seam(np.ones(100), 10.0, 0.5, x)
@@ -122,20 +124,20 @@ def rest_at_seam(s: Array, circumference: float, width: float, x: Array) -> Arra
 
 
 FADING_DEPTH = 128
-"""Least sites over which the fading sets in."""
+"""Fewest sites over which the damping sets in."""
 
 FADING_STRENGTH = 12.0
-"""Rate of the fading at that depth and beyond, in units of the time in which the cone's end goes
-it: a wave that runs into it at twice that speed has lost 86 % there."""
+"""Damping rate at full depth, in units of the inverse time in which the boundary crosses that
+depth: a wave that enters at twice its speed has lost 86 % there."""
 
 
 @dataclass
 class Fading:
-    """Fades the sites of a ring from which ``speed`` no longer leads to a compared site.
+    """Damping of the sites of a ring from which ``speed`` no longer leads to a compared site.
 
-    At ``t0`` all sites lead there; at t those do that are further than ``speed`` (t - t0) from the
-    seam. ``level`` is the strain in which the others end, ``depth`` the sites over which the
-    fading sets in, a wavelength if there is one.
+    At ``t0`` all sites can reach one; at t those can that are further than ``speed`` (t - t0) from
+    the seam. ``level`` is the strain to which the others relax, ``depth`` the number of sites over
+    which the damping sets in, a wavelength if there is one.
     """
 
     t0: float
@@ -147,14 +149,17 @@ class Fading:
         self.faded_until = self.t0
 
     def at(self, state: State) -> None:
-        """Fade what no longer matters at ``state.t``, for the time since the last call."""
-        passed, self.faded_until = state.t - self.faded_until, state.t
-        gone = min(math.floor(self.speed * (state.t - self.t0)), (state.size + 1) // 2)
-        if gone <= 0 or passed <= 0.0:
+        """Damp the sites that no longer matter at ``state.t``, for the time since the last call."""
+        elapsed, self.faded_until = state.t - self.faded_until, state.t
+        faded = min(math.floor(self.speed * (state.t - self.t0)), (state.size + 1) // 2)
+        if faded <= 0 or elapsed <= 0.0:
             return
-        inside = np.arange(gone, 0, -1.0) / self.depth
+        inside = np.arange(faded, 0, -1.0) / self.depth
         rate = FADING_STRENGTH * self.speed / self.depth * np.minimum(inside, 1.0) ** 2
-        kept = np.exp(-rate * passed)
-        for sites, left in ((state.sites[:gone], kept), (state.sites[-gone:], kept[::-1])):
+        factors = np.exp(-rate * elapsed)
+        for sites, factor in (
+            (state.sites[:faded], factors),
+            (state.sites[-faded:], factors[::-1]),
+        ):
             y, s = state.at(sites)
-            state.store(sites, self.level + left * (y - self.level), left * s)
+            state.store(sites, self.level + factor * (y - self.level), factor * s)

@@ -1,8 +1,8 @@
-"""What sensors on a driven chain read, with the derivatives by parameters of its forces and losses.
+"""Readings of sensors on a driven chain, and their derivatives by parameters of forces and losses.
 
-The stages of the lattice's own splitting are done by NumPy, each with its derivative (the first
-variation of the flow): the run is that of the compiled kernel, and its derivatives are exact but
-for rounding; nothing is differenced. All arrays hold the value in their first column, then its
+The stages of the lattice's own splitting are done in NumPy, each with its derivative (the first
+variation of the flow). The run equals that of the compiled kernel, and the derivatives are exact to
+rounding; there are no finite differences. All arrays hold the value in their first column, then its
 derivative by each parameter.
 """
 
@@ -26,15 +26,15 @@ from longwave.lattice.state import State
 Array = NDArray[np.float64]
 
 NEGLIGIBLE = 1e-17
-"""The first term of a drift's series that is left out, in units of its velocities."""
+"""Largest neglected term of a drift's series, in units of its velocities."""
 
 SMALL = 256
-"""Numbers of a state up to which a matrix is faster as it stands than a sparse one."""
+"""Largest size of a state for which dense matrices are faster than sparse ones."""
 
 
 @dataclass(frozen=True)
 class FreeParameter:
-    """What a unit of it adds to each bond's force, to masses, and to the factors of losses."""
+    """Derivatives of each bond's force, of masses, and of loss coefficients by a parameter."""
 
     forces: tuple[ForceProgram | None, ...]
     masses: tuple[float, ...]
@@ -44,7 +44,7 @@ class FreeParameter:
 
 @dataclass(frozen=True)
 class Sensor:
-    """What is read (displacement, velocity, strain or force), in which field or bond and cell."""
+    """Quantity read (displacement, velocity, strain or force), index of field or bond, and cell."""
 
     quantity: str
     inner: int
@@ -52,7 +52,7 @@ class Sensor:
 
 
 class VariedChain:
-    """A chain and its derivatives by ``parameters``."""
+    """A driven chain with the derivatives of its motion by ``parameters``."""
 
     def __init__(self, chain: DrivenChain, parameters: Sequence[FreeParameter]) -> None:
         self._chain, self._parameters = chain, parameters
@@ -60,28 +60,30 @@ class VariedChain:
         fields, bonds = len(chain.fields), len(chain.bonds)
         masses = chain.cell_masses.ravel()
         self._inverse = np.divide(1.0, masses, out=np.zeros_like(masses), where=masses > 0.0)
-        self._pushes = []
+        self._force_weights = []
         for force in chain.outer_forces:
             at = force.field * self._ring + np.arange(chain.cells)
             shares = force.shares(masses[at]) * self._inverse[at]
             [cells] = np.nonzero(shares)
-            self._pushes.append((at[cells], shares[cells], force.law))
-        self._kept = chain.bond_shares.ravel()
+            self._force_weights.append((at[cells], shares[cells], force.law))
+        self._bond_shares = chain.bond_shares.ravel()
         stretch = self._matrix([bond.stretch for bond in chain.bonds], fields, 1)
-        self._stretch = sparse.diags((self._kept != 0.0).astype(np.float64)) @ stretch
+        self._stretch = sparse.diags((self._bond_shares != 0.0).astype(np.float64)) @ stretch
         action = self._matrix([bond.action for bond in chain.bonds], fields, -1).T
-        self._action = sparse.diags(self._inverse) @ action @ sparse.diags(self._kept)
-        heavier = [np.divide(one.masses, chain.masses) for one in parameters]
-        self._heavier = self._columns(heavier, fields)
-        self._pots = self._columns([chain.dashpots, *(one.dashpots for one in parameters)], bonds)
+        self._action = sparse.diags(self._inverse) @ action @ sparse.diags(self._bond_shares)
+        mass_changes = [np.divide(one.masses, chain.masses) for one in parameters]
+        self._mass_changes = self._columns(mass_changes, fields)
+        self._dashpots = self._columns(
+            [chain.dashpots, *(one.dashpots for one in parameters)], bonds
+        )
         rates = self._columns([one.losses for one in parameters], fields)
-        own = self._columns([np.multiply(chain.losses, chain.masses)], fields)[:, 0]
-        self._drag = sparse.diags(own * self._inverse) - self._damped(self._pots[:, 0])
+        losses = self._columns([np.multiply(chain.losses, chain.masses)], fields)[:, 0]
+        self._drag = sparse.diags(losses * self._inverse) - self._damped(self._dashpots[:, 0])
         drags = [
-            sparse.diags(rates[:, place] * self._inverse)
-            - self._damped(self._pots[:, place + 1])
-            - sparse.diags(self._heavier[:, place]) @ self._drag
-            for place in range(len(parameters))
+            sparse.diags(rates[:, index] * self._inverse)
+            - self._damped(self._dashpots[:, index + 1])
+            - sparse.diags(self._mass_changes[:, index]) @ self._drag
+            for index in range(len(parameters))
         ]
         self._drags = sparse.vstack([self._drag, *drags]).tocsr()
         self._fastest = float(abs(self._drag).sum(axis=1).max())
@@ -91,7 +93,7 @@ class VariedChain:
                 setattr(self, name, getattr(self, name).toarray())
 
     def _matrix(self, parts: Sequence[Sequence[Entry]], fields: int, sign: int) -> sparse.csr_array:
-        """The sum that each bond is of fields, (bonds * ring, fields * ring)."""
+        """Return the matrix of each bond's stencil of fields, (bonds * ring, fields * ring)."""
         cells = np.arange(self._ring)
         rows, columns, weights = [], [], []
         for bond, entries in enumerate(parts):
@@ -105,10 +107,11 @@ class VariedChain:
         return sparse.csr_array((np.concatenate(weights), at), shape)
 
     def _columns(self, rows: Sequence[ArrayLike], count: int) -> Array:
-        """Numbers of fields or bonds in all cells, (count * ring, rows)."""
+        """Return numbers of fields or bonds repeated for all cells, (count * ring, rows)."""
         return np.repeat(np.reshape(np.array(rows), (len(rows), count)), self._ring, axis=1).T
 
     def _damped(self, dashpots: Array) -> sparse.csr_array:
+        """Return the matrix from velocities to accelerations by these dashpots."""
         return self._action @ sparse.diags(dashpots) @ self._stretch
 
     def readings(
@@ -119,69 +122,69 @@ class VariedChain:
         sensors: Sequence[Sensor],
         scheme: DriftKick = REDUCED_PHASE_6,
     ) -> Array:
-        """What the sensors read at all times, (times, sensors, 1 + parameters).
+        """Return the readings of all sensors at all times, (times, sensors, 1 + parameters).
 
         Steps are at most ``step`` long, and equal between two times, as in `lattice.integrate`.
         """
-        held = self._chain.held(state)
-        u, v = np.zeros((2, held.f.size, 1 + len(self._parameters)))
-        u[:, 0], v[:, 0] = held.f.ravel(), held.v.ravel()
-        found, begin = np.empty((times.size, len(sensors), u.shape[1])), state.t
-        for place, t in enumerate(times.tolist()):
+        start = self._chain.with_walls(state)
+        u, v = np.zeros((2, start.f.size, 1 + len(self._parameters)))
+        u[:, 0], v[:, 0] = start.f.ravel(), start.v.ravel()
+        readings, begin = np.empty((times.size, len(sensors), u.shape[1])), state.t
+        for row, t in enumerate(times.tolist()):
             steps = math.ceil((t - begin) / step * (1.0 - 1e-12))
             if steps:
                 self._advance(u, v, scheme, begin, (t - begin) / steps, steps)
-            found[place] = list(self._read(u, v, t, sensors))
+            readings[row] = list(self._read(u, v, t, sensors))
             begin = t
-        return found
+        return readings
 
     def _advance(
         self, u: Array, v: Array, scheme: DriftKick, t: float, h: float, steps: int
     ) -> None:
-        """Advance in place."""
+        """Advance displacements and velocities, with their derivatives, in place."""
         drifts, kicks = scheme.drifts * h, scheme.kicks * h
         starts = t + h * np.arange(steps)[:, np.newaxis]
-        moments: Array = np.asarray(starts + np.cumsum(drifts[:-1]), dtype=np.float64).reshape(-1)
-        places, rates = np.zeros((2, moments.size, len(u)))
-        pushes = [force.value(moments) for force in self._chain.outer_forces]
+        times: Array = np.asarray(starts + np.cumsum(drifts[:-1]), dtype=np.float64).reshape(-1)
+        positions, rates = np.zeros((2, times.size, len(u)))
+        force_values = [force.value(times) for force in self._chain.outer_forces]
         walls = self._walls()
         for at, path in walls:
-            places[:, at] = np.reshape(path(moments), (-1, 1))
-            if self._pots.any():
-                rates[:, at] = np.reshape(path.slope(moments), (-1, 1))  # type: ignore[attr-defined]
-        for number in range(moments.size):
+            positions[:, at] = np.reshape(path(times), (-1, 1))
+            if self._dashpots.any():
+                rates[:, at] = np.reshape(path.slope(times), (-1, 1))  # type: ignore[attr-defined]
+        for number in range(times.size):
             stage = number % kicks.size
             self._drift(u, v, drifts[stage])
             for at, _ in walls:
-                u[at, 0] = places[number, at]
-            pushed = [values[number] for values in pushes]
-            v += kicks[stage] * self._acceleration(u, pushed, rates[number])
+                u[at, 0] = positions[number, at]
+            external = [values[number] for values in force_values]
+            v += kicks[stage] * self._acceleration(u, external, rates[number])
             if stage == kicks.size - 1:
                 self._drift(u, v, drifts[-1])
 
     def _walls(self) -> list[tuple[list[int], TimeFunction]]:
-        """The places of walls that move, and how."""
+        """Return the row indices of each moving wall, and its displacement in time."""
         fields = range(len(self._chain.fields))
         return [
-            ([field * self._ring + place for field in fields for place in wall.places], path)
+            ([field * self._ring + cell for field in fields for cell in wall.places], path)
             for wall in self._chain.walls
             if (path := wall.displacement) is not None
         ]
 
     def _drift(self, u: Array, v: Array, length: float) -> None:
-        """The flow of ``u' = v, v' = -G v`` by its series."""
+        """Apply the flow of ``u' = v, v' = -G v`` in place, by its series."""
         u += length * v
         term, weight = v, length
         for power in range(2, self._terms(length) + 2):
-            turned = (self._drags @ term[:, 0]).reshape(-1, len(u)).T
-            turned[:, 1:] += self._drag @ term[:, 1:]
-            term = -turned
+            change = (self._drags @ term[:, 0]).reshape(-1, len(u)).T
+            change[:, 1:] += self._drag @ term[:, 1:]
+            term = -change
             v += weight * term
             weight *= length / power
             u += weight * term
 
     def _terms(self, length: float) -> int:
-        """The terms of a drift's series that are not negligible."""
+        """Return how many terms of a drift's series are not negligible."""
         count, bound = int(self._is_damped), self._fastest * abs(length)
         size = bound
         while size > NEGLIGIBLE:
@@ -189,46 +192,48 @@ class VariedChain:
             size *= bound / count
         return count
 
-    def _acceleration(self, u: Array, pushed: Sequence[float], rates: Array) -> Array:
+    def _acceleration(self, u: Array, external: Sequence[float], rates: Array) -> Array:
+        """Return the accelerations and their derivatives."""
         forces = self._forces(self._stretch @ u)
         if rates.any():
-            forces += self._pots * (self._stretch @ rates)[:, np.newaxis]
-        found = self._action @ forces
-        for value, (rows, shares, law) in zip(pushed, self._pushes, strict=True):
-            own = u[rows]
-            found[rows, 0] += value * shares * (1.0 if law is None else law(own[:, 0]))
+            forces += self._dashpots * (self._stretch @ rates)[:, np.newaxis]
+        result = self._action @ forces
+        for value, (rows, shares, law) in zip(external, self._force_weights, strict=True):
+            displacements = u[rows]
+            result[rows, 0] += value * shares * (1.0 if law is None else law(displacements[:, 0]))
             if law is not None:
-                slopes = value * shares * law.slope(own[:, 0])
-                found[rows, 1:] += slopes[:, np.newaxis] * own[:, 1:]
-        found[:, 1:] -= self._heavier * found[:, :1]
-        return np.asarray(found)
+                slopes = value * shares * law.slope(displacements[:, 0])
+                result[rows, 1:] += slopes[:, np.newaxis] * displacements[:, 1:]
+        result[:, 1:] -= self._mass_changes * result[:, :1]
+        return np.asarray(result)
 
     def _forces(self, stretches: Array) -> Array:
-        """The bonds' forces and their derivatives, (bonds * ring, 1 + parameters)."""
-        found = np.empty_like(stretches)
-        for place, bond in enumerate(self._chain.bonds):
-            rows = slice(place * self._ring, (place + 1) * self._ring)
+        """Return the bonds' forces and their derivatives, (bonds * ring, 1 + parameters)."""
+        forces = np.empty_like(stretches)
+        for bond_index, bond in enumerate(self._chain.bonds):
+            rows = slice(bond_index * self._ring, (bond_index + 1) * self._ring)
             x = stretches[rows, 0]
-            found[rows, 0] = bond.force(x)
-            found[rows, 1:] = bond.force.slope(x)[:, np.newaxis] * stretches[rows, 1:]
+            forces[rows, 0] = bond.force(x)
+            forces[rows, 1:] = bond.force.slope(x)[:, np.newaxis] * stretches[rows, 1:]
             for column, parameter in enumerate(self._parameters, 1):
-                added = parameter.forces[place]
+                added = parameter.forces[bond_index]
                 if added is not None:
-                    found[rows, column] += added(x)
-        return found
+                    forces[rows, column] += added(x)
+        return forces
 
     def _read(self, u: Array, v: Array, t: float, sensors: Sequence[Sensor]) -> Iterator[Array]:
+        """Yield the reading of each sensor, with its derivatives, at time ``t``."""
         u = u.copy()
         for at, path in self._walls():
             u[at, 0] = path(np.array([t]))
-        for free, beside in self._chain.free:
-            u[free :: self._ring] = u[beside :: self._ring]
+        for free, neighbour in self._chain.free:
+            u[free :: self._ring] = u[neighbour :: self._ring]
         stretches = self._stretch @ u
-        held = {
+        quantities = {
             "displacement": u,
             "velocity": v,
             "strain": stretches,
-            "force": self._forces(stretches) * self._kept[:, np.newaxis],
+            "force": self._forces(stretches) * self._bond_shares[:, np.newaxis],
         }
         for sensor in sensors:
-            yield held[sensor.quantity][sensor.inner * self._ring + sensor.cell]
+            yield quantities[sensor.quantity][sensor.inner * self._ring + sensor.cell]

@@ -1,4 +1,4 @@
-"""What moves on a ring of cells at one time, what stops a run, and the cells that it follows."""
+"""The state of a ring at one time, blow-ups, and the domains of cells that runs follow."""
 
 from __future__ import annotations
 
@@ -17,11 +17,12 @@ Sites = NDArray[np.int64]
 
 @dataclass
 class State:
-    """Fields ``f`` and velocities ``v``, of shape (fields, *cells), on a ring at the time ``t``.
+    """Fields ``f`` and velocities ``v``, of shape (fields, *cells), on a ring at time ``t``.
 
-    Of displacements that grow with the cell the periodic part is held; the rest is in the offsets
-    of the lattice's bonds. A chain's cells are ``left`` .. ``left + cells - 1``, cell n stored at
-    index n mod cells, so that a window moves without copying. A run changes the arrays in place.
+    For displacements that grow with the cell, the arrays hold the periodic part; the rest is in the
+    offsets of the lattice's bonds. A chain's cells are ``left`` .. ``left + cells - 1``; cell n is
+    stored at index n mod cells, so that a window moves without copying. A run changes the arrays in
+    place.
     """
 
     t: float
@@ -36,11 +37,11 @@ class State:
 
     @property
     def size(self) -> int:
-        """Fields of all cells."""
+        """Number of field values."""
         return int(self.f.size)
 
     def copy(self) -> State:
-        """A state of its own."""
+        """Return a copy with arrays of its own."""
         return State(self.t, self.f.copy(), self.v.copy(), self.left)
 
     @property
@@ -49,7 +50,9 @@ class State:
         return np.arange(self.left, self.left + self.f.shape[1])
 
     def at(self, sites: Sites) -> tuple[Array, Array]:
-        """Copies of fields and velocities in the given cells of a chain, which must be held.
+        """Return copies of fields and velocities in the given cells of a chain.
+
+        The state must contain these cells.
 
         >>> state = State(0.0, np.array([[6.0, 7.0, 5.0]]), np.zeros((1, 3)), left=5)
         >>> state.at(np.array([5, 6, 7]))[0]
@@ -66,7 +69,7 @@ class State:
 
 
 def empty_chain(t: float, left: int, size: int) -> State:
-    """A state of a chain of one field, whose values are still to be stored."""
+    """Return a state of a chain of one field with uninitialised values."""
     return State(t, np.empty((1, size)), np.empty((1, size)), left)
 
 
@@ -76,9 +79,9 @@ GROWTH = 100.0
 
 @dataclass(frozen=True)
 class BlowUp:
-    """What was first seen, when and where.
+    """First blow-up criterion met, with its time and site.
 
-    ``from_seam`` is the distance in sites from a ring's seam whose signals can have been there.
+    ``from_seam`` is the distance in sites from a ring's seam whose signals may have arrived there.
     """
 
     criterion: str
@@ -92,49 +95,49 @@ class BlowUp:
             return text
         return (
             f"{text}, {self.from_seam} sites from the ring's seam, where the wave does not close "
-            "(what comes from there may be its cause, and not the lattice: end earlier, take sites "
-            "with which it closes better, or a tolerance in the place of step and domain)"
+            "(signals from there may be the cause, not the lattice: end earlier, take a number of "
+            "sites with which it closes better, or a tolerance instead of step and domain)"
         )
 
 
 class Domain(Protocol):
-    """What a run needs of a domain; ``moves`` are the times at which it follows the wave.
+    """Protocol of a domain of cells; ``moves`` are the times at which it follows the wave.
 
-    What is written here is a ring of sites that stays where it is.
+    The default implementations are those of a ring of sites that does not move.
     """
 
     moves: frozenset[float] = frozenset()
 
     @property
     def mismatch(self) -> float:
-        """Largest difference of y/eps between what was fed and the sites next to it."""
+        """Largest difference of y/eps between the far field fed in and the sites next to it."""
         return 0.0
 
     def start(self) -> State:
-        """The initial state."""
+        """Return the initial state."""
 
     def follow(self, state: State) -> BlowUp | None:
-        """Move to the sites that belong to ``state.t``; say what is wrong there, if anything.
+        """Move the domain to the sites of ``state.t``; return a blow-up found there, or None.
 
-        To be called at each of the ``moves``.
+        Call it at each of the ``moves``.
         """
         return None
 
     def fade(self, state: State) -> None:
-        """Change what can no longer reach a compared site, if that is of use.
+        """Damp, in place, what can no longer reach a compared site, if the domain does so.
 
-        To be called wherever the march stops.
+        Call it wherever the march stops.
         """
         return
 
-    def locate(self, found: BlowUp, state: State) -> BlowUp:
-        """``found``, with what the domain may have to do with it."""
-        return found
+    def locate(self, blow_up: BlowUp, state: State) -> BlowUp:
+        """Return the blow-up with its distance from the domain's seam, if there is one."""
+        return blow_up
 
     def memory(self) -> Memory:
-        """What has become of the domain on the way, for `recall`."""
+        """Return the domain's changing data, for `recall`."""
         return {}
 
     def recall(self, memory: Memory, t: float) -> None:
-        """Be what the domain was, at a stop of the march at ``t``."""
+        """Restore the domain from a `memory`, at a stop of the march at ``t``."""
         return

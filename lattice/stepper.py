@@ -1,4 +1,4 @@
-"""Advancing a ring by a scheme, and stepping a state through the times at which it is wanted."""
+"""Time stepping: advancing a ring by a scheme, and stepping a state through given times."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -21,7 +21,7 @@ def advance(
 ) -> None:
     """Advance fields and velocities, (fields, *cells), in place by ``steps`` steps of length ``h``.
 
-    The fastest kernel is taken that scheme and size admit.
+    Uses the fastest kernel that scheme and size allow.
     """
     Dynamics(lattice).advance(scheme, f, v, h, steps)
 
@@ -30,32 +30,33 @@ CHUNK = 64
 """Most steps between two stops; a chunk that blew up is repeated step by step."""
 
 LEAST_CHUNK = 8
-"""Fewest of them, unless told: to look at a large ring, and to copy it, takes as long as a step."""
+"""Default fewest steps between two stops: checking and copying a large ring costs as much as a
+step."""
 
 UPDATES = 3e8
-"""Most force evaluations between two stops, a fraction of a second: Ctrl-C waits for them."""
+"""Most force evaluations between two stops, a fraction of a second, so that Ctrl-C acts soon."""
 
 
 @dataclass
 class FixedDomain(Domain):
-    """The ring of all sites of a state."""
+    """The ring of all sites of a state, which does not move."""
 
     state: State
 
     def start(self) -> State:
-        """The state itself, which is advanced in place."""
+        """Return the state itself, which is advanced in place."""
         return self.state
 
 
 class Stepper:
-    """Advances ``state`` in place, following the domain and watching for a blow-up.
+    """Advances ``state`` in place, following the domain and checking for a blow-up.
 
-    Between two times that are wanted, or at which the domain moves, the steps are equal and not
-    longer than ``step``, so that those times are hit exactly. ``amplitude`` is the largest stretch
-    of the wave at the run's beginning, None if there is no wave and strains may be what they will.
-    At most ``chunk`` steps, by default some `UPDATES` or `LEAST_CHUNK`, lie between two stops.
-    ``ranges`` are what was met at the stops, on any site (`Dynamics.ranges`). ``blow_up`` is set
-    when the march had to stop; ``steps`` counts.
+    Between two requested times, or moves of the domain, the steps are equal and not longer than
+    ``step``, so that those times are hit exactly. ``amplitude`` is the largest stretch of the wave
+    at the start; None, without a wave, allows strains of any size. At most ``chunk`` steps lie
+    between two stops; the default depends on `UPDATES` and `LEAST_CHUNK`. ``ranges`` are those met
+    at the stops, on any site (`Dynamics.ranges`). ``blow_up`` is set when the march had to stop;
+    ``steps`` counts the steps.
     """
 
     def __init__(
@@ -84,8 +85,8 @@ class Stepper:
     def stops(self, times: Sequence[float]) -> Iterator[State]:
         """Yield the state at every stop on the way through the increasing ``times``.
 
-        Each of the ``times`` is a stop, hit exactly, as is each move of the domain; between them
-        the march stops every few steps, whoever looks. It ends early at a blow-up.
+        All ``times`` and moves of the domain are stops, hit exactly; between them the march stops
+        every few steps. It ends early at a blow-up.
         """
         moves = {t for t in self.domain.moves if self.state.t < t < times[-1]}
         for t in sorted(moves.union(times)):
@@ -94,15 +95,18 @@ class Stepper:
                 return
 
     def memory(self, arrays: bool = True) -> Memory:
-        """What `recall` needs at a stop; without ``arrays`` where the march is at its end."""
+        """Return the data from which `recall` resumes.
+
+        Without ``arrays`` at the end of the march.
+        """
         state = {"t": self.state.t} if not arrays else vars(self.state)
-        kept = {name: getattr(self, name) for name in ("steps", "ranges", "_between")}
-        return kept | {"state": state, "domain": self.domain.memory()}
+        progress = {name: getattr(self, name) for name in ("steps", "ranges", "_between")}
+        return progress | {"state": state, "domain": self.domain.memory()}
 
     def recall(self, memory: Memory) -> None:
-        """Be at the stop at which another stepper, made alike, had that `memory`.
+        """Restore the stop at which a stepper with the same arguments gave that `memory`.
 
-        The times still wanted are those after it.
+        The remaining times are those after it.
         """
         for name in ("steps", "ranges", "_between"):
             setattr(self, name, memory[name])
@@ -111,6 +115,7 @@ class Stepper:
         self.domain.recall(memory["domain"], self.state.t)
 
     def _stops_until(self, t: float) -> Iterator[State]:
+        """Yield the state at every stop up to time ``t``."""
         begin, done = self._between or (self.state.t, 0)
         steps = math.ceil((t - begin) / self.step * (1.0 - 1e-12))
         if steps == 0 and self.blow_up is None:
@@ -131,29 +136,29 @@ class Stepper:
         f, v = state.arrays
         self.dynamics.advance(self.scheme, f, v, h, steps, begin)
         state.t = t
-        found = self._find_blow_up()
-        if found is None:
+        blow_up = self._find_blow_up()
+        if blow_up is None:
             self.steps += steps
             if t in self.domain.moves:
                 self.blow_up = self.domain.follow(state)
             self.domain.fade(state)
             return
-        self.blow_up = found if steps == 1 else None
+        self.blow_up = blow_up if steps == 1 else None
         if steps > 1:
-            for values, kept in zip((*state.arrays, self.ranges), before, strict=True):
-                values[:] = kept
+            for values, saved in zip((*state.arrays, self.ranges), before, strict=True):
+                values[:] = saved
             state.t = begin
             for step in range(1, steps + 1):
                 if self.blow_up is None:
                     self._advance(h, 1, t if step == steps else begin + step * h)
 
     def _find_blow_up(self) -> BlowUp | None:
-        """What is wrong anywhere, far from the compared sites, too.
+        """Return a blow-up anywhere on the ring, even far from the compared sites.
 
-        Where waves no longer exist, or strains are huge, no speed bounds what comes from there.
+        Where waves no longer exist, or strains are huge, no speed bounds the signals from there.
         """
-        met = self.dynamics.ranges(self.state)
-        self.ranges[:, 0] = np.fmin(self.ranges[:, 0], met[:, 0])
-        self.ranges[:, 1] = np.fmax(self.ranges[:, 1], met[:, 1])
-        found = self.dynamics.find_blow_up(self.state, met, self._amplitude)
-        return None if found is None else self.domain.locate(found, self.state)
+        current = self.dynamics.ranges(self.state)
+        self.ranges[:, 0] = np.fmin(self.ranges[:, 0], current[:, 0])
+        self.ranges[:, 1] = np.fmax(self.ranges[:, 1], current[:, 1])
+        blow_up = self.dynamics.find_blow_up(self.state, current, self._amplitude)
+        return None if blow_up is None else self.domain.locate(blow_up, self.state)

@@ -1,4 +1,4 @@
-"""Integrals of functions of one number to rounding, on panels that no feature slips between."""
+"""Integrals of functions of one variable, accurate to rounding, on adaptive panels."""
 
 from __future__ import annotations
 
@@ -15,28 +15,29 @@ from longwave.lattice.force_program import ForceProgram
 Array = NDArray[np.float64]
 
 PANELS, MOST_PANELS, NODES = 2**13, 2**18, 12
-"""Of an integral: at first, at most, and the points of Gauss's rule on each."""
+"""Initial and largest number of panels, and points of Gauss's rule on each."""
 
 ROUNDING = 2.0**-50
-"""Share of the size of a panel's integral that is taken for rounding."""
+"""Relative rounding error of a panel's integral."""
 
 LEAST_PANEL = 2.0**-48
-"""Length of the shortest panel, in units of the largest number in it."""
+"""Length of the shortest panel, in units of the largest abs(number) in it."""
 
 LOOSE = 0.02
-"""Share of the largest slope near a panel by which bounds may be too wide, as of a product of terms
-that depend on each other: a straight line on either side of a corner would be halved for ever."""
+"""Share of the largest slope near a panel by which enclosures may be too wide, as for a product of
+terms that depend on each other; otherwise a straight line on either side of a corner would be
+halved for ever."""
 
 _POINTS, _WEIGHTS = legendre.leggauss(NODES)
 
 _LEGENDRE = (
     (np.arange(NODES)[:, np.newaxis] + 0.5) * legendre.legvander(_POINTS, NODES - 1).T * _WEIGHTS
 )
-"""Coefficients of the polynomial through values at the points."""
+"""Matrix from values at the points to Legendre coefficients of their polynomial."""
 
 
 class Smooth(Protocol):
-    """A function of an array of numbers that has a slope."""
+    """Protocol of a function of an array that has a slope."""
 
     def __call__(self, times: Array, /) -> Array:
         """Return the values."""
@@ -47,11 +48,12 @@ class Smooth(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Integral:
-    """The integral of a function from the start on, to rounding: the function is its slope.
+    """Integral of a function from a start, accurate to rounding; the function is its ``slope``.
 
-    By Gauss's rule, on panels that are halved until their halves give the same. The slope of a
-    formula is enclosed on each panel, which is halved, too, where it may leave the range of what is
-    met on it and beside it: a pulse between the points would go unseen.
+    Computed by Gauss's rule on panels that are halved until both halves together agree with the
+    whole. If the function is a formula, its slope is also enclosed on each panel, which is halved
+    if the slope may leave the range sampled on it and its neighbours: a pulse between the points
+    would otherwise be missed.
 
     >>> from longwave.derive.lattice_file import time_formula
     >>> from longwave.lattice.force_program import program_of
@@ -73,15 +75,16 @@ class Integral:
         panels: int = PANELS,
         allowed: float = 0.0,
     ) -> Integral:
-        """From the first of two numbers on, to the second; ValueError for what is too fast.
+        """Integrate ``slope`` from ``begin`` to ``end``.
 
-        ``allowed`` is an error of a panel's integral beside that of rounding.
+        ``allowed`` is an error allowed on each panel in addition to rounding. Raises ValueError for
+        a function that changes too fast.
         """
         knots = np.array(getattr(slope, "times", ()))
         within = knots[(begin < knots) & (knots < end)]
         edges = np.union1d(np.linspace(begin, end, panels + 1), within)
         low, high = edges[:-1], edges[1:]
-        met = _Hull.around(slope, low, high) if isinstance(slope, ForceProgram) else None
+        hull = _Hull.around(slope, low, high) if isinstance(slope, ForceProgram) else None
         size, values = max(abs(begin), abs(end)), 0.0
         starts, sums, count = [low[:0]], [low[:0]], edges.size
         while low.size:
@@ -89,13 +92,13 @@ class Integral:
             halves = integrated(slope, low, middle) + integrated(slope, middle, high)
             with np.errstate(all="ignore"):
                 values = max(values, float(np.abs(slope(middle)).max()))
-                turned = size * np.abs(slope.slope(middle))
-                error = ROUNDING * (high - low) * (values + turned) + allowed
+                sensitivity = size * np.abs(slope.slope(middle))
+                error = ROUNDING * (high - low) * (values + sensitivity) + allowed
                 rough = ~(np.abs(halves - integrated(slope, low, high)) <= error)
-                if met is not None:
+                if hull is not None:
                     assert isinstance(slope, ForceProgram)
-                    met = met.widened(slope, low, high)
-                    rough |= met.is_left_by(slope, low, high, error / (high - low) ** 2)
+                    hull = hull.widened(slope, low, high)
+                    rough |= hull.is_left_by(slope, low, high, error / (high - low) ** 2)
             rough &= high - low > LEAST_PANEL * np.maximum(np.abs(low), np.abs(high))
             starts.append(low[~rough])
             sums.append(halves[~rough])
@@ -108,76 +111,78 @@ class Integral:
             low, high = (
                 np.column_stack(pair)[rough].ravel() for pair in ((low, middle), (middle, high))
             )
-            met = None if met is None else met.halved(rough)
+            hull = None if hull is None else hull.halved(rough)
         order = np.argsort(np.concatenate(starts))
         edges = np.append(np.concatenate(starts)[order], end)
         return cls(slope, edges, np.append(0.0, np.cumsum(np.concatenate(sums)[order])))
 
     @cached_property
     def _rounding(self) -> Array:
-        """What rounding does to the integral on each panel."""
-        return self._rounded(self.edges[:-1], self.edges[1:])
+        """Rounding error of the integral on each panel."""
+        return self._rounding_between(self.edges[:-1], self.edges[1:])
 
-    def _rounded(self, low: Array, high: Array) -> Array:
-        """What rounding of numbers and of values does to integrals from ``low`` to ``high``."""
+    def _rounding_between(self, low: Array, high: Array) -> Array:
+        """Return the error of integrals over panels by rounding of times and values."""
         points, size = np.array([low, (low + high) / 2.0, high]), float(np.abs(self.edges).max())
         with np.errstate(all="ignore"):
             values, slopes = np.abs(self.slope(points)), np.abs(self.slope.slope(points))
         return np.asarray(2.0**-52 * (high - low) * (values + size * slopes).max(axis=0))
 
     def rounding(self, low: Array, high: Array) -> Array:
-        """The same, of an integral by Gauss's rule beside one of `Integral`."""
-        own = self._rounding[self._places(np.array([low, high]))].sum(axis=0)
-        return np.asarray(own + self._rounded(low, high))
+        """Return the rounding error of comparing Gauss's rule with this integral on panels."""
+        panels_error = self._rounding[self._panel_of(np.array([low, high]))].sum(axis=0)
+        return np.asarray(panels_error + self._rounding_between(low, high))
 
     def missed_within(self, low: Array, high: Array) -> Array:
-        """How far Gauss's rule is off on panels, from their beginnings to any edge of its own.
+        """Return the error of Gauss's rule on panels: the largest for any end within each.
 
-        On each panel the most, for all edges on it and its end: (panels,).
+        The ends tried are the edges of the integral's own panels and the panel's end. Shape
+        (panels,).
         """
         edges, sums = np.append(self.edges, high), np.append(self.sums, self(high))
         order = np.argsort(low)
-        place = order[np.searchsorted(low[order], edges, "left") - 1]
-        on = (low[place] < edges) & (edges <= high[place])
-        edges, sums, place = edges[on], sums[on], place[on]
-        half, begun = (high - low) / 2.0, self(low)
+        panel = order[np.searchsorted(low[order], edges, "left") - 1]
+        on = (low[panel] < edges) & (edges <= high[panel])
+        edges, sums, panel = edges[on], sums[on], panel[on]
+        half, started = (high - low) / 2.0, self(low)
         with np.errstate(all="ignore"):
             values = self.slope(low[:, np.newaxis] + half[:, np.newaxis] * (1.0 + _POINTS))
             terms = legendre.legint(_LEGENDRE @ values.T, lbnd=-1.0)
-            found = legendre.legval(
-                (edges - low[place]) / half[place] - 1.0, terms[:, place], False
+            partial = legendre.legval(
+                (edges - low[panel]) / half[panel] - 1.0, terms[:, panel], False
             )
-            apart = np.abs(half[place] * found - (sums - begun[place]))
+            errors = np.abs(half[panel] * partial - (sums - started[panel]))
         most = np.zeros(low.size)
-        np.maximum.at(most, place, apart)
+        np.maximum.at(most, panel, errors)
         return most
 
     def moment(self, low: Array, high: Array) -> Array:
-        """What the integral itself comes to on panels, in units of their lengths."""
+        """Return the mean over each panel of the integral from the panel's beginning."""
         half = (high - low)[:, np.newaxis] / 2.0
         points = low[:, np.newaxis] + half * (1.0 + _POINTS)
-        found = (self(points) - self(low)[:, np.newaxis]) @ _WEIGHTS
-        return np.asarray(found / 2.0)
+        doubled_mean = (self(points) - self(low)[:, np.newaxis]) @ _WEIGHTS
+        return np.asarray(doubled_mean / 2.0)
 
-    def _places(self, times: Array) -> NDArray[np.intp]:
+    def _panel_of(self, times: Array) -> NDArray[np.intp]:
+        """Return the indices of the panels that contain these times."""
         return np.clip(np.searchsorted(self.edges, times, "right"), 1, self.edges.size - 1) - 1
 
     def __call__(self, times: Array, /) -> Array:
-        """The integrals from the start to these times."""
-        place = self._places(times)
-        return np.asarray(self.sums[place] + integrated(self.slope, self.edges[place], times))
+        """Return the integrals from the start to these times."""
+        panel = self._panel_of(times)
+        return np.asarray(self.sums[panel] + integrated(self.slope, self.edges[panel], times))
 
 
 @dataclass(frozen=True)
 class _Hull:
-    """Least and largest slopes that were met on each panel and beside it."""
+    """Least and largest slopes sampled on each panel and its neighbours."""
 
     least: Array
     most: Array
 
     @classmethod
     def around(cls, value: ForceProgram, low: Array, high: Array) -> _Hull:
-        """Those on the panels and on their neighbours."""
+        """Return the hull of slopes at points of the panels and of their neighbours."""
         least, most = _slopes_met(value, low, high)
         least, most = (np.pad(ends, 1, mode="edge") for ends in (least, most))
         return cls(
@@ -186,16 +191,17 @@ class _Hull:
         )
 
     def widened(self, value: ForceProgram, low: Array, high: Array) -> _Hull:
-        """With those that are met at the points of the panels themselves."""
+        """Return the hull extended by the slopes at points of the given panels."""
         least, most = _slopes_met(value, low, high)
         return _Hull(np.fmin(self.least, least), np.fmax(self.most, most))
 
     def is_left_by(
         self, value: ForceProgram, low: Array, high: Array, room: Array
     ) -> NDArray[np.bool_]:
-        """Whether slopes on the panels may leave it by more than its width and ``room``.
+        """Return a mask of the panels on which the slope may leave the hull.
 
-        And by more than their part `LOOSE`.
+        It counts as left if exceeded by more than its width, plus ``room``, plus the share `LOOSE`
+        of its largest slope.
         """
         bounds = value.slope_enclosed(low, high)
         largest = np.maximum(np.abs(self.least), np.abs(self.most))
@@ -203,21 +209,24 @@ class _Hull:
         return ~((bounds[0] >= self.least - room) & (bounds[1] <= self.most + room))
 
     def halved(self, rough: NDArray[np.bool_]) -> _Hull:
-        """Those of both halves of the panels that are halved."""
+        """Return the hull of the panels after those that are ``rough`` were halved.
+
+        Others are dropped.
+        """
         return _Hull(np.repeat(self.least[rough], 2), np.repeat(self.most[rough], 2))
 
 
 def _slopes_met(value: ForceProgram, low: Array, high: Array) -> tuple[Array, Array]:
-    """The least and the largest slope at points of each panel."""
+    """Return the least and the largest slope at points of each panel."""
     half = (high - low)[:, np.newaxis] / 2.0
     with np.errstate(all="ignore"):
-        found = value.slope(low[:, np.newaxis] + half * (1.0 + _POINTS))
-    return found.min(axis=1), found.max(axis=1)
+        slopes = value.slope(low[:, np.newaxis] + half * (1.0 + _POINTS))
+    return slopes.min(axis=1), slopes.max(axis=1)
 
 
 def integrated(value: Smooth, low: Array, high: Array) -> Array:
-    """The integrals between numbers, by Gauss's rule."""
+    """Return the integrals from ``low`` to ``high`` by one application of Gauss's rule."""
     half = (high - low) / 2.0
     with np.errstate(all="ignore"):
-        found = value(low[..., np.newaxis] + half[..., np.newaxis] * (1.0 + _POINTS))
-    return np.asarray(half * (found @ _WEIGHTS))
+        values = value(low[..., np.newaxis] + half[..., np.newaxis] * (1.0 + _POINTS))
+    return np.asarray(half * (values @ _WEIGHTS))

@@ -1,4 +1,4 @@
-"""Runs whose error is to be judged: what was chosen, what they gave, and the engines that do them.
+"""Runs whose error is to be estimated: their choices, their values, and the engines that make them.
 
 Values and errors are of y in the unit of the tolerance, sup over the compared sites.
 """
@@ -18,9 +18,9 @@ NUDGE = 2.0**-51
 
 
 def nudged(*arrays: Array, times: float = 1.0) -> tuple[Array, ...]:
-    """The arrays with the last digits of all numbers changed, the same way each time.
+    """Return the arrays with the last digits of all numbers changed, the same way each time.
 
-    They change by so many ``times`` the least that is usual.
+    The relative change is ``times`` `NUDGE`, of random sign.
     """
     random, size = np.random.default_rng(0), times * NUDGE
     return tuple(values * (1.0 + random.choice([-size, size], values.shape)) for values in arrays)
@@ -31,11 +31,11 @@ class Choices:
     """All numerical choices of a run.
 
     ``step`` in time; ``size`` of the domain in sites; ``causal`` if no signal from its ends reaches
-    a compared site in time; ``density`` in points per site, or more if the spectrum calls for more,
-    and of either ``finer`` times as many; ``shift`` of the domain's middle, in its sizes;
-    ``absorber`` is the strength of one at the seam, 0 if there is none; ``start`` the
-    step at first, until what the data send to the left has left the wave, 0 if there is none.
-    ``nudged`` if the last digits of the data are changed, by ``NUDGE``.
+    a compared site in time; ``density`` in points per site, or more if the spectrum needs more, and
+    ``finer`` a factor on either; ``shift`` of the domain's middle, in its sizes; ``absorber`` its
+    strength at the seam, 0 for none; ``start`` the initial step, until the waves sent to the left
+    have left the wave, 0 for none. ``nudged`` if the last digits of the data are changed, by
+    ``NUDGE``.
     """
 
     step: float
@@ -51,13 +51,13 @@ class Choices:
 
 @dataclass(frozen=True)
 class Trial:
-    """A finished run: ``values`` of y/eps on the compared sites at all times that are looked at.
+    """A finished run: ``values`` of y/eps on the compared sites at all observed times.
 
-    They are None after a blow-up. ``rounding`` estimates what rounding has done to them,
-    ``common_error`` bounds what a run with a shorter step would not show, for it does the same.
-    ``payload`` is the engine's own. ``shown`` if the observables can be asked for. An unfinished
-    run holds the times before it was stopped. ``around`` are values on more sites, if there are
-    any: what rounding has grown to on a few of them may be little by chance.
+    They are None after a blow-up. ``rounding`` estimates their rounding error; ``common_error``
+    bounds the error that a run with a shorter step shares. ``payload`` is the engine's own data.
+    ``has_observables`` if they can be computed afterwards. An unfinished run has the times before
+    it was stopped. ``around`` are values on more sites, if any: on a few sites the effect of
+    rounding may be small by chance.
     """
 
     choices: Choices
@@ -66,13 +66,13 @@ class Trial:
     seconds: float
     rounding: float
     payload: Any
-    shown: bool = True
+    has_observables: bool = True
     common_error: float = 0.0
     around: Array | None = None
 
 
 class StoppedTrial(KeyboardInterrupt):
-    """Ctrl-C during a run: what there is of it."""
+    """Raised on Ctrl-C during a run; holds the part that is done."""
 
     def __init__(self, trial: Trial) -> None:
         super().__init__("interrupted")
@@ -80,35 +80,42 @@ class StoppedTrial(KeyboardInterrupt):
 
 
 def difference(one: Trial, other: Trial) -> float:
-    """Largest difference of y/eps between two runs; infinite if either blew up."""
-    return _apart(one.values, other.values)
+    """Return the largest difference of y/eps between two runs; infinite if either blew up."""
+    return _largest_difference(one.values, other.values)
 
 
 def difference_around(one: Trial, other: Trial) -> float:
-    """The same, or that on more sites if it is larger."""
-    found = difference(one, other)
-    return found if one.around is None else max(found, _apart(one.around, other.around))
+    """Return the `difference`, or that on more sites if it is larger."""
+    largest = difference(one, other)
+    return (
+        largest
+        if one.around is None
+        else max(largest, _largest_difference(one.around, other.around))
+    )
 
 
-def _apart(one: Array | None, other: Array | None) -> float:
+def _largest_difference(one: Array | None, other: Array | None) -> float:
+    """Return the largest difference of two arrays; inf if one is None or not finite."""
     if one is None or other is None:
         return math.inf
     with np.errstate(invalid="ignore", over="ignore"):
-        found = float(np.max(np.abs(one - other)))
-    return found if math.isfinite(found) else math.inf
+        largest = float(np.max(np.abs(one - other)))
+    return largest if math.isfinite(largest) else math.inf
 
 
 ROUNDING = 4.0 * 2.0**-53
-"""What one evaluation adds to a unit strain: a few roundings, of signs that vary."""
+"""Rounding error of one force evaluation at unit strain: a few roundings of varying sign."""
 
 STEADY = 2.0**-53
-"""The part whose sign does not vary (measured: 0.4 of it, on a kink's far field at t = 2e8)."""
+"""Part of that error whose sign does not vary (measured: 0.4 of it, on a kink's far field at t =
+2e8)."""
 
 
 def rounding_error(largest: float, evaluations: int) -> float:
-    """What rounding is taken to do to strains of that size in so many force evaluations a site.
+    """Return the estimated rounding error of strains after some evaluations per site.
 
-    Where nothing moves, it is the same every time and adds up.
+    ``largest`` is the size of the strains. Where nothing moves, each rounding is the same, and they
+    add up.
 
     >>> rounding_error(5.0, 10_000) < 1e-11
     True
@@ -117,9 +124,9 @@ def rounding_error(largest: float, evaluations: int) -> float:
 
 
 def clock_error(values: NDArray[np.float64], c: float, times: tuple[float, float]) -> float:
-    """What two roundings of the time do to ``values``, of neighbouring sites, which move at c.
+    """Return the effect of two roundings of the time on ``values`` of neighbouring sites.
 
-    Far from t = 0 a time stands for its unit in the last place, in which the wave goes on.
+    The wave moves at ``c``. Far from t = 0 a time is known to its unit in the last place only.
 
     >>> f"{clock_error(np.array([[0.0, 1.0]]), 1.0, (2.0**28, 2.0**28 + 1)):.2g}"
     '1.2e-07'
@@ -130,73 +137,73 @@ def clock_error(values: NDArray[np.float64], c: float, times: tuple[float, float
 
 Kind = Literal["step", "sampling", "domain"]
 Progress = Callable[[float], None]
-"""Called with the share of the work that is done, 0 .. 1."""
+"""Callback with the share of the work that is done, 0 .. 1."""
 
 SAFETY = 2.0
 """Factor on the difference of the last two runs: their error may fall as slowly as 1/size."""
 
 
 class Engine(Protocol):
-    """What is to be known of an engine: its runs, and how its errors depend on its choices."""
+    """Protocol of an engine: its runs, and how their errors depend on the choices."""
 
     kinds: tuple[Kind, ...]
-    """What can be varied."""
+    """Kinds of choices that can be varied."""
     threads: int
-    """Runs that may be done at once."""
+    """Runs that may be made concurrently."""
     order: int
-    """The time step's error falls like step^order."""
+    """Order of the time step's error, step^order."""
     decay: float
-    """A domain's error falls at least like size^-decay."""
+    """Least exponent of the decay of a domain's error, size^-decay."""
     safety: float
     """Factor on the difference of two runs, ``SAFETY`` or more."""
     unstable: int
     """Steps tried, each shorter, until one is stable."""
     amplifies_rounding: bool
-    """Whether perturbations may grow, so that what becomes of rounding is measured."""
+    """Whether perturbations may grow, so that the effect of rounding is measured."""
     most_work: float
-    """The most that the next runs may take, in the unit of `work`."""
+    """Most work of the next runs, in the unit of `work`."""
 
     def first(self) -> Choices:
-        """Where the search begins."""
+        """Return the choices with which the search begins."""
 
     def coarse_engine(self) -> "Engine":
-        """An engine that finds the step on fewer sites; itself, if there is none."""
+        """Return an engine that finds the step on fewer sites, or the engine itself."""
 
     def run(self, choices: Choices, shown: bool, progress: Progress) -> Trial:
-        """A run; ``shown`` if its observables may be asked for afterwards.
+        """Make a run; ``has_observables`` if its observables are needed afterwards.
 
         Raises StoppedTrial on Ctrl-C.
         """
 
     def control(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
-        """Finer, wider or elsewhere in each of the kinds, and not in the others."""
+        """Return choices that are finer, wider or elsewhere in each of the given kinds only."""
 
     def improved(self, choices: Choices, kind: Kind, excess: float) -> Choices:
-        """Choices with which that kind's error is smaller by the factor ``excess`` > 1."""
+        """Return choices with which that kind's error is smaller by the factor ``excess`` > 1."""
 
     def taken(self, choices: Choices) -> float:
-        """The step that makes the error of a run, where stops shorten the one that was chosen."""
+        """Return the effective step for a run's error, where stops shorten the chosen one."""
 
     def work(self, choices: Choices) -> float:
-        """What a run costs, in any unit, as `Trial` counts it."""
+        """Return the work of a run, in any unit, as `Trial` counts it."""
 
 
 DRIVEN_SHARE = 0.5
-"""Longest step tried, in units of the time in which a force from outside changes by all that it
-does: two runs with longer steps may agree on what neither has seen."""
+"""Longest step tried, in units of the time scale of an external force: two runs with longer steps
+may agree on a force that neither resolves."""
 
 LEAST_FACTOR = 0.2
-"""Least factor from one step to the next one tried."""
+"""Least ratio of a step to the one tried before."""
 
 MARGIN = 0.95
-"""What a step is shorter by than its law asks for."""
+"""Safety factor on the step that the law predicts."""
 
 STEP_RATIO = 0.7
 """Step of a control run of a `StepSearch`, in units of the one before it."""
 
 
 def lawful_step(step: float, order: int, excess: float) -> float:
-    """The step with which an error that falls like step^order is smaller by ``excess``.
+    """Return the step that reduces an error ~ step^order by the factor ``excess``.
 
     >>> round(lawful_step(1.0, 6, 64.0), 3)
     0.475
@@ -205,7 +212,7 @@ def lawful_step(step: float, order: int, excess: float) -> float:
 
 
 def mean_step(stops: Array, step: float, order: int) -> float:
-    """The step that would make the same error if the stops did not shorten it.
+    """Return the step with the same error as the actual steps, which the stops shorten.
 
     Between two stops the steps are equal and at most ``step``.
 
@@ -221,7 +228,7 @@ def mean_step(stops: Array, step: float, order: int) -> float:
 
 
 def step_between(stops: Array, step: float) -> float:
-    """The step, or the longest gap between two stops where that is shorter.
+    """Return the step, or the longest gap between two stops if that is shorter.
 
     >>> step_between(np.array([0.0, 1.0, 1.5]), 3.0)
     1.0
@@ -230,12 +237,14 @@ def step_between(stops: Array, step: float) -> float:
 
 
 def shorter_step(stops: Array, step: float, order: int, ratio: float) -> float:
-    """A step whose error falls as that of ``ratio`` times the step, whatever the stops."""
+    """Return a step whose error falls as that of ``ratio`` times the step, whatever the stops."""
     return step_taken(stops, ratio * step, order, ratio * mean_step(stops, step, order))
 
 
 def step_taken(stops: Array, step: float, order: int, most: float) -> float:
-    """The step, or a shorter one whose error is at most that of steps ``most``, whatever the stops.
+    """Return the step, shortened until its error is at most that of ``most``.
+
+    Errors are those of the actual steps, which the stops shorten.
 
     >>> round(step_taken(np.array([0.0, 1.0]), 0.9, 6, 0.4), 2)
     0.49
@@ -246,10 +255,10 @@ def step_taken(stops: Array, step: float, order: int, most: float) -> float:
 
 
 class StepSearch:
-    """An engine of which only the time step is to be found; `run` is its user's.
+    """Base of engines for which only the time step is chosen; subclasses define `run`.
 
     ``first_step`` is the longest one tried; ``stops`` are times that are hit exactly, from the
-    beginning to the end: between them the steps are equal.
+    beginning to the end. Between them the steps are equal.
     """
 
     kinds: tuple[Kind, ...] = ("step",)
@@ -265,33 +274,33 @@ class StepSearch:
         self._first, self._stops = Choices(first_step, size), stops
 
     def first(self) -> Choices:
-        """The longest step."""
+        """Return the choices with the longest step."""
         return self._first
 
     def coarse_engine(self) -> Engine:
-        """Itself: there are no sites to spare."""
+        """Return the engine itself."""
         return self
 
     def run(self, choices: Choices, shown: bool, progress: Progress) -> Trial:
-        """A run with that step."""
+        """Make a run with the chosen step."""
         raise NotImplementedError
 
     def control(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
-        """A shorter step."""
+        """Return choices with a shorter step."""
         step = shorter_step(self._stops, choices.step, self.order, STEP_RATIO)
         return replace(choices, step=step)
 
     def improved(self, choices: Choices, kind: Kind, excess: float) -> Choices:
-        """By the law of the order, of the step that is taken where stops shorten it."""
+        """Return a step by the law of the order, applied to the effective step between stops."""
         step, order = step_between(self._stops, choices.step), self.order
-        wanted = max(LEAST_FACTOR / MARGIN, excess ** (-1.0 / order)) * self.taken(choices)
-        found = lawful_step(step, order, excess)
-        return replace(choices, step=step_taken(self._stops, found, order, wanted))
+        target = max(LEAST_FACTOR / MARGIN, excess ** (-1.0 / order)) * self.taken(choices)
+        shorter = lawful_step(step, order, excess)
+        return replace(choices, step=step_taken(self._stops, shorter, order, target))
 
     def taken(self, choices: Choices) -> float:
-        """The mean of the steps between the stops."""
+        """Return the mean of the steps between the stops."""
         return mean_step(self._stops, choices.step, self.order)
 
     def work(self, choices: Choices) -> float:
-        """Steps."""
+        """Return the number of steps."""
         return float(self._stops[-1] - self._stops[0]) / choices.step

@@ -1,4 +1,4 @@
-"""What differs from cell to cell of a lattice, as kernels and their streams are told."""
+"""Description of what differs from cell to cell of a lattice, for kernels and their streams."""
 
 from __future__ import annotations
 
@@ -8,21 +8,21 @@ from typing import Literal
 from longwave.lattice.force_program import ForceProgram
 
 MassKind = Literal["displacements", "strains"]
-"""What moves: masses themselves, or the strains between them."""
+"""Kind of fields: displacements of masses, or strains between them."""
 
 Pulse = tuple[int, ForceProgram | None]
-"""A field that is kicked from outside, and by what of itself its kick is multiplied, if any."""
+"""Field that is kicked from outside, and the law of its displacement that multiplies the kick."""
 
 
 @dataclass(frozen=True)
 class Variation:
-    """What differs from cell to cell: the ``masses``, or parts ``c G`` of the bonds' ``forces``.
+    """Variation from cell to cell: of the ``masses``, or of parts ``c G`` of the bonds' ``forces``.
 
-    ``masses`` says what a cell's fields are, None if masses are equal; ``forces`` has an entry for
-    each bond, None where it is the same in all cells. ``bound`` is the largest deviation. Those
-    that are ``pulsed`` are kicked from outside in some cells. Every drift shrinks the velocities
-    of ``damped`` fields at these rates, and spreads them if bonds have ``dashpots``. Walls are
-    where inverse masses are 0, or, if it is ``walled``, where a last row of deviations is -1.
+    ``masses`` is the kind of the fields, None if masses are equal. ``forces`` has an entry for each
+    bond, None where it is the same in all cells. ``bound`` is the largest deviation. The ``pulsed``
+    fields are kicked from outside in some cells. Every drift shrinks the velocities of ``damped``
+    fields at these rates, and spreads them if bonds have ``dashpots``. Walls are cells with inverse
+    mass 0 or, if ``walled``, cells where a last row of deviations is -1.
     """
 
     bound: float
@@ -34,13 +34,13 @@ class Variation:
     walled: bool = False
 
     def rows(self, fields: int) -> int:
-        """The deviations of a cell, of a lattice with so many fields."""
+        """Return the number of deviations of a cell, for a lattice of so many fields."""
         return self.mass_rows(fields) + sum(f is not None for f in self.forces) + self.walled
 
     def added_fields(self, fields: int) -> int:
-        """Fields that hold what differs, behind the lattice's: its rows, and where pulses act."""
+        """Return the number of additional fields: those of deviations, and those of pulses."""
         return self.rows(fields) + len(self.pulsed)
 
     def mass_rows(self, fields: int) -> int:
-        """Those of masses, which come first."""
+        """Return the number of deviations of masses, which come first."""
         return fields if self.masses else 0

@@ -8,7 +8,13 @@ from typing import Any
 
 import click
 
-from longwave.support.command_line import called_by, example, force_option, limit_options, run_words
+from longwave.support.command_line import (
+    command_name,
+    example,
+    force_option,
+    limit_options,
+    run_words,
+)
 
 FOLDER = "longwave-report"
 """Where the report is written: in the working folder, not where the package is."""
@@ -43,7 +49,7 @@ def report(
 
     processes = os.cpu_count() or 1 if workers is None else workers
     options: dict[str, Any] = {"force": force, "full": full, "estimates": estimates}
-    return write_report(output, called_by(), workers=processes, **options)
+    return write_report(output, command_name(), workers=processes, **options)
 
 
 def main(argv: Sequence[str] | None = None) -> int:

@@ -54,7 +54,7 @@ from longwave.scenes.description.scene import Scene
 from longwave.solutions.catalogue import CATALOGUE, closed_form
 from longwave.support.command_line import fail
 from longwave.support.console import check_output, plain_console
-from longwave.support.interruption import interrupted, will_keep
+from longwave.support.interruption import interrupted, note_saved
 from longwave.support.processes import Job, Key, run_jobs
 from longwave.support.request_limits import ExpectedCost, check_request
 from longwave.support.slow_work import announce
@@ -352,7 +352,7 @@ def write_report(
         cost = report_cost(jobs, workers)
         check_request("the report", cost, "take fewer --workers or no --full")
         missing = _missing_engine(console)
-        will_keep(f"what was written is in {shown(output)}")
+        note_saved(f"what was written is in {shown(output)}")
         announce("the report", cost.seconds)
         tex, sound = build(output, scenes, jobs, judged, console, full, workers)
         if missing:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 from longwave.runs.run_file import is_run_file, save_run
 from longwave.runs.run_store import UnkeptRunError, run_key, runs_its_sources
-from longwave.support.checkpoint import LEAST, SHARE, CheckpointFolder, kept_by, run_stamp
+from longwave.support.checkpoint import LEAST, SHARE, CheckpointFolder, checkpoints_in, run_stamp
 from longwave.support.command_line import BROKEN, fail, one_line
 from longwave.support.console import check_output
 from longwave.support.sealed_file import LOG
@@ -137,7 +137,7 @@ class OutputCheckpoint:
             yield
             return
         self._folder = CheckpointFolder(self._place, run_stamp(run_key(scene)), *PACE)
-        with store_messages(), kept_by(self._folder):
+        with store_messages(), checkpoints_in(self._folder):
             self._folder.tell(scene.name)
             yield
 

@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any
 
 from longwave.runs.store_packs import PackedRun, pack_index
 from longwave.support.atomic_file import remove_dead_drafts
-from longwave.support.checkpoint import LEAST, SHARE, CheckpointFolder, kept_by, run_stamp
+from longwave.support.checkpoint import LEAST, SHARE, CheckpointFolder, checkpoints_in, run_stamp
 from longwave.support.file_lock import locked
 from longwave.support.sealed_file import LOG, check_no_link, is_whole, write_sealed
 
@@ -146,7 +146,7 @@ class RunStore:
             folder = path.with_suffix(".unfinished")
             checkpoint = CheckpointFolder(folder, run_stamp(path.stem), *self._pace)
             checkpoint.tell(scene.name)
-            with kept_by(checkpoint):
+            with checkpoints_in(checkpoint):
                 run = scene_run.run(scene, progress, announce)
             try:
                 if not is_whole(path):  # where locks do nothing, another may have made it

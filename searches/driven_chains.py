@@ -330,7 +330,7 @@ def balanced(case: DrivenCase, tolerance: float) -> Refined:
         flowed = balance.total
         return np.array([chain.energy(*state.arrays), flowed.work.sum(), flowed.heat.sum()])
 
-    start = chain.held(case.state)
+    start = chain.with_walls(case.state)
     return refine(
         CellEngine(chain, start, times, REDUCED_PHASE_6, StateComparison(looked), cuts=()),
         tolerance,
@@ -341,7 +341,7 @@ def balance_error(case: DrivenCase, found: Refined, exact: tuple[Array, Array]) 
     """The largest error of energy, work and heat, and of their balance, which has three."""
     assert found.trial.values is not None
     start, end = found.trial.values
-    energy = case.chain.energy(*case.chain.held(State(case.end, *exact[0])).arrays)
+    energy = case.chain.energy(*case.chain.with_walls(State(case.end, *exact[0])).arrays)
     apart = np.abs(end - [energy, *exact[1]]).max()
     return max(float(apart), abs((end - start) @ [1.0, -1.0, 1.0]) / 3.0)
 
@@ -394,7 +394,7 @@ def run_share(case: DrivenCase, exact: tuple[Array, Array]) -> float:
 def balance_share(case: DrivenCase, exact: tuple[Array, Array]) -> float:
     """That of energy, work and heat, to the same part of them."""
     start, end = (
-        case.chain.energy(*case.chain.held(State(t, *state)).arrays)
+        case.chain.energy(*case.chain.with_walls(State(t, *state)).arrays)
         for t, state in ((0.0, case.state.arrays), (case.end, exact[0]))
     )
     size = max(abs(start), abs(end), *np.abs(exact[1]).tolist()) or 1.0

@@ -263,7 +263,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     drawn = mutants(paths, given.count, given.seed)
     start, shares = time.monotonic(), [drawn[i :: given.workers] for i in range(given.workers)]
     jobs = (Job(tested, (share, given.tests, given.seconds)) for share in shares)
-    parts = in_order(jobs, LocalWorkers(given.workers, apart=True))
+    parts = in_order(jobs, LocalWorkers(given.workers, isolated=True))
     survivors = [mutant for part in parts for mutant in part]
     for name, number in Counter(str(mutant.path) for mutant in survivors).most_common():
         print(f"{number:5d} {name}")

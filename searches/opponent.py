@@ -442,7 +442,7 @@ def begin(unmended: bool) -> None:
     warm_up()
     if unmended:
         search: Any = longwave.lattice.refine._Search
-        search.has_seen_law, search.lawful_change = lambda *_: True, lambda *_: 0.0
+        search.is_lawful, search.lawful_change = lambda *_: True, lambda *_: 0.0
         longwave.scenes.engines.domain_plan.LAWFUL_TURN = math.inf
 
 

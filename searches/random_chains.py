@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 Random = np.random.Generator
 
 SIZES = (1, 2, 3, 4, 5, 8, 16, 31, 33, 64, 100)
-REFUSED = ("times must end", "tolerance must satisfy", "state must leave")
+REFUSED = ("times must end", "tolerance must satisfy", "state must have")
 """How refusals begin that are right wherever they are said."""
 
 SURE = 0.05

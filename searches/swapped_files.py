@@ -103,7 +103,7 @@ def swap(path: Path, states: Sequence[State], rest: float, seed: int, end: Path)
 def swapped(case: Case, rest: float, seed: int, folder: Path) -> Iterator[Callable[[], int]]:
     """Have another process swap the case's path in the body; what is given ends it and counts."""
     end = folder / "end"
-    workers = LocalWorkers(1, apart=True)
+    workers = LocalWorkers(1, isolated=True)
     call = workers.submit(Job(swap, (case.path, case.states, rest, seed, end)))
 
     def ended() -> int:

@@ -1,1 +1,1 @@
-"""What every room needs and knows nothing of the field: commands, limits, files, workers, code."""
+"""Services for every room, without any physics: commands, limits, files, workers, compiled code."""

@@ -1,12 +1,13 @@
-"""Files that appear whole or not at all: written beside their place, then put there in one step.
+"""Atomic writing of files: a draft is written next to the file and then renamed in one step.
 
-Whoever is killed at any moment, or finds the disk full, leaves the older file as it was; at worst a
-draft stays beside it, named ``.NAME.HOST-PROCESS-….draft``.
+A process that is killed at any moment, or a full disk, leaves the old file unchanged; at worst a
+draft named ``.NAME.HOST-PROCESS-….draft`` remains.
 
-On a network file system, a request that was done and then repeated ends with an error: EEXIST of a
-link, ENOENT of a rename. So after an error it is looked whether the name leads to the draft's file.
-What another host has just replaced (ESTALE) is asked for again. A file system that flushes no
-folders is left alone, and where there are no hard links an empty file takes the name first.
+On a network file system, a request that succeeded and was then repeated fails: EEXIST for a link,
+ENOENT for a rename. After an error it is therefore checked whether the name leads to the draft's
+file. A request for a file that another host has just replaced (ESTALE) is repeated. File systems
+that cannot flush folders are not flushed, and where there are no hard links an empty file reserves
+the name first.
 """
 
 import errno
@@ -25,18 +26,19 @@ from typing import TypeVar
 T = TypeVar("T")
 
 LONGEST_STEM, LONGEST_SUFFIX = 40, 12
-"""Letters of a file's name that its draft's keeps: a name has at most 255 bytes."""
+"""Most characters of a file's stem and suffix used in its draft's name: a name has at most 255
+bytes."""
 
 DRAFT = re.compile(r"\.([0-9a-f]{8})-([0-9]{1,9})-[0-9a-f]{16}\.draft")
-"""How the name of a draft goes on: its host and process, and a random number."""
+"""Pattern of the end of a draft's name: host, process and a random number."""
 
 OLD_DRAFT = 86400.0
-"""Seconds after which nobody is still writing a draft."""
+"""Seconds after which a draft is no longer being written."""
 
 STALE_TRIES = 5
 
 UNFLUSHED = (errno.EINVAL, errno.ENOSYS, errno.ENOTSUP, errno.EOPNOTSUPP)
-"""Errors of file systems that flush no folder, or nothing when asked: they do it by themselves."""
+"""Errors of file systems that cannot flush folders, or anything; they write by themselves."""
 
 
 def write_atomically(
@@ -47,28 +49,28 @@ def write_atomically(
     follow: bool = True,
     mode: int | None = None,
 ) -> None:
-    """Have ``write(draft)`` write a file beside ``path``, and give it that name when it is whole.
+    """Call ``write(draft)`` on a new file next to ``path``, and rename that file to ``path``.
 
-    The draft has the suffix of ``path``. Without ``force`` nothing is overwritten: of several
-    processes one wins. A user's own file that is there keeps its permissions, unless there is a
-    ``mode`` to have, and a link still leads to the file that it led to; unless told to ``follow``
-    them, where nobody has typed the name, a new file takes their place. What can be lost if the
-    power fails need not be ``durable``, on the disk before this returns.
+    The draft has the suffix of ``path``. Without ``force`` nothing is overwritten: one of several
+    processes wins. An existing file of the user keeps its permissions, unless a ``mode`` is given.
+    If ``follow``, a symbolic link still leads to its file, which is replaced; otherwise, for names
+    that no user typed, the link itself is replaced. If ``durable``, the file is on the disk before
+    this returns.
 
-    Raises OSError that names the file where it cannot be written (FileExistsError if it is there
-    and is not to be overwritten, and for a folder or a device) and what ``write`` raises; the draft
-    is gone then, and ``path`` as it was.
+    Raises OSError that names the file if it cannot be written, FileExistsError if it exists and
+    must not be overwritten or is a folder or device, and any error of ``write``. Then the draft is
+    removed and ``path`` unchanged.
     """
     path = Path(path)
-    place = Path(os.path.realpath(path)) if follow else path
-    draft = draft_path(place)
+    target = Path(os.path.realpath(path)) if follow else path
+    draft = draft_path(target)
     try:
-        is_link = not follow and not_stale(place.is_symlink)
-        if not is_link:  # which is replaced, wherever it leads
-            _check_place(place, force)
+        is_link = not follow and not_stale(target.is_symlink)
+        if not is_link:  # a link is replaced, wherever it leads
+            _check_target(target, force)
         if mode is None and follow:
-            mode = _own_mode(place)
-        if mode is not None:  # what is private is so while it is written, too
+            mode = _own_mode(target)
+        if mode is not None:  # a private file must be private while it is written, too
             os.close(os.open(draft, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o600))
         write(draft)
         if durable:
@@ -76,28 +78,28 @@ def write_atomically(
                 _flush(stream.fileno())
         if mode is not None:
             draft.chmod(mode)
-        _put(draft, place, force)
+        _rename(draft, target, force)
         if durable:
-            _flush_folder(place.parent)
+            _flush_folder(target.parent)
     except OSError as error:
-        raise _named(error, path) from error
+        raise _error_for(error, path) from error
     finally:
         with suppress(OSError):
             draft.unlink(missing_ok=True)
 
 
 def draft_path(path: Path) -> Path:
-    """A new name for a draft of the file, in its folder."""
+    """Return a new name for a draft of the file, in the same folder."""
     suffix = path.suffix if len(path.suffix) <= LONGEST_SUFFIX else ""
     name = f"{path.stem[:LONGEST_STEM]}.{_host()}-{os.getpid()}-{uuid.uuid4().hex[:16]}"
     return path.with_name(f".{name}.draft{suffix}")
 
 
 def remove_dead_drafts(folder: Path, stem: str = "*") -> None:
-    """Remove the drafts that killed processes have left in a folder, of files of that stem.
+    """Remove the drafts of files with that stem that killed processes left in a folder.
 
-    A draft of this host goes if its process is no more, any other a day after it was written: where
-    locks do nothing, another process may be about to give it its name.
+    A draft of this host is removed if its process no longer runs, any other a day after it was
+    written: where locks do nothing, another process may be about to rename it.
     """
     for draft in folder.glob(f".{stem[:LONGEST_STEM]}.*.draft*"):
         with suppress(OSError):
@@ -106,21 +108,25 @@ def remove_dead_drafts(folder: Path, stem: str = "*") -> None:
 
 
 def _is_dead(draft: Path) -> bool:
-    found = DRAFT.search(draft.name)
-    if found is None or found[1] != _host():
+    """Return whether no process is writing the draft any more."""
+    match = DRAFT.search(draft.name)
+    if match is None or match[1] != _host():
         return time.time() - draft.lstat().st_mtime > OLD_DRAFT
     try:
-        os.kill(int(found[2]), 0)
+        os.kill(int(match[2]), 0)
     except ProcessLookupError:
         return True
-    except PermissionError:  # another user's
+    except PermissionError:  # another user's process
         return False
     return False
 
 
 @lru_cache
 def _host() -> str:
-    """This host, and in it what numbers processes: a container does that by itself."""
+    """Return an identifier of this host and its process namespace.
+
+    Processes in a container are numbered separately.
+    """
     import platform
 
     numbers = ""
@@ -130,7 +136,7 @@ def _host() -> str:
 
 
 def not_stale(ask: Callable[[], T]) -> T:
-    """What ``ask`` gives, asked again where another host has just replaced the file (ESTALE)."""
+    """Return ``ask()``, repeated if another host has just replaced the file (ESTALE)."""
     for _ in range(STALE_TRIES - 1):
         try:
             return ask()
@@ -141,73 +147,74 @@ def not_stale(ask: Callable[[], T]) -> T:
 
 
 def leads_to(path: Path, file: os.stat_result) -> bool:
-    """Whether the path is a name of that file."""
+    """Return whether the path is a name of that file."""
     try:
         return os.path.samestat(not_stale(lambda: os.lstat(path)), file)
     except OSError:
         return False
 
 
-def _check_place(place: Path, force: bool) -> None:
-    """Refuse what is not to be replaced, before anything is written."""
-    mode = _mode(place)
+def _check_target(target: Path, force: bool) -> None:
+    """Raise FileExistsError if the target must not be replaced, before anything is written."""
+    mode = _mode(target)
     if mode is not None and not (force and stat.S_ISREG(mode)):
         kind = "exists already" if stat.S_ISREG(mode) else "is there, and is no file"
         raise FileExistsError(errno.EEXIST, kind)
 
 
-def _mode(place: Path) -> int | None:
-    """The mode of what is there; None if nothing is, or a link that leads nowhere."""
-    state = _state(place)
+def _mode(target: Path) -> int | None:
+    """Return the mode of the file; None if there is none, or a broken link."""
+    state = _state(target)
     return None if state is None else state.st_mode
 
 
-def _own_mode(place: Path) -> int | None:
-    """The permissions of what is there; None if nothing is, or another user's file."""
-    state = _state(place)
+def _own_mode(target: Path) -> int | None:
+    """Return the permissions of the file; None if there is none, or it is another user's."""
+    state = _state(target)
     if state is None or (hasattr(os, "geteuid") and state.st_uid != os.geteuid()):
         return None
     return stat.S_IMODE(state.st_mode)
 
 
-def _state(place: Path) -> os.stat_result | None:
+def _state(target: Path) -> os.stat_result | None:
+    """Return the status of the file, or None if there is none."""
     try:
-        return not_stale(place.stat)
+        return not_stale(target.stat)
     except OSError as error:
         if error.errno not in (errno.ENOENT, errno.ENOTDIR, errno.ELOOP):
             raise
     return None
 
 
-def _put(draft: Path, place: Path, force: bool) -> None:
-    """Give the draft its name; without ``force`` FileExistsError if another file has it."""
+def _rename(draft: Path, target: Path, force: bool) -> None:
+    """Rename the draft. Without ``force``, raise FileExistsError if another file has the name."""
     name = os.replace if force else os.link
     file = not_stale(lambda: os.lstat(draft))
     try:
-        not_stale(lambda: name(draft, place))
+        not_stale(lambda: name(draft, target))
     except OSError as error:
-        if leads_to(place, file):  # done, and asked for once more
+        if leads_to(target, file):  # it was done, and the request repeated
             return
         if force or isinstance(error, FileExistsError):
             raise
-        _put_where_no_links_are(draft, place)
+        _rename_without_links(draft, target)
 
 
-def _put_where_no_links_are(draft: Path, place: Path) -> None:
-    """Give the draft its name, having taken that by an empty file."""
-    number = os.open(place, os.O_CREAT | os.O_EXCL | os.O_WRONLY)
+def _rename_without_links(draft: Path, target: Path) -> None:
+    """Rename the draft after an empty file has reserved the name, where there are no hard links."""
+    number = os.open(target, os.O_CREAT | os.O_EXCL | os.O_WRONLY)
     try:
-        _put(draft, place, force=True)
+        _rename(draft, target, force=True)
     except BaseException:
-        if leads_to(place, os.fstat(number)):
-            place.unlink()
+        if leads_to(target, os.fstat(number)):
+            target.unlink()
         raise
     finally:
         os.close(number)
 
 
 def _flush_folder(folder: Path) -> None:
-    """Have the new name on the disk."""
+    """Flush the folder, so that the new name is on the disk."""
     with suppress(PermissionError):
         number = not_stale(lambda: os.open(folder, os.O_RDONLY))
         try:
@@ -217,6 +224,7 @@ def _flush_folder(folder: Path) -> None:
 
 
 def _flush(number: int) -> None:
+    """Flush an open file or folder, if its file system can."""
     try:
         os.fsync(number)
     except OSError as error:
@@ -224,8 +232,8 @@ def _flush(number: int) -> None:
             raise
 
 
-def _named(error: OSError, path: Path) -> OSError:
-    """The error with the file in the place of its draft."""
+def _error_for(error: OSError, path: Path) -> OSError:
+    """Return the error with the file's name instead of its draft's."""
     if error.errno is None:
         return OSError(f"{path}: {error}")
     return OSError(error.errno, error.strerror or str(error), str(path))

@@ -1,14 +1,14 @@
-"""What a run must remember to be gone on with, bit by bit, by a process that comes after it.
+"""Checkpoints: what a run needs to be resumed, bit by bit, by a later process.
 
-A run is made of loops that take long: each advances one state through given times. All that is
-decided between them follows from the run's scene and from what the loops gave; a process that comes
-later decides the same again, and its n-th loop is the n-th of the one before. So a loop's number is
-its name, and what it must remember is its own state alone.
+A run consists of long loops; each advances one state through given times. All decisions between
+them follow from the run's scene and from the loops' results. A later process decides the same
+again, and its n-th loop is the n-th of the earlier one. So a loop is identified by its number, and
+its checkpoint holds only its own state.
 
-A `CheckpointFolder` keeps that as files, for all loops in `kept_by`; without one a loop remembers
-nothing. A file, which is sealed, has the stamp of its run, the loop's task and memory as plain data
-(`support.plain_data`). One that is damaged, of another run, another machine or another task is not
-read, nor is a link.
+A `CheckpointFolder` stores checkpoints as files, for all loops in `checkpoints_in`; outside it,
+nothing is stored. A file is sealed and has the stamp of its run, the loop's task and its state as
+plain data (`support.plain_data`). A file that is damaged, a link, or of another run, machine or
+task is ignored.
 """
 
 from __future__ import annotations
@@ -33,39 +33,39 @@ from longwave.support.request_limits import current_limits
 from longwave.support.sealed_file import LOG, read_sealed, write_sealed
 
 Memory = dict[str, Any]
-"""By name: numbers, texts, arrays, and lists, tuples and dictionaries of them."""
+"""State of a loop, by name: numbers, texts, arrays, and lists, tuples and dictionaries of them."""
 
 LOOP = ".loop"
 """Suffix of a checkpoint's file."""
 
 FIRST_COST = 0.01
-"""Seconds that keeping a memory is taken to cost before it was done: two flushes to a disk."""
+"""Assumed seconds of the first checkpoint: two flushes to a disk."""
 
-ANEW = "%s: begins anew: %s holds nothing of this scene, code and machine"
+ANEW = "%s: begins anew: %s has no checkpoint of this scene, code and machine"
 
 LEAST = 5.0
-"""Seconds between two checkpoints of a loop: what a kill loses at most."""
+"""Least seconds between two checkpoints of a loop: the most that a kill loses."""
 
 SHARE = 0.01
-"""The most of a run's time that its checkpoints take."""
+"""Largest share of a run's time that its checkpoints take."""
 
 PATIENCE = 60.0
-"""Seconds until it is tried again where a checkpoint could not be written."""
+"""Seconds before the next attempt after a checkpoint could not be written."""
 
 
 def run_stamp(key: str) -> str:
-    """What the bits of the run of that key follow from: another machine's may be others."""
+    """Return a text of all that determines a run's bits: its key, the processor and settings."""
     from longwave.support.compiled.native_code import processor
 
     return "\n".join([key, processor(), *compiler_settings()])
 
 
 class CheckpointFolder:
-    """Keeps the memories of one run's loops in a folder, which is made for the first of them.
+    """Stores the checkpoints of one run's loops in a folder, created for the first of them.
 
-    ``stamp`` is all that the run's bits follow from. A loop goes on ``least`` seconds before its
-    memory is kept again, which takes at most the ``share`` of its time. A disk that is full stops
-    no run: that is told, and tried again later.
+    ``stamp`` contains all that determines the run's bits. Between two checkpoints a loop runs
+    ``least`` seconds at least, and checkpoints take at most the ``share`` of its time. A full disk
+    does not stop the run: a warning is logged, and the checkpoint tried again later.
     """
 
     def __init__(
@@ -74,25 +74,25 @@ class CheckpointFolder:
         self.least, self.share = least, share
         self._folder, self._stamp = folder, stamp
         self._usual, self._lock = least, Lock()
-        self._spared, self._held = 0.0, 0.0
+        self._restored, self._stored = 0.0, 0.0
         self.is_recalled = False
 
     def read(self, name: str, task: str) -> Memory | None:
-        """What was kept of the loop of that name; None if nothing that fits was."""
+        """Return the stored state of the loop of that name; None if none fits."""
         path = self._path(name)
         data = self._content(path) if path in self._loops() else None
         if data is None:
             if path in self._loops():
                 LOG.warning("%s is damaged: that part of the run is done again", path)
             return None
-        stamp, kept_task, memory = _read(data)
-        if memory is None or (stamp, kept_task) != (self._stamp, task):
+        stamp, stored_task, memory = _read(data)
+        if memory is None or (stamp, stored_task) != (self._stamp, task):
             return None
         self.is_recalled = True
         return memory
 
     def write(self, name: str, task: str, memory: Memory) -> None:
-        """Keep it at once, in the place of what was kept before; what is in it changes later."""
+        """Store a loop's state at once, replacing the one before."""
         data = plain_bytes((self._stamp, task, memory))
         try:
             if os.path.islink(self._folder):
@@ -108,42 +108,42 @@ class CheckpointFolder:
 
     @property
     def is_begun(self) -> bool:
-        """Whether anything was kept that this run can go on with."""
-        return any(True for _ in self._kept())
+        """Whether there is a checkpoint with which this run can be resumed."""
+        return any(True for _ in self._loop_seconds())
 
-    def _kept(self) -> Iterator[float]:
-        """The seconds of each loop that was kept of this run, with one in memory at a time."""
+    def _loop_seconds(self) -> Iterator[float]:
+        """Yield the seconds of each stored loop of this run, loading one at a time."""
         for path in self._loops():
             stamp, _, memory = _read(self._content(path) or b"")
             if memory is not None and stamp == self._stamp:
                 yield memory["seconds"]
 
     def tell(self, name: str) -> None:
-        """Tell whether the run of that name goes on with what was kept, or can not."""
-        kept = list(self._kept())
-        self._held = sum(kept)
-        if kept:
+        """Log whether the run of that name is resumed from checkpoints, or cannot be."""
+        seconds = list(self._loop_seconds())
+        self._stored = sum(seconds)
+        if seconds:
             LOG.info("%s: goes on where it was broken off", name)
         elif self._loops():
             LOG.info(ANEW, name, self._folder)
 
-    def spared(self, seconds: float) -> None:
-        """Count what need not be done again."""
+    def add_restored(self, seconds: float) -> None:
+        """Add to the seconds of work restored from checkpoints."""
         with self._lock:
-            self._spared += seconds
+            self._restored += seconds
 
     @property
-    def spared_seconds(self) -> float:
-        """All that was counted."""
-        return self._spared
+    def restored_seconds(self) -> float:
+        """Seconds of work restored from checkpoints so far."""
+        return self._restored
 
     @property
-    def kept_seconds(self) -> float:
-        """Those of what was kept, and is still to be found again."""
-        return max(0.0, self._held - self._spared)
+    def stored_seconds(self) -> float:
+        """Seconds of stored work that the run has not restored yet."""
+        return max(0.0, self._stored - self._restored)
 
     def clear(self) -> None:
-        """Remove what was kept: the run is finished. A folder that holds other files stays."""
+        """Remove the checkpoints of a finished run, and the folder if it has no other files."""
         if os.path.islink(self._folder):
             return
         for path in self._loops():
@@ -154,19 +154,19 @@ class CheckpointFolder:
             self._folder.rmdir()
 
     def check(self, error: Exception) -> None:
-        """Raise ValueError if what was kept may be why a run that goes on has the error."""
+        """Raise ValueError if a checkpoint may be the cause of a resumed run's error."""
         if self.is_recalled:
             raise ValueError(
-                f"a checkpoint must hold what its run remembers, got {self._folder} with "
+                f"a checkpoint must have the state of its run, got {self._folder} with "
                 f"{type(error).__name__}: {error} (remove it)"
             ) from error
 
     def _content(self, path: Path) -> bytes | None:
-        """That of a file, unless it would not fit the memory that a request may take."""
+        """Return a file's content, unless it exceeds the memory limit of requests."""
         return read_sealed(path, current_limits().memory_bytes, untyped=2)
 
     def _loops(self) -> list[Path]:
-        if os.path.islink(self._folder):  # nobody has typed its name
+        if os.path.islink(self._folder):  # no user typed its name
             return []
         try:
             return sorted(self._folder.glob(f"[!.]*{LOOP}"))
@@ -178,7 +178,7 @@ class CheckpointFolder:
 
 
 def _read(data: bytes) -> tuple[str | None, str | None, Memory | None]:
-    """Stamp, task and memory; none of them in what no checkpoint holds."""
+    """Return stamp, task and state from a checkpoint's bytes; None for each if they are invalid."""
     with suppress(ValueError):
         match plain_value(data):
             case (str(stamp), str(task), {"seconds": float()} as memory):
@@ -187,24 +187,25 @@ def _read(data: bytes) -> tuple[str | None, str | None, Memory | None]:
 
 
 def fitting(value: Any, like: Any) -> Any:
-    """The value that a memory has in the place of ``like``, which machine code takes.
+    """Return a restored value after checking that compiled code can take it in place of ``like``.
 
-    Raises ValueError for an array of another type, shape or order than it, or in its place.
+    Raises ValueError for an array of another type, shape or memory order, or another type of value.
 
     >>> fitting([1.0], np.zeros(1))
     Traceback (most recent call last):
     ...
-    ValueError: a checkpoint must hold what its run remembers, got list for float64 (1,) (remove it)
+    ValueError: a checkpoint must have the state of its run, got list for float64 (1,) (remove it)
     """
     one, other = _form(value), _form(like)
     if one != other:
         raise ValueError(
-            f"a checkpoint must hold what its run remembers, got {one} for {other} (remove it)"
+            f"a checkpoint must have the state of its run, got {one} for {other} (remove it)"
         )
     return value
 
 
 def _form(value: Any) -> str:
+    """Return the type of a value as text; of an array its dtype, shape and memory order."""
     if not isinstance(value, np.ndarray):
         return type(value).__name__
     order = "" if value.flags.c_contiguous else " not in the order of C"
@@ -213,7 +214,7 @@ def _form(value: Any) -> str:
 
 @dataclass
 class _Trail:
-    """The loops so far, in the order in which they began."""
+    """Counter of the loops of a run, which numbers them in the order in which they begin."""
 
     keeper: CheckpointFolder
     stem: str = ""
@@ -228,10 +229,10 @@ _TRAIL: ContextVar[_Trail | None] = ContextVar("_TRAIL", default=None)
 
 
 @contextmanager
-def kept_by(keeper: CheckpointFolder) -> Iterator[None]:
-    """Have the loops that begin in the body remembered.
+def checkpoints_in(keeper: CheckpointFolder) -> Iterator[None]:
+    """Store checkpoints of the loops started in this block in ``keeper``, and resume from them.
 
-    Raises ValueError where what was kept is not what they remember.
+    Raises ValueError if a stored state does not fit its loop.
     """
     token = _TRAIL.set(_Trail(keeper))
     try:
@@ -244,32 +245,32 @@ def kept_by(keeper: CheckpointFolder) -> Iterator[None]:
 
 
 def branches(count: int) -> list[Context]:
-    """Contexts for work that is done at once: loops are numbered in each of them by themselves."""
+    """Return contexts for concurrent work, in each of which loops are numbered separately."""
     trail = _TRAIL.get()
-    found = [Context() for _ in range(count)]
-    for context in found:
+    contexts = [Context() for _ in range(count)]
+    for context in contexts:
         if trail is not None:
             context.run(_TRAIL.set, _Trail(trail.keeper, f"{trail.next()}-"))
-    return found
+    return contexts
 
 
-def spared_seconds() -> float:
-    """The seconds of loops that were remembered and not done again."""
+def restored_seconds() -> float:
+    """Return the seconds of work restored from checkpoints in this run."""
     trail = _TRAIL.get()
-    return 0.0 if trail is None else trail.keeper.spared_seconds
+    return 0.0 if trail is None else trail.keeper.restored_seconds
 
 
-def kept_seconds() -> float:
-    """The seconds of loops that are remembered and that the run has not come to yet."""
+def stored_seconds() -> float:
+    """Return the seconds of stored work that the run has not reached yet."""
     trail = _TRAIL.get()
-    return 0.0 if trail is None else trail.keeper.kept_seconds
+    return 0.0 if trail is None else trail.keeper.stored_seconds
 
 
 @dataclass
 class Loop:
-    """One loop: ``memory`` is what one before it left, None if it begins.
+    """One loop; ``memory`` is its state in an earlier process, None if it begins now.
 
-    ``begun`` is when it would have begun if it had not been interrupted, as `perf_counter` tells.
+    ``begun`` is when it would have begun if it had not been interrupted, as a `perf_counter` time.
     """
 
     keeper: CheckpointFolder | None = None
@@ -279,35 +280,36 @@ class Loop:
     begun: float = field(default_factory=perf_counter)
 
     def __post_init__(self) -> None:
-        self._kept, self._cost = perf_counter(), FIRST_COST
+        self._last, self._cost = perf_counter(), FIRST_COST
         if self.memory is not None and self.keeper is not None:
             self.begun -= self.memory["seconds"]
-            self.keeper.spared(self.memory["seconds"])
+            self.keeper.add_restored(self.memory["seconds"])
 
     def offer(self, remember: Callable[[], Memory]) -> None:
-        """Have kept what ``remember`` gives, if it is time; the loop is between two steps."""
+        """Store a checkpoint of ``remember()``, between two steps, if it is time for one."""
         if self.keeper is not None:
-            passed = perf_counter() - self._kept
-            if passed >= max(self.keeper.least, self._cost / self.keeper.share):
-                self._keep(remember)
+            elapsed = perf_counter() - self._last
+            if elapsed >= max(self.keeper.least, self._cost / self.keeper.share):
+                self._store(remember)
 
     def end(self, remember: Callable[[], Memory]) -> None:
-        """Have kept that it has come to its end, unless that takes longer than to do it again."""
+        """Store the final state, unless that takes longer than repeating the last part."""
         if self.keeper is not None:
-            passed = perf_counter() - self._kept
-            if self.keeper.share * passed >= self._cost:
-                self._keep(remember)
+            elapsed = perf_counter() - self._last
+            if self.keeper.share * elapsed >= self._cost:
+                self._store(remember)
 
-    def _keep(self, remember: Callable[[], Memory]) -> None:
+    def _store(self, remember: Callable[[], Memory]) -> None:
+        """Write a checkpoint and measure its cost."""
         assert self.keeper is not None
         now = perf_counter()
         self.keeper.write(self.name, self.task, remember() | {"seconds": now - self.begun})
-        self._kept = perf_counter()
-        self._cost = self._kept - now
+        self._last = perf_counter()
+        self._cost = self._last - now
 
 
 def begin_loop(task: str) -> Loop:
-    """The loop that begins now, with what was kept of it; ``task`` says in full what it does."""
+    """Return the loop that begins now, with its stored state; ``task`` describes it in full."""
     trail = _TRAIL.get()
     if trail is None:
         return Loop()

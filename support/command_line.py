@@ -1,6 +1,6 @@
-"""What the commands of all rooms share: errors, long work and Ctrl-C, each told in one line.
+"""Common parts of all commands: error lines, limits, options and exit statuses.
 
-A room declares its words with click, next to what they do; `run_words` is the way into any of them.
+A room declares its commands with click next to their code; `run_words` runs any of them.
 """
 
 import errno
@@ -15,11 +15,11 @@ from typing import Any, TypeVar
 import click
 
 from longwave.support.interruption import (
-    call_it,
     ended_after,
     ended_beyond,
     interrupted,
     interruptible,
+    name_command,
     owns_process,
     stated_memory,
     was_interrupted,
@@ -35,20 +35,20 @@ from longwave.support.request_limits import (
     memory_text,
     request_limits,
 )
-from longwave.support.slow_work import announce, time_told
+from longwave.support.slow_work import announce, report_time_left
 from longwave.support.user_files import cut, printable, toml_value
 
 WRONG, BROKEN = 2, 1
-"""Exit status after wrong input, and where the disk did not take what was to be written."""
+"""Exit status after wrong input, and when the disk is full."""
 
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
-"""What a disk says that takes no more."""
+"""Errors of a disk that accepts no more data."""
 
 NO_READER = 141
-"""Exit status where the reader of the output has gone: 128 + the signal."""
+"""Exit status when the reader of the output is gone: 128 + the signal's number."""
 
 QUOTED, LONGEST = 200, 4000
-"""Most characters of the input that an error quotes, and of an error with all that it lists."""
+"""Most characters of the input that an error quotes, and of an error in total."""
 
 _ARGV = "longwave.argv"
 
@@ -61,15 +61,15 @@ force_option = click.option(
 json_option = click.option("--json", "json_wanted", is_flag=True, help="Print JSON.")
 
 
-def path_option(name: str, metavar: str, said: str) -> Callable[[Wrapped], Wrapped]:
-    """Give a command an option that names a file or a folder."""
-    return click.option(name, metavar=metavar, type=click.Path(), help=said)
+def path_option(name: str, metavar: str, help_text: str) -> Callable[[Wrapped], Wrapped]:
+    """Return a decorator that adds an option for a file or folder."""
+    return click.option(name, metavar=metavar, type=click.Path(), help=help_text)
 
 
 class CommandGroup(click.Group):
-    """A group of commands, in the order in which they are declared.
+    """A group of commands, listed in the order of their declaration.
 
-    An unknown one is told together with those, and with what else to write, if that is given.
+    The error for an unknown command lists them, followed by ``otherwise`` if given.
     """
 
     def __init__(self, *arguments: Any, otherwise: str = "", **options: Any) -> None:
@@ -79,27 +79,30 @@ class CommandGroup(click.Group):
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        """The command of the first argument; a UsageError lists the commands if it is none."""
+        """Return the command of the first argument.
+
+        Raises UsageError, which lists the commands, for an unknown one.
+        """
         if self.get_command(ctx, args[0]) is None and not args[0].startswith("-"):
             known = one_of(args[0], self.commands) + self._otherwise
             raise click.UsageError(f"COMMAND must be a known one, got {args[0]} ({known})")
         return super().resolve_command(ctx, args)
 
     def list_commands(self, ctx: click.Context) -> list[str]:
-        """The names of the commands."""
+        """Return the names of the commands."""
         return list(self.commands)
 
 
 def example(line: str) -> str:
-    """The end of a command's help: an example."""
+    """Return the end of a command's help text: an example."""
     return f"\b\nExample:\n  {line}"
 
 
 Limit = Callable[[str | None], AbstractContextManager[object]]
 
 
-def _held(limits: Limit) -> Callable[[click.Context, click.Parameter, str | None], None]:
-    """Return an option's callback: the limits that it gives hold while the command runs."""
+def _limit_callback(limits: Limit) -> Callable[[click.Context, click.Parameter, str | None], None]:
+    """Return an option's callback that applies the given limits while the command runs."""
 
     def hold(context: click.Context, _: click.Parameter, given: str | None) -> None:
         try:
@@ -111,33 +114,33 @@ def _held(limits: Limit) -> Callable[[click.Context, click.Parameter, str | None
 
 
 def _estimated_memory(given: str | None) -> AbstractContextManager[RequestLimits]:
-    """Refuse requests that are estimated to take more memory."""
+    """Refuse requests whose estimated memory exceeds the limit."""
     return request_limits(memory=given)
 
 
 def _estimated_time(given: str | None) -> AbstractContextManager[RequestLimits]:
-    """Refuse requests that are estimated to take longer."""
+    """Refuse requests whose estimated time exceeds the limit."""
     return request_limits(seconds=USUAL_SECONDS if given is None else given)
 
 
 @contextmanager
 def _enforced_memory(given: str | None) -> Iterator[None]:
-    """Refuse by estimate; one that is stated fails beyond it as well, whatever the estimate."""
-    with ExitStack() as held:
-        limits = held.enter_context(_estimated_memory(given))
+    """Refuse requests by their estimate; a given limit is also enforced on the process."""
+    with ExitStack() as stack:
+        limits = stack.enter_context(_estimated_memory(given))
         if given and owns_process():
             allowed = limits.memory_bytes
             limit = (
                 f"must fit {memory_text(allowed)} and did not (take less, or raise --max-memory)"
             )
-            held.enter_context(ended_beyond(allowed, limit))
-            held.enter_context(enforced_memory(allowed))
+            stack.enter_context(ended_beyond(allowed, limit))
+            stack.enter_context(enforced_memory(allowed))
         yield
 
 
 @contextmanager
 def _enforced_time(given: str | None) -> Iterator[None]:
-    """Refuse by estimate; one that is stated ends the command as well, whatever the estimate."""
+    """Refuse requests by their estimate; a given limit also ends the command."""
     with _estimated_time(given) as limits:
         allowed = limits.seconds if given else math.inf
         limit = f"must end within {duration(allowed)} and had not (take less, or raise --max-time)"
@@ -146,24 +149,25 @@ def _enforced_time(given: str | None) -> Iterator[None]:
 
 
 def limits_of_each(memory: str = "", time: str = "") -> Callable[[Wrapped], Wrapped]:
-    """Give a command `--max-memory` and `--max-time`, which hold while it runs.
+    """Return a decorator that adds `--max-memory` and `--max-time`, applied while the command runs.
 
-    Unless told they are these, of a command that has many runs in turn, or the usual ones. Limits
-    of each run are compared with its estimate; stated ones of a command are enforced as well.
+    ``memory`` and ``time`` are the defaults for a command that makes many runs in turn; its limits
+    are compared with the estimate of each run. Without them the usual defaults apply, and given
+    limits are also enforced on the whole command.
     """
     each = bool(memory or time)
-    hold_memory = _held(_estimated_memory if each else _enforced_memory)
-    hold_time = _held(_estimated_time if each else _enforced_time)
+    hold_memory = _limit_callback(_estimated_memory if each else _enforced_memory)
+    hold_time = _limit_callback(_estimated_time if each else _enforced_time)
 
     def limited(command: Wrapped) -> Wrapped:
-        for name, metavar, said, own, usual, hold in (
+        for name, metavar, text, own, usual, hold in (
             ("memory", "SIZE", "more, as 4G", memory, "half of the machine's", hold_memory),
             ("time", "TIME", "longer, as 30min", time, "1h", hold_time),
         ):
-            said = f"Refuse what takes {said} (default {own or usual})."
+            text = f"Refuse what takes {text} (default {own or usual})."
             words: dict[str, Any] = {"default": own or None, "expose_value": False}
             option = click.option(
-                f"--max-{name}", metavar=metavar, help=said, callback=hold, **words
+                f"--max-{name}", metavar=metavar, help=text, callback=hold, **words
             )
             command = option(command)
         return command
@@ -177,7 +181,10 @@ limit_options = limits_of_each()
 def listed(
     name: str, text: str, part: Callable[[str], Number], what: str, usual: str
 ) -> tuple[Number, ...]:
-    """The numbers in the text of an option, ``what`` being said of them where they are none.
+    """Return the numbers in an option's text, separated by commas.
+
+    Raises ValueError, which says that they must be ``what`` and shows the ``usual``, for other
+    texts.
 
     >>> listed("--eps", "0.1, 0.05", float, "numbers", "such as 0.1,0.05")
     (0.1, 0.05)
@@ -191,31 +198,31 @@ def listed(
 
 
 def named_values(name: str, texts: Iterable[str], usual: str = "m1=1,m2=3") -> dict[str, str]:
-    """The values in the texts of an option, by their names; an error shows what is ``usual``.
+    """Return the values in an option's texts by name; errors show what is ``usual``.
 
-    A comma in brackets or quotes is a value's own. Raises UsageError for a name that is given
+    A comma in brackets or quotes belongs to the value. Raises UsageError for a name that is given
     twice.
 
     >>> named_values("--set", ["m1=1,m2=3", "times=[0, 1]"])
     {'m1': '1', 'm2': '3', 'times': '[0, 1]'}
     """
-    found: dict[str, str] = {}
-    for part in (part for text in texts for part in _parts(text)):
+    result: dict[str, str] = {}
+    for part in (part for text in texts for part in _split_at_commas(text)):
         word, sign, value = (piece.strip() for piece in part.partition("="))
         if not (word and sign and value):
             raise click.UsageError(f"{name} must be NAME=VALUE, got {part!r} (such as {usual})")
-        if word in found:
+        if word in result:
             raise click.UsageError(
-                f"{name} must give {word} one value, got {found[word]} and {value} (leave one out)"
+                f"{name} must give {word} one value, got {result[word]} and {value} (leave one out)"
             )
-        found[word] = value
-    return found
+        result[word] = value
+    return result
 
 
-def _parts(text: str) -> list[str]:
-    """What stands between the commas of a text that are in no brackets and no quotes.
+def _split_at_commas(text: str) -> list[str]:
+    """Return the parts of a text between commas, ignoring commas in brackets or quotes.
 
-    >>> _parts('a=[1, 2],b="c, d"')
+    >>> _split_at_commas('a=[1, 2],b="c, d"')
     ['a=[1, 2]', 'b="c, d"']
     """
     parts, depth, quote = [""], 0, ""
@@ -231,8 +238,10 @@ def _parts(text: str) -> list[str]:
     return parts
 
 
-def _fields(_: click.Context, __: click.Parameter, texts: tuple[str, ...]) -> dict[str, Any]:
-    """The values of a scene's fields in the texts of `--set`, each as a scene's file has it."""
+def _changed_fields(
+    _: click.Context, __: click.Parameter, texts: tuple[str, ...]
+) -> dict[str, Any]:
+    """Return the values of `--set` by field, each parsed as in a scene's file."""
     given = named_values("--set", texts, "eps=0.05,parameters.k=0.7")
     return {field: toml_value(text) for field, text in given.items()}
 
@@ -242,34 +251,34 @@ set_option = click.option(
     "changes",
     multiple=True,
     metavar="FIELD=VALUE,...",
-    callback=_fields,
+    callback=_changed_fields,
     help="Other values for fields of the scene, as eps=0.05,parameters.k=0.7.",
 )
 
 
-def called_by() -> str:
-    """What the running command was called by, as in `longwave verify mutations`."""
+def command_name() -> str:
+    """Return the full name of the running command, such as `longwave verify mutations`."""
     return click.get_current_context().command_path
 
 
 def run_words(command: click.Command, program: str, argv: Sequence[str] | None = None) -> int:
-    """Run a command (by default on the arguments of the process); return its exit status.
+    """Run a command (by default on the process's arguments) and return its exit status.
 
-    0 if all is well; 1 if something is refuted, undecided, rejected, missing or did not come to its
-    end; 2 for wrong input, told in one line; 130 after Ctrl-C, 143 after SIGTERM; 141 if the reader
-    of the output has gone. The process is watched for silence and signals as a whole if they are
-    its own.
+    0 for success; 1 if something is refuted, undecided, rejected, missing or incomplete; 2 for
+    wrong input, reported in one line; 130 after Ctrl-C, 143 after SIGTERM; 141 if the reader of the
+    output is gone. If the arguments are the process's own, signals are handled for the whole
+    process, and the time left is reported from time to time.
     """
     arguments = list(sys.argv[1:] if argv is None else argv)
-    called = _called(command, program, arguments)
-    call_it(called)
+    called = _full_name(command, program, arguments)
+    name_command(called)
     whole = argv is None
-    with time_told(called) if whole else nullcontext():
+    with report_time_left(called) if whole else nullcontext():
         return interruptible(called, lambda: _run(command, program, called, arguments), whole)
 
 
-def _called(command: click.Command, program: str, argv: Sequence[str]) -> str:
-    """Return what the command of these words is called by, as in `longwave verify mutations`."""
+def _full_name(command: click.Command, program: str, argv: Sequence[str]) -> str:
+    """Return the full name of the command in these words, such as `longwave verify mutations`."""
     for word in argv:
         inner = command.commands.get(word) if isinstance(command, click.Group) else None
         if inner is None:
@@ -279,6 +288,7 @@ def _called(command: click.Command, program: str, argv: Sequence[str]) -> str:
 
 
 def _run(command: click.Command, program: str, called: str, argv: Sequence[str]) -> int:
+    """Run the command, and turn its errors into one line and an exit status."""
     try:
         with command.make_context(program, [*argv], help_option_names=["-h", "--help"]) as context:
             context.meta[_ARGV] = argv
@@ -287,7 +297,7 @@ def _run(command: click.Command, program: str, called: str, argv: Sequence[str])
     except click.exceptions.Exit as stop:
         return _flushed(stop.exit_code)
     except click.ClickException as error:
-        return _wrong(error, called, argv)
+        return _report_usage_error(error, called, argv)
     except (click.Abort, KeyboardInterrupt):
         return interrupted(called)
     except BrokenPipeError:
@@ -300,11 +310,11 @@ def _run(command: click.Command, program: str, called: str, argv: Sequence[str])
     except MemoryError:
         if limit := stated_memory():
             return fail(f"{called} {limit}")
-        return fail("the request must fit the memory, got one that does not (make it smaller)")
+        return fail("the request must fit in memory, got one that does not (make it smaller)")
 
 
 def _flushed(status: int) -> int:
-    """The exit status, when all output is written."""
+    """Flush the output and return the exit status."""
     try:
         sys.stdout.flush()
     except BrokenPipeError:
@@ -317,12 +327,12 @@ def _flushed(status: int) -> int:
 
 
 def _drop_output() -> None:
-    """Let what is still to be written to the standard output go nowhere."""
+    """Redirect further standard output to nowhere."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
-def _wrong(error: click.ClickException, called: str, argv: Sequence[str]) -> int:
-    """Tell a wrong command or option in one line, with the command whose help explains it."""
+def _report_usage_error(error: click.ClickException, called: str, argv: Sequence[str]) -> int:
+    """Report a wrong command or option in one line that names the help to see."""
     context = error.ctx if isinstance(error, click.UsageError) else None
     message, remedy = error.format_message(), ""
     if isinstance(error, click.NoSuchOption) and context is not None:
@@ -333,7 +343,7 @@ def _wrong(error: click.ClickException, called: str, argv: Sequence[str]) -> int
     elif isinstance(error, click.BadParameter):
         choices = getattr(getattr(error.param, "type", None), "choices", ())
         remedy = did_you_mean(error.message.partition(" is not ")[0].strip("'"), choices)
-    line = " ".join(_quoting_little(message, argv).split()).removesuffix(".")
+    line = " ".join(_with_short_quotes(message, argv).split()).removesuffix(".")
     if not line.startswith("COMMAND"):
         line = f"{line[0].lower()}{line[1:]}" if line[1:2].islower() else line
         see = f"see {context.command_path if context else called} --help"
@@ -342,12 +352,12 @@ def _wrong(error: click.ClickException, called: str, argv: Sequence[str]) -> int
 
 
 def fail(message: object) -> int:
-    """Print ``error: message`` in one line on stderr; return the exit status 2, or 1 where the disk
-    is full.
+    """Print ``error: message`` in one line on stderr; return the exit status, 2 or 1.
 
-    An error of a file says which file, and what is wrong with it. What the command line holds is
-    quoted in at most ``QUOTED`` characters. After Ctrl-C that is told instead: what it breaks off
-    may raise anything. That the reader of the output has gone is no error: it is raised again.
+    It is 1 if the disk is full. The message of a file error names the file. Parts of the command
+    line are quoted with at most ``QUOTED`` characters. After Ctrl-C the interruption is reported
+    instead, because the code it stops may raise anything. A BrokenPipeError, from a reader that is
+    gone, is raised again.
     """
     if was_interrupted():
         return interrupted()
@@ -358,31 +368,30 @@ def fail(message: object) -> int:
         message = f"{message.filename or 'output'}: {message.strerror}"
     context = click.get_current_context(silent=True)
     argv = context.meta.get(_ARGV, ()) if context is not None else ()
-    print(f"error: {one_line(_quoting_little(str(message), argv))}", file=sys.stderr)
+    print(f"error: {one_line(_with_short_quotes(str(message), argv))}", file=sys.stderr)
     return status
 
 
-def _quoting_little(message: str, argv: Iterable[str]) -> str:
-    """The message with long arguments cut, as they are or as Python writes them, and whatever else
-    is long without a space."""
+def _with_short_quotes(message: str, argv: Iterable[str]) -> str:
+    """Return the message with long arguments, and other long words, cut."""
     if len(message) <= QUOTED:
         return message
     for part in {part for argument in argv for part in (argument, argument.partition("=")[2])}:
         for text in (part, repr(part)[1:-1]):
             if len(text) > QUOTED // 2:
                 message = message.replace(text, cut(text, QUOTED // 2))
-    return re.sub(rf"\S{{{QUOTED},}}", lambda found: cut(found[0], QUOTED // 2), message)
+    return re.sub(rf"\S{{{QUOTED},}}", lambda result: cut(result[0], QUOTED // 2), message)
 
 
 def fail_for_memory(error: MemoryError, what: str = "sites") -> int:
-    """`fail` for a scene with too many ``what``."""
+    """Report with `fail` that a scene has too many ``what`` for the memory."""
     if limit := stated_memory():
-        return fail(f"{called_by()} {limit}")
-    return fail(f"{what} must fit the memory, got a scene that does not: {error} (take fewer)")
+        return fail(f"{command_name()} {limit}")
+    return fail(f"{what} must fit in memory, got a scene that does not: {error} (take fewer)")
 
 
 def one_line(message: object) -> str:
-    r"""The message in one line of at most ``LONGEST``, what would steer the terminal written out.
+    r"""Return the message in one line of at most ``LONGEST``, with control characters escaped.
 
     >>> print(one_line("two\nlines, \x1b[31mred"))
     two lines, \x1b[31mred
@@ -393,6 +402,9 @@ def one_line(message: object) -> str:
 def check_and_announce(
     work: str, seconds: float, memory: float = 0.0, cheaper: str = "take less at once"
 ) -> None:
-    """`announce` the work; OverBudgetError if it takes more than the limits allow."""
+    """Announce the work.
+
+    Raises OverBudgetError if it exceeds the limits.
+    """
     check_request(work, ExpectedCost(seconds, memory), cheaper)
     announce(work, seconds)

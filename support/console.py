@@ -1,4 +1,4 @@
-"""What the subcommands share: consoles, progress, files to be written, Ctrl-C between two items."""
+"""Output of the subcommands: consoles, tables, JSON, progress, checks of output files."""
 
 from __future__ import annotations
 
@@ -19,24 +19,24 @@ from rich.text import Text
 from longwave.support.interruption import interrupted
 from longwave.support.progress_line import ProgressLine, in_notebook
 from longwave.support.request_limits import Announcer
-from longwave.support.slow_work import Clock, TimeLeft, announce, count_notice, time_told
+from longwave.support.slow_work import Clock, TimeLeft, announce, count_notice, report_time_left
 from longwave.support.user_files import printable, shown
 
 PIPE_WIDTH = 120
-"""Columns of a table where stdout is no terminal."""
+"""Columns of a table if stdout is not a terminal."""
 
 T = TypeVar("T")
 Tell = Callable[[float], None]
 
 
 def table_console(width: int = PIPE_WIDTH, **look: Any) -> Console:
-    """The console for tables: as wide as the terminal, and wide enough for one row in a pipe."""
+    """Return the console for tables: as wide as the terminal, or ``width`` in a pipe."""
     console = Console(**look)
     return console if console.is_terminal else Console(width=width, **look)
 
 
 def tracked(items: Iterable[T], count: int, words: str) -> Iterator[T]:
-    """``items`` as they come, with a progress bar on stderr if that is a terminal."""
+    """Yield ``items``, with a progress bar on stderr if that is a terminal."""
     console = Console(stderr=True)
     if console.is_terminal:
         count_notice()
@@ -45,37 +45,37 @@ def tracked(items: Iterable[T], count: int, words: str) -> Iterator[T]:
 
 
 def finished(items: Iterable[T]) -> tuple[list[T], bool]:
-    """The items that came until the end or until Ctrl-C, and whether it was the end."""
-    found: list[T] = []
+    """Collect items until the end or Ctrl-C; return them, and whether it was the end."""
+    collected: list[T] = []
     try:
         for item in items:
-            found.append(item)
+            collected.append(item)
     except KeyboardInterrupt:
-        return found, False
-    return found, True
+        return collected, False
+    return collected, True
 
 
-def print_found(
-    found: Sequence[Any],
+def print_results(
+    results: Sequence[Any],
     complete: bool,
     show: Callable[[Sequence[Any]], object],
     json_wanted: bool,
     program: str,
     asked: str,
 ) -> int:
-    """Print what `finished` gives as ``show`` does, or as JSON; return the exit status.
+    """Print the results of `finished` with ``show``, or as JSON; return the exit status.
 
-    That is 0, or 130 where ``program`` was interrupted before all that was ``asked``.
+    It is 0, or 130 if ``program`` was interrupted before all that was ``asked`` for.
     """
     if json_wanted:
-        print_json([entry.json() for entry in found])
+        print_json([entry.json() for entry in results])
     else:
-        show(found)
-    return 0 if complete else interrupted(program, f"after {len(found)} of {asked}")
+        show(results)
+    return 0 if complete else interrupted(program, f"after {len(results)} of {asked}")
 
 
 def print_json(data: object) -> None:
-    """Print one JSON document; what is no number, or infinite, is null.
+    """Print one JSON document; nan and infinite numbers become null.
 
     >>> print_json({"error": float("nan"), "times": (0, 1.5)})
     {
@@ -90,7 +90,7 @@ def print_json(data: object) -> None:
 
 
 def _plain(data: Any) -> Any:
-    """Tables, lists, texts and finite numbers; arrays are lists."""
+    """Return the data as dictionaries, lists, texts and finite numbers; arrays become lists."""
     if isinstance(data, Mapping):
         return {str(key): _plain(value) for key, value in data.items()}
     if hasattr(data, "tolist"):
@@ -101,27 +101,27 @@ def _plain(data: Any) -> Any:
 
 
 def print_lines(console: Console, lines: Iterable[str]) -> None:
-    """Print lines as they are, without markup and without breaking them."""
+    """Print lines literally, without markup or line breaks."""
     for line in lines:
         console.print(line, markup=False, highlight=False, soft_wrap=True)
 
 
 def plain_console(stderr: bool = False, soft_wrap: bool = False) -> Console:
-    """A console that prints text as it is: a scene's title and name are no markup."""
+    """Return a console that prints text literally: a scene's title and name are not markup."""
     return PlainConsole(
         stderr=stderr, soft_wrap=soft_wrap, highlight=False, markup=False, emoji=False
     )
 
 
 class PlainConsole(Console):
-    """One on which texts of a file cannot steer the terminal: such signs are written out."""
+    """Console that escapes control characters, so that no text can steer the terminal."""
 
     def render_str(self, text: str, *words: Any, **options: Any) -> Text:
-        """The text of what is printed, or of a table's cell."""
+        """Return the escaped text of printed text or of a table's cell."""
         return super().render_str(printable(text), *words, **options)
 
     def on_broken_pipe(self) -> NoReturn:
-        """Leave it to the command that the reader of the output has gone: Rich would exit here."""
+        """Raise BrokenPipeError, which the command handles; Rich would exit here."""
         raise BrokenPipeError
 
 
@@ -134,11 +134,11 @@ def check_output(
     option: str = "--output",
     read: Sequence[str | Path] = (),
 ) -> None:
-    """Raise ValueError before anything is computed if no file can be written at ``text``.
+    """Raise ValueError, before anything is computed, if no file can be written at ``text``.
 
-    It must end in one of the ``suffixes``, if there are any, lie in a folder that can be written,
-    be no folder or device, and none of what is ``read``; without ``force`` it must not be there
-    yet. ``option`` names it.
+    It must end in one of the ``suffixes``, if any, lie in a writable folder, be no folder or
+    device, and not be one of the files ``read``. Without ``force`` it must not exist. ``option``
+    names it in errors.
     """
     if text is None:
         return
@@ -153,39 +153,42 @@ def check_output(
             f"{example})"
         )
     if not path.parent.is_dir():
-        raise ValueError(f"{option} must lie in an existing folder, got {text} (make it first)")
+        raise ValueError(f"{option} must lie in an existing folder, got {text} (create it first)")
     if path.exists() and not path.is_file():
         raise ValueError(
-            f"{option} must name a file, got {text}, which is none (such as {example})"
+            f"{option} must name a file, got {text}, which is not a file (such as {example})"
         )
     if os.path.realpath(path) in {os.path.realpath(name) for name in read}:
         raise ValueError(
-            f"{option} must be a file of its own, got {text}, which is read (such as {example})"
+            f"{option} must not be an input file, got {text}, which is read (such as {example})"
         )
     if path.exists() and not force:
         raise ValueError(
-            f"{option} must name a new file, got {text}, which is there (--force overwrites it)"
+            f"{option} must name a new file, got {text}, which exists (--force overwrites it)"
         )
     _check_folder(Path(os.path.realpath(path)).parent, option)
 
 
 def _check_folder(folder: Path, option: str) -> None:
-    """Raise ValueError if no file can be made in the folder: whether one can, only that says."""
+    """Raise ValueError if no file can be created in the folder; a test file is created to see."""
     try:
         tempfile.TemporaryFile(dir=folder).close()
     except OSError as error:
         raise ValueError(
-            f"{option} must lie in a folder that can be written, got {folder}: {error.strerror} "
+            f"{option} must lie in a writable folder, got {folder}: {error.strerror} "
             "(name a file elsewhere)"
         ) from None
 
 
 SUFFIXES = (".png", ".pdf", ".svg")
-"""Of pictures."""
+"""Suffixes of pictures."""
 
 
 def picture_path(output: str | Path) -> Path:
-    """The path of a picture; ValueError for a suffix that cannot be drawn."""
+    """Return the path of a picture.
+
+    Raises ValueError for a suffix that cannot be drawn.
+    """
     path = Path(output) if isinstance(output, str | Path) else None
     if path is None or path.suffix.lower() not in SUFFIXES:
         got = shown(output if path is None else path.name)
@@ -196,7 +199,7 @@ def picture_path(output: str | Path) -> Path:
 
 
 def default_output(source: str, suffix: str = ".png") -> str:
-    """The picture's file in the working folder, named after the run or scene.
+    """Return the name of a picture in the working folder, after the run or scene.
 
     >>> default_output("runs/rogue_cn_k_0.5.nc"), default_output("rogue_cn_k_0.5")
     ('rogue_cn_k_0.5.png', 'rogue_cn_k_0.5.png')
@@ -211,33 +214,32 @@ def progress_bar(
     console: Console | None = None,
     clock: Clock = monotonic,
 ) -> Iterator[tuple[Tell, Tell]]:
-    """Progress on the standard error with the time left, as `run` takes it.
+    """Show progress with the time left on stderr: a bar, a line, or occasional lines.
 
-    In a terminal it is a bar, in a notebook a line, and elsewhere a line now and then.
-
-    Yields what the share done is told to, and what the seconds of ``work`` are told to: many are
-    announced, and again where they have doubled, without what a checkpoint holds of them.
+    A terminal has a bar, a notebook a line that is rewritten. Yields two callbacks: one for the
+    share done, one for the expected seconds of ``work``. Long times are announced, again when they
+    have doubled, without the part that checkpoints restore.
     """
     if in_notebook():
         with ProgressLine(name) as line:
-            yield line.left.share, _of_what_is_left(line.left.foresee)
+            yield line.left.share, _without_restored(line.left.foresee)
         return
     console = console or plain_console(stderr=True, soft_wrap=True)
     if not console.is_terminal:
-        with time_told(work, clock) as left:
+        with report_time_left(work, clock) as left:
 
-            def say(seconds: float) -> None:
+            def announce_time(seconds: float) -> None:
                 left.foresee(seconds)
                 announce(work, seconds)
 
-            yield left.share, _of_what_is_left(say)
+            yield left.share, _without_restored(announce_time)
         return
     left = TimeLeft(clock)
     columns = (TextColumn("{task.description}", markup=False), BarColumn(), _TimeColumn(left))
     with Progress(*columns, console=console, transient=True) as bar:
         task = bar.add_task(name, total=1.0)
 
-        def tell(seconds: float) -> None:
+        def announce_and_restart(seconds: float) -> None:
             left.foresee(seconds)
             bar.stop()
             announce(work, seconds)
@@ -248,28 +250,28 @@ def progress_bar(
             left.share(share)
             bar.update(task, completed=share)
 
-        yield advance, _of_what_is_left(tell)
+        yield advance, _without_restored(announce_and_restart)
 
 
-def _of_what_is_left(tell: Tell) -> Tell:
-    """Passes on the seconds that are expected, without those that a checkpoint spares."""
+def _without_restored(tell: Tell) -> Tell:
+    """Return a callback that subtracts the seconds that checkpoints restore."""
     announcer = Announcer(tell)
 
-    def told(seconds: float) -> None:
-        from longwave.support.checkpoint import kept_seconds  # with NumPy
+    def announce_rest(seconds: float) -> None:
+        from longwave.support.checkpoint import stored_seconds  # with NumPy
 
-        announcer(max(0.0, seconds - kept_seconds()))
+        announcer(max(0.0, seconds - stored_seconds()))
 
-    return told
+    return announce_rest
 
 
 class _TimeColumn(ProgressColumn):
-    """The time left beside a bar."""
+    """Progress column with the share done and the time left."""
 
     def __init__(self, left: TimeLeft) -> None:
         super().__init__()
         self._left = left
 
     def render(self, _: Task) -> Text:
-        """The share and the time."""
+        """Return the share done and the time left."""
         return Text(self._left.words())

@@ -1,8 +1,8 @@
-"""Jobs on a Dask cluster by the address of its scheduler; `dask.distributed` is an extra.
+"""Jobs on a Dask cluster, given the address of its scheduler; `dask.distributed` is an extra.
 
-Dask's processes run what they send each other: whoever can talk to a scheduler runs code on all of
-them, and on its clients (docs/trust.md). Nothing of ours adds to that: an answer that is none of
-ours is the error of its job, in one line.
+Dask's processes run what they send each other: whoever can reach a scheduler can run code on all of
+them, and on its clients (docs/trust.md). This module adds nothing to that: an unexpected answer is
+an error of its job, in one line.
 """
 
 import logging
@@ -30,23 +30,23 @@ CONNECTING = 15.0
 """Seconds in which a scheduler must answer."""
 
 LOOKING = 2.0
-"""Seconds between two looks at a cluster."""
+"""Seconds between two counts of a cluster's workers."""
 
 BEGINNING = 60.0
-"""Seconds for an interpreter to begin and to end, beyond those of its job."""
+"""Seconds for an interpreter to start and to end, in addition to its job's."""
 
 Outcome = tuple[Any, Any, BaseException | None]
-"""Of a call: what it told, its value, its error."""
+"""Last message, value and error of a call."""
 
 
 class DaskWorkers:
-    """The workers of a cluster, which replaces them itself and does the jobs of lost ones again."""
+    """Workers of a cluster, which replaces lost ones itself and repeats their jobs."""
 
     def __init__(self, address: str, digest: str, check: Callable[["Client"], None]) -> None:
-        """Connect, and ``check`` that the workers compute what would be computed here.
+        """Connect, and ``check`` that the workers compute the same as this process.
 
-        They must have what is called ``digest``, MODULE:NAME. Raises ValueError as `_connected`
-        does and as the check does.
+        ``digest`` is the MODULE:NAME of an object that they must have. Raises ValueError as
+        `_connected` and the check do.
         """
         self._client = _connected(address, digest)
         self._futures: dict[Call, Any] = {}
@@ -58,7 +58,7 @@ class DaskWorkers:
             if isinstance(error, ValueError):
                 raise
             raise ValueError(
-                f"--scheduler must be of workers that say what they run, got "
+                f"--scheduler must have workers that report their code, got "
                 f"{type(error).__name__}: {one_line(error)[:100]} (install the same there)"
             ) from None
         self.count = 1
@@ -66,18 +66,18 @@ class DaskWorkers:
         self._look()
 
     def submit(self, job: Job) -> Call:
-        """Have a job done, again on another worker if its own is lost."""
+        """Submit a job; it is repeated on another worker if its own is lost."""
         call = Call(job)
         try:
             self._futures[call] = self._client.submit(_outcome, job, pure=False)
             self._futures[call].add_done_callback(lambda _: self._answered.put(call))
-        except Exception as error:  # its scheduler is lost, say
+        except Exception as error:  # such as a lost scheduler
             call.error = error
             self._answered.put(call)
         return call
 
     def ended(self, seconds: float) -> list[Call]:
-        """A call that has ended; if there is none, it is waited for so long."""
+        """Return a call that has ended, waiting at most so many seconds for one."""
         from distributed import KilledWorker
 
         self._look()
@@ -87,7 +87,7 @@ class DaskWorkers:
             return []
         try:
             if call.error is None:
-                call.told, call.value, call.error = _checked(self._futures.pop(call).result())
+                call.message, call.value, call.error = _checked(self._futures.pop(call).result())
         except KilledWorker:
             call.error = LostProcess("the cluster lost several workers to it")
         except (Exception, SystemExit, GeneratorExit) as error:
@@ -95,7 +95,7 @@ class DaskWorkers:
         return [call]
 
     def _look(self) -> None:
-        """Count the workers; tell if there are none: others may come."""
+        """Count the workers, and log a message if there are none; others may come."""
         if time.monotonic() < self._looked + LOOKING:
             return
         try:
@@ -106,32 +106,33 @@ class DaskWorkers:
                 self._answered.put(call)
             return
         if not threads and not self._are_gone:
-            LOG.info("the cluster has no workers, which are waited for (Ctrl-C stops it)")
+            LOG.info("the cluster has no workers: waiting for some (Ctrl-C stops it)")
         self._looked, self._are_gone = time.monotonic(), not threads
         self.count = max(1, sum(threads.values()))
 
     def stop(self) -> None:
-        """Drop what has not begun and leave the cluster."""
+        """Drop jobs that have not begun and leave the cluster."""
         self._client.close(timeout=PATIENCE)
 
 
 def _checked(answer: Any) -> Outcome:
-    """The answer, which is a call's outcome. Raises TypeError for anything else."""
+    """Return the answer if it is a call's outcome. Raises TypeError otherwise."""
     match answer:
-        case (told, value, None | Exception() | OutOfTime() | Cancelled() as error):
-            return told, value, error
+        case (message, value, None | Exception() | OutOfTime() | Cancelled() as error):
+            return message, value, error
     raise _no_outcome(answer)
 
 
 def _no_outcome(answer: object) -> TypeError:
+    """Return the error for an answer that is no outcome."""
     return TypeError(f"a worker must answer with an outcome, got {type(answer).__name__}")
 
 
 def _connected(address: str, needed: str) -> "Client":
-    """A client of the cluster, whose workers have what is ``needed``.
+    """Return a client of the cluster, after checking that its workers have the object ``needed``.
 
-    Raises ValueError in one line where `dask.distributed` is not installed, where no scheduler
-    answers and where a worker has no longwave: it would end by the first task.
+    Raises ValueError in one line if `dask.distributed` is not installed, if no scheduler answers,
+    and if a worker lacks longwave, which its first task would need.
     """
     try:
         from distributed import Client
@@ -141,7 +142,7 @@ def _connected(address: str, needed: str) -> "Client":
             "--scheduler needs dask.distributed, got none (pip install 'longwave[cluster]')"
         ) from None
     try:
-        get_address_host_port(address)  # a client of a wrong one ends late, with a traceback
+        get_address_host_port(address)  # a client of a wrong address fails late, with a traceback
         client = Client(address, timeout=CONNECTING, set_as_default=False)
     except (OSError, ValueError, TypeError, RuntimeError) as error:
         why = one_line(error)[:100]
@@ -150,30 +151,33 @@ def _connected(address: str, needed: str) -> "Client":
             f"{CONNECTING:g} s, got {address[:100]}: {why} (such as tcp://127.0.0.1:8786, "
             "or tls://... with the certificates of Dask's configuration)"
         ) from None
-    for name in ("client", "utils"):  # where a lost scheduler is a traceback, which callers tell
+    for name in (
+        "client",
+        "utils",
+    ):  # these log a traceback of a lost scheduler, which callers report
         logging.getLogger(f"distributed.{name}").setLevel(logging.CRITICAL)
-    for worker, found in client.run(resolve_name, needed, on_error="return").items():
-        if isinstance(found, Exception):
+    for worker, result in client.run(resolve_name, needed, on_error="return").items():
+        if isinstance(result, Exception):
             client.close()
             raise ValueError(
-                f"--scheduler must be of workers that have this longwave, got {worker}: "
-                f"{type(found).__name__}: {str(found)[:100]} (install it there)"
+                f"--scheduler must have workers with this longwave, got {worker}: "
+                f"{type(result).__name__}: {str(result)[:100]} (install it there)"
             )
     return client
 
 
 def _outcome(job: Job) -> Outcome:
-    """In a worker: do a job; one that has limits in an interpreter of its own, which ends by them.
+    """Do a job in a worker; a job with limits runs in its own interpreter, which enforces them.
 
-    A worker has threads, and may be no parent by `multiprocessing`'s rules.
+    A worker has threads, and `multiprocessing` may not allow it to have children.
     """
     if job.memory is None and job.seconds == math.inf:
         return None, job.run(lambda _: None), None
-    house = str(Path(__file__).absolute().parents[2])
-    paths = [house, *filter(None, [os.environ.get("PYTHONPATH")])]
+    root = str(Path(__file__).absolute().parents[2])
+    paths = [root, *filter(None, [os.environ.get("PYTHONPATH")])]
     try:
         done = subprocess.run(
-            [sys.executable, "-P", "-m", __name__],  # what the worker's folder holds is not ours
+            [sys.executable, "-P", "-m", __name__],  # import nothing from the worker's folder
             input=pickle.dumps(job),
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
@@ -181,16 +185,16 @@ def _outcome(job: Job) -> Outcome:
             timeout=job.seconds + BEGINNING,
             check=True,
         )
-        found: Outcome = pickle.loads(done.stdout)
+        outcome: Outcome = pickle.loads(done.stdout)
     except (subprocess.SubprocessError, pickle.UnpicklingError, EOFError) as error:
         return None, None, LostProcess(f"the process broke off ({type(error).__name__})")
-    return found
+    return outcome
 
 
 def main() -> None:
-    """Read a job, do it within its limits, and write its outcome."""
+    """Read a job from stdin, do it within its limits, and write its outcome to stdout."""
     call = run_apart(pickle.load(sys.stdin.buffer))
-    sys.stdout.buffer.write(pickle.dumps((call.told, call.value, call.error)))
+    sys.stdout.buffer.write(pickle.dumps((call.message, call.value, call.error)))
 
 
 if __name__ == "__main__":

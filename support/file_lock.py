@@ -1,7 +1,7 @@
-"""A lock that is a file: held by one process at a time, and let go of when its process ends.
+"""File locks: held by one process at a time, and released when it ends.
 
-Where files cannot be locked (ENOLCK, ENOSYS, ..., or a lock that excludes nobody), work goes on
-without: two processes may then do the same, which is told once.
+Where files cannot be locked (ENOLCK, ENOSYS, ..., or a lock that excludes nobody), work continues
+without: two processes may then do the same work, which is logged once.
 """
 
 from __future__ import annotations
@@ -24,27 +24,27 @@ except ImportError:
 FLAGS = os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
 
 TRIES = 1000
-"""How often a lock is asked for whose holder has removed its file meanwhile."""
+"""Most attempts to get a lock whose holder keeps removing its file."""
 
 UNLOCKED = (
     "%s: files cannot be locked there (%s): two processes that want the same run may both make it; "
     "none is lost or half written"
 )
 
-_TOLD: set[int] = set()
-"""The file systems of which that was told."""
+_WARNED: set[int] = set()
+"""File systems for which a warning was logged."""
 
-_TRIED: set[int] = set()
-"""Those of which it was tried whether a lock excludes another."""
+_TESTED: set[int] = set()
+"""File systems for which it was tested whether a lock excludes another."""
 
 
 @contextmanager
 def locked(path: Path, wait: Callable[[], None] = lambda: None) -> Iterator[None]:
-    """Hold the lock ``path`` in the body, and remove its file after it.
+    """Hold the lock ``path`` in the body, and remove its file afterwards.
 
-    ``wait`` is called before another holder is waited for. Where files cannot be locked, the body
-    is run all the same. A link of that name, which nobody has typed, is removed. Raises OSError
-    that names the file if it cannot be made.
+    ``wait`` is called before waiting for another holder. Where files cannot be locked, the body
+    runs all the same. A symbolic link of that name, which no user typed, is removed. Raises OSError
+    that names the file if it cannot be created.
     """
     number = _acquired(path, cache(wait))
     try:
@@ -58,25 +58,26 @@ def locked(path: Path, wait: Callable[[], None] = lambda: None) -> Iterator[None
 
 
 def _acquired(path: Path, wait: Callable[[], None]) -> int:
-    """The number of the file, which is open, and locked if that can be."""
+    """Return the descriptor of the lock file, locked if possible."""
     for _ in range(TRIES):
         number = _opened(path)
         try:
-            if _is_held(path, number, wait):
+            if _try_lock(path, number, wait):
                 return number
         except OSError as error:
-            _tell(path.parent, error.strerror or str(error))
+            _warn_once(path.parent, error.strerror or str(error))
             return number
         except BaseException:
             os.close(number)
             raise
         os.close(number)
     number = _opened(path)
-    _tell(path.parent, "the number of a file changes each time that it is looked at")
+    _warn_once(path.parent, "the inode of a file changes each time it is opened")
     return number
 
 
 def _opened(path: Path) -> int:
+    """Open the lock file, removing a symbolic link of its name."""
     for _ in range(TRIES):
         try:
             return not_stale(lambda: os.open(path, FLAGS, 0o666))
@@ -88,10 +89,10 @@ def _opened(path: Path) -> int:
     raise OSError(errno.ELOOP, "is made a link each time that it is removed", str(path))
 
 
-def _is_held(path: Path, number: int, wait: Callable[[], None]) -> bool:
-    """Lock the open file; whether the path still leads to it: its holder may have removed it.
+def _try_lock(path: Path, number: int, wait: Callable[[], None]) -> bool:
+    """Lock the open file; return whether the path still leads to it, not removed by its holder.
 
-    Raises OSError where that cannot be.
+    Raises OSError where locking is not possible.
     """
     if fcntl is None:
         raise OSError(errno.ENOSYS, os.strerror(errno.ENOSYS))
@@ -108,14 +109,14 @@ def _is_held(path: Path, number: int, wait: Callable[[], None]) -> bool:
         raise
     if not leads_to(path, file):
         return False
-    if file.st_dev not in _TRIED:
-        _TRIED.add(file.st_dev)
+    if file.st_dev not in _TESTED:
+        _TESTED.add(file.st_dev)
         _check_that_it_excludes(path)
     return True
 
 
 def _check_that_it_excludes(path: Path) -> None:
-    """Raise OSError if a file that is locked can be locked, or removed, by another."""
+    """Raise OSError if another process could lock or remove the locked file."""
     with suppress(FileNotFoundError):
         number = not_stale(lambda: os.open(path, FLAGS & ~os.O_CREAT))
         try:
@@ -127,9 +128,9 @@ def _check_that_it_excludes(path: Path) -> None:
     raise OSError(errno.ENOLCK, "a lock there excludes nobody")
 
 
-def _tell(folder: Path, reason: str) -> None:
-    """Tell once of each file system why nothing is locked there."""
+def _warn_once(folder: Path, reason: str) -> None:
+    """Log once for each file system why nothing is locked there."""
     device = os.stat(folder).st_dev
-    if device not in _TOLD:
-        _TOLD.add(device)
+    if device not in _WARNED:
+        _WARNED.add(device)
         LOG.warning(UNLOCKED, folder, reason)

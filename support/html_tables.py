@@ -1,16 +1,16 @@
-"""Tables of HTML, as notebooks show objects."""
+"""HTML tables for objects in notebooks."""
 
 from collections.abc import Iterable, Sequence
 from html import escape
 
 LEFT = 'style="text-align: left"'
-"""Of a cell; the rest is the notebook's."""
+"""Style of all cells; the notebook sets the rest."""
 
 
 def html_table(title: str, rows: Iterable[Sequence[str]], heads: Sequence[str] = ()) -> str:
-    """A table with a caption, and heads of its columns if there are any.
+    """Return a table with a caption, and column heads if given.
 
-    Texts are shown as they stand; formulas between dollar signs are set by the notebook.
+    Texts are shown literally; formulas between dollar signs are typeset by the notebook.
 
     >>> print(html_table("a < b", [("eps", "< 0.1")]))
     <table><caption style="text-align: left"><b>a &lt; b</b></caption>

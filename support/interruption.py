@@ -1,12 +1,12 @@
-"""Ctrl-C ends a command in one line within two seconds, whatever the command is doing.
+"""Ctrl-C ends a command with one line within two seconds, whatever it is doing.
 
-The first Ctrl-C is a KeyboardInterrupt, from which a command unwinds and tells what it keeps. One
-that is in compiled code, waits for workers or has lost the interrupt in a finalizer is ended by a
-watching thread, which the signal wakes without Python's help. A second Ctrl-C ends it at once.
+The first Ctrl-C is a KeyboardInterrupt, from which the command unwinds and reports what it saves. A
+command that is in compiled code, waits for workers or lost the interrupt in a finalizer is ended by
+a watcher thread, which the signal wakes without Python's help. A second Ctrl-C ends it at once.
 
-SIGTERM, by which schedulers of clusters end their jobs, does the same to a command's process, and
-so does SIGALRM, when the time of `ended_after` is over. A command that states limits is watched
-from another process as well (`supervision`), which is told here what there is to say of it.
+SIGTERM, by which cluster schedulers end jobs, does the same to a command's process, and so does
+SIGALRM after the time of `ended_after`. A command with stated limits is also watched by another
+process (`supervision`), which is told what to report.
 """
 
 from __future__ import annotations
@@ -27,45 +27,45 @@ from longwave.support.supervision import OVERDUE, TOO_LARGE, supervised, tell
 from longwave.support.user_files import on_one_line
 
 ENDING = signal.SIGINT, signal.SIGTERM, signal.SIGALRM, TOO_LARGE
-"""What Ctrl-C sends, what a scheduler does, what a timer does, and what a full memory does."""
+"""Signals that end a command: Ctrl-C, a scheduler's, a timer's, and that of too much memory."""
 
 SIGNALLED = 128
-"""Exit status after a signal, less its number."""
+"""Exit status after a signal, less the signal's number."""
 
 INTERRUPTED = SIGNALLED + signal.SIGINT
-"""That after Ctrl-C."""
+"""Exit status after Ctrl-C."""
 
 LONGEST_TIMER = 1e7
-"""Seconds from which on no timer is set."""
+"""Seconds above which no timer is set."""
 
 PATIENCE = 1.5
 """Seconds in which a command may end by itself."""
 
 KEEPING = 15.0
-"""Seconds more in which it may write what is finished, where it does."""
+"""Additional seconds for writing finished results, in `keeping`."""
 
 SAME_PRESS = 0.3
-"""Seconds in which a second signal is taken for the first: some programs pass on what a terminal
-has sent already."""
+"""Seconds in which a second signal counts as the first: some programs forward a signal that the
+terminal has sent already."""
 
 LOOK = 0.05
-"""Seconds between two looks at whether the time is over."""
+"""Seconds between two checks of the time."""
 
 SHOW_CURSOR = "\x1b[?25h"
 
 
 class _Watch:
-    """A running command: what it is called by, what it keeps, and since when it is to end."""
+    """State of a running command: its name, what it has saved, and since when it is ending."""
 
-    def __init__(self, called: str) -> None:
-        self.called, self.kept, self.limit, self.memory_limit = called, "", "", ""
+    def __init__(self, name: str) -> None:
+        self.name, self.saved, self.limit, self.memory_limit = name, "", "", ""
         self.since: float | None = None
         self.status = INTERRUPTED
         self.patience = PATIENCE
-        self.told = self.over = self.left = False
+        self.is_reported = self.over = self.left = False
 
     def press(self, number: int, *_: object) -> None:
-        """The handler of a signal: interrupt the main thread, or end if that was done before."""
+        """Handle a signal: interrupt the main thread, or end the process on the second one."""
         now = time.monotonic()
         if self.over or (self.since is not None and now > self.since + SAME_PRESS):
             self.end()
@@ -76,85 +76,87 @@ class _Watch:
             raise KeyboardInterrupt
 
     def watch(self, reading: int) -> None:
-        """In a thread: end the command a while after the signal's number has come."""
+        """Run in a thread: end the process a while after a signal's number arrives in the pipe."""
         byte = os.read(reading, 1)
-        while byte and byte[0] not in ENDING:  # of another handler
+        while byte and byte[0] not in ENDING:  # another handler's signal
             byte = os.read(reading, 1)
-        begun = time.monotonic()
+        started = time.monotonic()
         while byte and not self.left:
-            if time.monotonic() > begun + self.patience:
+            if time.monotonic() > started + self.patience:
                 self.end()
             time.sleep(LOOK)
         os.close(reading)
 
-    def tell(self, kept: str) -> None:
-        """Say in one line that the command was interrupted, once."""
-        if not self.told:
-            self.told = True
-            tell(said=True)
-            print(self._line(kept), file=sys.stderr, flush=True)
+    def tell(self, saved: str) -> None:
+        """Report in one line, once, that the command was interrupted."""
+        if not self.is_reported:
+            self.is_reported = True
+            tell(is_reported=True)
+            print(self._line(saved), file=sys.stderr, flush=True)
 
-    def _line(self, kept: str) -> str:
-        """Return the line that says why the command ended, with what is ``kept``."""
+    def _line(self, saved: str) -> str:
+        """Return the line that says why the command ended, and what is ``saved``."""
         if self.status == OVERDUE:
-            return f"error: {self.called} {self.limit}{kept}"
-        return f"{self.called}: interrupted{kept}"
+            return f"error: {self.name} {self.limit}{saved}"
+        return f"{self.name}: interrupted{saved}"
 
     def end(self) -> NoReturn:
-        """End the process here and now, its workers too."""
+        """End the process and its workers immediately."""
         with suppress(Exception):
             processes = sys.modules.get("multiprocessing")
             for child in processes.active_children() if processes else ():
                 child.kill()
-        if self.told:
+        if self.is_reported:
             time.sleep(LOOK)  # the line may be on its way
         else:
-            shown = SHOW_CURSOR if os.isatty(2) else ""
-            kept = f" ({self.kept})" if self.kept else ""
-            tell(said=True)
-            os.write(2, f"{shown}{self._line(kept)}\n".encode())
+            cursor = SHOW_CURSOR if os.isatty(2) else ""
+            saved = f" ({self.saved})" if self.saved else ""
+            tell(is_reported=True)
+            os.write(2, f"{cursor}{self._line(saved)}\n".encode())
         os._exit(self.status)
 
 
 _watch: _Watch | None = None
 
 
-def interruptible(called: str, work: Callable[[], int], whole_process: bool) -> int:
-    """What ``work`` returns, an exit status; 130 after Ctrl-C, 143 after SIGTERM, told in one line.
+def interruptible(name: str, work: Callable[[], int], whole_process: bool) -> int:
+    """Run ``work`` and return its exit status; 130 after Ctrl-C, 143 after SIGTERM, with one line.
 
-    ``called`` is what the command is called by. With ``whole_process`` there is nothing but the
-    command, and the signals stay in these hands until the process has ended. Inside another one
-    SIGTERM is left to that; where a signal is ignored, this only tells.
+    ``name`` is the command's name. With ``whole_process`` the command is all that the process
+    does, and the signals are handled until it has ended. Otherwise SIGTERM is left to the caller;
+    ignored signals stay ignored.
     """
     if whole_process and _watch is None:
-        return supervised(sys.argv[1:], lambda: _interruptible(called, work, whole_process))
-    return _interruptible(called, work, whole_process)
+        return supervised(sys.argv[1:], lambda: _interruptible(name, work, whole_process))
+    return _interruptible(name, work, whole_process)
 
 
-def _interruptible(called: str, work: Callable[[], int], whole_process: bool) -> int:
-    main = threading.current_thread() is threading.main_thread()
+def _interruptible(name: str, work: Callable[[], int], whole_process: bool) -> int:
+    """Run ``work`` with signal handlers, if this is the main thread and none are set."""
+    is_main = threading.current_thread() is threading.main_thread()
     numbers = [
         number
         for number in ENDING[: len(ENDING) if whole_process else 1]
         if signal.getsignal(number) not in (signal.SIG_IGN, None)
     ]
-    if _watch is not None or not main or not numbers:
-        return _told(called, work)
+    if _watch is not None or not is_main or not numbers:
+        return _run_reporting(name, work)
 
-    def watched() -> int:
-        with _watched(_Watch(called), whole_process, numbers):
-            return _told(called, work)
+    def work_watched() -> int:
+        with _watching(_Watch(name), whole_process, numbers):
+            return _run_reporting(name, work)
 
-    return _told(called, watched)
+    return _run_reporting(name, work_watched)
 
 
-def _told(called: str, work: Callable[[], int]) -> int:
+def _run_reporting(name: str, work: Callable[[], int]) -> int:
+    """Run ``work``, and report an interruption in one line."""
     try:
         return work()
     except BaseException as error:
         if not (isinstance(error, KeyboardInterrupt) or was_interrupted()):
             raise  # an interrupted import raises whatever it likes
-        return interrupted(called)
+        return interrupted(name)
     finally:
         # CPython remembers that a source it ran, as `python -c` does, was interrupted, and ends by
         # the signal and not with the status, until it has run another: namedtuple runs one.
@@ -162,7 +164,8 @@ def _told(called: str, work: Callable[[], int]) -> int:
 
 
 @contextmanager
-def _watched(watch: _Watch, whole_process: bool, numbers: Sequence[int]) -> Iterator[None]:
+def _watching(watch: _Watch, whole_process: bool, numbers: Sequence[int]) -> Iterator[None]:
+    """Install the signal handlers and the watcher thread for the body."""
     global _watch
     handlers = {number: signal.signal(number, watch.press) for number in numbers}
     reading, writing = os.pipe()
@@ -186,15 +189,15 @@ def _watched(watch: _Watch, whole_process: bool, numbers: Sequence[int]) -> Iter
 
 
 def owns_process() -> bool:
-    """Whether the process is a command's own, as `interruptible` was told."""
+    """Return whether the process is a command's own, as `interruptible` was told."""
     return _watch is not None and signal.getsignal(signal.SIGALRM) == _watch.press
 
 
 @contextmanager
 def ended_after(seconds: float, limit: str) -> Iterator[None]:
-    """End the command as Ctrl-C does if the body takes longer; its line tells the ``limit``.
+    """End the command as Ctrl-C does if the body takes longer; its line gives the ``limit``.
 
-    Only where the command `owns_process`.
+    Works only where the command `owns_process`.
     """
     if _watch is None or not owns_process() or seconds > LONGEST_TIMER:
         yield
@@ -212,9 +215,9 @@ def ended_after(seconds: float, limit: str) -> Iterator[None]:
 
 @contextmanager
 def ended_beyond(size: float, limit: str) -> Iterator[None]:
-    """End the command where it has more than ``size`` bytes, all its processes together.
+    """End the command if all its processes together have more than ``size`` bytes.
 
-    Only where the command `owns_process`, and is watched from another one.
+    Works only where the command `owns_process` and is watched by another process.
     """
     if _watch is None or not owns_process() or math.isinf(size):
         yield
@@ -229,21 +232,21 @@ def ended_beyond(size: float, limit: str) -> Iterator[None]:
 
 
 def stated_memory() -> str:
-    """What the line says of a command beyond the memory that is stated; "" if none is."""
+    """Return the text for a command beyond its stated memory limit; "" without a limit."""
     return _watch.memory_limit if _watch is not None else ""
 
 
 def _ignore_from_here() -> None:
-    """The last step of a process that has done its work: it ends with its own status.
+    """Ignore the signals at the end of a process, so that it exits with its own status.
 
-    Python forgets handlers as it ends, and the signal would kill it; one to ignore it leaves.
+    Python removes handlers as it exits, and a signal would then kill it.
     """
     for number in ENDING:
         signal.signal(number, signal.SIG_IGN)
 
 
 def _leave_to_parent() -> None:
-    """In a forked process: it is the parent that is interrupted, and that ends its children."""
+    """Reset the handlers in a forked process; its parent ends it."""
     global _watch
     if _watch is not None:
         _watch = None
@@ -257,43 +260,43 @@ if hasattr(os, "register_at_fork"):
 
 
 def was_interrupted() -> bool:
-    """Whether Ctrl-C has been pressed in this command."""
+    """Return whether Ctrl-C has been pressed in this command."""
     return _watch is not None and _watch.since is not None
 
 
-def call_it(called: str) -> None:
-    """Say what the running command is called by, once that is known."""
+def name_command(name: str) -> None:
+    """Set the name of the running command, once it is known."""
     if _watch is not None:
-        _watch.called = called
-        tell(called=called)
+        _watch.name = name
+        tell(name=name)
 
 
-def interrupted(called: str = "", kept: str = "") -> int:
-    """Print one line on stderr after Ctrl-C, with what is ``kept``; return the exit status."""
-    watch = _watch or _Watch(called)
-    watch.called = called or watch.called
-    watch.tell(f" ({on_one_line(kept)})" if kept else "")
+def interrupted(name: str = "", saved: str = "") -> int:
+    """Print the line after Ctrl-C, with what was saved; return the exit status."""
+    watch = _watch or _Watch(name)
+    watch.name = name or watch.name
+    watch.tell(f" ({on_one_line(saved)})" if saved else "")
     return watch.status
 
 
-def will_keep(kept: str) -> None:
-    """Say what of the work there is by now, for the line that ends it from outside."""
+def note_saved(saved: str) -> None:
+    """Set the text about saved work for the line printed if the command is ended."""
     if _watch is not None:
-        _watch.kept = on_one_line(kept)
-        tell(kept=_watch.kept)
+        _watch.saved = on_one_line(saved)
+        tell(saved=_watch.saved)
 
 
 @contextmanager
 def keeping() -> Iterator[None]:
-    """In the body, what is finished is written: after Ctrl-C there is time for it."""
+    """Allow additional time after Ctrl-C in the body, for writing finished results."""
     if _watch is None:
         yield
         return
     _watch.patience += KEEPING
-    tell(keeping=_watch.patience - PATIENCE)
+    tell(saving=_watch.patience - PATIENCE)
     try:
         yield
     finally:
         if _watch is not None:
             _watch.patience -= KEEPING
-            tell(keeping=_watch.patience - PATIENCE)
+            tell(saving=_watch.patience - PATIENCE)

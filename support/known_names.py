@@ -1,4 +1,4 @@
-"""Names that are not known: which ones may have been meant, and which there are."""
+"""Suggestions for unknown names: similar known names, and the list of all."""
 
 from collections.abc import Iterable
 from typing import TypeVar
@@ -7,24 +7,24 @@ LOOKED_AT = 60
 """Characters of an unknown name that are compared."""
 
 MOST = 3
-"""Names that may have been meant."""
+"""Most names suggested."""
 
 NEARLY = 0.15
-"""What a name may be less alike than the one that is most alike, of a likeness of 0 .. 1."""
+"""Largest difference in similarity, 0 .. 1, from the most similar name."""
 
 BEGINNING = 3
-"""Characters that may be the beginning of a name."""
+"""Least characters of an unknown name that may be the beginning of a known one."""
 
 FEW = 30
-"""Names that are listed beside those that may have been meant."""
+"""Most names listed in addition to suggestions."""
 
 T = TypeVar("T")
 
 
 def close_names(name: object, known: Iterable[str], most: int = MOST) -> list[str]:
-    """The known names that an unknown one is like, the most alike first.
+    """Return the known names similar to an unknown one, the most similar first.
 
-    That is with two letters exchanged, with some of them wrong, or with an end to be added.
+    Similar names have the same letters in another order, a few wrong letters, or a missing end.
 
     >>> close_names("sehc", ["sech", "tanh"]), close_names("toda", ["fput", "toda_soliton"])
     (['sech'], ['toda_soliton'])
@@ -37,15 +37,19 @@ def close_names(name: object, known: Iterable[str], most: int = MOST) -> list[st
     typed = str(name)[:LOOKED_AT].lower()
     close = [other for other in plain if sorted(other) == sorted(typed)]
     if not close and (close := get_close_matches(typed, plain, most)):
-        alike = [SequenceMatcher(None, other, typed).ratio() for other in close]
-        close = [o for o, value in zip(close, alike, strict=True) if value > alike[0] - NEARLY]
+        similarities = [SequenceMatcher(None, other, typed).ratio() for other in close]
+        close = [
+            o
+            for o, value in zip(close, similarities, strict=True)
+            if value > similarities[0] - NEARLY
+        ]
     if not close and len(typed) >= BEGINNING:
         close = [other for other in plain if other.startswith(typed)]
     return [plain[other] for other in close[:most]]
 
 
 def did_you_mean(name: object, known: Iterable[str], most: int = MOST) -> str:
-    """The known names that an unknown one is like, as a question; empty if it is like none.
+    """Return the known names similar to an unknown one as a question; empty if there are none.
 
     >>> did_you_mean("Kinck", ["wave_cn", "kink"]), did_you_mean("peakon", ["wave_cn", "kink"])
     ('did you mean kink?', '')
@@ -55,9 +59,9 @@ def did_you_mean(name: object, known: Iterable[str], most: int = MOST) -> str:
 
 
 def one_of(name: object, known: Iterable[str]) -> str:
-    """The remedy for an unknown name: which may have been meant, and all that there are.
+    """Return the remedy for an unknown name: suggestions, and the list of known names.
 
-    Many are counted where one of them may have been meant.
+    If there is a suggestion, a long list is replaced by its length.
 
     >>> one_of("kinck", ["wave_cn", "kink"])
     'did you mean kink? one of wave_cn, kink'
@@ -65,20 +69,22 @@ def one_of(name: object, known: Iterable[str]) -> str:
     'did you mean kink? one of 38 names'
     """
     names = [*known]
-    meant = did_you_mean(name, names)
-    listed = f"{len(names)} names" if meant and len(names) > FEW else ", ".join(names) or "none"
-    return f"{meant} one of {listed}".lstrip()
+    suggestion = did_you_mean(name, names)
+    listed = (
+        f"{len(names)} names" if suggestion and len(names) > FEW else ", ".join(names) or "none"
+    )
+    return f"{suggestion} one of {listed}".lstrip()
 
 
 class UnknownNameError(ValueError, KeyError):
-    """A name that is none of a catalogue's: a KeyError that reads as every ValueError does."""
+    """Unknown name in a catalogue: a KeyError whose text reads like that of a ValueError."""
 
     def __str__(self) -> str:
         return str(self.args[0])
 
 
 class NamedEntries(dict[str, T]):
-    """A catalogue by name, which says for an unknown one which may have been meant.
+    """Catalogue by name whose error for an unknown name suggests similar ones.
 
     >>> try:
     ...     NamedEntries("lattice", {"toda": 1, "fput": 2})["todda"]

@@ -1,7 +1,6 @@
-"""The face of a room: its nouns under the room's name, each imported when it is first asked for.
+"""Lazy exports of a room: its public names, each imported on first use.
 
-A command that only shows its help, or another room that needs one record, imports no more than
-that.
+A command that only shows its help, or a room that needs one record, imports nothing else.
 """
 
 import sys
@@ -10,26 +9,26 @@ from collections.abc import Callable, Mapping
 from importlib import import_module
 
 BEGUN = time.time()
-"""When the first room was imported: what runs is older."""
+"""Time of the first import of a room; running code is older."""
 
 
 def lazy_exports(
     room: str, modules: Mapping[str, str]
 ) -> tuple[Callable[[str], object], Callable[[], list[str]]]:
-    """The room's ``__getattr__`` and ``__dir__``, from the nouns (in one text) of each module.
+    """Return a room's ``__getattr__`` and ``__dir__``, given the names (in one text) by module.
 
-    Asking for anything else raises AttributeError, with the nouns that there are.
+    Asking for another name raises AttributeError, which lists the known ones.
     """
-    module_of = {noun: module for module, nouns in modules.items() for noun in nouns.split()}
+    module_by_name = {name: module for module, names in modules.items() for name in names.split()}
 
-    def get(noun: str) -> object:
-        if noun not in module_of:
+    def get(name: str) -> object:
+        if name not in module_by_name:
             from longwave.support.known_names import one_of
 
-            known = "" if noun.startswith("_") else f" ({one_of(noun, sorted(module_of))})"
-            raise AttributeError(f"{room} has no noun {noun!r}{known}")
-        value = getattr(import_module(module_of[noun]), noun)
-        setattr(sys.modules[room], noun, value)
+            known = "" if name.startswith("_") else f" ({one_of(name, sorted(module_by_name))})"
+            raise AttributeError(f"{room} has no noun {name!r}{known}")
+        value = getattr(import_module(module_by_name[name]), name)
+        setattr(sys.modules[room], name, value)
         return value
 
     return get, lambda: sorted({*vars(sys.modules[room]), *sys.modules[room].__all__})

@@ -1,8 +1,8 @@
-"""Numbers, texts, arrays and what they are gathered in as bytes: to be read without believing them.
+"""Safe serialisation of numbers, texts, arrays and their containers as bytes.
 
-The bytes are a text in JSON, and the numbers of all arrays behind it. Reading calls nothing that
-they name, takes no more memory than a few times their length, and gives what was written, type by
-type and bit by bit. Of other types those come through that the caller names, each with its parts.
+The bytes are a JSON text followed by the data of all arrays. Reading calls nothing that the bytes
+name, takes no more memory than a few times their length, and returns what was written, type by type
+and bit by bit. Other types are allowed if the caller names them, each by its parts.
 """
 
 from __future__ import annotations
@@ -17,36 +17,36 @@ if TYPE_CHECKING:
     import numpy as np
 
 BARE = (type(None), bool, int, float, str)
-"""What JSON has: other types are a dictionary of one entry there, their sign and what they hold."""
+"""JSON's own types; other types become a dictionary with one entry, a tag and its content."""
 
 NUMBERS = re.compile(r"[<>|=][biufcSU][1-9]\d{0,8}")
-"""NumPy's types of numbers and texts, none of which is an address."""
+"""Pattern of NumPy's types of numbers and texts, none of which is an address."""
 
 FAULTS = (ValueError, TypeError, LookupError, AttributeError, OverflowError, RecursionError)
-"""What reading meets in bytes that were not made here."""
+"""Errors that reading may meet in bytes written elsewhere."""
 
 HEAD = 8
-"""Bytes that say how long the text is."""
+"""Bytes that hold the length of the text."""
 
 
 class PlainKind(NamedTuple):
-    """A type that may stand in plain data: how it is taken apart, and made of those parts again."""
+    """Additional type for plain data: how to take it apart and how to rebuild it."""
 
     type: type
     parts: Callable[[Any], object]
-    made: Callable[[Any], object]
+    build: Callable[[Any], object]
 
 
 Kinds = Callable[[str], PlainKind | None]
-"""The type of a name that may stand in the data, None if there is none."""
+"""Function from a name in the data to its type, None if unknown."""
 
 
 def no_kinds(_: str) -> None:
-    """Of no name."""
+    """Return None: no additional types."""
 
 
 def plain_bytes(value: object, kinds: Kinds = no_kinds) -> bytes:
-    """The value as bytes. Raises TypeError for what it may not hold.
+    """Return the value as bytes. Raises TypeError for unsupported types.
 
     >>> plain_value(plain_bytes({"a": (1, 2.5), 3: [None, 1j]}))
     {'a': (1, 2.5), 3: [None, 1j]}
@@ -57,16 +57,16 @@ def plain_bytes(value: object, kinds: Kinds = no_kinds) -> bytes:
 
 
 def plain_value(content: bytes, kinds: Kinds = no_kinds) -> Any:
-    """What `plain_bytes` was given. Raises ValueError for what it has not made."""
+    """Return the value from the bytes of `plain_bytes`. Raises ValueError for other bytes."""
     end = HEAD + int.from_bytes(content[:HEAD], "little")
     try:
         return _Reader(memoryview(content)[end:], kinds).value(json.loads(content[HEAD:end]))
     except FAULTS as error:
-        raise ValueError(f"data must be as they were written, got others: {error}") from None
+        raise ValueError(f"data must be those of plain_bytes, got others: {error}") from None
 
 
 class _Writer:
-    """Makes the tree that becomes JSON, and gathers the arrays."""
+    """Builds the JSON tree of a value and collects its arrays."""
 
     def __init__(self, kinds: Kinds) -> None:
         self._kinds = kinds
@@ -74,7 +74,7 @@ class _Writer:
         self._length = 0
 
     def tree(self, value: Any) -> Any:
-        """The value in JSON's types."""
+        """Return the value as a tree of JSON's types."""
         import numpy as np
 
         kind = type(value)
@@ -98,22 +98,22 @@ class _Writer:
         raise TypeError(f"data must be numbers, texts, arrays or lists of them, got {kind}")
 
     def _array(self, values: np.ndarray[Any, Any]) -> list[Any]:
-        """Type, shape, order of the numbers in memory, and where they begin."""
+        """Return type, shape, memory order and byte offset of an array, and store its data."""
         if not NUMBERS.fullmatch(values.dtype.str):
             raise TypeError(f"arrays must be of numbers or texts, got {values.dtype}")
         flags = values.flags
         order: Literal["F", "C"] = "F" if flags.f_contiguous and not flags.c_contiguous else "C"
-        place = self._length
+        offset = self._length
         self.arrays.append(values.tobytes(order))
         self._length += len(self.arrays[-1])
-        return [values.dtype.str, list(values.shape), order, place]
+        return [values.dtype.str, list(values.shape), order, offset]
 
 
 class _Reader:
-    """Makes values of a tree and the bytes of its arrays."""
+    """Rebuilds values from a tree and the arrays' bytes."""
 
-    def __init__(self, held: memoryview, kinds: Kinds) -> None:
-        self._held, self._kinds = held, kinds
+    def __init__(self, data: memoryview, kinds: Kinds) -> None:
+        self._data, self._kinds = data, kinds
         self._bare: dict[str, Callable[[Any], Any]] = {
             "tuple": lambda items: tuple(map(self.value, items)),
             "dict": lambda items: {self.value(key): self.value(item) for key, item in items},
@@ -123,7 +123,7 @@ class _Reader:
         }
 
     def value(self, tree: Any) -> Any:
-        """The value of a tree."""
+        """Return the value of a tree."""
         if isinstance(tree, list):
             return [self.value(item) for item in tree]
         if isinstance(tree, dict):
@@ -132,20 +132,20 @@ class _Reader:
                 return self._bare[name](parts)
             kind = self._kinds(name)
             if kind is None:
-                raise ValueError(f"{name} has no place there")
-            return kind.made(self.value(parts))
+                raise ValueError(f"unknown type {name}")
+            return kind.build(self.value(parts))
         return tree
 
     def _array(self, parts: list[Any]) -> Any:
         import numpy as np
 
-        kind, shape, order, place = parts
+        kind, shape, order, offset = parts
         if not NUMBERS.fullmatch(kind) or order not in ("C", "F"):
             raise ValueError(f"an array of {kind}")
-        if any(type(size) is not int or size < 0 for size in (place, *shape)):
-            raise ValueError(f"an array of the shape {shape} at {place}")
+        if any(type(size) is not int or size < 0 for size in (offset, *shape)):
+            raise ValueError(f"an array of the shape {shape} at {offset}")
         dtype, count = np.dtype(kind), math.prod(shape)
-        part = self._held[place : place + count * dtype.itemsize]
+        part = self._data[offset : offset + count * dtype.itemsize]
         if not count:
             return np.empty(shape, dtype, order)
         return np.frombuffer(part, dtype, count).reshape(shape, order=order).copy(order)

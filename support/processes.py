@@ -1,4 +1,4 @@
-"""Jobs in processes of this machine, which can be killed; their limits of time and memory."""
+"""Jobs in local processes that can be killed, and limits of their time and memory."""
 
 import gc
 import math
@@ -26,44 +26,44 @@ from typing import Any, Protocol, TypeVar
 from longwave.support.request_limits import Cancelled
 
 Key = tuple[str, object]
-"""What a job of a study is called by: a kind and a subject."""
+"""Key of a study's job: kind and subject."""
 
 Subject = TypeVar("Subject", bound=Hashable)
 Progress = Callable[[float], None]
 
 POLL = 0.2
-"""Seconds between two looks at the progress."""
+"""Seconds between two checks of the progress."""
 
 TELLING = 0.1
-"""Least seconds between two shares that a job tells."""
+"""Least seconds between two shares that a job reports."""
 
 SAFE_PATH = "PYTHONSAFEPATH"
-"""The variable that keeps the current folder out of Python's path."""
+"""Environment variable that keeps the current folder out of Python's path."""
 
 PATIENCE = 1.0
-"""Seconds in which a process that is told to end may write what it has."""
+"""Seconds in which a process that is terminated may still write its output."""
 
 
 ENDED = "the process broke off"
 
 
 class OutOfTime(BaseException):
-    """The limit has passed; what catches every Exception does not catch this."""
+    """The time limit has passed; not an Exception, so that broad handlers do not catch it."""
 
 
 class LostProcess(Exception):
-    """A process ended under its job: it was killed, or had no memory."""
+    """A process ended during its job: it was killed, or ran out of memory."""
 
 
 @dataclass(frozen=True)
 class Job:
-    """A call to make in a process, and about how many seconds it takes: its ``weight``.
+    """A function call for a process; ``weight`` is its approximate duration in seconds.
 
-    With ``tells``, the function is called with a further argument: a function to be told the
-    share of the work that is done, 0 .. 1, or whatever else is to be known before the end. After
-    ``seconds`` of the clock the process is killed; it may take ``memory`` bytes more than it has.
-    A job that ``gives_way`` ends, by Cancelled from what it tells, when its process is given
-    another. All parts must be picklable, but where the process is a fork.
+    If ``tells``, the function gets an additional argument, a callback for the share of the work
+    done, 0 .. 1, or other messages. After ``seconds`` of wall time the process is killed; it may
+    take ``memory`` bytes in addition to what it has. A job that ``gives_way`` is ended, by
+    Cancelled from its callback, when its process gets another. All parts must be picklable, unless
+    the process is a fork.
     """
 
     function: Callable[..., Any]
@@ -75,41 +75,41 @@ class Job:
     gives_way: bool = False
 
     def run(self, tell: Callable[[Any], None]) -> Any:
-        """Make the call and return what it returns."""
+        """Make the call and return its result."""
         return self.function(*self.arguments, *((tell,) if self.tells else ()))
 
 
 @dataclass(eq=False)
 class Call:
-    """A job given to workers: what it told last, and in the end its value or its error.
+    """A submitted job: its last message, and at the end its value or its error.
 
-    The error is OutOfTime past the job's seconds, and LostProcess where the process ended.
+    The error is OutOfTime after the job's seconds, LostProcess if the process ended.
     """
 
     job: Job
-    told: Any = None
+    message: Any = None
     value: Any = None
     error: BaseException | None = None
 
     def result(self) -> Any:
-        """The value; raises the error."""
+        """Return the value, or raise the error."""
         if self.error is not None:
             raise self.error
         return self.value
 
 
 class Workers(Protocol):
-    """Processes that do jobs, here or on a cluster."""
+    """Protocol of processes that do jobs, here or on a cluster."""
 
     @property
     def count(self) -> int:
-        """Jobs that are done at once."""
+        """Number of jobs that are done concurrently."""
 
     def submit(self, job: Job) -> Call:
-        """Have a job done."""
+        """Submit a job and return its call."""
 
     def ended(self, seconds: float) -> list[Call]:
-        """The calls that have ended; if there are none, they are waited for so long."""
+        """Return the calls that have ended, waiting at most so many seconds for one."""
 
     def stop(self) -> None:
         """End all work within two seconds."""
@@ -120,7 +120,7 @@ def as_ended(
     workers: Workers,
     look: Callable[[Mapping[Call, Subject]], object] = lambda _: None,
 ) -> Iterator[tuple[Subject, Call]]:
-    """Do all jobs as `in_turn` does, and stop the workers, also after an error or Ctrl-C."""
+    """Do all jobs as `in_turn`, and stop the workers at the end, even after an error or Ctrl-C."""
     try:
         yield from in_turn(jobs, workers, look)
     finally:
@@ -133,9 +133,10 @@ def in_turn(
     look: Callable[[Mapping[Call, Subject]], object] = lambda _: None,
     ahead: int = 1,
 ) -> Iterator[tuple[Subject, Call]]:
-    """Do all jobs, each taken when a worker has less than ``ahead``; keys and calls as they end.
+    """Do all jobs and yield keys and calls as they end.
 
-    ``look`` is shown the calls under way from time to time.
+    A job is taken from the iterable when there are fewer than ``ahead`` per worker. ``look`` is
+    called from time to time with the calls under way.
     """
     waiting, running = iter(jobs), dict[Call, Subject]()
     while True:
@@ -149,21 +150,21 @@ def in_turn(
 
 
 def in_order(jobs: Iterable[Job], workers: Workers) -> Iterator[Any]:
-    """What the jobs return, in their order; raises what the first failing one raises."""
-    early: dict[int, Any] = {}
-    place = 0
-    for found, call in as_ended(enumerate(jobs), workers):
-        early[found] = call.result()
-        while place in early:
-            yield early.pop(place)
-            place += 1
+    """Yield the results of the jobs in their order; raise the error of the first that fails."""
+    results: dict[int, Any] = {}
+    next_number = 0
+    for number, call in as_ended(enumerate(jobs), workers):
+        results[number] = call.result()
+        while next_number in results:
+            yield results.pop(next_number)
+            next_number += 1
 
 
 def run_jobs(jobs: Mapping[Subject, Job], workers: int, progress: Progress) -> dict[Subject, Any]:
-    """Do all jobs in `workers` processes, the longest first; return the results under their keys.
+    """Do all jobs in `workers` processes, the longest first; return the results by key.
 
-    `progress` is called from time to time with the share of the work done, 0 .. 1. The first
-    failing job's exception is raised here and the other jobs are dropped.
+    `progress` is called from time to time with the share of the work done, 0 .. 1. The exception of
+    the first failing job is raised, and the other jobs are dropped.
 
     Raises ValueError unless workers >= 1.
     """
@@ -171,34 +172,35 @@ def run_jobs(jobs: Mapping[Subject, Job], workers: int, progress: Progress) -> d
         raise ValueError(f"workers must be at least 1, got {workers} (2 is usual)")
     ordered = sorted(jobs.items(), key=lambda item: item[1].weight, reverse=True)
     whole = sum(job.weight for _, job in ordered)
-    found, shares = dict[Subject, Any](), dict.fromkeys(jobs, 0.0)
+    results, shares = dict[Subject, Any](), dict.fromkeys(jobs, 0.0)
 
     def report(running: Mapping[Call, Subject]) -> None:
-        shares.update((key, call.told or 0.0) for call, key in running.items())
+        shares.update((key, call.message or 0.0) for call, key in running.items())
         progress(min(1.0, sum(job.weight * shares[key] for key, job in ordered) / whole))
 
     for key, call in as_ended(ordered, LocalWorkers(workers), report):
-        found[key], shares[key] = call.result(), 1.0
+        results[key], shares[key] = call.result(), 1.0
     progress(1.0)
-    return {key: found[key] for key in jobs}
+    return {key: results[key] for key in jobs}
 
 
 def run_apart(job: Job) -> Call:
-    """The call of one job in a process of its own, at its end."""
-    ((_, call),) = as_ended([(0, job)], LocalWorkers(1, apart=True))
+    """Do one job in a process of its own and return its finished call."""
+    ((_, call),) = as_ended([(0, job)], LocalWorkers(1, isolated=True))
     return call
 
 
 def run_program(command: Sequence[str], folder: Path, seconds: float) -> tuple[int, str]:
-    """Exit status of a program that is run in a folder, and all that it printed.
+    """Run a program in a folder; return its exit status and all that it printed.
 
-    After ``seconds`` it is killed, with what it has started, and OutOfTime raised.
+    After ``seconds`` it is killed, with its child processes, and OutOfTime is raised.
     """
     status, printed = run_apart(Job(_program, (command, folder), seconds=seconds)).result()
     return status, printed
 
 
 def _program(command: Sequence[str], folder: Path) -> tuple[int, str]:
+    """Run a program in its own process group; return its exit status and output."""
     os.setpgrp()
     done = subprocess.run(
         command,
@@ -211,20 +213,20 @@ def _program(command: Sequence[str], folder: Path) -> tuple[int, str]:
     return done.returncode, done.stdout.decode(errors="replace")
 
 
-# here: the side of the command
+# in the parent process
 
 
 @dataclass(eq=False)
 class _Worker:
-    """A process, the pipe to it, and what it was given: the job it does, and those behind it."""
+    """A process, its pipe, and its jobs: the one under way and those queued."""
 
     process: Any
     pipe: Connection
     calls: deque[tuple[Call, float]] = field(default_factory=deque)
-    """With the moments until which they may take."""
+    """Calls with their deadlines, as monotonic times."""
 
     def end(self, patience: float) -> None:
-        """Wait so long for its end, and kill it with what it has started."""
+        """Wait ``patience`` seconds for the process to end, then kill it and its children."""
         self.process.join(patience)
         _kill_group(self.process.pid)
         self.process.kill()
@@ -233,48 +235,49 @@ class _Worker:
 
 
 class LocalWorkers:
-    """Processes of this machine, begun when they are needed and replaced when they are lost.
+    """Local processes, started when needed and replaced when lost.
 
-    They leave Ctrl-C to this process and end with it, however it ends. Each is a fresh interpreter
-    that calls ``begin`` first and is kept for further jobs; or ``apart``, for one job alone: a fork
-    of this process, which has nothing to import, where there are forks.
+    They ignore Ctrl-C, which is this process's, and end with it, however it ends. Each is a fresh
+    interpreter that calls ``begin`` first and is reused for further jobs. If ``isolated``, each
+    does one job only and is, where possible, a fork of this process, which needs no imports.
     """
 
     def __init__(
-        self, count: int, begin: Callable[[], None] | None = None, *, apart: bool = False
+        self, count: int, begin: Callable[[], None] | None = None, *, isolated: bool = False
     ) -> None:
-        self.count, self._begin, self._apart = count, begin, apart
+        self.count, self._begin, self._isolated = count, begin, isolated
         self._workers: list[_Worker] = []
         self._ended: list[Call] = []
 
     def start(self, job: Job | None = None) -> _Worker:
-        """Begin a process, for this ``job`` alone if there is one."""
+        """Start a process, for this ``job`` only if there is one."""
         forked = job is not None and hasattr(os, "fork")
         context: Any = mp.get_context("fork" if forked else "spawn")
         ours, theirs = context.Pipe()
         given = (theirs, ours if forked else None, self._begin, job)
         process = context.Process(target=_serve, args=given)
         with _interrupts_blocked(), warnings.catch_warnings(), _without_script(), _safe_path():
-            warnings.simplefilter("ignore", DeprecationWarning)  # of a fork beside threads
+            warnings.simplefilter("ignore", DeprecationWarning)  # of a fork with threads
             process.start()
         theirs.close()
         self._workers.append(_Worker(process, ours))
         return self._workers[-1]
 
     def submit(self, job: Job) -> Call:
-        """Have a job done, behind another one if all processes are at work."""
+        """Submit a job; it is queued if all processes are busy."""
         call = Call(job)
         self._give(call)
         return call
 
     def _give(self, call: Call) -> None:
+        """Send a call to the least busy process, or to a new one."""
         worker = min(self._workers, key=lambda worker: len(worker.calls), default=None)
-        if self._apart:
+        if self._isolated:
             worker = self.start(call.job)
         elif worker is None or (worker.calls and len(self._workers) < self.count):
             worker = self.start()
         try:
-            if not self._apart:
+            if not self._isolated:
                 worker.pipe.send(call.job)
         except OSError:
             self._drop(worker, LostProcess(ENDED))
@@ -283,7 +286,7 @@ class LocalWorkers:
             worker.calls.append((call, time.monotonic() + call.job.seconds))
 
     def ended(self, seconds: float) -> list[Call]:
-        """The calls that have ended; if there are none, they are waited for so long."""
+        """Return the calls that have ended, waiting at most so many seconds for one."""
         ends = [worker.calls[0][1] for worker in self._workers if worker.calls]
         longest = 0.0 if self._ended else min([seconds, *(end - time.monotonic() for end in ends)])
         ready = wait([worker.pipe for worker in self._workers], max(0.0, longest))
@@ -293,37 +296,38 @@ class LocalWorkers:
         for worker in self._workers[:]:
             if worker.calls and time.monotonic() > worker.calls[0][1]:
                 self._drop(worker, OutOfTime())
-        found, self._ended = self._ended, []
-        return found
+        calls, self._ended = self._ended, []
+        return calls
 
     def _read(self, worker: _Worker) -> None:
+        """Receive a message, value or error from a process."""
         try:
-            kind, said = worker.pipe.recv()
+            kind, content = worker.pipe.recv()
         except (EOFError, OSError):
             self._drop(worker, LostProcess(ENDED), PATIENCE)
             return
-        except Exception as error:  # what cannot be read here
-            kind, said = "error", error
+        except Exception as error:  # it cannot be unpickled
+            kind, content = "error", error
         call, _ = worker.calls[0]
-        setattr(call, kind, said)
-        if kind != "told":
+        setattr(call, kind, content)
+        if kind != "message":
             self._ended.append(worker.calls.popleft()[0])
-            if self._apart:
+            if self._isolated:
                 self._drop(worker, None, PATIENCE)
 
     def _drop(self, worker: _Worker, error: BaseException | None, patience: float = 0.0) -> None:
-        """End a process; what it was at has the error, and what was behind is given to another."""
+        """End a process; its current call gets the error, queued calls go to another process."""
         self._workers.remove(worker)
         worker.end(patience)
-        for place, (call, _) in enumerate(worker.calls):
-            if place:
+        for position, (call, _) in enumerate(worker.calls):
+            if position:
                 self._give(call)
             else:
                 call.error = error
                 self._ended.append(call)
 
     def stop(self) -> None:
-        """Tell all processes to end, and kill those that do not."""
+        """Terminate all processes, and kill those that do not end."""
         workers, self._workers = self._workers, []
         for worker in workers:
             worker.process.terminate()
@@ -334,9 +338,9 @@ class LocalWorkers:
 
 @contextmanager
 def _safe_path() -> Iterator[None]:
-    """Begin processes that import nothing from the current folder before they have our path.
+    """Start processes that do not import from the current folder before their path is set.
 
-    A fresh interpreter looks there first, also for the standard library, unless this says no.
+    A fresh interpreter looks there first, even for the standard library, unless told otherwise.
     """
     before = os.environ.get(SAFE_PATH)
     os.environ[SAFE_PATH] = "1"
@@ -351,9 +355,9 @@ def _safe_path() -> Iterator[None]:
 
 @contextmanager
 def _without_script() -> Iterator[None]:
-    """Start a process that does not run a user's script again, as a new interpreter would.
+    """Start a process that does not run the user's script again, as a new interpreter would.
 
-    No job is a function of a script; what is begun with ``python -m`` is a module, and stays.
+    No job is a function of a script. A module started with ``python -m`` is kept.
     """
     main = sys.modules["__main__"]
     if main.__spec__ is None:
@@ -366,9 +370,9 @@ def _without_script() -> Iterator[None]:
 
 @contextmanager
 def _interrupts_blocked() -> Iterator[None]:
-    """Block Ctrl-C while a process is started, which inherits that: it ends with its command.
+    """Block Ctrl-C while a process is started, which inherits the mask.
 
-    Else one that is still importing would show where it was interrupted.
+    Otherwise a process that is still importing would print a traceback.
     """
     if not hasattr(signal, "pthread_sigmask"):
         yield
@@ -381,13 +385,13 @@ def _interrupts_blocked() -> Iterator[None]:
 
 
 def _kill_group(leader: int) -> None:
-    """Kill what a process has started, if it is the leader of a group of its own."""
+    """Kill the processes that a process started, if it leads a group of its own."""
     if hasattr(os, "killpg"):
         with suppress(ProcessLookupError, PermissionError):
             os.killpg(leader, signal.SIGKILL)
 
 
-# there: the side of the process
+# in the worker process
 
 
 def _serve(
@@ -396,11 +400,14 @@ def _serve(
     begin: Callable[[], None] | None,
     job: Job | None,
 ) -> None:
-    """Do this ``job``, or those that come through the pipe, whose ``other`` end a fork has too."""
+    """Do this ``job``, or those from the pipe.
+
+    A fork also has its ``other`` end, which is closed.
+    """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     if other is not None:
         other.close()
-        gc.freeze()  # what the parent left may wait, at its end, for threads that are not here
+        gc.freeze()  # finalizers of the parent's objects may wait for threads that a fork lacks
     inbox: SimpleQueue[bytes] = SimpleQueue()
     threading.Thread(target=_receive, args=(pipe, inbox), daemon=True).start()
     inbox.get()
@@ -411,12 +418,12 @@ def _serve(
     else:
         while _do(pickle.loads(inbox.get()), pipe, inbox):
             pass
-        os._exit(1)  # at once: it was told to end
+        os._exit(1)  # at once, as requested
 
 
 def _receive(pipe: Connection, inbox: SimpleQueue[bytes]) -> None:
-    """In a thread: take what comes, and end with the parent."""
-    inbox.put(bytes(1000))  # the thread has its memory by now, and a limit of it may follow
+    """Receive jobs in a thread, and end the process with its parent."""
+    inbox.put(bytes(1000))  # the thread has its memory now, so a memory limit may follow
     with suppress(EOFError, OSError):
         while True:
             inbox.put(pipe.recv_bytes())
@@ -425,7 +432,7 @@ def _receive(pipe: Connection, inbox: SimpleQueue[bytes]) -> None:
 
 
 def _do(job: Job, pipe: Connection, inbox: SimpleQueue[bytes]) -> bool:
-    """Do a job and send what came of it; whether the process can do others."""
+    """Do a job and send its result; return whether the process can do others."""
     last = -math.inf
 
     def give_way() -> None:
@@ -437,21 +444,21 @@ def _do(job: Job, pipe: Connection, inbox: SimpleQueue[bytes]) -> bool:
         give_way()
         if not isinstance(what, float) or time.monotonic() > last + TELLING:
             last = time.monotonic()
-            pipe.send(("told", what))
+            pipe.send(("message", what))
 
     kind, usable = "value", True
     try:
         give_way()
         if job.memory is not None:
             limit_memory(job.memory)
-        found = job.run(tell)
+        result = job.run(tell)
     except BaseException as error:
-        kind, found, usable = "error", error, isinstance(error, Exception | Cancelled)
+        kind, result, usable = "error", error, isinstance(error, Exception | Cancelled)
         if isinstance(error, Exception):
             error.add_note("".join(traceback.format_tb(error.__traceback__)))
     print(end="", flush=True)
     try:
-        pipe.send((kind, found))
+        pipe.send((kind, result))
     except Exception as error:  # it cannot be pickled
         pipe.send(("error", RuntimeError(f"{type(error).__name__}: {error}")))
     return usable
@@ -461,7 +468,7 @@ def _do(job: Job, pipe: Connection, inbox: SimpleQueue[bytes]) -> bool:
 
 
 def limit_memory(beyond: int) -> None:
-    """Let this process take so many bytes more than it has, where the system can say and do so."""
+    """Limit this process to ``beyond`` bytes more than it has, where the system supports it."""
     with suppress(ImportError, OSError, ValueError):
         import resource  # where there is fork
 
@@ -471,7 +478,7 @@ def limit_memory(beyond: int) -> None:
 
 
 def limit_processor(seconds: int) -> None:
-    """Have this process killed after so many more seconds of the processor, where there is fork."""
+    """Kill this process after so many more seconds of processor time, where there is fork."""
     with suppress(ImportError, OSError, ValueError):
         import resource
 
@@ -482,11 +489,11 @@ def limit_processor(seconds: int) -> None:
 
 @contextmanager
 def time_limit(seconds: float, passing: bool = False) -> Iterator[None]:
-    """Raise OutOfTime in what runs inside after ``seconds``; only a main thread can be stopped.
+    """Raise OutOfTime in the body after ``seconds``; works in a main thread only.
 
-    They are seconds of the processor, or with ``passing`` of the clock. What is raised in a
-    finalizer or in a callback of compiled code is lost there, so it is raised again and again, and
-    at the latest at the end of the body.
+    They are processor seconds, or with ``passing`` wall seconds. An exception in a finalizer or in
+    a callback of compiled code is lost, so it is raised repeatedly, and at the latest at the end of
+    the body.
 
     >>> with time_limit(10.0):
     ...     print("done")

@@ -1,4 +1,4 @@
-"""Progress in a notebook: one line of the standard error, with the time that is left."""
+"""Progress in a notebook: one rewritten line on stderr, with the time left."""
 
 from __future__ import annotations
 
@@ -12,27 +12,26 @@ from longwave.support.request_limits import duration
 from longwave.support.slow_work import TimeLeft
 
 SILENT = 1.0
-"""Seconds of a call that shows nothing: most are over by then."""
+"""Seconds before the line appears: most calls are over by then."""
 
 TICK = 0.25
-"""Seconds between two looks."""
+"""Seconds between two updates."""
 
 
 def in_notebook() -> bool:
-    """Whether this is the kernel of a notebook: it shows no bars, but lines that are written over.
+    """Return whether this is a notebook's kernel, which shows no bars but can rewrite a line.
 
     >>> in_notebook()
     False
     """
-    found = sys.modules.get("IPython")
-    return found is not None and hasattr(found.get_ipython(), "kernel")
+    ipython = sys.modules.get("IPython")
+    return ipython is not None and hasattr(ipython.get_ipython(), "kernel")
 
 
 class ProgressLine:
-    """The line ``name: 42 %, about 12 s left``, written over as the work goes on; a thread does
-    that.
+    """The line ``name: 42 %, about 12 s left``, rewritten by a thread as the work goes on.
 
-    What is done and expected is told to ``left`` (`slow_work.TimeLeft`).
+    Progress and expected seconds are given to ``left`` (`slow_work.TimeLeft`).
     """
 
     def __init__(self, name: str) -> None:

@@ -1,7 +1,6 @@
-"""What made a run: the versions of packages, the machine, and the code.
+"""Provenance of a run: versions of packages, machine, and code.
 
-Two runs of a scene whose provenance is the same have the same bits; where they differ it says what
-was different.
+Two runs of a scene with the same provenance have the same bits; otherwise it shows the differences.
 """
 
 from __future__ import annotations
@@ -20,16 +19,16 @@ PACKAGES = (
 )
 
 CODE = ("support", "derive", "solutions", "lattice", "scenes")
-"""Folders, with those in them, that hold all that a run is computed by: formulas are imported by
-name, so following imports would not do."""
+"""Folders, with subfolders, of all code that computes runs. Formulas are imported by name, so
+following imports would miss some."""
 
 PROVENANCE = ("versions", "platform", "code")
-"""The attributes of a run that `provenance` gives."""
+"""Attributes of a run that `provenance` returns."""
 
 
 @lru_cache
 def provenance() -> dict[str, str]:
-    """Attributes of a run: ``versions``, ``platform`` and ``code``, digests of its folders.
+    """Return attributes of a run: ``versions``, ``platform``, and digests of the ``code`` folders.
 
     >>> sorted(provenance())
     ['code', 'platform', 'versions']
@@ -48,34 +47,34 @@ def provenance() -> dict[str, str]:
 
 
 def changed_parts(name: str, before: str, now: str) -> list[str]:
-    """Lines that say in what an attribute of `provenance` differs from another.
+    """Return lines that say how an attribute of `provenance` differs from an earlier one.
 
     >>> changed_parts("code", "derive 12, lattice 34", "derive 12, lattice 56")
     ['code: lattice 56, was lattice 34']
     """
     parts = before.split(", "), now.split(", ")
-    gone, come = (
+    removed, added = (
         [part for part in one if part not in other] for one, other in (parts, parts[::-1])
     )
-    if not gone and not come:
+    if not removed and not added:
         return []
-    return [f"{name}: {', '.join(come) or 'nothing'}, was {', '.join(gone) or 'nothing'}"]
+    return [f"{name}: {', '.join(added) or 'nothing'}, was {', '.join(removed) or 'nothing'}"]
 
 
 def code_digests() -> dict[str, str]:
-    """The digest (hexadecimal) of the Python files of each folder that a run is computed by.
+    """Return the digest (hexadecimal) of the Python files in each folder of `CODE`.
 
     >>> "solutions/forms" in code_digests()
     True
     """
-    found: dict[str, list[Path]] = {}
+    files_in: dict[str, list[Path]] = {}
     for file, path in code_files().items():
-        found.setdefault(file.parent.as_posix(), []).append(path)
-    return {folder: _digest(*map(_content, paths)) for folder, paths in sorted(found.items())}
+        files_in.setdefault(file.parent.as_posix(), []).append(path)
+    return {folder: _digest(*map(_content, paths)) for folder, paths in sorted(files_in.items())}
 
 
 def code_files() -> dict[Path, Path]:
-    """The Python files that a run is computed by, under their names in the house."""
+    """Return the Python files in `CODE` by their path in the repository."""
     paths = (path for room in CODE for path in sorted((HOUSE / room).rglob("*.py")))
     return {path.relative_to(HOUSE): path for path in paths}
 

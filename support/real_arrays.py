@@ -1,4 +1,4 @@
-"""Numbers from outside as arrays of doubles: what is no real number is refused, never cut."""
+"""Conversion of user input to arrays of doubles; anything that is not real is refused."""
 
 from decimal import Decimal
 from numbers import Integral, Real
@@ -10,15 +10,15 @@ from numpy.typing import ArrayLike, NDArray
 Array = NDArray[np.float64]
 
 REMEDIES = {"c": "take its real part", "b": "0 and 1 are numbers"}
-"""Of arrays that hold other things, by the kind of their type."""
+"""Remedies for arrays of other values, by the kind of their dtype."""
 
 
 def real_array(each: str, values: ArrayLike, allows_nan: bool = False) -> Array:
-    """An array of doubles; ``each`` of its entries is named in errors, such as "every time".
+    """Return an array of doubles; ``each`` names its entries in errors, such as "every time".
 
-    Integers must be doubles exactly; other numbers are rounded to the nearest double. Raises
+    Integers must be exactly representable; other numbers are rounded to the nearest double. Raises
     ValueError in one line for complex numbers, truth values, texts, masked entries, rows of
-    different lengths and, unless the caller ``allows_nan``, for what is not finite.
+    different lengths and, unless the caller ``allows_nan``, for values that are not finite.
 
     >>> real_array("every time", [1, 2.5])
     array([1. , 2.5])
@@ -28,7 +28,7 @@ def real_array(each: str, values: ArrayLike, allows_nan: bool = False) -> Array:
     ValueError: every time must be a real number, got complex128 (take its real part)
     """
     if np.ma.is_masked(values):
-        raise ValueError(f"{each} must be there, got a masked array (leave such entries out)")
+        raise ValueError(f"{each} must not be masked, got a masked array (leave such entries out)")
     try:
         array = np.asarray(values)
     except (ValueError, TypeError):
@@ -53,16 +53,17 @@ def real_array(each: str, values: ArrayLike, allows_nan: bool = False) -> Array:
 
 
 def _check_integers(each: str, integers: NDArray[Any], doubles: Array) -> None:
+    """Raise ValueError for an integer that is not exactly a double."""
     beyond = np.abs(doubles) >= 2.0**53
     for integer, double in zip(integers[beyond].tolist(), doubles[beyond].tolist(), strict=True):
         if integer != int(double):
             raise ValueError(
-                f"{each} must be a double exactly, got the integer {_shown(integer)} (use Wave.mp)"
+                f"{each} must be exactly a double, got the integer {_shown(integer)} (use Wave.mp)"
             )
 
 
 def _from_objects(each: str, objects: NDArray[Any]) -> Array:
-    """Doubles from Python's own numbers (int of any size, Fraction, Decimal, ...)."""
+    """Return doubles from Python's own numbers (int of any size, Fraction, Decimal, ...)."""
     doubles = np.empty(objects.shape)
     for index, number in np.ndenumerate(objects):
         if isinstance(number, bool | np.bool_) or not isinstance(number, Real | Decimal):
@@ -82,6 +83,7 @@ def _from_objects(each: str, objects: NDArray[Any]) -> Array:
 
 
 def _shown(value: object) -> str:
+    """Return the value as errors show it."""
     from longwave.support.user_files import shown  # for errors alone
 
     return shown(value)

@@ -1,10 +1,10 @@
-"""What a request may cost: memory and time, estimated before it begins, refused beyond a limit.
+"""Limits of a request's memory and time, estimated before it begins and refused beyond a limit.
 
-The command line has `--max-memory` and `--max-time`; in Python `request_limits` sets them, and
-without it memory alone is limited: to half of what the machine, or the process's group, has.
+The command line has `--max-memory` and `--max-time`; in Python `request_limits` sets them. Without
+it only memory is limited, to half of what the machine, or the process's group, has.
 
-An estimate knows nothing of what a file holds or how a formula expands. So a limit that is stated
-at the command line is enforced as well, by the system (`enforced_memory`).
+An estimate does not know the size of a file's content or of an expanded formula. A limit that is
+stated on the command line is therefore also enforced by the system (`enforced_memory`).
 """
 
 from __future__ import annotations
@@ -23,21 +23,21 @@ from pathlib import Path
 from longwave.support.user_files import cut
 
 SHARE = 0.5
-"""Of the memory that there is, what a request may take unless told."""
+"""Default share of the available memory that a request may take."""
 
 USUAL_SECONDS = 3600.0
-"""What a request of the command line may take unless told."""
+"""Default seconds that a request of the command line may take."""
 
 LONG = 5.0
-"""Seconds from which on a command says beforehand how long it will take."""
+"""Seconds from which on a command announces how long it will take."""
 
 UNKNOWN_MACHINE = 4e9
-"""Bytes that a machine is taken to have which does not say."""
+"""Assumed bytes of memory if the machine does not report them."""
 
 PROGRAM, BESIDE = 4.8e8, 2.2e8
 """Bytes of data that a command may have in any case, for its libraries and threads (0.39 GB with
-`longwave plot` of a scene, of which 0.28 were in use), and those that it has and does not use (0.19
-with `longwave fit`). What is in use is limited by `supervision`."""
+`longwave plot` of a scene, of which 0.28 were in use), and bytes allocated but unused (0.19 GB with
+`longwave fit`). Memory in use is limited by `supervision`."""
 
 CGROUPS = ("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes")
 
@@ -48,7 +48,7 @@ _QUANTITY = re.compile(r"\s*(\d{1,12}(?:\.\d{1,12})?(?:e\d{1,2})?)\s*([A-Za-z]*)
 
 
 class OverBudgetError(ValueError):
-    """More than a limit allows: a request, or the next runs of a search, which take ``work``."""
+    """A request, or the next runs of a search, exceed a limit; ``work`` is what they take."""
 
     def __init__(self, message: str, work: float = math.nan) -> None:
         super().__init__(message)
@@ -56,14 +56,14 @@ class OverBudgetError(ValueError):
 
 
 class Cancelled(BaseException):
-    """The work is ended by what it tells its progress; who catches every Exception lets it pass."""
+    """Work was ended through its progress callback; not an Exception, so handlers let it pass."""
 
 
 @dataclass(frozen=True)
 class ExpectedCost:
-    """What a request is estimated to cost; ``memory_bytes`` is the most it holds at once.
+    """Estimated cost of a request; ``memory_bytes`` is its peak.
 
-    Of the ``seconds`` a process takes those ``once``, however many such requests it serves.
+    A process spends ``once`` of the ``seconds`` only once, however many such requests it serves.
     """
 
     seconds: float = 0.0
@@ -74,7 +74,7 @@ class ExpectedCost:
 
 @dataclass(frozen=True)
 class RequestLimits:
-    """The most that a request may take; infinite where there is no limit."""
+    """Limits of a request; infinite where there is none."""
 
     memory_bytes: float
     seconds: float
@@ -84,7 +84,7 @@ _limits: ContextVar[RequestLimits | None] = ContextVar("limits", default=None)
 
 
 def current_limits() -> RequestLimits:
-    """The limits that hold here: those of the innermost `request_limits`."""
+    """Return the limits of the innermost `request_limits`, or the defaults."""
     return _limits.get() or RequestLimits(SHARE * machine_memory(), math.inf)
 
 
@@ -92,9 +92,9 @@ def current_limits() -> RequestLimits:
 def request_limits(
     memory: float | str | None = None, seconds: float | str | None = None
 ) -> Iterator[RequestLimits]:
-    """Other limits in the body: bytes or such as "4G", seconds or such as "30min"; None keeps one.
+    """Set limits in the body: bytes or "4G", seconds or "30min"; None keeps the outer one.
 
-    Raises ValueError for what is neither.
+    Raises ValueError for other values.
 
     >>> with request_limits("2.5G", "2h") as limits:
     ...     limits
@@ -114,10 +114,9 @@ def request_limits(
 
 @contextmanager
 def enforced_memory(size: float) -> Iterator[None]:
-    """Have requests of memory fail in the body where the process has more than ``size`` bytes.
+    """Make allocations in the body fail with MemoryError beyond ``size`` bytes of the process.
 
-    What fails raises MemoryError. The limit is RLIMIT_DATA: on Linux all private data counts, on
-    macOS the heap alone.
+    The limit is RLIMIT_DATA: on Linux it covers all private data, on macOS only the heap.
     """
     before = resource.getrlimit(resource.RLIMIT_DATA)
     if math.isinf(size):
@@ -134,7 +133,7 @@ def enforced_memory(size: float) -> Iterator[None]:
 
 
 def check_request(what: str, cost: ExpectedCost, cheaper: str) -> None:
-    """Raise OverBudgetError, with the estimate and what makes ``what`` ``cheaper``, or return.
+    """Raise OverBudgetError if the cost exceeds the limits; the message says what is ``cheaper``.
 
     >>> check_request("the run", ExpectedCost(seconds=3.0, memory_bytes=1e6), "take fewer sites")
     """
@@ -153,13 +152,13 @@ def check_request(what: str, cost: ExpectedCost, cheaper: str) -> None:
 
 
 def is_too_much(cost: ExpectedCost) -> bool:
-    """Whether the cost is beyond the limits that hold here."""
+    """Return whether the cost exceeds the current limits."""
     limits = current_limits()
     return cost.memory_bytes > limits.memory_bytes or cost.seconds > limits.seconds
 
 
 class Announcer:
-    """Passes on how many seconds are expected, if they are many and not what was said before.
+    """Passes on expected seconds that are many, again only when they have doubled.
 
     >>> told = Announcer(print)
     >>> for seconds in (3.0, 30.0, 40.0, 90.0):
@@ -170,29 +169,29 @@ class Announcer:
 
     def __init__(self, announce: Callable[[float], None]) -> None:
         self._announce = announce
-        self._said = LONG / 2.0
+        self._announced = LONG / 2.0
 
     def __call__(self, seconds: float) -> None:
-        """Announce work to come."""
-        if seconds >= max(LONG, 2.0 * self._said):
-            self._said = seconds
+        """Announce the expected seconds if they are worth it."""
+        if seconds >= max(LONG, 2.0 * self._announced):
+            self._announced = seconds
             self._announce(seconds)
 
 
 @cache
 def machine_memory() -> float:
-    """Bytes that this process can have: the machine's, or what its group of processes may take."""
-    found = UNKNOWN_MACHINE
+    """Return the bytes that this process can have: the machine's, or its control group's."""
+    size = UNKNOWN_MACHINE
     with suppress(ValueError, OSError, AttributeError):
-        found = float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
+        size = float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
     for path in CGROUPS:
         with suppress(ValueError, OSError):
-            found = min(found, float(Path(path).read_text(encoding="ascii")))
-    return found
+            size = min(size, float(Path(path).read_text(encoding="ascii")))
+    return size
 
 
 def read_memory(name: str, given: float | str) -> float:
-    """Bytes in ``given``, a number or a text such as "500M"; ValueError for anything else.
+    """Parse bytes from a number or a text such as "500M". Raises ValueError for other texts.
 
     >>> read_memory("--max-memory", "4GB"), read_memory("--max-memory", "none")
     (4000000000.0, inf)
@@ -202,7 +201,7 @@ def read_memory(name: str, given: float | str) -> float:
 
 
 def read_time(name: str, given: float | str) -> float:
-    """Seconds in ``given``, a number or a text such as "30min"; ValueError for anything else.
+    """Parse seconds from a number or a text such as "30min". Raises ValueError for other texts.
 
     >>> read_time("--max-time", "30min"), read_time("--max-time", 90)
     (1800.0, 90.0)
@@ -211,6 +210,7 @@ def read_time(name: str, given: float | str) -> float:
 
 
 def _quantity(name: str, text: str, units: dict[str, float], usual: str) -> float:
+    """Parse a positive amount with one of the units."""
     if text.lower() in ("none", "inf"):
         return math.inf
     match = _QUANTITY.fullmatch(text)
@@ -222,7 +222,7 @@ def _quantity(name: str, text: str, units: dict[str, float], usual: str) -> floa
 
 
 def memory_text(size: float) -> str:
-    """Bytes in the unit that reads best.
+    """Return bytes as text in a readable unit.
 
     >>> memory_text(2.5e9), memory_text(12e6), memory_text(math.inf)
     ('2.5 GB', '12 MB', 'any memory')
@@ -236,7 +236,7 @@ def memory_text(size: float) -> str:
 
 
 def duration(seconds: float) -> str:
-    """Seconds in the unit that reads best, to two digits.
+    """Return seconds as text in a readable unit, to two digits.
 
     >>> duration(44.4), duration(600), duration(20_000), duration(1e6), duration(1e12)
     ('44 s', '10 min', '5.6 h', '12 days', '3.2e+04 years')
@@ -248,4 +248,5 @@ def duration(seconds: float) -> str:
 
 
 def _two_digits(number: float) -> str:
+    """Return the number to two digits, or as an integer if it is larger."""
     return f"{number:.0f}" if 99.5 <= number < 1e4 else f"{number:.2g}"

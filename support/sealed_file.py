@@ -1,7 +1,6 @@
-"""Files that end with their checksum: whole, or as good as missing.
+"""Files that end with their checksum: either whole, or treated as missing.
 
-Files appear whole or not at all; the line after a file's end, which HDF5 passes over, tells of one
-that was damaged since.
+Files are written atomically; the line after a file's end, which HDF5 ignores, reveals later damage.
 """
 
 from __future__ import annotations
@@ -23,24 +22,24 @@ if TYPE_CHECKING:
     from hashlib import _Hash as Hash
 
 LOG = logging.getLogger("longwave.store")
-"""What happens to runs and checkpoints on the way."""
+"""Logger of messages about runs and checkpoints."""
 
 SEAL = b"\nlongwave run, sha256 of all before this line: "
-"""How the line after a file's end begins; the digest, in hexadecimal, and a line's end follow."""
+"""Beginning of the line after a file's end; the hexadecimal digest and a newline follow."""
 
 SEAL_LENGTH = len(SEAL) + 64 + 1
 
 WRITE_TRIES = 3
 
 PART = 2**20
-"""Bytes that are read at once."""
+"""Bytes read at a time."""
 
 NO_FILE = errno.ELOOP, errno.EINVAL, errno.EMLINK
-"""Errors of `open_plain` for a link, and for what is no file."""
+"""Errors of `open_plain` for a link, and for anything but a file."""
 
 DAMAGED = "%s is damaged: it counts as missing, and is made anew"
 LINKED = "%s is a link, or no file: it counts as missing, and is made anew"
-"""What the log is told of files that are not taken."""
+"""Log message for a link or anything but a file, which is ignored."""
 
 
 def write_sealed(
@@ -50,10 +49,10 @@ def write_sealed(
     durable: bool = True,
     mode: int | None = None,
 ) -> None:
-    """Write the content and its seal, whole or not at all, in the place of a link too.
+    """Write the content and its seal atomically; a link of that name is replaced.
 
-    Nobody has typed the name; raises as `write_atomically`. A draft that somebody else removes is
-    written anew.
+    No user typed the name. Raises as `write_atomically`. If the draft is removed meanwhile, it is
+    written again.
     """
 
     def write(draft: Path) -> None:
@@ -61,21 +60,22 @@ def write_sealed(
             stream.write(content)
             stream.write(_seal(hashlib.sha256(content)))
 
-    for left in reversed(range(WRITE_TRIES)):
+    for attempts_left in reversed(range(WRITE_TRIES)):
         try:
             write_atomically(path, write, force, durable, follow=False, mode=mode)
             return
         except OSError as error:
-            if not left or error.errno not in (errno.ENOENT, errno.ESTALE):
+            if not attempts_left or error.errno not in (errno.ENOENT, errno.ESTALE):
                 raise
 
 
 def open_plain(path: str | Path, folder: int | None = None, untyped: int = 1) -> int:
-    """Open a file for reading whose last ``untyped`` names nobody has typed; return its descriptor.
+    """Open a file for reading without following links in its last ``untyped`` names.
 
-    ``path`` may be one in an open ``folder``. None of these names is followed if it is a link, also
-    if it becomes one meanwhile: each is opened in the folder that was opened before it. Raises
-    OSError for what is not there and what is no file: a pipe would be waited for.
+    No user typed these names. ``path`` may be relative to an open ``folder``. Each name is opened
+    in the folder opened before it, so that a link is not followed even if it appears meanwhile.
+    Returns the descriptor. Raises OSError for a missing file and for anything but a file, such as a
+    pipe, which would block.
     """
     if untyped > 1:
         with _opened_folder(Path(path).parent, untyped - 1) as inner:
@@ -91,15 +91,15 @@ def open_plain(path: str | Path, folder: int | None = None, untyped: int = 1) ->
 
 @contextmanager
 def _opened_folder(folder: Path, untyped: int) -> Iterator[int | None]:
-    """Open a folder whose last ``untyped`` names nobody has typed, each in the one above it.
+    """Open a folder without following links in its last ``untyped`` names; yield its descriptor.
 
-    Gives None, having looked for links by name, where files are not opened by folder. Raises
-    OSError, ELOOP for a link.
+    Yields None, after checking for links by name, where files cannot be opened relative to a
+    folder. Raises OSError, ELOOP for a link.
     """
     names = folder.parts[-untyped:]
     if os.open not in os.supports_dir_fd:
-        for place in (folder, *folder.parents)[:untyped]:
-            check_no_link(place)
+        for part in (folder, *folder.parents)[:untyped]:
+            check_no_link(part)
         yield None
         return
     number = os.open(folder.parents[untyped - 1], os.O_RDONLY | os.O_DIRECTORY)
@@ -113,6 +113,7 @@ def _opened_folder(folder: Path, untyped: int) -> Iterator[int | None]:
 
 
 def _inner_folder(outer: int, name: str, folder: Path) -> int:
+    """Open a folder inside an open one. Raises OSError, ELOOP for a link."""
     flags = os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW
     try:
         return not_stale(lambda: os.open(name, flags, dir_fd=outer))
@@ -121,15 +122,16 @@ def _inner_folder(outer: int, name: str, folder: Path) -> int:
 
 
 def check_no_link(folder: Path) -> None:
-    """Raise OSError for a folder that is a link, if nobody has typed its name."""
+    """Raise OSError if a folder of a store is a link."""
     if not_stale(folder.is_symlink):
         raise OSError(errno.ELOOP, "a folder in a store must be no link (remove it)", str(folder))
 
 
 def read_sealed(path: Path, most: float = math.inf, untyped: int = 1) -> bytes | None:
-    """The content of such a file; None if it is not there, a link, longer than that, or damaged.
+    """Return the content of a sealed file; None if it is missing, a link, too long, or damaged.
 
-    The last ``untyped`` names of the path are followed as by `open_plain`.
+    ``most`` is the largest size. The last ``untyped`` names of the path are treated as in
+    `open_plain`.
     """
 
     def content() -> bytes | None:
@@ -143,16 +145,16 @@ def read_sealed(path: Path, most: float = math.inf, untyped: int = 1) -> bytes |
         return None
 
 
-def sealed_content(held: bytes) -> bytes | None:
-    """What was sealed, of all that a file holds; None if it is damaged."""
-    content = held[:-SEAL_LENGTH]
-    return content if held[len(content) :] == _seal(hashlib.sha256(content)) else None
+def sealed_content(data: bytes) -> bytes | None:
+    """Return the sealed part of a file's bytes; None if the file is damaged."""
+    content = data[:-SEAL_LENGTH]
+    return content if data[len(content) :] == _seal(hashlib.sha256(content)) else None
 
 
 def is_whole(path: Path) -> bool:
-    """Whether there is a run's file as it was written; one that is damaged is told, and a link.
+    """Return whether a run's file exists undamaged; log a message if it is damaged or a link.
 
-    The file's folder, which nobody has typed either, must be no link.
+    The file's folder must not be a link either.
     """
 
     def whole() -> bool:
@@ -160,7 +162,7 @@ def is_whole(path: Path) -> bool:
             return is_sealed(stream)
 
     try:
-        found = not_stale(whole)
+        is_intact = not_stale(whole)
     except FileNotFoundError:
         return False
     except OSError as error:
@@ -168,20 +170,21 @@ def is_whole(path: Path) -> bool:
             raise
         LOG.warning(LINKED, path)
         return False
-    if not found:
+    if not is_intact:
         LOG.warning(DAMAGED, path)
-    return found
+    return is_intact
 
 
 def is_sealed(stream: BinaryIO) -> bool:
-    """Whether what stands before the seal of an open file is what was sealed."""
+    """Return whether the content of an open file matches its seal."""
     total = hashlib.sha256()
-    left = os.fstat(stream.fileno()).st_size - SEAL_LENGTH
-    while left > 0 and (part := stream.read(min(left, PART))):
+    bytes_left = os.fstat(stream.fileno()).st_size - SEAL_LENGTH
+    while bytes_left > 0 and (part := stream.read(min(bytes_left, PART))):
         total.update(part)
-        left -= len(part)
-    return left == 0 and stream.read() == _seal(total)
+        bytes_left -= len(part)
+    return bytes_left == 0 and stream.read() == _seal(total)
 
 
 def _seal(total: Hash) -> bytes:
+    """Return the seal for a hash of the content."""
     return SEAL + total.hexdigest().encode() + b"\n"

@@ -1,4 +1,4 @@
-"""How long work takes: told before it begins, and now and then how much time is left."""
+"""Reports about slow work: its duration before it begins, and the time left now and then."""
 
 import sys
 import time
@@ -10,13 +10,13 @@ from threading import Event, Thread
 from longwave.support.request_limits import LONG, duration
 
 EVERY = 30.0
-"""Seconds after which a command that has not said a word says how far it is."""
+"""Seconds of silence after which a command reports its progress."""
 
 LOOK = 0.1
-"""Seconds between two looks at whether they have passed."""
+"""Seconds between two checks for silence."""
 
 LITTLE = 1e-3
-"""Share of the work from which on its pace is known."""
+"""Least share of the work from which its pace is estimated."""
 
 Clock = Callable[[], float]
 
@@ -24,19 +24,19 @@ _notices = 0
 
 
 def count_notice() -> None:
-    """Count that the running command has said how long it takes, or shows how far it is."""
+    """Count that the running command has reported its duration or progress."""
     global _notices
     _notices += 1
 
 
 def give_notice(work: str, takes: str) -> None:
-    """Say on stderr how long ``work`` takes."""
+    """Print on stderr how long ``work`` takes."""
     count_notice()
     print(f"{work}: {takes} (Ctrl-C stops it)", file=sys.stderr, flush=True)
 
 
 def announce(work: str, seconds: float) -> None:
-    """Say on stderr, before it begins, how long ``work`` will take, if that is ``LONG`` or more.
+    """Print on stderr how long ``work`` will take, if that is ``LONG`` or more.
 
     >>> announce("rational_9", 0.5)
     """
@@ -46,7 +46,7 @@ def announce(work: str, seconds: float) -> None:
 
 @dataclass
 class TimeLeft:
-    """How much time work has left, by what was foreseen and by the pace of what is done.
+    """Estimate of the time left, from the expected duration and the pace so far.
 
     >>> seconds = iter([0.0, 0.0, 10.0, 10.0]).__next__
     >>> work = TimeLeft(seconds)
@@ -64,11 +64,11 @@ class TimeLeft:
         self._done, self._pace = 0.0, 0.0
 
     def foresee(self, seconds: float) -> None:
-        """Take in that so many seconds are expected from now on."""
+        """Set the expected seconds from now on."""
         self._end = self.clock() + seconds
 
     def share(self, done: float) -> None:
-        """Take in which share is done; what was done before this process has no pace."""
+        """Set the share done; the share of an earlier process does not count for the pace."""
         now = self.clock()
         self._first = self._first or (now, done)
         self._done = done
@@ -76,35 +76,35 @@ class TimeLeft:
             self._pace = (now - self._first[0]) / (done - self._first[1])
 
     def words(self) -> str:
-        """The share and the time left; how long it has been at work if nobody knows."""
+        """Return the share and the time left, or the time so far if nothing is known."""
         now = self.clock()
         by_pace = self._pace * (1.0 - self._done)
         foreseen = max(0.0, self._end - now) if self._end is not None else 0.0
         if not by_pace and not foreseen:
             return f"{duration(now - self.begun)} so far"
         if not (by_pace and foreseen):
-            left = by_pace or foreseen
+            seconds_left = by_pace or foreseen
         else:
-            left = foreseen ** (1.0 - self._done) * by_pace**self._done
+            seconds_left = foreseen ** (1.0 - self._done) * by_pace**self._done
         percent = f"{100.0 * self._done:.0f} %, " if self._done else ""
-        return f"{percent}about {duration(left)} left"
+        return f"{percent}about {duration(seconds_left)} left"
 
 
 @contextmanager
-def time_told(work: str, clock: Clock = time.monotonic) -> Iterator[TimeLeft]:
-    """Say of the ``work`` in the body how much time is left, where `EVERY` passes without a word.
+def report_time_left(work: str, clock: Clock = time.monotonic) -> Iterator[TimeLeft]:
+    """Report the time left of the ``work`` in the body after each `EVERY` seconds of silence.
 
-    A thread looks at the ``clock``: what is slow may not come to tell its progress.
+    A thread checks the ``clock``, because slow work may not report its progress.
     """
     left, over = TimeLeft(clock), Event()
 
     def watch() -> None:
-        seen, last = _notices, left.begun
+        counted, last = _notices, left.begun
         while not over.wait(LOOK):
-            if _notices == seen and clock() >= last + EVERY:
+            if _notices == counted and clock() >= last + EVERY:
                 give_notice(work, left.words())
-            if _notices != seen:
-                seen, last = _notices, clock()
+            if _notices != counted:
+                counted, last = _notices, clock()
 
     Thread(target=watch, daemon=True).start()
     try:

@@ -1,8 +1,8 @@
-"""A command that states limits runs in a process of its own; a small one watches and ends it.
+"""Supervision: a command with stated limits runs in a child process, which a small parent watches.
 
-Compiled code may hold Python's lock for minutes, and a process without memory can do nothing any
-more, so neither can be relied upon to end itself. The small process reads what the command and all
-that it has started have in memory, and kills them where they do not end themselves.
+Compiled code may hold Python's lock for minutes, and a process without memory can do nothing, so
+neither can be relied on to end itself. The parent measures the memory of the command and its
+children, and kills them if they do not end themselves.
 """
 
 from __future__ import annotations
@@ -22,28 +22,28 @@ OPTIONS = ("--max-time", "--max-memory")
 """Options that state limits."""
 
 OVERDUE = 2
-"""Exit status of a command beyond its limits."""
+"""Exit status of a command that exceeded its limits."""
 
 TOO_LARGE = signal.SIGUSR1
-"""Signal that ends a command which has too much memory."""
+"""Signal that ends a command with too much memory."""
 
 LOOK, SHARE = 0.02, 0.1
-"""Seconds between two looks at a command, and the largest share of them that looking may take."""
+"""Seconds between two checks of a command, and the largest share of time spent on checks."""
 
 PATIENCE = 1.75
-"""Seconds after a limit from which on the command is killed; it has 1.5 to end itself."""
+"""Seconds after a limit at which the command is killed; it has 1.5 s to end itself."""
 
 BESIDE, FLOOR, LATE = 5e7, 3.2e8, 5e7
-"""Bytes that a command may have beyond its limit, those it may have in any case, and those that it
-may take before it is killed while it ends."""
+"""Bytes allowed beyond a command's limit, bytes allowed in any case, and bytes that it may still
+take while it ends."""
 
-_told: int | None = None
+_pipe: int | None = None
 
 
 def supervised(argv: Sequence[str], work: Callable[[], int]) -> int:
-    """Return what ``work`` returns, done in a watched process if the words state limits.
+    """Return the result of ``work``, done in a watched child process if the words state limits.
 
-    What calls this goes on in the watched process alone. `tell` is how that says its limits.
+    The caller continues in the child only. The child reports its limits with `tell`.
     """
     stated = any(word.partition("=")[0] in OPTIONS for word in argv)
     if not stated or not hasattr(os, "fork") or threading.active_count() > 1:
@@ -69,22 +69,26 @@ def supervised(argv: Sequence[str], work: Callable[[], int]) -> int:
 
 
 def tell(**facts: Any) -> None:
-    """Tell the watching process, if there is one, what `_Supervisor` keeps."""
-    if _told is not None:
+    """Send facts to the watching process, if there is one.
+
+    They become attributes of `_Supervisor`.
+    """
+    if _pipe is not None:
         with suppress(OSError):
-            os.write(_told, json.dumps(facts).encode() + b"\n")
+            os.write(_pipe, json.dumps(facts).encode() + b"\n")
 
 
 def _begin_telling(pipe: int) -> None:
-    global _told
+    """Use this pipe for facts to the watching process."""
+    global _pipe
     os.set_blocking(pipe, False)
-    _told = pipe
+    _pipe = pipe
 
 
 def _leave_to_command() -> None:
-    """In a fork of the command: it has nothing to tell."""
-    global _told
-    _told = None
+    """Stop reporting in a fork of the command."""
+    global _pipe
+    _pipe = None
 
 
 if hasattr(os, "register_at_fork"):
@@ -92,44 +96,44 @@ if hasattr(os, "register_at_fork"):
 
 
 def _end_with(pipe: int) -> None:
-    """In a thread of the command: end as SIGTERM does when the watching process has gone."""
+    """Run in a thread of the command: end it as SIGTERM does when the watching process is gone."""
     os.read(pipe, 1)
     _send(os.getpid(), signal.SIGTERM)
 
 
 class _Supervisor:
-    """What is known of a command: what it is called by, its limits, and what it keeps."""
+    """Watcher of a command; the attributes are what the command tells: name, limits, saved work."""
 
     def __init__(self, command: int, pipe: int) -> None:
         self._command, self._pipe, self._rest = command, pipe, b""
-        self.called = self.kept = self.time_limit = self.memory_limit = ""
+        self.name = self.saved = self.time_limit = self.memory_limit = ""
         self.end = self.memory = float("inf")
-        self.keeping, self.said = 0.0, False
+        self.saving, self.is_reported = 0.0, False
         self._since: float | None = None
 
     def watch(self) -> NoReturn:
-        """Watch the command until it has ended, and end with its exit status."""
+        """Watch the command until it has ended, and exit with its status."""
         while True:
             ended, status = os.waitpid(self._command, os.WNOHANG)
             if ended:
                 self._leave(status)
-            begun = time.monotonic()
-            self._look(begun)
-            wait = max(LOOK, (time.monotonic() - begun) / SHARE)
+            started = time.monotonic()
+            self._look(started)
+            wait = max(LOOK, (time.monotonic() - started) / SHARE)
             if select.select([self._pipe], [], [], wait)[0] and not self._read():
                 time.sleep(LOOK / 10)  # it is ending
 
     def _read(self) -> bool:
-        """Take in what the command tells; return whether there may be more."""
-        found = os.read(self._pipe, 1 << 16)
-        *lines, self._rest = (self._rest + found).split(b"\n")
+        """Read facts from the command; return whether there may be more."""
+        data = os.read(self._pipe, 1 << 16)
+        *lines, self._rest = (self._rest + data).split(b"\n")
         for line in lines:
             vars(self).update(json.loads(line))
-        return bool(found)
+        return bool(data)
 
     def _look(self, now: float) -> None:
-        """End the command if it is beyond a limit."""
-        if now > self.end + self.keeping + PATIENCE:
+        """End the command if it exceeds a limit."""
+        if now > self.end + self.saving + PATIENCE:
             self._kill(self.time_limit)
         if self.memory == float("inf"):
             return
@@ -138,37 +142,37 @@ class _Supervisor:
         if used > allowed and self._since is None:
             self._since = now
             _send(self._command, TOO_LARGE)
-        late = self._since is not None and now > self._since + self.keeping + PATIENCE
+        late = self._since is not None and now > self._since + self.saving + PATIENCE
         if late or used > allowed + LATE:
             self._kill(self.memory_limit)
 
     def _kill(self, limit: str) -> NoReturn:
-        """Kill the command with all that it has started, and say why in one line."""
+        """Kill the command and its children, and report why in one line."""
         for process in processes_of(self._command):
             _send(process, signal.SIGKILL)
         _, status = os.waitpid(self._command, 0)
         while select.select([self._pipe], [], [], 0.0)[0] and self._read():
             pass
-        if os.WIFEXITED(status):  # it was faster
+        if os.WIFEXITED(status):  # it ended before it was killed
             self._leave(status)
         self._say(limit)
 
     def _say(self, limit: str) -> NoReturn:
-        """Say why the command was ended, unless it has, and end."""
-        if self.said:
+        """Report why the command was ended, unless it did, and exit."""
+        if self.is_reported:
             os._exit(OVERDUE)
-        shown = "\x1b[?25h" if os.isatty(2) else ""
-        kept = f" ({self.kept})" if self.kept else ""
-        os.write(2, f"{shown}error: {self.called} {limit}{kept}\n".encode())
+        cursor = "\x1b[?25h" if os.isatty(2) else ""
+        saved = f" ({self.saved})" if self.saved else ""
+        os.write(2, f"{cursor}error: {self.name} {limit}{saved}\n".encode())
         os._exit(OVERDUE)
 
     def _leave(self, status: int) -> NoReturn:
-        """End as the command has ended."""
+        """Exit as the command did."""
         if os.WIFEXITED(status):
             os._exit(os.WEXITSTATUS(status))
         number = os.WTERMSIG(status)
         if number == signal.SIGABRT and self.memory_limit:
-            self._say(self.memory_limit)  # libraries abort that get no memory
+            self._say(self.memory_limit)  # some libraries abort if they get no memory
         if number != signal.SIGKILL:
             signal.signal(number, signal.SIG_DFL)
         os.kill(os.getpid(), number)
@@ -176,26 +180,27 @@ class _Supervisor:
 
 
 def _send(process: int, number: int) -> None:
+    """Send a signal to a process, if it still exists."""
     with suppress(ProcessLookupError, PermissionError):
         os.kill(process, number)
 
 
 def processes_of(leader: int) -> list[int]:
-    """Return a process and all that it has started, where the system can say."""
-    found = [leader]
-    for process in found:
+    """Return a process and all its descendants, where the system lists them."""
+    processes = [leader]
+    for process in processes:
         with suppress(OSError):
             for task in os.listdir(f"/proc/{process}/task"):
                 with suppress(OSError):
                     text = Path(f"/proc/{process}/task/{task}/children").read_text(encoding="ascii")
-                    found += map(int, text.split())
-    return found
+                    processes += map(int, text.split())
+    return processes
 
 
 def memory_in_use(leader: int, enough: float = 0.0) -> int:
-    """Return the bytes of private memory that a process and all that it has started have in use.
+    """Return the bytes of private memory that a process and its descendants use.
 
-    Pages that several of them share count once, unless all together have less than ``enough``.
+    Shared pages count once, unless the total with repetitions is at most ``enough``.
     """
     processes = processes_of(leader)
     used = sum(
@@ -208,7 +213,7 @@ def memory_in_use(leader: int, enough: float = 0.0) -> int:
 
 
 def _kilobytes(path: str, names: tuple[str, ...]) -> int:
-    """Return the sum of the named fields of a file of the system, 0 if it is gone."""
+    """Return the sum of the named fields of a /proc file, 0 if it is gone."""
     with suppress(OSError):
         lines = Path(path).read_text(encoding="ascii", errors="replace").splitlines()
         return sum(int(line.split()[1]) for line in lines if line.startswith(names))

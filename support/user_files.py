@@ -1,7 +1,8 @@
-"""Files that a user names: every reader of the house takes them from here.
+"""Reading of files named by the user, and safe quoting of their content in messages.
 
 Only regular files are read, up to a size, as UTF-8 with or without a byte order mark; ``-`` is the
-standard input. What is nested or dotted too deep for its parser is refused before it costs time.
+standard input. Content that is nested or dotted too deep for its parser is refused before it costs
+time.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from typing import Any
 STANDARD_INPUT = "-"
 
 DEEPEST = 100
-"""Tables and lists inside each other."""
+"""Most levels of nested tables and lists."""
 
 QUOTED = 200
 """Most characters of a file's name in an error."""
@@ -27,7 +28,8 @@ DEEP_KEY = re.compile(
     rb"""(?:^|[\[{,])[ \t]*(?:(?:[\w-]{1,99}|"[^"\n]{0,99}"|'[^'\n]{0,99}')[ \t]*\.[ \t]*){20}""",
     re.MULTILINE,
 )
-"""A key that tomllib takes time and memory for with the square of its dots: 1.2 GB for 50 000."""
+"""Pattern of a key with many dots, for which tomllib's time and memory grow with the square of
+their number: 1.2 GB for 50 000."""
 
 KINDS = {
     stat.S_IFDIR: "a folder",
@@ -39,7 +41,7 @@ KINDS = {
 
 
 def shown(value: object) -> str:
-    """The value as a message shows it: on one short line, whatever a file holds.
+    """Return the value as messages show it: on one short line, whatever it contains.
 
     >>> shown(10**5000)
     'an integer of 16610 bits'
@@ -54,7 +56,7 @@ def shown(value: object) -> str:
 
 
 def cut(text: str, most: int) -> str:
-    """The text, of at most so many characters: from a longer one the end is left out.
+    """Return the text, truncated to at most so many characters.
 
     >>> cut("a long text", 8)
     'a lon...'
@@ -63,7 +65,7 @@ def cut(text: str, most: int) -> str:
 
 
 def shown_path(path: str | Path) -> str:
-    r"""The path as an error shows it: short, what would steer the terminal written out.
+    r"""Return the path as errors show it: short, with control characters escaped.
 
     >>> print(shown_path("a\x1b[31m\n.toml"))
     a\x1b[31m\n.toml
@@ -75,7 +77,7 @@ def shown_path(path: str | Path) -> str:
 
 
 def on_one_line(text: str) -> str:
-    r"""The text, with the ends of its lines and what would steer the terminal written out.
+    r"""Return the text with line ends and control characters escaped.
 
     >>> print(on_one_line("kept in a\n.nc"))
     kept in a\n.nc
@@ -84,7 +86,7 @@ def on_one_line(text: str) -> str:
 
 
 def reason_of(error: BaseException) -> str:
-    """Return what a library says of a file, on one short line: it may quote the file's content.
+    """Return a library's error message about a file, on one short line, as it may quote the file.
 
     >>> len(reason_of(ValueError(1000 * "x")))
     200
@@ -93,7 +95,7 @@ def reason_of(error: BaseException) -> str:
 
 
 def printable(text: str) -> str:
-    r"""The text with what would steer the terminal written out, but for the ends of its lines.
+    r"""Return the text with control characters escaped, except line ends.
 
     >>> print(printable("red: \x1b[31m"))
     red: \x1b[31m
@@ -104,7 +106,7 @@ def printable(text: str) -> str:
 
 
 def file_stem(path: str | Path) -> str:
-    """What is called after a file: its name without folder and ending; "stdin" for ``-``."""
+    """Return the file's name without folder and suffix; "stdin" for ``-``."""
     return "stdin" if str(path) == STANDARD_INPUT else Path(path).stem
 
 
@@ -114,16 +116,16 @@ def read_bytes(
     most: int,
     check: Callable[[os.stat_result], object] = lambda _: None,
 ) -> bytes:
-    """The content of a regular file, or of the standard input for ``-``.
+    """Return the content of a regular file, or of the standard input for ``-``.
 
-    ``what`` is what the file is to be, such as "scene". ``check`` is shown the state of the file
-    that was opened. Raises ValueError for another kind of file and for more than ``most`` bytes,
-    OSError as opening does, and what the check raises.
+    ``what`` names the kind of file in errors, such as "scene". ``check`` is called with the status
+    of the opened file. Raises ValueError for another kind of file and for more than ``most`` bytes,
+    OSError as opening does, and errors of the check.
     """
     if str(path) == STANDARD_INPUT:
         content = sys.stdin.buffer.read(most + 1)
     else:
-        # a pipe without a writer would be waited for; what it is can be asked once it is open
+        # without O_NONBLOCK, opening a pipe would wait for a writer; its kind is checked after that
         if "\0" in str(path):
             raise ValueError(f"{what} must be a file's name, got {shown_path(path)}")
         handle = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0))
@@ -146,20 +148,23 @@ def read_text(
     most: int,
     check: Callable[[os.stat_result], object] = lambda _: None,
 ) -> str:
-    """The text of such a file; ValueError also for what is no UTF-8."""
+    """Return the text of such a file. Raises ValueError also if it is not UTF-8."""
     return _text(read_bytes(path, what, most, check), path, what)
 
 
 def read_toml(path: str | Path, what: str, most: int) -> dict[str, Any]:
-    """The tables of such a file; ValueError also for what is no TOML, or nested too deep."""
+    """Return the tables of such a file.
+
+    Raises ValueError also if it is not TOML, or nested too deep.
+    """
     return parse_toml(read_bytes(path, what, most), path, what)
 
 
 def parse_toml(content: bytes, path: str | Path, what: str) -> dict[str, Any]:
-    """The tables of a file's content; raises as `read_toml` does."""
+    """Return the tables of a file's content. Raises as `read_toml`."""
     if DEEP_KEY.search(content):
         raise ValueError(
-            f"{what} must have plain keys, got one with dots upon dots in {shown_path(path)}"
+            f"{what} must have plain keys, got one with 20 or more dots in {shown_path(path)}"
         )
     text = _text(content, path, what)
     try:
@@ -184,7 +189,7 @@ def parse_toml(content: bytes, path: str | Path, what: str) -> dict[str, Any]:
 
 
 def toml_value(text: str) -> Any:
-    """What the text is as a value of TOML; the text itself where it is none, or is a date.
+    """Parse a text as a TOML value; return the text itself if it is none, or a date.
 
     >>> toml_value("0.05"), toml_value("[0, 1]"), toml_value("kink"), toml_value('"pi/2"')
     (0.05, [0, 1], 'kink', 'pi/2')
@@ -192,16 +197,16 @@ def toml_value(text: str) -> Any:
     if "\n" in text:
         return text
     try:
-        found = parse_toml(f"value = {text}".encode(), "--set", "--set")
+        document = parse_toml(f"value = {text}".encode(), "--set", "--set")
     except ValueError:
         return text
-    value = found["value"]
-    plain = len(found) == 1 and isinstance(value, bool | int | float | str | list | dict)
+    value = document["value"]
+    plain = len(document) == 1 and isinstance(value, bool | int | float | str | list | dict)
     return value if plain else text
 
 
 def is_deep(data: object) -> bool:
-    """Whether mappings and lists lie inside each other more than ``DEEPEST`` deep.
+    """Return whether mappings and lists are nested more than ``DEEPEST`` levels deep.
 
     >>> is_deep({"a": [1, {"b": []}]})
     False
@@ -219,6 +224,7 @@ def is_deep(data: object) -> bool:
 
 
 def _text(content: bytes, path: str | Path, what: str) -> str:
+    """Decode UTF-8. Raises ValueError with the first wrong byte."""
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -228,16 +234,18 @@ def _text(content: bytes, path: str | Path, what: str) -> str:
         ) from None
 
 
-def _check(found: os.stat_result, path: str | Path, what: str, most: float) -> None:
-    kind = KINDS.get(stat.S_IFMT(found.st_mode))
+def _check(state: os.stat_result, path: str | Path, what: str, most: float) -> None:
+    """Raise ValueError for anything but a regular file, and for a file that is too long."""
+    kind = KINDS.get(stat.S_IFMT(state.st_mode))
     if kind is not None:
         raise ValueError(
             f"{what} must be a regular file, got {shown_path(path)}, {kind} "
             "(- reads from the standard input)"
         )
-    if found.st_size > most:
+    if state.st_size > most:
         raise ValueError(_too_long(path, what, most))
 
 
 def _too_long(path: str | Path, what: str, most: float) -> str:
+    """Return the error message for a file with too many bytes."""
     return f"{what} must have at most {most:.0f} bytes, got {shown_path(path)} with more"

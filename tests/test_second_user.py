@@ -193,7 +193,7 @@ def test_a_planted_cache_is_not_read(
     assert cache.path.stat().st_uid == NOBODY
     assert (cache.read("code"), store.read("data")) == (None, None)
     forget()
-    with pytest.warns(RuntimeWarning, match="must be the user's alone"):
+    with pytest.warns(RuntimeWarning, match="must be private to the user"):
         again = cache_folder(MODULE)
     assert again.path is not None
     assert again.path.parent == bases[1]

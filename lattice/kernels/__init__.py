@@ -1,1 +1,1 @@
-"""Machine code that advances rings: splittings of any chain or plane, Nystroem methods."""
+"""Compiled kernels that advance rings: splittings on any chain or plane, Nystroem methods."""

@@ -1,13 +1,12 @@
-"""Nystroem methods, such as RK4, on a ring of the strain FPUT lattice, by numba.
+"""Nystroem methods, such as RK4, on a ring of the strain FPUT lattice, compiled by numba.
 
     y_n' = s_n,    s_n' = D[K2 y + K3 y^2 + K4 y^3]_n,    D f_n = f_{n+1} - 2 f_n + f_{n-1}
 
-(the paper's eq. (9), for the paper's eq. (4)). Site n is stored at index n mod N, and the kernel
-knows nothing of windows: a domain decides which sites the indices stand for.
+(the paper's eq. (9), for the paper's eq. (4)). Site n is stored at index n mod N; which sites these
+are is up to the caller.
 
 A constant that is absent is passed as ``None``. Numba prunes branches on ``None`` by type, so each
-combination of constants is compiled by itself and the absent terms are absent from its machine
-code.
+combination of constants is compiled separately, without code for the absent terms.
 """
 
 from itertools import product
@@ -24,7 +23,7 @@ _jit = njit(fastmath={"contract"})
 
 @_jit
 def force(y: float, K2: float, K3: float | None, K4: float | None) -> float:
-    """V'(y) = K2 y + K3 y^2 + K4 y^3 of one strain, in Horner form (the paper's eq. (3)).
+    """Return V'(y) = K2 y + K3 y^2 + K4 y^3 of one strain, in Horner form (the paper's eq. (3)).
 
     Absent terms are ``None``.
     """
@@ -39,6 +38,7 @@ def force(y: float, K2: float, K3: float | None, K4: float | None) -> float:
 
 @_jit
 def _acceleration(y: Array, f: Array, g: Array, *constants: float | None) -> None:
+    """Compute f = V'(y) and g = D f on the ring, in place."""
     size = y.size
     for i in range(size):
         f[i] = force(y[i], *constants)
@@ -50,6 +50,7 @@ def _acceleration(y: Array, f: Array, g: Array, *constants: float | None) -> Non
 
 @_jit
 def _accumulate(total: Array, weight: float, term: Array) -> None:
+    """Add weight times a term to a total, in place."""
     if weight != 0.0:
         for i in range(total.size):
             total[i] += weight * term[i]
@@ -60,9 +61,9 @@ def advance_nystroem(
 ) -> None:
     """Advance the ring (y, s) in place by ``steps`` steps h of an explicit Nystroem method.
 
-    ``table`` holds its nodes, inner and outer coefficients and weights. Stage i:
-    g_i = D V'(y + nodes_i h s + h^2 sum_j inner_ij g_j); then y += h s + h^2 sum outer_i g_i and
-    s += h sum weights_i g_i. At least 3 sites.
+    ``table`` holds its nodes, inner and outer coefficients and weights. Stage i is g_i = D V'(y +
+    nodes_i h s + h^2 sum_j inner_ij g_j). Then y += h s + h^2 sum outer_i g_i and s += h sum
+    weights_i g_i. The ring needs at least 3 sites.
     """
     space = np.empty((table[0].size + 2, y.size))
     _advance(y, s, table, h, steps, space, *constants)
@@ -85,6 +86,7 @@ def _advance(
     space: Array,
     *constants: float | None,
 ) -> None:
+    """Advance as `advance_nystroem`; ``space`` is working memory, (stages + 2, sites)."""
     nodes, inner, outer, weights = table
     stages = nodes.size
     g, f, stage = space[:stages], space[stages], space[stages + 1]

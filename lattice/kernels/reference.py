@@ -1,4 +1,4 @@
-"""Any scheme on any lattice by NumPy: for what no machine code is written, slower and shorter."""
+"""Reference integrators in NumPy for any scheme and lattice; slower than compiled kernels."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Acceleration = Callable[[Array], Array]
 def advance_splitting(
     acceleration: Acceleration, f: Array, v: Array, drifts: Array, kicks: Array, steps: int
 ) -> None:
-    """Advance (f, v) in place by a drift-kick splitting whose weights hold the time step."""
+    """Advance (f, v) in place by a drift-kick splitting; weights include the time step."""
     for _ in range(steps):
         for drift, kick in zip(drifts[:-1], kicks, strict=True):
             f += drift * v

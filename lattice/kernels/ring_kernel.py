@@ -1,15 +1,15 @@
-"""Splitting schemes on a ring of any chain or plane, by machine code that is written for it.
+"""Splitting schemes on a ring of any chain or plane, by compiled code generated for the lattice.
 
 A stage is one drift and one kick, ``f += a v`` and ``v += b f''``. Cells are laid out in rows of
 ``LANES``, each a vector of doubles: lane l of N cells begins at the cell ``l N // LANES``
-(dimension-lifted transposition; Henretty et al., CC 2011), so neighbouring cells stand in
-neighbouring rows, stencils need no shuffles, and lanes may share one cell. Rows past the ring's end
-repeat those at its beginning with the lanes moved by one.
+(dimension-lifted transposition; Henretty et al., CC 2011). Neighbouring cells are then in
+neighbouring rows, stencils need no shuffles, and adjacent lanes may share one cell. Rows past the
+ring's end repeat those at its beginning with the lanes moved by one.
 
-All stages of a few steps are done in one passage over the rows: a front of blocks goes up, and in
-each block a stage stops some rows short of the stage before, for it needs the rows above (time
-skewing; Wonnacott, IPDPS 2000). A letter says in which block a stage is done on a row, here with 16
-rows, 5 stages of nearest neighbours and 4 rows a block::
+All stages of a few steps are done in one pass over the rows. A front of blocks moves up; in each
+block a stage stops some rows below the stage before, because it needs the rows above (time skewing;
+Wonnacott, IPDPS 2000). A letter says in which block a stage is done on a row, here with 16 rows, 5
+stages of nearest neighbours and 4 rows a block::
 
     row 15 | D
         14 | D  D
@@ -21,21 +21,21 @@ rows, 5 stages of nearest neighbours and 4 rows a block::
          8 | C  C  C  C  D
          7 | B  C  C  C  C
          6 | B  B  C  C  C
-         5 | B  B  B  C  C        each stage leaves one more row at either end untrue; at the end
-         4 | B  B  B  B           the ring's own rows, here 6 .. 10, are true: 2 stages + 1 rows
-         3 | A  B  B              are repeated beside them
+         5 | B  B  B  C  C        each stage leaves one more row at either end invalid; at the end
+         4 | B  B  B  B           the ring's own rows, here 6 .. 10, are valid: 2 stages + 1 rows
+         3 | A  B  B              are repeated next to them
          2 | A  A
          1 | A
          0 |
            +---------------
      stage   0  1  2  3  4
 
-In a plane, "row" is a row of its cells. It is laid out in vectors as a chain is, and closed by
-vectors beside it that repeat those at its other end with the lanes moved by one.
+In a plane, "row" means a row of its cells. It is laid out in vectors as a chain is; ghost vectors
+at either end repeat those at the other end with the lanes moved by one.
 
-A large ring is advanced on two cores, an arc of it on each, together with the cells about it that
-its stages reach, so the two need to meet after a number of stages only. What is computed twice is
-computed alike: the result is that of one core, to the bit.
+A large ring is advanced on two cores, one half each. Each half includes the neighbouring cells that
+its stages reach, so that the two exchange data only after a number of stages. Cells that both
+compute get identical values: the result is that of one core, to the bit.
 """
 
 from __future__ import annotations
@@ -68,119 +68,120 @@ Array = NDArray[np.float64]
 Places = NDArray[np.int64]
 
 LANES = 8
-"""Cells per row: one vector of 512 bits, which is also a line of the cache."""
+"""Cells per row: one vector of 512 bits, which is also a cache line."""
 
 ALIGNMENT = 8
-"""Doubles in a line of the cache."""
+"""Doubles in a cache line."""
 
 PAGE = 512
 """Doubles in a page of memory."""
 
 ROWS = 256
-"""Rows by which a block moves up. 64 to 512 cost the same to 5 %; `benchmarks/lattice_constants.py`
-measures this and the other constants."""
+"""Rows in a block. 64 to 512 cost the same to 5 %; `benchmarks/lattice_constants.py` measures this
+and the other constants."""
 
 LEAST_ROWED = 32
-"""Cells from which on they are laid out in rows of ``LANES``."""
+"""Fewest cells that are laid out in rows of ``LANES``."""
 
 STAGES = 28
-"""Most stages done in a passage (13 to 52 cost the same to 5 %)."""
+"""Most stages done in one pass (13 to 52 cost the same to 5 %)."""
 
 ALONG = 4
-"""The same of a plane: 1 to 16 cost the same to 5 %."""
+"""Rows in a block of a plane: 1 to 16 cost the same to 5 %."""
 
 CACHED = 65_536
-"""Most doubles of a plane's rows between the first stage of a passage and the last: half of the
-second cache."""
+"""Most doubles of a plane's rows between the first stage of a pass and the last: half of the
+second-level cache."""
 
 HALO = 24
-"""The rows that a passage repeats at the ends are at most this part of the ring's own, if so many
-are enough for the stages that go together: with 8 rings of 1024 to 4096 cells cost 3 to 4 % more,
-with 4 as much again."""
+"""Least ratio of the ring's own rows to those that a pass repeats at its ends, if that leaves room
+for enough fused stages: with 8, rings of 1024 to 4096 cells cost 3 to 4 % more, with 4 as much
+again."""
 
 MOST_KEPT = 12
-"""Values that two stages together may keep from row to row: with the 15 of next-nearest neighbours
-in the strain one stage alone is a fifth faster, with the 10 of three fields a seventh slower
-on registers of eight doubles (`benchmarks/same_lattice.py`)."""
+"""Most values carried from row to row by two fused stages. With the 15 of next-nearest neighbours
+in the strain one stage alone is a fifth faster, with the 10 of three fields a seventh slower, on
+registers of eight doubles (`benchmarks/same_lattice.py`)."""
 
 LEAST_SHARED = 16_384
-"""Cells, times fields, from which on the second core pays: 1.5 to 1.8 times as fast up to 65 536,
-on idle cores (`benchmarks/lattice_constants.py`)."""
+"""Least cells times fields for which a second core pays: 1.5 to 1.8 times as fast up to 65 536, on
+idle cores (`benchmarks/lattice_constants.py`)."""
 
 LEAST_WORK = 1_000_000
-"""Cells, times fields and stages, between two meetings from which on it does."""
+"""Least cells times fields times stages between two synchronisations for a second core to pay."""
 
 MEETING = 64
-"""Most steps between two meetings of the cores."""
+"""Most steps between two synchronisations of the cores."""
 
 DOUBLED = 0.2
-"""Most cells that both cores compute, in units of all."""
+"""Largest share of cells that both cores compute."""
 
 LEAST_SEARCHED = 200_000
 """Cells times stages from which on those that move are looked for."""
 
 WORDS = 1 + max(FUNCTIONS.values())
-"""Words of a call: which function, and as many as the one with most arguments takes."""
+"""Words of a call: the function's number and its arguments, as many as the longest takes."""
 
 MOST_SCRIPTS = 8
-"""Scripts that a kernel keeps: a march in pieces asks for a few of them, again and again."""
+"""Most scripts that a kernel caches: a time march uses a few of them repeatedly."""
 
 _SCRIPT = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_int64)
 
 Call = tuple[Any, ...]
-"""One of ``FUNCTIONS`` and what it is given; arrays stand for where they begin."""
+"""Name of one of ``FUNCTIONS`` with its arguments; arrays are passed by address."""
 
 
 def _together(flow: StagePlan) -> int:
-    """The stages that go up the rows of a chain together.
+    """Return the number of stages that are fused, row by row, on a chain.
 
-    One where a force has functions: they wait for their own sums, and a processor looks no further
-    ahead than to the next stage's, so rows of one stage alone overlap more.
+    It is 1 for a force with functions. Their latency hides better when a processor works on several
+    rows of one stage than on dependent stages.
     """
     functions = any(stream.law.program for stream in flow.streams)
-    return 2 if flow.kept(2) <= MOST_KEPT and not functions else 1
+    return 2 if flow.carried_values(2) <= MOST_KEPT and not functions else 1
 
 
 @lru_cache(maxsize=64)
 def _machine_code(
     flow: StagePlan, lanes: int, count: int, columns: int
 ) -> Callable[[int, int], None]:
-    """What makes the calls of a script; on disk it is found by what is written here."""
+    """Return the compiled function that runs a script; cached on disk by the lattice's plan."""
     together, block = _together(flow), ALONG if columns else ROWS
 
-    def written() -> str:
+    def generate_text() -> str:
         from longwave.lattice.kernels.row_code import passage_text
 
         return passage_text(flow, lanes, together, block, count, columns)
 
     key = f"{flow!r} {lanes} {together} {block} {count} {columns}"
-    [script] = native_functions(__name__, key, written, {"script": _SCRIPT})
+    [script] = native_functions(__name__, key, generate_text, {"script": _SCRIPT})
     return script
 
 
 def _aligned(size: int) -> Array:
-    """Zeros that begin at a line of the cache."""
+    """Return an array of zeros that begins at a cache line."""
     raw = np.zeros(size + ALIGNMENT)
     offset = (-(raw.ctypes.data // 8)) % ALIGNMENT
     return raw[offset : offset + size]
 
 
 def _spaced(size: int, count: int) -> int:
-    """Doubles from one array to the next of ``count`` that hold ``size``, apart within a page.
+    """Return the distance, in doubles, between ``count`` arrays of ``size`` doubles each.
 
-    A processor takes a load for one of what was just stored if both are as far into their pages.
+    Their offsets in pages differ: a processor mistakes a load for one of a recent store if both
+    have the same offset.
     """
-    apart = PAGE // count // ALIGNMENT * ALIGNMENT
-    return size + (apart - size) % PAGE
+    page_offset = PAGE // count // ALIGNMENT * ALIGNMENT
+    return size + (page_offset - size) % PAGE
 
 
 class _Layout(NamedTuple):
-    """How cells of a chain, or rows of a plane, are laid out, and what a stage does to them.
+    """Memory layout of the cells of a chain, or rows of a plane, and the reach of a stage.
 
-    Lanes begin at the cells ``starts`` and are ``vectors`` long. Of these a row has ``width``, and
-    ``edge`` more at either end; there are ``height`` rows. In a passage of at most ``most`` stages
-    each stays ``skew`` rows behind the one before, leaves ``below`` untrue at the lower end, and
-    keeps so many rows.
+    Lanes begin at the cells ``starts`` and are ``vectors`` long. A row has ``width`` vectors and
+    ``edge`` ghost vectors at either end; there are ``height`` rows. In a pass of at most ``most``
+    stages each stays ``skew`` rows behind the one before, leaves ``below`` rows invalid at the
+    lower end, and carries ``carried`` values from row to row.
     """
 
     lanes: int
@@ -191,7 +192,7 @@ class _Layout(NamedTuple):
     height: int
     skew: int
     below: int
-    kept: int
+    carried: int
     together: int
     most: int
 
@@ -207,13 +208,13 @@ class _Layout(NamedTuple):
 
 
 def _layout(flow: StagePlan, count: int, columns: int) -> _Layout:
-    """Of so many cells of a chain without ``columns``, or rows of a plane."""
+    """Return the layout of ``count`` cells of a chain (``columns`` 0) or rows of a plane."""
     across = columns or count
     lanes = LANES if across >= LEAST_ROWED else 1
     starts, vectors = np.arange(lanes + 1) * across // lanes, -(-across // lanes)
     if not columns:
         together = _together(flow)
-        ends = flow.skew, flow.below, flow.kept(together), together, STAGES
+        ends = flow.skew, flow.below, flow.carried_values(together), together, STAGES
         return _Layout(lanes, starts, vectors, 1, 0, vectors, *ends)
     rows = rows_of(flow)
     most = CACHED // (2 * flow.fields * lanes * vectors * rows.skew)
@@ -222,13 +223,13 @@ def _layout(flow: StagePlan, count: int, columns: int) -> _Layout:
 
 
 class _Script:
-    """Calls that are made one after the other, while other threads may run."""
+    """A list of compiled calls, made one after the other without the interpreter lock."""
 
     def __init__(self, code: Callable[[int, int], None], calls: Iterable[Call]) -> None:
         self._code, self._calls = code, list(calls)
         self._words = np.zeros((len(self._calls), WORDS), np.int64)
-        for row, (name, *given) in zip(self._words, self._calls, strict=True):
-            words = [word if isinstance(word, int) else word.ctypes.data for word in given]
+        for row, (name, *arguments) in zip(self._words, self._calls, strict=True):
+            words = [word if isinstance(word, int) else word.ctypes.data for word in arguments]
             row[: 1 + len(words)] = [*FUNCTIONS].index(name), *words
         self._at = self._words.ctypes.data
 
@@ -237,10 +238,10 @@ class _Script:
 
 
 class _Arc:
-    """The cells, or rows, ``first`` .. ``past - 1`` of a ring, and room to advance them.
+    """Cells (or rows) ``first`` .. ``past - 1`` of a ring, with working memory to advance them.
 
-    ``below`` and ``above`` more lie beside them, whose values are untrue at the end; without any
-    the arc is the whole ring.
+    ``beside`` is the number of additional cells (``below``, ``above``) at its ends, whose values
+    are invalid at the end of a pass; (0, 0) if the arc is the whole ring.
     """
 
     def __init__(
@@ -267,10 +268,10 @@ class _Arc:
         edge = layout.edge * layout.lanes
         margin = together * layout.skew * pitch + edge
         self._plane = _spaced(margin + self._rows * pitch + ALIGNMENT, 2 * flow.fields)
-        both, kept = 2 * flow.fields * self._plane, (self._each + together) * layout.kept
-        planes, carried = np.split(_aligned(both + kept * pitch + edge), [both])
+        both, carried_size = 2 * flow.fields * self._plane, (self._each + together) * layout.carried
+        planes, carried = np.split(_aligned(both + carried_size * pitch + edge), [both])
         repeats = self._repeats()
-        self._held = planes
+        self._planes_memory = planes
         self._planes = [data[margin:].ctypes.data for data in np.split(planes, 2)]
         self._work = (*self._planes, carried[edge:])
         self._repeated = (numbers, *repeats, repeats[0].size)
@@ -279,13 +280,13 @@ class _Arc:
         )
 
     def script(self, *calls: Iterator[Call]) -> _Script:
-        """These calls of the arc's functions."""
+        """Return a script of these calls."""
         return _Script(self._code, chain.from_iterable(calls))
 
     def _repeats(self) -> list[Places]:
-        """The places of the rows below and above the arc's own, and from where they are filled.
+        """Return the indices of the ghost rows below and above the arc, and of their sources.
 
-        They are cells of a chain, vectors of a plane.
+        Indices count cells of a chain, vectors of a plane.
         """
         layout = self._layout
         rows = np.r_[0 : self._below, self._below + layout.height : self._rows]
@@ -306,7 +307,7 @@ class _Arc:
         planes: Iterable[tuple[int, Array]],
         *ranges: tuple[int, int],
     ) -> Iterator[Call]:
-        """Copy what is at the ``ranges`` of the arc from rings of fields to planes, or back."""
+        """Yield calls that copy the ``ranges`` of the arc from rings to planes, or back."""
         layout, starts = self._layout, self._layout.starts[:-1]
         at: tuple[Places, ...]
         for (begin, end), (plane, rings) in product(ranges, planes):
@@ -316,7 +317,7 @@ class _Arc:
             else:
                 lengths = layout.vectors if way == "to_rows" else np.diff(layout.starts)
                 ends = (
-                    np.minimum(np.maximum(place - starts, 0), lengths) for place in (begin, end)
+                    np.minimum(np.maximum(index - starts, 0), lengths) for index in (begin, end)
                 )
                 at = (self._first + starts) % self._size, *ends
                 runs, size = [(0, 0, 1)], self._size
@@ -328,20 +329,21 @@ class _Arc:
                     yield way, there, here, *at, size, *counts
 
     def _runs(self, begin: int, end: int) -> list[tuple[int, int, int]]:
-        """Return where cells, or rows, begin in the ring and in the arc, and how many they are."""
-        found = []
+        """Return (cell or row in the ring, the same in the arc, count) of contiguous runs."""
+        runs = []
         while begin < end:
             row = (self._first + begin) % self._size
             count = min(end - begin, self._size - row)
-            found.append((row, begin, count))
+            runs.append((row, begin, count))
             begin += count
-        return found
+        return runs
 
     def _both(self, f: Array, v: Array) -> Iterator[tuple[int, Array]]:
+        """Pair the planes of positions and velocities with the rings."""
         return zip(self._planes, (f, v), strict=True)
 
     def drift(self, f: Array, v: Array, length: float) -> Iterator[Call]:
-        """``f += length v`` of the arc's own in the ring."""
+        """Yield calls of ``f += length v`` for the arc's own cells in the ring."""
         for (first, _, count), (there, speeds) in product(
             self._runs(*self._own), list(zip(f, v, strict=True))
         ):
@@ -349,31 +351,34 @@ class _Arc:
             yield "drift", *at, np.array([length]), count * (self._columns or 1)
 
     def load(self, f: Array, v: Array) -> Iterator[Call]:
-        """Take all of it from the ring."""
+        """Yield calls that load the arc, ghost cells included, from the ring."""
         return self._move("to_rows", self._both(f, v), (0, self._count))
 
     def rest(self, resting: Array, fields: int) -> Iterator[Call]:
-        """Take what differs from cell to cell, as positions after the ``fields`` that move."""
+        """Yield calls that load the deviations of cells.
+
+        They are stored as fields after the ``fields`` that move.
+        """
         plane = self._planes[0] + 8 * fields * self._plane
         return self._move("to_rows", [(plane, resting)], (0, self._count))
 
     def store(self, f: Array, v: Array) -> Iterator[Call]:
-        """Put the arc's own where it belongs in the ring."""
+        """Yield calls that store the arc's own cells in the ring."""
         return self._move("from_rows", self._both(f, v), self._own)
 
     def show(self, f: Array, v: Array) -> Iterator[Call]:
-        """Put into the ring what another arc needs beside its own."""
+        """Yield calls that store in the ring the cells that the other arc needs."""
         (first, past), (below, above) = self._own, self._beside
         ends = (first, first + above), (past - below, past)
         return self._move("from_rows", self._both(f, v), *ends)
 
     def look(self, f: Array, v: Array) -> Iterator[Call]:
-        """Take from the ring what is beside the arc's own."""
+        """Yield calls that load the arc's ghost cells from the ring."""
         (first, past), count = self._own, self._count
         return self._move("to_rows", self._both(f, v), (0, first), (past, count))
 
     def run(self, drifts: Array, kicks: Array, begun: int, stages: int) -> Iterator[Call]:
-        """So many stages, their weights in turn from ``begun`` on."""
+        """Yield calls for ``stages`` stages; weights are used cyclically from ``begun`` on."""
         each, period, layout = self._each, len(kicks), self._layout
         whole = stages // each * each
         for done, count, length in ((0, stages // each, each), (whole, 1, stages - whole)):
@@ -386,9 +391,9 @@ class _Arc:
 
 
 class RingKernel:
-    """Advances rings of ``shape``, cells of a chain or rows and columns, with room used again.
+    """Advances rings of ``shape`` (cells, or rows and columns), reusing its working memory.
 
-    Rings (f, v) have the shape (fields, *shape) and rows that are contiguous.
+    Rings (f, v) have the shape (fields, *shape) and contiguous rows.
     """
 
     def __init__(self, lattice: NumericLattice, *shape: int) -> None:
@@ -407,8 +412,8 @@ class RingKernel:
     def advance(self, f: Array, v: Array, drifts: Array, kicks: Array, steps: int) -> None:
         """Advance in place by a drift-kick splitting.
 
-        ``drifts`` (one longer than ``kicks``) and ``kicks`` are already multiplied by the time
-        step; the last drift of a step and the first of the next are done as one.
+        ``drifts`` (one longer than ``kicks``) and ``kicks`` include the time step. The last drift
+        of a step is merged with the first of the next.
         """
         last, joint = float(drifts[-1]), drifts[:-1].copy()
         joint[0] += last
@@ -418,10 +423,11 @@ class RingKernel:
     def advance_stages(
         self, f: Array, v: Array, drifts: Array, kicks: Array, stages: int, ahead: float = 0.0
     ) -> None:
-        """So many stages, ``f += drift v`` and ``v += kick f''``, their weights in turn.
+        """Advance in place by ``stages`` stages ``f += drift v``, ``v += kick f''``.
 
-        Positions are ``ahead`` of the velocities before and after. Where drifts are damped or
-        fields are kicked from outside, each row of ``kicks`` has the `StagePlan.weights`.
+        Weights are used cyclically. Positions are ahead of the velocities by a drift ``ahead``
+        before and after. If drifts are damped or there are external pulses, each row of ``kicks``
+        has the `StagePlan.weights`.
         """
         for name, ring in (("f", f), ("v", v)):
             if ring.dtype != np.float64 or not ring.flags.c_contiguous:
@@ -440,16 +446,16 @@ class RingKernel:
         """Advance all cells."""
         between = self._stages_between(len(kicks))
         if between != self._between or not self._arcs:
-            self._arcs, self._between = self._made(between), between
+            self._arcs, self._between = self._build_arcs(between), between
             self._scripts.clear()
-        asked = id(f), id(v), drifts.tobytes(), kicks.tobytes(), stages, ahead
-        found = self._scripts.get(asked)
-        if found is None:
+        key = id(f), id(v), drifts.tobytes(), kicks.tobytes(), stages, ahead
+        cached = self._scripts.get(key)
+        if cached is None:
             if len(self._scripts) == MOST_SCRIPTS:
                 self._scripts.clear()
-            written = self._written(f, v, drifts, kicks, stages, ahead)
-            found = self._scripts[asked] = f, v, list(written)
-        for scripts in found[-1]:
+            steps_of_scripts = self._scripts_between(f, v, drifts, kicks, stages, ahead)
+            cached = self._scripts[key] = f, v, list(steps_of_scripts)
+        for scripts in cached[-1]:
             _on_cores(scripts)
 
     def _is_mostly_still(self, f: Array, v: Array, kicks: Array, stages: int) -> bool:
@@ -512,10 +518,10 @@ class RingKernel:
             self._moved_from_rest = moving_cells(f, v)
         return self._moved_from_rest
 
-    def _written(
+    def _scripts_between(
         self, f: Array, v: Array, drifts: Array, kicks: Array, stages: int, ahead: float
     ) -> Iterator[list[_Script]]:
-        """What each arc does between two meetings."""
+        """Yield the scripts of all arcs from one synchronisation to the next."""
         work = [partial(_Arc.load, f=f, v=v)]
         between = self._between or max(stages, 1)
         for done in range(0, stages, between):
@@ -530,40 +536,41 @@ class RingKernel:
             yield [arc.script(*(do(arc) for do in together)) for arc in self._arcs]
 
     def _stages_between(self, period: int) -> int:
-        """Stages between two meetings of two cores; 0 if one does all.
+        """Return the number of stages between two synchronisations of two cores; 0 for one core.
 
-        One in a worker process: there the other core has work of its own.
+        A worker process uses one core, because the other one has work of its own.
         """
         cells = math.prod(self._shape) * self._fields
         if cells < LEAST_SHARED or usable_cores() < 2:
             return 0
         most = int(DOUBLED * self._shape[0]) // (2 * max(1, sum(self._reach)))
-        found = min(MEETING * period, most)
-        return found if found * cells >= LEAST_WORK else 0
+        stages = min(MEETING * period, most)
+        return stages if stages * cells >= LEAST_WORK else 0
 
     @cached_property
     def _reach(self) -> tuple[int, int]:
-        """The cells of a chain, or rows, above and below that a stage feels."""
+        """Cells of a chain, or rows, above and below that a stage depends on."""
         flow = self._flow if len(self._shape) == 1 else rows_of(self._flow)
         return flow.skew, flow.below
 
-    def _made(self, between: int) -> list[_Arc]:
+    def _build_arcs(self, between: int) -> list[_Arc]:
+        """Build one arc, or two for two cores, and load the deviations of cells."""
         size, half = self._shape[0], self._shape[0] // 2
         skew, below = self._reach
         ends = [(0, half), (half, size)] if between else [(0, size)]
-        beside = between * below, between * skew
-        return [self._arc(own, beside) for own in ends]
+        ghosts = between * below, between * skew
+        return [self._arc(own, ghosts) for own in ends]
 
-    def _arc(self, own: tuple[int, int], beside: tuple[int, int]) -> _Arc:
+    def _arc(self, own: tuple[int, int], ghosts: tuple[int, int]) -> _Arc:
         """Return an arc with what differs from cell to cell."""
-        arc = _Arc(self._flow, self._numbers, self._shape, own, beside)
+        arc = _Arc(self._flow, self._numbers, self._shape, own, ghosts)
         if len(self._resting):
             arc.script(arc.rest(self._resting, self._fields))()
         return arc
 
 
 def _on_cores(scripts: list[_Script]) -> None:
-    """Each on a core."""
+    """Run each script on its own core and wait for all."""
     here, *others = scripts
     waiting = [other_core().submit(there) for there in others]
     here()

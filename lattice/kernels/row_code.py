@@ -1,12 +1,12 @@
-"""The machine code of stages, in LLVM's language: written from the streams of a stage.
+"""Generator of the stages' machine code, as LLVM text, from the streams of a stage.
 
-Cells of a chain are laid out in rows of ``lanes``, each a vector; neighbouring cells stand in
+Cells of a chain are laid out in rows of ``lanes``, each a vector; neighbouring cells are in
 neighbouring rows (`lattice.kernels.ring_kernel`). Several stages go up the rows together, each
-`StagePlan.skew` rows behind the one before, and what a stream keeps stays in registers as far as
-there are any.
+`StagePlan.skew` rows behind the one before. Values that a stream carries from row to row stay in
+registers as far as there are any.
 
-Each row of a plane is laid out as such a chain, and a stage goes along it: what a stream keeps for
-columns stays in registers, what it keeps for rows in memory.
+Each row of a plane is laid out as such a chain, and a stage goes along it. Values carried from
+column to column stay in registers, those carried from row to row in memory.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from longwave.lattice.kernels.streams import (
     Rows,
     StagePlan,
     StreamRead,
-    apart,
+    rows_and_columns,
     rows_of,
 )
 from longwave.lattice.kernels.vector_functions import (
@@ -38,68 +38,70 @@ from longwave.support.compiled.subnormals import flushed_subnormals
 __all__ = ["lane_force", "passage_text"]
 
 WHOLE = 64
-"""Largest whole exponent that is taken by products."""
+"""Largest whole exponent for which a power is computed by products."""
 
 CUT = {"kept": -1.0, "felt": 0.0}
-"""The share at which a stream of each kind is nothing, whatever is there."""
+"""Share, by kind of stream, at which the stream is 0 whatever the value there."""
 
 MOVED = 256
-"""Vectors to which cells are copied at a time."""
+"""Vectors per block when cells are copied."""
 
 _DOUBLES, _INDICES = DOUBLE.as_pointer(), INDEX.as_pointer()
 
 _STAGES = (*[_DOUBLES] * 6, *[INDEX] * 6)
-"""What stages take: positions, velocities, what is carried, drifts, kicks, numbers; doubles from
-field to field and from row to row, vectors of a row; the first stage, and the rows at its front."""
+"""Argument types of a stage function: positions, velocities, carried values, drifts, kicks,
+numbers; doubles from field to field and from row to row, vectors of a row; first stage, and the
+first and last row of its front."""
 
 
 def _whole_power(code: LaneCode, value: Any, exponent: int) -> Any:
-    """A power by repeated squares."""
-    found = None
+    """Return a power by repeated squaring."""
+    result = None
     square, left = value, exponent
     while left:
         if left % 2:
-            found = square if found is None else code.builder.fmul(found, square)
+            result = square if result is None else code.builder.fmul(result, square)
         left //= 2
         square = code.builder.fmul(square, square) if left else square
-    return found
+    return result
 
 
 def _power(code: LaneCode, value: Any, exponent: float) -> Any:
-    """A power: by products and roots where the exponent is whole or half."""
+    """Return a power, by products and square roots if the exponent is whole or half."""
     size = abs(exponent)
     if exponent == 0.0 or not size <= LARGEST_EXPONENT:
         return code.function("pow", value, code.constant(exponent))
     if 2.0 * size != round(2.0 * size) or size > WHOLE:
         return power(Lanes(code, value), exponent).value
     whole = int(size)
-    found = _whole_power(code, value, whole) if whole else None
+    result = _whole_power(code, value, whole) if whole else None
     if size != whole:
         root = code.root(value)
-        found = root if found is None else code.builder.fmul(found, root)
-    return found if exponent > 0.0 else code.builder.fdiv(code.constant(1.0), found)
+        result = root if result is None else code.builder.fmul(result, root)
+    return result if exponent > 0.0 else code.builder.fdiv(code.constant(1.0), result)
 
 
 def lane_force(code: LaneCode, x: Any, law: ForceFormula, numbers: Sequence[Any]) -> Any:
-    """The force at the stretch x."""
+    """Return the force at the stretch x."""
     if law.program:
         return _run_program(code, x, law.program, numbers)
     builder = code.builder
-    found = None if law.leading is None else numbers[law.leading]
-    for place in law.factors:
-        factor = None if place is None else numbers[place]
-        if found is None:
-            found = x if factor is None else builder.fadd(x, factor)
+    result = None if law.leading is None else numbers[law.leading]
+    for index in law.factors:
+        factor = None if index is None else numbers[index]
+        if result is None:
+            result = x if factor is None else builder.fadd(x, factor)
         elif factor is None:
-            found = builder.fmul(x, found)
+            result = builder.fmul(x, result)
         else:
-            found = code.fma(x, found, factor)
-    return x if found is None else builder.fmul(x, found)
+            result = code.fma(x, result, factor)
+    return x if result is None else builder.fmul(x, result)
 
 
 def _run_program(
     code: LaneCode, x: Any, program: Sequence[tuple[str, float]], numbers: Sequence[Any]
 ) -> Any:
+    """Return the value of a force's program at the stretch x."""
     stack: list[Any] = []
     for word, value in program:
         if word == "x":
@@ -121,14 +123,14 @@ def _run_program(
     return stack.pop()
 
 
-Kept = Callable[[int, int, int], Any]
-"""The value of a stream so many rows and columns ago."""
+CarriedValue = Callable[[int, int, int], Any]
+"""Function that returns a stream's value from so many rows and columns ago."""
 
 
 class _Stage:
-    """One of the stages that go together: its weights, and what its streams keep.
+    """One of several fused stages: its weights, and the slots of its streams.
 
-    A stream's slots hold its values of the rows before, the latest first.
+    A stream's slots hold its values of earlier rows, the latest first.
     """
 
     def __init__(
@@ -154,23 +156,29 @@ class _Stage:
         }
         self.slots = [[code.builder.alloca(code.kind) for _ in range(depth)] for depth in depths]
         self._latest: list[Any] = []
-        self._kept: Kept | None = None
+        self._carried: CarriedValue | None = None
 
     def value(self, tap: StreamRead, lag: int) -> Any:
-        """The stream's value where another with that ``lag`` now wants it."""
-        rows, behind = apart(lag - tap.shift - self._flow.streams[tap.stream].lag)
+        """Return the value of a stream that is needed by another one with this ``lag``."""
+        rows, age = rows_and_columns(lag - tap.shift - self._flow.streams[tap.stream].lag)
         if rows:
-            assert self._kept is not None
-            return self._kept(tap.stream, rows, behind)
-        if behind == 0:
+            assert self._carried is not None
+            return self._carried(tap.stream, rows, age)
+        if age == 0:
             return self._latest[tap.stream]
-        return self._code.builder.load(self.slots[tap.stream][behind - 1])
+        return self._code.builder.load(self.slots[tap.stream][age - 1])
 
     def row(
-        self, positions: Sequence[Any], velocities: Sequence[Any], kept: Kept | None = None
+        self,
+        positions: Sequence[Any],
+        velocities: Sequence[Any],
+        carried: CarriedValue | None = None,
     ) -> None:
-        """Go one row up, or one column of a plane, whose rows are ``kept``."""
-        code, flow, self._kept = self._code, self._flow, kept
+        """Generate code for one row.
+
+        For a plane, one column, whose earlier rows ``carried`` reads.
+        """
+        code, flow, self._carried = self._code, self._flow, carried
         drifting = 0 if flow.spread else flow.moving
         self._latest = [
             code.fma(drift, v, f)
@@ -185,57 +193,58 @@ class _Stage:
         for stream in flow.streams[2 * flow.fields :]:
             values = [self.value(tap, stream.lag) for tap in stream.taps]
             if stream.kind == "force":
-                made = lane_force(code, values[0], stream.law, self._numbers)
+                value = lane_force(code, values[0], stream.law, self._numbers)
             elif stream.kind in ("varied", *CUT):
-                made = code.fma(values[1], values[2], values[0])
+                value = code.fma(values[1], values[2], values[0])
                 if stream.kind in CUT:
-                    made = code.where_not(values[1], CUT[stream.kind], made)
+                    value = code.where_not(values[1], CUT[stream.kind], value)
             elif stream.kind == "kicked":
-                made = code.fma(self._kicks[stream.field], values[1], values[0])
+                value = code.fma(self._kicks[stream.field], values[1], values[0])
             elif stream.kind == "spread":
                 assert stream.number is not None
-                made = code.fma(self._series[stream.number], values[1], values[0])
+                value = code.fma(self._series[stream.number], values[1], values[0])
             elif stream.kind == "pulsed":
                 assert stream.number is not None
-                made = code.fma(self._pulses[stream.number], values[1], values[0])
+                value = code.fma(self._pulses[stream.number], values[1], values[0])
             else:
-                made = self._sum(stream.taps, values)
+                value = self._sum(stream.taps, values)
                 if stream.number is not None:
-                    made = code.builder.fadd(made, self._numbers[stream.number])
-            self._latest.append(made)
+                    value = code.builder.fadd(value, self._numbers[stream.number])
+            self._latest.append(value)
 
     def _sum(self, taps: Sequence[StreamRead], values: Sequence[Any]) -> Any:
+        """Return the weighted sum of the taps' values."""
         pairs = zip(taps, values, strict=True)
         total = self._code.weighted_sum((self._factor(tap), tap.weight, v) for tap, v in pairs)
         return self._code.constant(0.0) if total is None else total
 
     def _factor(self, tap: StreamRead) -> Any:
-        """What the tap's value is multiplied by; None for 1 and -1."""
+        """Return the factor of the tap's value; None for 1 and -1."""
         if tap.number is not None:
             return self._numbers[tap.number]
         return None if abs(tap.weight) == 1.0 else self._code.constant(tap.weight)
 
     def outcome(self, lag: int) -> tuple[list[Any], list[Any]]:
-        """Positions and new velocities of the row ``lag`` behind the front."""
+        """Return positions and new velocities of the row ``lag`` behind the front."""
         flow = self._flow
-        positions = [self.value(StreamRead(place), lag) for place in flow.drifted]
-        return positions, [self.value(StreamRead(place), lag) for place in flow.kicked]
+        positions = [self.value(StreamRead(stream), lag) for stream in flow.drifted]
+        return positions, [self.value(StreamRead(stream), lag) for stream in flow.kicked]
 
-    def latest(self, place: int) -> Any:
-        """A stream's value that was formed last."""
-        return self._latest[place]
+    def latest(self, stream: int) -> Any:
+        """Return the latest value of a stream."""
+        return self._latest[stream]
 
     def keep(self) -> None:
-        """Make the latest values those of the row before."""
+        """Shift the slots: the latest values become those of the row before."""
         builder = self._code.builder
         for slots, latest in zip(self.slots, self._latest, strict=True):
-            kept = [latest, *(builder.load(slot) for slot in slots)]
-            for slot, value in zip(slots, kept, strict=False):
+            values = [latest, *(builder.load(slot) for slot in slots)]
+            for slot, value in zip(slots, values, strict=False):
                 builder.store(value, slot)
 
 
 class _Writer:
-    """Writes the functions of a lattice's module."""
+    """Generates all functions of a lattice's LLVM module."""
 
     def __init__(self, flow: StagePlan, lanes: int, together: int, block: int, count: int) -> None:
         self._flow, self._lanes, self._together, self._count = flow, lanes, together, count
@@ -243,63 +252,72 @@ class _Writer:
         self._module = ir.Module("lattice")
 
     def chain(self) -> str:
-        """A chain's."""
+        """Return the module's text for a chain."""
         groups = {size: self._group(size) for size in sorted({1, self._together})}
-        return self._text(groups, {size: self._flow.kept(size) for size in groups})
+        return self._text(groups, {size: self._flow.carried_values(size) for size in groups})
 
     def plane(self, columns: int) -> str:
-        """A plane's with so many columns, and as many more as ``lanes`` divide."""
+        """Return the module's text for a plane.
+
+        Only ``columns`` modulo ``lanes`` matters.
+        """
         rows = rows_of(self._flow)
         self._flow, self._skew, self._below = rows.flow, rows.skew, rows.below
         self._copied = self._lanes
         return self._text({1: self._along(rows, columns)}, {1: sum(rows.depths)})
 
-    def _text(self, groups: dict[int, Any], kept: dict[int, int]) -> str:
+    def _text(self, groups: dict[int, Any], carried_counts: dict[int, int]) -> str:
+        """Return the module's text with its functions of stages, copies and scripts."""
         moves = {name: self._move(name) for name in ("to_rows", "from_rows")}
-        self._script({"passages": self._passages(groups, kept), **moves, "drift": self._drift()})
+        self._script(
+            {"passages": self._passages(groups, carried_counts), **moves, "drift": self._drift()}
+        )
         return str(self._module)
 
     def _function(self, name: str, kinds: Sequence[Any], internal: bool = True) -> Any:
-        made = ir.Function(self._module, ir.FunctionType(ir.VoidType(), kinds), name)
+        """Return a new function with these argument types, and a builder of its body."""
+        function = ir.Function(self._module, ir.FunctionType(ir.VoidType(), kinds), name)
         if internal:
-            made.linkage = "internal"
-        for argument in made.args:
+            function.linkage = "internal"
+        for argument in function.args:
             if argument.type == _DOUBLES:
                 argument.add_attribute("noalias")
-        return made, LaneCode(self._module, ir.IRBuilder(made.append_basic_block()), self._lanes)
+        return function, LaneCode(
+            self._module, ir.IRBuilder(function.append_basic_block()), self._lanes
+        )
 
     def _group(self, together: int) -> Any:
-        """The function of some stages together, from the front row ``first`` below ``past``."""
+        """Return the function of fused stages, on front rows from ``first`` to below ``past``."""
         function, code = self._function(f"stages_{together}", _STAGES)
         f, v, carried, drifts, kicks, data, plane, _, _, level, first, past = function.args
         flow, builder = self._flow, code.builder
-        numbers = [code.number(data, place) for place in range(self._count)]
+        numbers = [code.number(data, index) for index in range(self._count)]
         stages = []
-        for behind in range(together):
-            depths = flow.depths(followed=behind < together - 1)
-            place = builder.add(level, INDEX(behind))
-            drift, weights = code.number(drifts, place), self._weights(code, kicks, place)
+        for position in range(together):
+            depths = flow.depths(followed=position < together - 1)
+            index = builder.add(level, INDEX(position))
+            drift, weights = code.number(drifts, index), self._weights(code, kicks, index)
             stages.append(_Stage(code, flow, numbers, drift, weights, depths))
-        slots = [slot for stage in stages for kept in stage.slots for slot in kept]
+        slots = [slot for stage in stages for stream_slots in stage.slots for slot in stream_slots]
         for row, slot in enumerate(slots):
             builder.store(code.load(carried, INDEX(row)), slot)
-        planes = [builder.mul(plane, INDEX(place)) for place in range(flow.fields)]
+        planes = [builder.mul(plane, INDEX(index)) for index in range(flow.fields)]
         fields, speeds = ([builder.gep(data, [p]) for p in planes] for data in (f, v))
         with code.loop(first, past) as row:
             positions = [code.load(data, row) for data in fields]
             velocities = [code.load(data, row) for data in speeds[: flow.moving]]
             velocities += [code.constant(0.0)] * flow.resting
-            for behind, stage in enumerate(stages):
+            for position, stage in enumerate(stages):
                 stage.row(positions, velocities)
-                if behind < together - 1:
+                if position < together - 1:
                     positions, velocities = stage.outcome(flow.skew)
             for stage in stages:
                 stage.keep() if stage is not stages[-1] else None
             last = builder.sub(row, INDEX((together - 1) * flow.skew))
-            moved = zip(fields[: flow.moving], flow.drifted, strict=False)
-            for data, place in (*moved, *zip(speeds[: flow.moving], flow.kicked, strict=False)):
-                behind_front = builder.sub(last, INDEX(flow.streams[place].lag))
-                code.store(data, behind_front, stages[-1].latest(place))
+            outputs = zip(fields[: flow.moving], flow.drifted, strict=False)
+            for data, index in (*outputs, *zip(speeds[: flow.moving], flow.kicked, strict=False)):
+                target_row = builder.sub(last, INDEX(flow.streams[index].lag))
+                code.store(data, target_row, stages[-1].latest(index))
             stages[-1].keep()
         for row, slot in enumerate(slots):
             code.store(carried, INDEX(row), builder.load(slot))
@@ -307,49 +325,49 @@ class _Writer:
         return function
 
     def _weights(self, code: LaneCode, kicks: Any, level: Any) -> list[Any]:
-        """What a stage takes beside its drift."""
+        """Load the weights of a stage other than its drift."""
         count = self._flow.weights
         first = code.builder.mul(level, INDEX(count)) if count > 1 else level
-        places = [code.builder.add(first, INDEX(more)) for more in range(count)]
-        return [code.number(kicks, place) for place in places]
+        indices = [code.builder.add(first, INDEX(more)) for more in range(count)]
+        return [code.number(kicks, index) for index in indices]
 
     def _along(self, rows: Rows, columns: int) -> Any:
-        """The function of a stage along a plane's rows, from the row ``first`` below ``past``."""
+        """Return the function of a stage on a plane's rows from ``first`` to below ``past``."""
         function, code = self._function("stages_1", _STAGES)
         f, v, carried, drifts, kicks, data, plane, pitch, width, level, first, past = function.args
         flow, builder = self._flow, code.builder
-        numbers = [code.number(data, place) for place in range(self._count)]
+        numbers = [code.number(data, stream) for stream in range(self._count)]
         drift, weights = code.number(drifts, level), self._weights(code, kicks, level)
         stage = _Stage(code, flow, numbers, drift, weights, flow.depths(followed=False))
 
-        def begin(place: int, row: Any, behind: int) -> Any:
-            """Where a stream's row begins that was formed so many rows ago."""
-            row, depth = builder.sub(row, INDEX(behind)), rows.depths[place]
-            if place < 2 * flow.fields:
-                data = f if place < flow.fields else v
-                above = builder.mul(plane, INDEX(place % flow.fields))
+        def begin(stream: int, row: Any, age: int) -> Any:
+            """Return the address of a stream's row from ``age`` rows ago."""
+            row, depth = builder.sub(row, INDEX(age)), rows.depths[stream]
+            if stream < 2 * flow.fields:
+                data = f if stream < flow.fields else v
+                above = builder.mul(plane, INDEX(stream % flow.fields))
             else:
-                row = builder.urem(builder.add(row, INDEX(depth * behind)), INDEX(depth))
-                data, above = carried, builder.mul(pitch, INDEX(sum(rows.depths[:place])))
+                row = builder.urem(builder.add(row, INDEX(depth * age)), INDEX(depth))
+                data, above = carried, builder.mul(pitch, INDEX(sum(rows.depths[:stream])))
             return builder.gep(data, [builder.add(above, builder.mul(pitch, row))])
 
         def cell(row: Any, column: Any, own: bool) -> None:
-            """Go along one column; one beside the row's own is not changed."""
+            """Generate one column; a ghost column (not ``own``) is not written."""
 
-            def kept(place: int, behind: int, columns: int) -> Any:
+            def earlier(stream: int, age: int, columns: int) -> Any:
                 there = builder.sub(column, INDEX(columns))
-                return code.load(begin(place, row, behind), there)
+                return code.load(begin(stream, row, age), there)
 
-            fronts = [kept(place, 0, 0) for place in range(2 * flow.fields)]
-            stage.row(fronts[: flow.fields], fronts[flow.fields :], kept)
-            for place, depth in enumerate(rows.depths):
+            fronts = [earlier(stream, 0, 0) for stream in range(2 * flow.fields)]
+            stage.row(fronts[: flow.fields], fronts[flow.fields :], earlier)
+            for stream, depth in enumerate(rows.depths):
                 if depth:
-                    code.store(begin(place, row, 0), column, stage.latest(place))
-            for place in range(flow.moving) if own else ():
-                code.store(begin(place, row, 0), column, stage.latest(place))
-            for place, made in enumerate(flow.kicked, flow.fields) if own else ():
-                if made >= 2 * flow.fields:
-                    code.store(begin(place, row, rows.rise), column, stage.latest(made))
+                    code.store(begin(stream, row, 0), column, stage.latest(stream))
+            for stream in range(flow.moving) if own else ():
+                code.store(begin(stream, row, 0), column, stage.latest(stream))
+            for stream, kicked in enumerate(flow.kicked, flow.fields) if own else ():
+                if kicked >= 2 * flow.fields:
+                    code.store(begin(stream, row, rows.rise), column, stage.latest(kicked))
             stage.keep()
 
         with code.loop(first, past) as row:
@@ -359,15 +377,15 @@ class _Writer:
                 cell(row, column, own=True)
             for more in range(rows.after):
                 cell(row, builder.add(width, INDEX(more)), own=False)
-            for place in range(flow.fields):
-                self._close(code, begin(place, row, 0), width, columns, rows)
+            for stream in range(flow.fields):
+                self._close(code, begin(stream, row, 0), width, columns, rows)
         builder.ret_void()
         return function
 
     def _close(self, code: LaneCode, data: Any, width: Any, columns: int, rows: Rows) -> None:
-        """Have the columns beside a row repeat those at its other end, lanes moved by one.
+        """Generate code that copies a row's ends into the ghost columns at its other end.
 
-        Lanes that are shorter than others share their last cell with the next.
+        Lanes move by one. A lane that is shorter than others shares its last cell with the next.
         """
         builder, lanes = code.builder, self._lanes
         last = builder.sub(width, INDEX(1))
@@ -375,7 +393,7 @@ class _Writer:
         short = [after - before < -(-columns // lanes) for before, after in pairwise(starts)]
 
         def repeat(to: Any, at: Any, way: int, moved: Sequence[int]) -> None:
-            """What is a vector on instead where a lane is ``short``."""
+            """Copy a vector; where a lane is ``short``, take the next vector instead."""
             one, other = (code.load(data, builder.add(at, INDEX(more))) for more in (0, way))
             code.store(data, to, one if lanes == 1 else code.picked(one, other, moved))
 
@@ -387,12 +405,12 @@ class _Writer:
             repeat(INDEX(-1 - more), builder.sub(last, INDEX(more)), -1, down)
 
     def _move(self, name: str) -> Any:
-        """The function that copies cells of rings ``to_rows``, or ``from_rows``.
+        """Return the function that copies cells of rings ``to_rows``, or ``from_rows``.
 
         Vector r holds in lane l the cell ``starts[l] + r`` modulo ``size``; it is copied where
-        ``firsts[l] <= r < pasts[l]``. A block of vectors at a time, so that each line is met once;
-        in it as many as there are lanes are taken together where all lanes have them. There are so
-        many rings, these doubles apart.
+        ``firsts[l] <= r < pasts[l]``. Vectors are copied in blocks, so that each cache line is
+        loaded once; within a block, square groups of vectors are transposed where all lanes have
+        them. There are ``rings`` rings, ``ring_pitch`` doubles apart.
         """
         kinds = [*[_DOUBLES] * 2, *[_INDICES] * 3, *[INDEX] * 5]
         function, code = self._function(name, kinds)
@@ -429,8 +447,8 @@ class _Writer:
                         cell = builder.add(start, row)
                         beyond = builder.icmp_signed(">=", cell, size)
                         cell = builder.select(beyond, builder.sub(cell, size), cell)
-                        place = builder.add(builder.mul(row, INDEX(self._lanes)), lane)
-                        ends_at = builder.gep(ring, [cell]), builder.gep(rows, [place])
+                        index = builder.add(builder.mul(row, INDEX(self._lanes)), lane)
+                        ends_at = builder.gep(ring, [cell]), builder.gep(rows, [index])
                         there, at = reversed(ends_at) if name == "to_rows" else ends_at
                         builder.store(builder.load(at), there)
         builder.ret_void()
@@ -439,62 +457,62 @@ class _Writer:
     def _transpose(
         self, code: LaneCode, cells: Sequence[Any], rows: Any, row: Any, to_rows: bool
     ) -> None:
-        """Copy as many vectors as lanes from ``row`` on, each lane's cells standing at its own."""
+        """Generate code that copies ``lanes`` vectors from ``row`` on, transposing in registers."""
         builder, size = code.builder, range(self._lanes)
         vectors = [builder.add(row, INDEX(more)) for more in size]
         along = [builder.bitcast(cell, code.kind.as_pointer()) for cell in cells]
         if to_rows:
-            held = [builder.load(at, align=8) for at in along]
+            block = [builder.load(at, align=8) for at in along]
         else:
-            held = [code.load(rows, vector) for vector in vectors]
+            block = [code.load(rows, vector) for vector in vectors]
         step = 1
         while step < self._lanes:
             low = [lane - step + self._lanes if lane & step else lane for lane in size]
             high = [lane + self._lanes if lane & step else lane + step for lane in size]
             for one in (lane for lane in size if not lane & step):
-                pair = held[one], held[one + step]
-                held[one], held[one + step] = (code.picked(*pair, of) for of in (low, high))
+                pair = block[one], block[one + step]
+                block[one], block[one + step] = (code.picked(*pair, of) for of in (low, high))
             step *= 2
-        for at, vector, value in zip(along, vectors, held, strict=True):
+        for at, vector, value in zip(along, vectors, block, strict=True):
             if to_rows:
                 code.store(rows, vector, value)
             else:
                 builder.store(value, at, align=8)
 
     def _drift(self) -> Any:
-        """The function of ``count`` doubles, ``f += length v``, rounded twice."""
+        """Return the function of ``f += length v`` for ``count`` doubles, rounded twice."""
         function, code = self._function("drift", [*[_DOUBLES] * 3, INDEX])
         f, v, length, count = function.args
         builder = code.builder
         by = builder.load(length)
-        with code.loop(INDEX(0), count) as place:
-            at, speed = (builder.gep(data, [place]) for data in (f, v))
+        with code.loop(INDEX(0), count) as index:
+            at, speed = (builder.gep(data, [index]) for data in (f, v))
             moved = builder.fmul(by, builder.load(speed))
             builder.store(builder.fadd(builder.load(at), moved), at)
         builder.ret_void()
         return function
 
     def _script(self, functions: dict[str, Any]) -> None:
-        """The function that is called: it makes ``count`` calls, each of so many words."""
+        """Return the exported function: it makes ``count`` calls, each given as words."""
         function, code = self._function("script", [_INDICES, INDEX], internal=False)
         words, count = function.args
         builder, size = code.builder, 1 + max(FUNCTIONS.values())
         with flushed_subnormals(self._module, builder), code.loop(INDEX(0), count) as row:
             at = builder.gep(words, [builder.mul(row, INDEX(size))])
-            wanted = builder.load(at)
-            for place, name in enumerate(FUNCTIONS):
+            requested = builder.load(at)
+            for index, name in enumerate(FUNCTIONS):
                 called = functions[name]
-                with builder.if_then(builder.icmp_signed("==", wanted, INDEX(place))):
-                    given = []
+                with builder.if_then(builder.icmp_signed("==", requested, INDEX(index))):
+                    arguments = []
                     for number, argument in enumerate(called.args, 1):
                         word = builder.load(builder.gep(at, [INDEX(number)]))
                         pointer = argument.type != INDEX
-                        given.append(builder.inttoptr(word, argument.type) if pointer else word)
-                    builder.call(called, given)
+                        arguments.append(builder.inttoptr(word, argument.type) if pointer else word)
+                    builder.call(called, arguments)
         builder.ret_void()
 
-    def _passages(self, groups: dict[int, Any], kept: dict[int, int]) -> Any:
-        """The function of ``passages`` times ``stages`` stages over all rows."""
+    def _passages(self, groups: dict[int, Any], carried_counts: dict[int, int]) -> Any:
+        """Return the function of ``passages`` passes of ``stages`` stages over all rows."""
         kinds = [*[_DOUBLES] * 6, *[_INDICES] * 2, *[INDEX] * 8]
         function, code = self._function("passages", kinds)
         f, v, carried, drifts, kicks, numbers, target, source, *counts = function.args
@@ -508,11 +526,13 @@ class _Writer:
                     for field in range(self._flow.fields):
                         begin = builder.gep(data, [builder.mul(plane, INDEX(field))])
                         copied.store(begin, to, copied.load(begin, at))
-            begun = builder.srem(builder.mul(passage, stages), period)
-            at_kicks = builder.mul(begun, INDEX(self._flow.weights))
-            weights = [builder.gep(drifts, [begun]), builder.gep(kicks, [at_kicks])]
+            started = builder.srem(builder.mul(passage, stages), period)
+            at_kicks = builder.mul(started, INDEX(self._flow.weights))
+            weights = [builder.gep(drifts, [started]), builder.gep(kicks, [at_kicks])]
             data = f, v, carried, *weights, numbers, plane, pitch, width
-            sizes = {size: builder.mul(pitch, INDEX(number)) for size, number in kept.items()}
+            sizes = {
+                size: builder.mul(pitch, INDEX(number)) for size, number in carried_counts.items()
+            }
             self._passage(code, groups, data, sizes, rows, stages)
         builder.ret_void()
         return function
@@ -526,21 +546,21 @@ class _Writer:
         rows: Any,
         stages: Any,
     ) -> None:
-        """All stages once over the rows, a block of them at a time."""
+        """Generate one pass of all stages over the rows, block by block."""
         builder, skew = code.builder, INDEX(self._skew)
         together = self._together
         paired = builder.mul(builder.sdiv(stages, INDEX(together)), INDEX(together))
         carried = data[2]
         most = builder.mul(builder.sdiv(stages, INDEX(together)), sizes[together])
 
-        def advance(size: int, level: Any, low: Any, place: Any) -> None:
-            behind = builder.mul(level, skew)
+        def advance(size: int, level: Any, low: Any, index: Any) -> None:
+            offset = builder.mul(level, skew)
             high = code.least(builder.add(low, INDEX(self._block)), rows)
-            untrue = builder.mul(level, INDEX(self._below))
-            first = code.most(builder.sub(low, behind), untrue)
-            kept = builder.gep(carried, [place])
-            past = builder.sub(high, behind)
-            builder.call(groups[size], [*data[:2], kept, *data[3:], level, first, past])
+            lowest_valid = builder.mul(level, INDEX(self._below))
+            first = code.most(builder.sub(low, offset), lowest_valid)
+            carried_part = builder.gep(carried, [index])
+            past = builder.sub(high, offset)
+            builder.call(groups[size], [*data[:2], carried_part, *data[3:], level, first, past])
 
         with code.loop(INDEX(0), rows, self._block) as low:
             with code.loop(INDEX(0), paired, together) as level:
@@ -549,18 +569,17 @@ class _Writer:
             if together > 1:
                 with code.loop(paired, stages) as level:
                     number = builder.sub(level, paired)
-                    place = builder.add(most, builder.mul(number, sizes[1]))
-                    advance(1, level, low, place)
+                    index = builder.add(most, builder.mul(number, sizes[1]))
+                    advance(1, level, low, index)
 
 
 def passage_text(
     flow: StagePlan, lanes: int, together: int, block: int, count: int, columns: int = 0
 ) -> str:
-    """The module of that lattice's stages, which take ``count`` numbers, as text.
+    """Return the LLVM text of the stages of a lattice, which take ``count`` numbers.
 
-    ``lanes`` cells stand in a row of a chain, ``together`` stages go up the rows together,
-    ``block`` rows at a time. Those of a plane go alone; it has so many ``columns``, or more by what
-    ``lanes`` divide.
+    A row of a chain has ``lanes`` cells; ``together`` stages are fused, in blocks of ``block``
+    rows. A plane's stages are not fused; its number of columns is ``columns`` modulo ``lanes``.
     """
     writer = _Writer(flow, lanes, together, block, count)
     return writer.plane(columns) if columns else writer.chain()

@@ -1,18 +1,18 @@
-"""What one stage computes for a chain or plane, as streams: written from the lattice's data alone.
+"""Stages of a chain or plane as streams of values, derived from the lattice's data alone.
 
-A stage drifts every field and kicks every velocity. It goes up the cells once. At the front all
-fields are drifted; a stretch is formed as soon as its furthest field has drifted, a force with it,
-a sum of forces as soon as its last force is there. Each of these is a *stream*, one value a cell,
-and its *lag* is the number of cells by which it stays behind the front. What has to be carried
-follows: a stream is kept as long as one that is further behind needs it.
+A stage drifts every field and kicks every velocity, in one sweep up the cells. At the front all
+fields are drifted. A stretch is computed as soon as its furthest field has drifted, with it the
+force, and a sum of forces as soon as its last force is known. Each of these is a *stream* with one
+value for each cell; its *lag* is the number of cells by which it stays behind the front. A stream's
+values are carried along as long as a stream further behind needs them.
 
-In a plane the front goes along one row after the other: a shift is so many rows times `SPAN`, and
-so many columns. There each stream stays behind as far as it can (`rows_of`): what is formed in the
-row in which it is needed is not kept for rows.
+In a plane the front goes along one row after the other; a shift is the number of rows times `SPAN`
+plus the number of columns. There each stream stays behind as far as it can (`rows_of`), because a
+value computed in the row in which it is needed is not carried from row to row.
 
-What depends on the lattice's constants alone goes into ``numbers``, which the machine code takes as
-an argument: lattices that differ in constants share it. Terms that are absent, factors that are 1
-and offsets that are 0 have no place in it.
+All dependence on the lattice's constants is in ``numbers``, an argument of the machine code, so
+that lattices with different constants share the code. Terms that are absent, factors of 1 and
+offsets of 0 are left out.
 """
 
 from __future__ import annotations
@@ -35,45 +35,45 @@ Polynomial = Mapping[int, float]
 """A stencil: weights by shift."""
 
 MONIC = 1e100
-"""A force is taken in units of its highest constant where the others are at most so many times as
-large: the quotients then overflow for no stretch that a run may meet."""
+"""Largest ratio of the other constants to the highest one at which a force is divided by the
+latter: quotients then do not overflow for any stretch that occurs."""
 
 MOST = 10**15
-"""Beyond all shifts."""
+"""Number larger than any shift."""
 
 SPAN = 2**24
-"""What stands for one row in a shift."""
+"""Shift that stands for one row."""
 
 TERMS = 8
-"""Of the series by which velocities spread through dashpots in a drift: what is left out is less
-than rounding where a drift turns them by 0.1, as `lattice.integration` sees to."""
+"""Terms of the exponential series of dashpots in a drift. The remainder is below rounding if a
+drift changes velocities by at most 0.1, which `lattice.integration` ensures."""
 
 FUNCTIONS = {"passages": 16, "to_rows": 10, "from_rows": 10, "drift": 4}
-"""What the machine code of a lattice has, and how many arguments each function takes."""
+"""Functions in a lattice's machine code, with the number of arguments of each."""
 
 
-def joined(shift: Sequence[int]) -> int:
-    """A shift along each axis as one number; they are ordered as cells are met.
+def flat_shift(shift: Sequence[int]) -> int:
+    """Return a shift along each axis as one number, ordered as the cells are swept.
 
-    >>> apart(joined((2, -3)))
+    >>> rows_and_columns(flat_shift((2, -3)))
     (2, -3)
     """
     *rows, column = shift
     return sum(rows) * SPAN + column
 
 
-def apart(shift: int) -> tuple[int, int]:
-    """The rows and columns of a shift."""
+def rows_and_columns(shift: int) -> tuple[int, int]:
+    """Return the rows and columns of a flat shift."""
     rows = (shift + SPAN // 2) // SPAN
     return rows, shift - rows * SPAN
 
 
 class ForceFormula(NamedTuple):
-    """A force's arithmetic. Integers are places in the numbers.
+    """Arithmetic of a force. Integers are indices into the stage's numbers.
 
-    A polynomial's ``factors`` are those of the powers below the highest, from above, None where one
-    is absent; ``leading`` is that of the highest power, None where the force is taken in its unit.
-    A ``program`` has words for a stack, with a place for "number" and the exponent for "power".
+    A polynomial's ``factors`` are those below the highest power, in descending order, None where
+    absent. ``leading`` is that of the highest power, None if the force is divided by it. A
+    ``program`` has stack instructions, with an index for "number" and the exponent for "power".
     """
 
     factors: tuple[int | None, ...] = ()
@@ -82,9 +82,9 @@ class ForceFormula(NamedTuple):
 
 
 class StreamRead(NamedTuple):
-    """``weight`` times a stream's value at the cell at offset ``shift``.
+    """Reads ``weight`` times a stream's value in the cell at offset ``shift``.
 
-    If ``number`` is given, the factor is the one that stands there.
+    If ``number`` is given, the factor is the stage's number with that index.
     """
 
     stream: int
@@ -94,13 +94,13 @@ class StreamRead(NamedTuple):
 
 
 class Stream(NamedTuple):
-    """One value a cell: what it is made of, and how far it stays behind the front.
+    """A stream: one value per cell, its inputs (``taps``) and its lag behind the front.
 
-    What is ``kept`` is a varied force, and nothing where its share is -1: the bond is cut. What is
-    ``felt`` from outside is nothing where its share is 0, whatever its law is there.
-    ``number`` is the place of a sum's offset, of the factor with which a sum kicks ``field``, of
-    the pulse that does so from outside, or of the weight with which a series takes a term.
-    ``lowest`` is the furthest cell below its own of which it feels a position.
+    Kind "kept" is a varied force that is 0 where its share is -1: the bond is cut. Kind "felt" is
+    an external force that is 0 where its share is 0, whatever its law gives there. ``number`` is
+    the index of a sum's offset, of the factor with which a sum kicks ``field``, of an external
+    pulse, or of the weight of a series' term. ``lowest`` is the offset of the lowest cell whose
+    position it depends on.
     """
 
     kind: Kind
@@ -113,13 +113,12 @@ class Stream(NamedTuple):
 
 
 class StagePlan(NamedTuple):
-    """The streams of a stage in the order in which they are formed; hashable.
+    """Streams of a stage in order of computation; hashable.
 
-    The positions come first, then the velocities; ``kicked`` are the streams of the new velocities.
-    If it is ``damped``, a drift takes a weight and a factor of the velocity for each of so many
-    fields. Where velocities spread, a drift takes a series of so many weights, and the streams of
-    the new positions are those ``spread``. There are so many ``pulses``. The last fields, so many,
-    are ``resting``: they hold what differs from cell to cell.
+    Positions come first, then velocities; ``kicked`` are the streams of the new velocities. With
+    ``damped`` fields, a drift takes a weight and a velocity factor for each of them. With dashpots,
+    a drift takes a ``series`` of weights, and ``spread`` are the streams of the new positions.
+    There are ``pulses`` external pulses. The last ``resting`` fields hold the deviations of cells.
     """
 
     fields: int
@@ -133,53 +132,56 @@ class StagePlan(NamedTuple):
 
     @property
     def moving(self) -> int:
-        """The fields that are not resting."""
+        """Number of fields that move."""
         return self.fields - self.resting
 
     @property
     def weights(self) -> int:
-        """Numbers of a stage beside its drift: kick, those of damped drifts, series, pulses."""
+        """Weights of a stage other than its drift: kick, damped drifts, series, pulses."""
         return 1 + 2 * self.damped + self.series + self.pulses
 
     @property
     def drifted(self) -> tuple[int, ...]:
-        """The streams of the new positions."""
+        """Indices of the streams of the new positions."""
         return (*self.spread, *range(len(self.spread), self.fields))
 
     @property
     def skew(self) -> int:
-        """Cells by which one stage stays behind the stage before: it needs all its values."""
-        return max(self.streams[place].lag for place in (*self.kicked, *self.spread))
+        """Cells by which a stage stays behind the one before, all of whose values it needs."""
+        return max(self.streams[index].lag for index in (*self.kicked, *self.spread))
 
     @property
     def below(self) -> int:
-        """Cells at the lower end that a stage leaves untrue."""
-        return max(0, *(-self.streams[place].lowest for place in (*self.kicked, *self.spread)))
+        """Cells at the lower end that a stage leaves invalid."""
+        return max(0, *(-self.streams[index].lowest for index in (*self.kicked, *self.spread)))
 
-    def behind(self, stream: Stream, tap: StreamRead) -> int:
-        """How long ago the value was formed that a stream takes there."""
+    def delay(self, stream: Stream, tap: StreamRead) -> int:
+        """Return how many cells ago the value that a stream reads was computed."""
         return stream.lag - tap.shift - self.streams[tap.stream].lag
 
     def depths(self, followed: bool) -> list[int]:
-        """How many earlier values of each stream are kept; ``followed`` if a stage goes behind."""
-        kept = [0] * len(self.streams)
+        """Return how many earlier values of each stream are needed.
+
+        ``followed`` if a fused stage comes after.
+        """
+        depths = [0] * len(self.streams)
         for stream in self.streams:
             for tap in stream.taps:
-                rows, cells = apart(self.behind(stream, tap))
-                kept[tap.stream] = max(kept[tap.stream], 0 if rows else cells)
-        for place in (*self.drifted, *self.kicked) if followed else ():
-            kept[place] = max(kept[place], self.skew - self.streams[place].lag)
-        return kept
+                rows, cells = rows_and_columns(self.delay(stream, tap))
+                depths[tap.stream] = max(depths[tap.stream], 0 if rows else cells)
+        for index in (*self.drifted, *self.kicked) if followed else ():
+            depths[index] = max(depths[index], self.skew - self.streams[index].lag)
+        return depths
 
-    def kept(self, together: int) -> int:
-        """How many values that many stages keep between two rows."""
-        return sum(sum(self.depths(behind < together - 1)) for behind in range(together))
+    def carried_values(self, together: int) -> int:
+        """Return how many values ``together`` fused stages carry from row to row."""
+        return sum(sum(self.depths(position < together - 1)) for position in range(together))
 
     @property
     def operations(self) -> int:
-        """Arithmetic instructions a cell and stage; a fused multiply-add counts once.
+        """Arithmetic instructions per cell and stage.
 
-        A function of a force counts once, too.
+        A fused multiply-add counts once, and so does a function of a force.
         """
         total = self.fields + self.damped
         for stream in self.streams:
@@ -194,6 +196,7 @@ class StagePlan(NamedTuple):
 
 
 def _operations(law: ForceFormula) -> int:
+    """Return the arithmetic instructions of a force."""
     if law.program:
         return sum(word not in ("x", "number") for word, _ in law.program)
     if not law.factors:
@@ -205,11 +208,11 @@ def _operations(law: ForceFormula) -> int:
 class Rows(NamedTuple):
     """A stage that goes along the rows of a plane; hashable.
 
-    The kick is ``rise`` whole rows behind the front and feels so many above its own, ``below`` of
-    them below it; a stage stays ``skew`` rows behind the one before. For a row streams are formed
-    on ``before`` and ``after`` more columns beside it, where positions repeat those at its other
-    end, ``left`` and ``right`` of them; ``margin`` columns are read. ``depths``: the rows that are
-    kept of each stream.
+    The kick is ``rise`` rows behind the front and depends on that many rows above its own and
+    ``below`` rows under it; a stage stays ``skew`` rows behind the one before. In each row streams
+    are also computed on ``before`` and ``after`` ghost columns at its ends. Positions on ``left``
+    and ``right`` ghost columns repeat those at the other end; ``margin`` columns are read.
+    ``depths`` are the rows carried of each stream.
     """
 
     flow: StagePlan
@@ -226,24 +229,27 @@ class Rows(NamedTuple):
 
 @lru_cache(maxsize=256)
 def rows_of(flow: StagePlan) -> Rows:
-    """The stage with streams that are as late as they can be.
+    """Return the stage on a plane's rows, with each stream as late as possible.
 
-    A row has no ends before all of it is drifted: until then only its own column is taken.
+    A row's ghost columns exist only after all of it has drifted; until then a stream may read its
+    own column only.
     """
-    rise = apart(flow.skew)[0]
+    rise = rows_and_columns(flow.skew)[0]
     columns = _columns(flow)
     late = _late(flow, rise)
     if any(
-        late.behind(stream, tap) < SPAN // 2 and (tap.shift != stream.lag or any(felt))
+        late.delay(stream, tap) < SPAN // 2 and (tap.shift != stream.lag or any(felt))
         for stream, felt in zip(late.streams, columns, strict=True)
         for tap in stream.taps
         if late.streams[tap.stream].kind == "position"
     ):
         rise += 1
         late = _late(flow, rise)
-    reads = [(tap.stream, *apart(late.behind(s, tap))) for s in late.streams for tap in s.taps]
+    reads = [
+        (tap.stream, *rows_and_columns(late.delay(s, tap))) for s in late.streams for tap in s.taps
+    ]
     formed = [
-        (low + apart(stream.lag)[1], high + apart(stream.lag)[1])
+        (low + rows_and_columns(stream.lag)[1], high + rows_and_columns(stream.lag)[1])
         for stream, (low, high) in zip(
             late.streams[2 * late.fields :], columns[2 * late.fields :], strict=True
         )
@@ -251,15 +257,15 @@ def rows_of(flow: StagePlan) -> Rows:
     before = max(0, *(-low for low, _ in formed)) if formed else 0
     after = max(0, *(high for _, high in formed)) if formed else 0
     depths = [0] * len(late.streams)
-    for place, rows, column in reads:
-        if place >= 2 * flow.fields and rows:
-            depths[place] = max(depths[place], rows + (column > 0))
+    for index, rows, column in reads:
+        if index >= 2 * flow.fields and rows:
+            depths[index] = max(depths[index], rows + (column > 0))
     ends = columns[: flow.fields]
     return Rows(
         late,
         rise,
-        -min(0, *(apart(late.streams[place].lowest)[0] for place in late.kicked)),
-        max(1, rise, *(rows for place, rows, _ in reads if place < flow.fields)),
+        -min(0, *(rows_and_columns(late.streams[index].lowest)[0] for index in late.kicked)),
+        max(1, rise, *(rows for index, rows, _ in reads if index < flow.fields)),
         before,
         after,
         -min(low for low, _ in ends),
@@ -270,32 +276,35 @@ def rows_of(flow: StagePlan) -> Rows:
 
 
 def _late(flow: StagePlan, rise: int) -> StagePlan:
-    """The streams with a kick so many rows behind the front, as late as what needs them allows."""
+    """Return the plan with its streams as late as possible.
+
+    The kick is ``rise`` rows behind the front.
+    """
     lags: dict[int, int] = {}
     streams = list(flow.streams)
-    for place in range(len(streams) - 1, 2 * flow.fields - 1, -1):
-        stream = streams[place]
-        lag = rise * SPAN if stream.kind == "kicked" else lags.get(place, stream.lag)
-        streams[place] = stream._replace(lag=lag)
+    for index in range(len(streams) - 1, 2 * flow.fields - 1, -1):
+        stream = streams[index]
+        lag = rise * SPAN if stream.kind == "kicked" else lags.get(index, stream.lag)
+        streams[index] = stream._replace(lag=lag)
         for tap in stream.taps:
             lags[tap.stream] = min(lag - tap.shift, lags.get(tap.stream, MOST))
     return flow._replace(streams=tuple(streams))
 
 
 def _columns(flow: StagePlan) -> list[tuple[int, int]]:
-    """The columns beside a row's own, at either end, on which each stream is needed."""
-    found = [(0, 0)] * len(flow.streams)
-    for place in range(len(flow.streams) - 1, -1, -1):
-        for tap in flow.streams[place].taps:
-            step, (low, high) = apart(tap.shift)[1], found[tap.stream]
-            here = found[place]
-            found[tap.stream] = min(low, here[0] + step), max(high, here[1] + step)
-    return found
+    """Return the ghost columns (left <= 0, right >= 0) on which each stream is needed."""
+    columns = [(0, 0)] * len(flow.streams)
+    for index in range(len(flow.streams) - 1, -1, -1):
+        for tap in flow.streams[index].taps:
+            step, (low, high) = rows_and_columns(tap.shift)[1], columns[tap.stream]
+            here = columns[index]
+            columns[tap.stream] = min(low, here[0] + step), max(high, here[1] + step)
+    return columns
 
 
 @lru_cache(maxsize=256)
 def stage_plan(lattice: NumericLattice) -> tuple[StagePlan, tuple[float, ...]]:
-    """The streams of a stage of that lattice, and the numbers that they take.
+    """Return the streams of a stage of the lattice, and the numbers that they take.
 
     Raises ValueError for a lattice of more than two dimensions.
 
@@ -311,9 +320,9 @@ def stage_plan(lattice: NumericLattice) -> tuple[StagePlan, tuple[float, ...]]:
 
 
 class VariedStagePlan(NamedTuple):
-    """A stage of a lattice whose masses or springs differ from cell to cell.
+    """Stage of a lattice whose masses or springs differ from cell to cell.
 
-    What differs stands in fields of its own behind the lattice's, which rest; each holds shares
+    The deviations are additional fields, after the lattice's, that do not move; each holds shares
     times its unit.
     """
 
@@ -324,7 +333,7 @@ class VariedStagePlan(NamedTuple):
 
 @lru_cache(maxsize=256)
 def varied_stage_plan(lattice: NumericLattice, variation: Variation | None) -> VariedStagePlan:
-    """`stage_plan` with what differs from cell to cell, if anything does."""
+    """Return the `stage_plan` of a lattice with a variation from cell to cell, if any."""
     if lattice.dimension > 2:
         raise ValueError(
             f"lattice must be a chain or a plane, got {lattice.name} in {lattice.dimension} "
@@ -337,13 +346,13 @@ def varied_stage_plan(lattice: NumericLattice, variation: Variation | None) -> V
     spread: tuple[int, ...] = ()
     if variation is not None and variation.dashpots:
         spread = builder.spread(lattice, variation)
-    for place, bond in enumerate(lattice.bonds):
+    for index, bond in enumerate(lattice.bonds):
         law, unit = force_formula(bond.force, builder.number)
         if law is None:
             continue
         stretch = builder.stretch(bond.stretch, bond.offset)
         force = builder.force(stretch, law)
-        part = None if variation is None or not variation.forces else variation.forces[place]
+        part = None if variation is None or not variation.forces else variation.forces[index]
         if part is not None:
             share, own = force_formula(part, builder.number)
             assert share is not None
@@ -357,14 +366,14 @@ def varied_stage_plan(lattice: NumericLattice, variation: Variation | None) -> V
     units += [1.0] if variation is not None and variation.walled else []
     masses = variation.masses if variation is not None else None
     kicked = [
-        builder.kicked(place, parts, mass, None if masses is None else fields + place, masses)
-        for place, (parts, mass) in enumerate(zip(acting, lattice.masses, strict=True))
+        builder.kicked(index, parts, mass, None if masses is None else fields + index, masses)
+        for index, (parts, mass) in enumerate(zip(acting, lattice.masses, strict=True))
     ]
     pulsed = variation.pulsed if variation is not None else ()
-    for pulse, (place, factor) in enumerate(pulsed):
-        felt, unit = builder.felt(StreamRead(fields + len(units)), place, factor)
-        taps = [StreamRead(kicked[place]), felt]
-        kicked[place] = builder.add("pulsed", taps, 0, field=place, number=pulse)
+    for pulse, (index, factor) in enumerate(pulsed):
+        felt, unit = builder.felt(StreamRead(fields + len(units)), index, factor)
+        taps = [StreamRead(kicked[index]), felt]
+        kicked[index] = builder.add("pulsed", taps, 0, field=index, number=pulse)
         units.append(unit)
     kicked += range(builder.fields + fields, 2 * builder.fields)
     damped = fields if variation is not None and variation.damped and not spread else 0
@@ -382,7 +391,7 @@ def varied_stage_plan(lattice: NumericLattice, variation: Variation | None) -> V
 
 
 class _Part(NamedTuple):
-    """``factor`` times the stencil's sum over a stream."""
+    """Summand of an acceleration: ``factor`` times a stencil's sum over a stream."""
 
     factor: float
     stream: int
@@ -390,16 +399,18 @@ class _Part(NamedTuple):
 
 
 def _merged(entries: Iterable[Entry]) -> dict[int, float]:
-    """The weights by shift, those that cancel left out."""
-    found: dict[int, float] = {}
+    """Return the total weight at each shift, zero weights left out."""
+    weights: dict[int, float] = {}
     for entry in entries:
-        place = joined(entry.shift)
-        found[place] = found.get(place, 0.0) + entry.weight
-    return {shift: found[shift] for shift in sorted(found, reverse=True) if found[shift] != 0.0}
+        shift_number = flat_shift(entry.shift)
+        weights[shift_number] = weights.get(shift_number, 0.0) + entry.weight
+    return {
+        shift: weights[shift] for shift in sorted(weights, reverse=True) if weights[shift] != 0.0
+    }
 
 
 def _part(unit: float, stream: int, stencil: dict[int, float]) -> _Part:
-    """The part with whole weights without a common divisor, the uppermost positive, if it can."""
+    """Return the part with coprime integer weights, the first positive, where possible."""
     first = next(iter(stencil.values()))
     common = abs(first)
     if all(weight == round(weight) for weight in stencil.values()):
@@ -409,32 +420,36 @@ def _part(unit: float, stream: int, stencil: dict[int, float]) -> _Part:
 
 
 def _quotient(stencil: Polynomial, step: int, sign: int, most: int) -> dict[int, float] | None:
-    """The stencil divided by ``value[n + step] + sign value[n]``.
+    """Return the stencil divided by ``value[n + step] + sign value[n]``.
 
-    None if that leaves a rest or has more than so many terms.
+    None if there is a remainder, or if the quotient has more than ``most`` terms.
     """
-    left = dict(stencil)
-    found: dict[int, float] = {}
+    dividend = dict(stencil)
+    quotient: dict[int, float] = {}
     lowest = min(stencil)
-    while left:
-        top = max(left)
-        if top - step < lowest or len(found) == most:
+    while dividend:
+        top = max(dividend)
+        if top - step < lowest or len(quotient) == most:
             return None
-        weight = found[top - step] = left.pop(top)
-        rest = left.pop(top - step, 0.0) - sign * weight
+        weight = quotient[top - step] = dividend.pop(top)
+        rest = dividend.pop(top - step, 0.0) - sign * weight
         if rest != 0.0:
-            left[top - step] = rest
-    return found
+            dividend[top - step] = rest
+    return quotient
 
 
 def _work(parts: Sequence[_Part]) -> int:
+    """Return the additions that the parts' sum takes."""
     return sum(len(part.stencil) for part in parts) - 1
 
 
 def force_formula(
     force: ForceProgram, number: Callable[[float], int]
 ) -> tuple[ForceFormula | None, float]:
-    """A force's arithmetic and its unit, ``number`` giving places; None if there is no force."""
+    """Return a force's arithmetic and its unit; None if the force is 0.
+
+    ``number`` returns the index of a constant.
+    """
     if force.instructions:
         program = tuple(
             (word, float(number(value)) if word == "number" else value)
@@ -454,7 +469,7 @@ def force_formula(
 
 @dataclass
 class _Builder:
-    """The streams and numbers so far."""
+    """Collects the streams and numbers of a stage."""
 
     fields: int
     streams: list[Stream] = field(default_factory=list)
@@ -462,13 +477,13 @@ class _Builder:
 
     def __post_init__(self) -> None:
         for kind in ("position", "velocity"):
-            for place in range(self.fields):
-                self.streams.append(Stream(kind, (), 0, 0, place))
-        self.positions = [StreamRead(place) for place in range(self.fields)]
-        self.velocities = [StreamRead(self.fields + place) for place in range(self.fields)]
+            for index in range(self.fields):
+                self.streams.append(Stream(kind, (), 0, 0, index))
+        self.positions = [StreamRead(index) for index in range(self.fields)]
+        self.velocities = [StreamRead(self.fields + index) for index in range(self.fields)]
 
     def number(self, value: float) -> int:
-        """The place of that number."""
+        """Return the index of a number, adding it if it is new."""
         if value not in self.numbers:
             self.numbers.append(value)
         return self.numbers.index(value)
@@ -476,22 +491,22 @@ class _Builder:
     def add(
         self, kind: Kind, taps: Sequence[StreamRead], least: int = -MOST, **more: object
     ) -> int:
-        """The place of a stream of these taps; one that is there already is not formed twice."""
+        """Return the index of a stream with these taps, adding it if it is new."""
         lags = [tap.shift + self.streams[tap.stream].lag for tap in taps]
         lag = max(max(lags, default=0), least)
         lowest = min((tap.shift + self.streams[tap.stream].lowest for tap in taps), default=0)
-        made = Stream(kind, tuple(taps), lag, lowest, **more)  # type: ignore[arg-type]
-        if made not in self.streams:
-            self.streams.append(made)
-        return self.streams.index(made)
+        stream = Stream(kind, tuple(taps), lag, lowest, **more)  # type: ignore[arg-type]
+        if stream not in self.streams:
+            self.streams.append(stream)
+        return self.streams.index(stream)
 
     def stretch(
-        self, entries: Sequence[Entry], offset: float, of: Sequence[StreamRead] = ()
+        self, entries: Sequence[Entry], offset: float, values: Sequence[StreamRead] = ()
     ) -> StreamRead:
-        """What a bond of a cell is stretched by: the same ``of`` other values than positions."""
+        """Return the stretch of a bond, of the values ``values``, by default the positions."""
         taps = []
-        for place, read in enumerate(of or self.positions):
-            stencil = _merged(entry for entry in entries if entry.field == place)
+        for index, read in enumerate(values or self.positions):
+            stencil = _merged(entry for entry in entries if entry.field == index)
             taps += [read._replace(shift=shift, weight=weight) for shift, weight in stencil.items()]
         taps.sort(key=lambda tap: tap.weight != 1.0)
         if len(taps) == 1 and taps[0].weight == 1.0 and offset == 0.0:
@@ -500,17 +515,17 @@ class _Builder:
         return StreamRead(self.add("sum", taps, number=number))
 
     def force(self, stretch: StreamRead, law: ForceFormula) -> int:
-        """The force of such a bond."""
+        """Return the index of the stream of a bond's force."""
         return self.add("force", [stretch], law=law)
 
     def varied(self, whole: StreamRead, share: StreamRead, part: StreamRead) -> int:
-        """``whole + share part``, cell by cell."""
+        """Return the index of the stream ``whole + share part``, cell by cell."""
         return self.add("varied", [whole, share, part])
 
     def felt(
         self, share: StreamRead, place: int, factor: ForceProgram | None
     ) -> tuple[StreamRead, float]:
-        """The share times the factor at a field's position, if any, and the share's unit."""
+        """Return the share, times its factor at a field's position if any, and the share's unit."""
         if factor is None:
             return share, 1.0
         law, unit = force_formula(factor, self.number)
@@ -526,9 +541,9 @@ class _Builder:
         share: int | None = None,
         masses: MassKind | None = None,
     ) -> int:
-        """The velocity of a field after the kick.
+        """Return the index of the stream of a field's velocity after the kick.
 
-        ``share``: the field by which a cell's inverse mass is larger, of what ``masses`` says.
+        ``share`` is the field with the deviations of inverse masses, those of ``masses``.
         """
         if not parts:
             return self.velocities[place].stream
@@ -550,12 +565,12 @@ class _Builder:
         return self.add("kicked", taps, 0, field=place, number=number)
 
     def spread(self, lattice: NumericLattice, variation: Variation) -> tuple[int, ...]:
-        """Let velocities spread through dashpots in a drift, by the series of an exponential.
+        """Add the spreading of velocities by dashpots in a drift, as an exponential series.
 
-        The streams of the new positions.
+        Returns the indices of the streams of the new positions.
         """
         fields, rates = len(lattice.fields), variation.damped
-        shares = [StreamRead(fields + place) for place in range(variation.mass_rows(fields))]
+        shares = [StreamRead(fields + index) for index in range(variation.mass_rows(fields))]
         cut = iter(range(fields + len(shares), self.fields))
         cuts = [
             StreamRead(next(cut)) if part is not None else None
@@ -570,43 +585,45 @@ class _Builder:
                 [_Part(-rate, read.stream, {0: 1.0})] if rate else []
                 for rate, read in zip(rates, before, strict=True)
             ]
-            for bond, dashpot, gone in zip(lattice.bonds, variation.dashpots, cuts, strict=True):
+            for bond, dashpot, cut_share in zip(
+                lattice.bonds, variation.dashpots, cuts, strict=True
+            ):
                 if not dashpot:
                     continue
                 pull = self.stretch(bond.stretch, 0.0, before)
-                if gone is not None or pull.shift or pull.weight != 1.0:
+                if cut_share is not None or pull.shift or pull.weight != 1.0:
                     pull = StreamRead(self.add("sum", [pull]))
-                if gone is not None:
-                    pull = StreamRead(self.varied(pull, gone, pull))
+                if cut_share is not None:
+                    pull = StreamRead(self.varied(pull, cut_share, pull))
                 for of, mass in enumerate(lattice.masses):
                     stencil = _merged(entry for entry in bond.action if entry.field == of)
                     if stencil:
                         parts[of].append(_Part(dashpot / mass, pull.stream, stencil))
             sums = [StreamRead(self.add("sum", [self.total(part)])) for part in parts]
             terms.append(self._of_cells(sums, shares))
-        for place in range(fields):
-            moved, turned = self.positions[place], self.velocities[place]
+        for index in range(fields):
+            position, velocity = self.positions[index], self.velocities[index]
             for power, term in enumerate(terms):
-                moved = self._spread(moved, term[place], power)
-                turned = self._spread(turned, term[place], TERMS + power) if power else turned
-            self.positions[place], self.velocities[place] = moved, turned
+                position = self._spread(position, term[index], power)
+                velocity = self._spread(velocity, term[index], TERMS + power) if power else velocity
+            self.positions[index], self.velocities[index] = position, velocity
         return tuple(read.stream for read in self.positions[:fields])
 
     def _spread(self, total: StreamRead, term: StreamRead, weight: int) -> StreamRead:
-        """The sum with another term of a series."""
+        """Return the sum with one more term of a series."""
         return StreamRead(self.add("spread", [total, term], 0, number=weight))
 
     def _of_cells(
         self, reads: Sequence[StreamRead], shares: Sequence[StreamRead]
     ) -> list[StreamRead]:
-        """The values where there is a mass; 0 in walls."""
+        """Return the values in cells that have a mass, 0 in walls."""
         if not shares:
             return list(reads)
         pairs = zip(reads, shares, strict=True)
         return [StreamRead(self.varied(read, share, read)) for read, share in pairs]
 
     def total(self, parts: Sequence[_Part]) -> StreamRead:
-        """The sum of the parts, with as few instructions as common divisors of stencils give."""
+        """Return the sum of the parts, factored by common divisors to save instructions."""
         if len(parts) == 1 and len(parts[0].stencil) == 1 and parts[0].factor == 1.0:
             [(shift, weight)] = parts[0].stencil.items()
             if weight == 1.0:
@@ -626,16 +643,17 @@ class _Builder:
     def _divided(
         self, parts: Sequence[_Part], step: int, sign: int, most: int
     ) -> list[_Part] | None:
-        found = []
+        """Return the parts with their stencils divided, or None if one has no quotient."""
+        result = []
         for part in parts:
             quotient = _quotient(part.stencil, step, sign, most)
             if quotient is None:
                 return None
-            found.append(part._replace(stencil=quotient))
-        return found
+            result.append(part._replace(stencil=quotient))
+        return result
 
     def _terms(self, part: _Part, alone: bool) -> list[StreamRead]:
-        """The part's taps; a factor that is not 1 is applied to their sum."""
+        """Return the part's taps; a factor other than 1 is applied to their sum."""
         factor, stream, stencil = part
         if abs(factor) == 1.0 and alone:
             return [StreamRead(stream, shift, factor * weight) for shift, weight in stencil.items()]

@@ -1,1 +1,1 @@
-"""The lattice on a ring of real circumference, in Fourier space."""
+"""Lattices on rings of real circumference, integrated in Fourier space."""

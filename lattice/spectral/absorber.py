@@ -1,17 +1,17 @@
-"""Takes off a moving ring, at its seam, what is not its wave's: left-going and short waves.
+"""Absorbers, at the seam of a moving ring, of left-going and short waves.
 
-In the frame that moves at c left-going waves travel at -2c. What the wave radiates to the left
-leaves the infinite lattice's wave for good; on a ring it meets the wave again every L/(2c) and
-shifts it a little each time. So the domain's error fell like the number of meetings, 1/L, whatever
-the data at the seam. An absorber there leaves what the ring's own tails are worth.
+In the frame that moves at c, left-going waves travel at -2c. On the infinite lattice, what the wave
+radiates to the left never returns; on a ring it meets the wave again every L/(2c) and shifts it a
+little each time. The domain's error therefore fell like the number of such meetings, 1/L, whatever
+the data at the seam. With an absorber, it depends only on the ring's own tails.
 
-The left-going strain f has the modes p_+/(2 i w). Its mean is a convention, fixed here by f = 0 at
-the seam at first; the mean of f that is absorbed is gone from the mean of y, as on the infinite
-lattice it has gone out of sight. Only waves longer than a cutoff are absorbed: those of a periodic
-background itself, which never end, must stay.
+The left-going strain f has the modes p_+/(2 i w). Its mean is a convention, fixed by f = 0 at the
+seam at the start. The mean of the f that is absorbed is removed from the mean of y; on the infinite
+lattice it has travelled away. Only waves longer than a cutoff are absorbed, because the short ones
+of a periodic background must stay.
 
 Short right-going waves, of group velocity c cos(k/2), fall behind the frame, pass the seam and come
-back from the front. Those that can come so far are absorbed as well, by a rate that makes one
+back from the front. Those that can travel that far are absorbed as well, at a rate that makes one
 passage of the fastest of them cost as much as one of a left-going wave.
 """
 
@@ -27,30 +27,34 @@ Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 WIDTH = 1.0 / 12.0
-"""Width of the absorber, in circumferences: it is exp(-(distance to the seam/width)^2) strong.
+"""Width of the absorber, in circumferences; its profile is exp(-(distance to the seam/width)^2).
 
-A strength of 28 leaves 7e-13 of a wave so, and 2e-8 and 9e-9 with half and twice the width; at the
-usual one they are alike (`benchmarks/lattice_constants.py`)."""
+A strength of 28 leaves 7e-13 of a wave; with half and twice the width, 2e-8 and 9e-9. At the
+default strength they are alike (`benchmarks/lattice_constants.py`)."""
 
 NARROW = 1.0 / 24.0
-"""The same for short waves, whose slow ones feel it from farther off. With half of it 4e-6 of a
-wave are left whatever the strength, so 4e-11 (`benchmarks/lattice_constants.py`)."""
+"""Width of the absorber of short waves, in circumferences; slow waves feel it from further away.
+With half of it 4e-6 of a wave are left whatever the strength, with this one 4e-11
+(`benchmarks/lattice_constants.py`)."""
 
 ABSORBER_STRENGTH = 14.0
-"""Logarithm of what one passage divides a wave by, usually: 8e-7 of it are left."""
+"""Default logarithm of the factor by which one passage reduces a wave: 8e-7 of it are left."""
 
 OFTEN = 1.0 / 64.0
-"""A left-going wave travels this far between two absorptions, in circumferences, or one step."""
+"""Distance, in circumferences, that a left-going wave travels between two absorptions, unless one
+step takes it further."""
 
 FARTHEST = 1.0 / 8.0
-"""If it travels farther in one step, in circumferences, nothing is absorbed."""
+"""Largest distance, in circumferences, that a left-going wave may travel in a step; otherwise
+nothing is absorbed."""
 
 EDGE = 1.5
-"""In units of the cutoff: the share exp(-(k/cutoff)^8) of a wave that is absorbed ends here."""
+"""Wavenumber, in units of the cutoff, up to which waves are absorbed, by the share
+exp(-(k/cutoff)^8)."""
 
 
 class LeftAbsorber:
-    """Absorbs left-going waves of numbers below ``cutoff`` at the seam of the ring ``state``.
+    """Absorbs left-going waves of wavenumbers below ``cutoff`` at the seam of the ring ``state``.
 
     ``w`` are the frequencies of the modes in ``p``, ``speed`` is that of the ring, ``step`` the
     time step. ``every`` is the number of steps between two absorptions, 0 if a step is too long.
@@ -69,10 +73,10 @@ class LeftAbsorber:
         (length,), travel = state.circumferences, 2.0 * speed * step
         self.every = 0 if travel > FARTHEST * length else max(1, int(OFTEN * length / travel))
         numbers = 2.0 * math.pi / length * np.arange(w.size)
-        self._kept = int(np.count_nonzero(numbers < EDGE * cutoff))
-        self._count = 2 * int(ducc0.fft.good_size(2 * self._kept, True))
-        self._share = np.exp(-((numbers[: self._kept] / cutoff) ** 8))
-        self._lift = 2j * w[: self._kept]
+        self._mode_count = int(np.count_nonzero(numbers < EDGE * cutoff))
+        self._count = 2 * int(ducc0.fft.good_size(2 * self._mode_count, True))
+        self._share = np.exp(-((numbers[: self._mode_count] / cutoff) ** 8))
+        self._lift = 2j * w[: self._mode_count]
         distance = 0.5 - np.abs(np.arange(self._count) / self._count - 0.5)
         profile = np.exp(-((distance / WIDTH) ** 2))
         self._loss = np.expm1(-strength * _along(profile, self.every * travel / length))
@@ -80,26 +84,28 @@ class LeftAbsorber:
         self.level = -float(np.average(self._strain(p), weights=profile))
 
     def absorb(self, p: Complex) -> float:
-        """Take off, in place, what has passed the absorber since the last time.
+        """Damp, in place, the waves that passed the absorber since the last call.
 
-        The mean, which has no place in p, changes by what is returned.
+        Returns the change of the mean of y, which is not part of p.
         """
-        change = modes_of(self._strain(p) * self._loss)[: self._kept] * self._share
-        p[1, : self._kept] += self._lift * change
+        change = modes_of(self._strain(p) * self._loss)[: self._mode_count] * self._share
+        p[1, : self._mode_count] += self._lift * change
         mean = float(change[0].real)
         self.level += mean
         return mean
 
     def _strain(self, p: Complex) -> Array:
-        """The left-going strain."""
+        """Return the left-going strain on the absorber's points."""
         modes = np.zeros(self._count // 2 + 1, dtype=np.complex128)
-        modes[1 : self._kept] = (p[1, 1 : self._kept] / self._lift[1:]) * self._share[1:]
+        modes[1 : self._mode_count] = (p[1, 1 : self._mode_count] / self._lift[1:]) * self._share[
+            1:
+        ]
         modes[0] = self.level
         return values_of(modes, self._count)
 
 
 class ShortAbsorber:
-    """Absorbs right-going waves of numbers above ``cutoff`` at the seam of the ring ``state``.
+    """Absorbs right-going waves of wavenumbers above ``cutoff`` at the seam of the ring ``state``.
 
     ``w`` are the frequencies of the modes, 0 for those that stand still; ``speed`` is that of the
     ring, ``step`` the time step. ``every`` is the number of steps between two absorptions.
@@ -131,13 +137,13 @@ class ShortAbsorber:
         self._loss = np.expm1(-rate * self.every * travel * profile)
 
     def absorb(self, p: Complex) -> None:
-        """Take off, in place, what is at the seam."""
+        """Damp, in place, the short waves at the seam."""
         strain = values_of(1j * self._inverse * p[0], self._count)
         p[0] += self._lift * modes_of(strain * self._loss)
 
 
 def _along(profile: Array, travel: float) -> Array:
-    """The share of the absorber on the way of length ``travel`` that ends at each point."""
+    """Return the absorption along the path of length ``travel`` that ends at each point."""
     modes = modes_of(profile)
     phase = 2j * math.pi * np.arange(modes.size)
     share = np.ones_like(modes)

@@ -1,12 +1,12 @@
-"""By how much the lattices of one ring differ, each of which stands at one x mod 1.
+"""Spread of a crest's energy between the lattices of one ring, one for each value of x mod 1.
 
-They do not feel each other. A wave that is hardly longer than the distance of sites has, by the
-place of its crest between two sites, a little more or less energy, which each of the lattices keeps
-for ever: its waves are a little larger and faster. In the frame of the wave such a difference turns
-its phase once a site (the wave numbers near 2 pi). Steps that do not resolve that average it,
-whatever their length, and all waves run alike: a run with a shorter step does not show it. The
-energy of a crest tells the lattices apart. Where the ring is sampled too coarsely to hold the
-energy's waves of number 2 pi, its spectrum is continued as it falls.
+These lattices do not interact. If a wave is hardly longer than the site spacing, its energy depends
+a little on the position of its crest between two sites. Each lattice keeps its energy for ever, so
+in some of them the waves are slightly larger and faster. In the frame of the wave the difference
+changes its phase once per site (wavenumbers near 2 pi). Steps too long to resolve that average it
+out, so that all waves run alike, and a run with a somewhat shorter step does not show it either.
+The energy of a crest does. If the ring is sampled too coarsely for the energy's modes of wavenumber
+2 pi, its spectrum is extrapolated.
 """
 
 from __future__ import annotations
@@ -23,18 +23,20 @@ from longwave.lattice.spectral.lattice_ring import ring_stretches, wavenumbers
 Array = NDArray[np.float64]
 
 DENSITY = 4.5
-"""Points per site that hold the energy's waves of numbers near 2 pi: 2 for the strain, as many
-again for the cubic part of the force, and some."""
+"""Points per site that resolve the energy's modes of wavenumbers near 2 pi: 2 for the strain, as
+many again for the cubic part of the force, and some spare."""
 
 CREST_REACH = 4.0
-"""Sites over which the energy of a crest is summed: the waves that matter are no longer."""
+"""Sites over which the energy of a crest is summed; the waves concerned are no longer."""
 
 MOST_POINTS = 2**21
-"""Points on which an energy is formed at most."""
+"""Most points on which the energy is computed."""
 
 
 def crest_energy_spread(lattice: NumericLattice, state: FieldRing, axis: int) -> float:
-    """The relative spread of a crest's energies between the lattices at each x mod 1 of an axis.
+    """Return the relative spread of a crest's energy between the lattices at each x mod 1.
+
+    ``x`` is the coordinate along ``axis``.
 
     >>> from longwave.derive import LATTICES
     >>> from longwave.lattice.numeric_lattice import numeric_lattice
@@ -48,8 +50,8 @@ def crest_energy_spread(lattice: NumericLattice, state: FieldRing, axis: int) ->
     ['6e-03', '3e-04', '1e-08']
     """
     counts = list(state.counts)
-    wanted = DENSITY * state.circumferences[axis]
-    counts[axis] = max(2 * counts[axis], math.ceil(wanted))
+    points = DENSITY * state.circumferences[axis]
+    counts[axis] = max(2 * counts[axis], math.ceil(points))
     if math.prod(counts) > MOST_POINTS:
         counts[axis] = 2 * state.counts[axis]
     dense = state.sampled(tuple(counts))
@@ -69,26 +71,26 @@ def crest_energy_spread(lattice: NumericLattice, state: FieldRing, axis: int) ->
 
 
 def _energy(lattice: NumericLattice, state: FieldRing) -> Array:
-    """The energy at each point beyond that of the mean strain, whose linear part is conserved.
+    """Return the energy at each point, less that of the mean strain and the conserved linear part.
 
-    Of a lattice of strains, whose mean is in the state, the kinetic energy is taken for as much as
-    the potential one.
+    For a lattice of strains, whose mean is in the state, the kinetic energy is assumed equal to the
+    potential one.
     """
-    stored, moving = np.zeros(state.counts), lattice.conserves_energy
+    stored, has_displacements = np.zeros(state.counts), lattice.conserves_energy
     for bond, stretch in zip(lattice.bonds, ring_stretches(lattice, state), strict=True):
-        mean = 0.0 if moving else float(np.mean(stretch))
+        mean = 0.0 if has_displacements else float(np.mean(stretch))
         offset = np.array(bond.offset + mean)
         with np.errstate(all="ignore"):
             stored += bond.force.potential(stretch + bond.offset) - bond.force.potential(offset)
         stored -= bond.force(offset) * (stretch - mean)
-    if not moving:
+    if not has_displacements:
         return 2.0 * stored
     masses = np.array(lattice.masses).reshape(-1, *(1,) * stored.ndim)
     return np.asarray(stored + 0.5 * np.sum(masses * state.v**2, axis=0))
 
 
 def _largest_crest(energy: Array, state: FieldRing, axis: int) -> float:
-    """The largest energy of a crest, averaged over some sites of the axis."""
+    """Return the largest energy of a crest, averaged over some sites of the axis."""
     k = wavenumbers(state)
     modes = modes_of(energy[None])
     near = np.exp(-0.5 * (CREST_REACH * k[axis]) ** 2)

@@ -1,21 +1,21 @@
-"""The lattice on a ring of real circumference, by exponential integration in Fourier space.
+"""The strain lattice on a ring of real circumference, by exponential integration in Fourier space.
 
-If y(x, t) is L-periodic in the real variable x and obeys y_tt = D V'(y) with D f(x) = f(x + 1)
-- 2 f(x) + f(x - 1), then y_n(t) = y(n, t) obeys the lattice equation at every integer n: a ring of
-any real circumference L is an exact quasi-periodic solution of the infinite lattice. y is sampled
-at M points of spacing L/M; shifts are Fourier multipliers.
+If y(x, t) is L-periodic in the real variable x and obeys y_tt = D V'(y) with D f(x) = f(x + 1) - 2
+f(x) + f(x - 1), then y_n(t) = y(n, t) obeys the lattice equation at every integer n: a ring of any
+real circumference L is an exact quasi-periodic solution of the infinite lattice. y is sampled at M
+points of spacing L/M; shifts are Fourier multipliers.
 
 In the frame that moves at c the characteristic variables
 
     p_-+ = s -+ i w y,    p_-+' = i (c k -+ w) p_-+ + N,    w = 2 sqrt(K2 + b) |sin(k/2)|
 
 hold the right- and left-going waves. The linear part about the background, b = mean of V''(y) - K2,
-is integrated exactly; N = D (V'(y) - (K2 + b) y) is what is left of the force.
+is integrated exactly; N = D (V'(y) - (K2 + b) y) is the rest of the force.
 
-Where w = 0 there is no force: for the mean, and on circumferences that are whole numbers for the
-waves of numbers 2 pi m, which every site sees as a constant. There s stays as it is and y grows
-linearly: p_- holds y - s t and p_+ holds s, each carried along with the frame. In the place of mode
-0 stands the time t; the means are kept beside.
+Where w = 0 there is no force: for the mean and, on circumferences that are whole numbers, for
+wavenumbers 2 pi m, which are constant on each lattice. There s is constant and y grows linearly:
+p_- holds y - s t and p_+ holds s, each carried along with the frame. The place of mode 0 holds the
+time t; the means are stored separately.
 """
 
 from __future__ import annotations
@@ -40,21 +40,21 @@ Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 WATCH = 16
-"""Steps between two looks at the tail."""
+"""Steps between two checks of the spectrum's tail."""
 
 STILL = 1e-7
-"""Frequencies below it count as none: within t they turn a phase by STILL t, squared."""
+"""Frequencies below this count as 0: in a time t they change a phase by STILL t, squared."""
 
 
 class SamplingError(ArithmeticError):
-    """The spectrum's tail rose above its bound: the ring needs more points."""
+    """The spectrum's tail exceeds its bound: the ring needs more points."""
 
 
 class RunawayError(FloatingPointError):
-    """The fields grew without bound, or came to where a force does not exist, before ``t``."""
+    """The fields grew without bound before ``t``, or reached a point where a force is undefined."""
 
-    def __init__(self, t: float, told: str = "") -> None:
-        super().__init__(told or f"blow-up: the fields grew without bound before t = {t:g}")
+    def __init__(self, t: float, message: str = "") -> None:
+        super().__init__(message or f"blow-up: the fields grew without bound before t = {t:g}")
         self.t = t
 
 
@@ -62,8 +62,10 @@ class NotHyperbolicError(RunawayError):
     """Waves do not exist about some strain: K2 + 2 K3 y + 3 K4 y^2 <= 0, at time ``t``."""
 
     def __init__(self, t: float, site: float) -> None:
-        told = f"blow-up: a bond is stretched to where waves grow at t = {t:g}, site {round(site)}"
-        super().__init__(t, told)
+        message = (
+            f"blow-up: a bond is stretched to where waves grow at t = {t:g}, site {round(site)}"
+        )
+        super().__init__(t, message)
 
 
 @njit(
@@ -72,7 +74,7 @@ class NotHyperbolicError(RunawayError):
     fastmath={"contract"},
 )
 def _strain_modes(p: Complex, inverse: Array, out: Complex) -> None:
-    """y = (p_+ - p_-)/(2 i w), mode by mode."""
+    """Compute y = (p_+ - p_-)/(2 i w), mode by mode, into ``out``."""
     for k in range(1, p.shape[1]):
         difference = p[1, k] - p[0, k]
         out[k] = complex(difference.imag * inverse[k], -difference.real * inverse[k])
@@ -80,28 +82,28 @@ def _strain_modes(p: Complex, inverse: Array, out: Complex) -> None:
 
 @njit(cache=True, examples=[(doubles(1), 0.0, 0.0, 0.0)], fastmath={"contract"})
 def _residual_force(y: Array, b: float, K3: float, K4: float) -> None:
-    """V'(y) - (K2 + b) y, in place."""
+    """Replace y by V'(y) - (K2 + b) y, in place."""
     for i in range(y.size):
         y[i] *= y[i] * (K3 + K4 * y[i]) - b
 
 
 @njit(cache=True, examples=[(complexes(1), doubles(1))])
 def _bend(force: Complex, symbol: Array) -> None:
+    """Multiply the force's modes by the symbol of D, in place."""
     for k in range(force.size):
         force[k] *= symbol[k]
 
 
 class SpectralRing:
-    """A ring on its way, in steps of ``step``: ``at`` moves it and shows it.
+    """A ring that is advanced in steps of ``step``; `at` returns it at a time.
 
-    At first and every ``WATCH`` steps the strain is looked at: NotHyperbolicError is raised when
+    At the start and every ``WATCH`` steps the strain is checked. NotHyperbolicError is raised when
     waves do not exist about some strain, SamplingError when the spectrum's tail exceeds ``tail``,
-    and RunawayError when it exceeds the largest strain there was at first. ``dealias`` drops
-    the modes of the force above half of the highest one (exact for a cubic force); without it the
-    tail bounds the aliasing. Left-going waves of numbers below ``absorbed`` are absorbed at the
-    seam, and right-going ones of numbers above ``short`` (`ShortAbsorber`), by ``strength``;
-    0 is for none of them. ``strain`` holds the smallest and the largest
-    strain that was met.
+    and RunawayError when it exceeds the largest initial strain. ``dealias`` drops the upper half of
+    the force's modes (exact for a cubic force); without it the tail bounds the aliasing. Left-going
+    waves of wavenumbers below ``absorbed`` are absorbed at the seam, and right-going ones of
+    wavenumbers above ``short`` (`ShortAbsorber`), with ``strength``; 0 absorbs none. ``strain``
+    holds the smallest and the largest strain met.
     """
 
     def __init__(
@@ -120,14 +122,14 @@ class SpectralRing:
         k = 2.0 * math.pi / length * np.arange(count // 2 + 1)
         self._amplitude = float(np.max(np.abs(state.f)))
         self.strain = (math.inf, -math.inf)
-        stiffness = float(np.mean(self._sound(state.f[0], state.t)))
+        stiffness = float(np.mean(self._checked_stiffness(state.f[0], state.t)))
         self._b = stiffness - model.K2
         self._w = 2.0 * math.sqrt(stiffness) * np.abs(np.sin(k / 2.0))
         self._symbol = -4.0 * np.sin(k / 2.0) ** 2
         if dealias:
             self._symbol[k.size // 2 :] = 0.0
         still = self._w <= STILL
-        self._still = np.flatnonzero(still)[1:]
+        self._still_modes = np.flatnonzero(still)[1:]
         self._symbol[still] = 0.0
         self._inverse = np.zeros_like(k)
         np.divide(0.5, self._w, out=self._inverse, where=~still)
@@ -141,7 +143,7 @@ class SpectralRing:
         speed = model.sound_speed()
         turn = np.where(still, 0.0, self._w)
         linear = 1j * np.stack([speed * k - turn, speed * k + turn])
-        self._watch(p, state.t)
+        self._check(p, state.t)
         self.integrator = ExponentialAdams(linear, self._nonlinearity, p, step)
         self._absorber = None
         if absorbed > 0.0:
@@ -152,9 +154,9 @@ class SpectralRing:
             self._short = ShortAbsorber(state, turning, speed, step, short, strength)
 
     def at(self, t: float, pause: Callable[[], None] = lambda: None) -> FieldRing:
-        """The ring at time ``t``, which must not lie before the last one; its points move at c.
+        """Advance to time ``t``, not before the last one, and return the ring there.
 
-        ``pause`` is called on the way wherever the tail was looked at.
+        The ring's points move at c. ``pause`` is called after each check of the tail.
         """
         duration = t - self._start.t
         integrator = self.integrator
@@ -162,20 +164,20 @@ class SpectralRing:
             integrator.step()
             self._absorb()
             if integrator.steps % WATCH == 0:
-                self._watch(integrator.p, self._start.t + integrator.steps * integrator.h)
+                self._check(integrator.p, self._start.t + integrator.steps * integrator.h)
                 pause()
-        p = integrator.ahead(duration)
-        self._watch(p, t)
+        p = integrator.solution_at(duration)
+        self._check(p, t)
         return self._state(p, t)
 
     def memory(self) -> Memory:
-        """What `recall` needs at a pause."""
+        """Return the data from which `recall` resumes at a pause."""
         level = self._absorber.level if self._absorber else 0.0
-        kept = {"mean": self._mean, "strain": self.strain, "level": level}
-        return kept | {"integrator": self.integrator.memory()}
+        data = {"mean": self._mean, "strain": self.strain, "level": level}
+        return data | {"integrator": self.integrator.memory()}
 
     def recall(self, memory: Memory) -> None:
-        """Be where another ring, made alike, had that `memory`."""
+        """Restore the ring from the `memory` of one with the same arguments."""
         self._mean, self.strain = memory["mean"], memory["strain"]
         if self._absorber:
             self._absorber.level = memory["level"]
@@ -185,7 +187,7 @@ class SpectralRing:
         start = self._start
         y = values_of(self._strain(p), self._values.size)
         velocity = 0.5 * (p[0] + p[1])
-        velocity[self._still] = p[1, self._still]
+        velocity[self._still_modes] = p[1, self._still_modes]
         velocity[0] = self._drift
         s = values_of(velocity, self._values.size)
         return FieldRing(t, (self._left(t),), start.circumferences, y[None], s[None])
@@ -200,17 +202,21 @@ class SpectralRing:
         if self._short and self.integrator.steps % self._short.every == 0:
             self._short.absorb(self.integrator.p)
 
-    def _watch(self, p: Complex, t: float) -> None:
+    def _check(self, p: Complex, t: float) -> None:
+        """Raise one of the errors above if the strain or its spectrum is no longer sound."""
         modes = self._strain(p)
         tail = spectrum_tails(modes[None], self._start.counts)
-        self._sound(values_of(modes, self._values.size, self._values), t)
+        self._checked_stiffness(values_of(modes, self._values.size, self._values), t)
         if not tail <= self._amplitude:
             raise RunawayError(t)
         if tail > self._bound:
             raise SamplingError(f"the spectrum's tail is {tail:.2g} at t = {t:g}")
 
-    def _sound(self, y: Array, t: float) -> Array:
-        """The stiffness about the strains ``y``, if waves exist about all of them."""
+    def _checked_stiffness(self, y: Array, t: float) -> Array:
+        """Return the stiffness about the strains ``y``, and record their range.
+
+        Raises NotHyperbolicError if waves do not exist about one of them.
+        """
         with np.errstate(over="ignore", invalid="ignore"):
             stiffness = self._model.stiffness(y)
         least, most = self.strain
@@ -222,7 +228,7 @@ class SpectralRing:
         return stiffness
 
     def _strain(self, p: Complex) -> Complex:
-        t, still = p[0, 0].real, self._still
+        t, still = p[0, 0].real, self._still_modes
         _strain_modes(p, self._inverse, self._modes)
         self._modes[still] = p[0, still] + t * p[1, still]
         self._modes[0] = self._mean + self._drift * t

@@ -3,16 +3,16 @@
     phi_0(z) = exp(z),    phi_{m+1}(z) = (phi_m(z) - 1/m!)/z,    phi_m(0) = 1/m!
 
 The recurrence loses digits near 0. Where |z| < RADIUS the highest function is summed as its power
-series, and the others follow by the recurrence read backwards, which loses none.
+series, and the others follow by the recurrence in reverse, which loses none.
 
 Over a step the linear part is exact. The Adams method, of order 4, replaces N by the polynomial
 through its last values: the predictor uses ``VALUES`` of them, the corrector one more, at the
-predicted point (Hochbruck and Ostermann, BIT 51 (2011) 889). N is evaluated once a step, where the
-Runge-Kutta method ETDRK4 (Cox and Matthews, J. Comput. Phys. 176 (2002) 430), which gives the first
-values, evaluates it four times.
+predicted point (Hochbruck and Ostermann, BIT 51 (2011) 889). It evaluates N once a step. The
+Runge-Kutta method ETDRK4 (Cox and Matthews, J. Comput. Phys. 176 (2002) 430), which computes the
+first values, evaluates it four times.
 
-The step is fixed: its error is then a smooth function of it, which a run with a shorter step shows.
-Times that are not whole steps are reached by a shorter step on the side.
+The step is fixed, so that the error is a smooth function of it, and a run with a shorter step shows
+it. Times that are not whole steps are reached by an extra shorter step.
 """
 
 from __future__ import annotations
@@ -32,14 +32,14 @@ if TYPE_CHECKING:
 Complex = NDArray[np.complex128]
 
 RADIUS = 2.0
-"""From here outwards the recurrence is used."""
+"""Size of z from which on the recurrence is used."""
 
 TERMS = 26
-"""Terms of the series: RADIUS^TERMS/TERMS! is below the rounding."""
+"""Terms of the series: RADIUS^TERMS/TERMS! is below the rounding error."""
 
 
 def phi_functions(z: Complex, highest: int) -> list[Complex]:
-    """phi_0 .. phi_highest at the points ``z`` (any shape).
+    """Return phi_0 .. phi_highest at the points ``z`` (any shape).
 
     >>> [round(float(value[0].real), 12) for value in phi_functions(np.zeros(1, complex), 2)]
     [1.0, 1.0, 0.5]
@@ -54,6 +54,7 @@ def phi_functions(z: Complex, highest: int) -> list[Complex]:
 
 
 def _upwards(z: Complex, highest: int) -> list[Complex]:
+    """Return phi_0 .. phi_highest by the recurrence."""
     values = [np.exp(z)]
     for m in range(highest):
         values.append((values[m] - 1.0 / math.factorial(m)) / z)
@@ -61,6 +62,7 @@ def _upwards(z: Complex, highest: int) -> list[Complex]:
 
 
 def _downwards(z: Complex, highest: int) -> list[Complex]:
+    """Return phi_0 .. phi_highest by the series of the highest and the recurrence in reverse."""
     top = np.zeros_like(z)
     for j in reversed(range(TERMS)):
         top = top * z + 1.0 / math.factorial(highest + j)
@@ -71,7 +73,7 @@ def _downwards(z: Complex, highest: int) -> list[Complex]:
 
 
 def moment_weights(z: Complex, nodes: NDArray[np.float64]) -> Complex:
-    """Weights w_j(z) with int_0^1 exp((1 - u) z) f(u) du = sum_j w_j f(nodes_j).
+    """Return weights w_j(z) with int_0^1 exp((1 - u) z) f(u) du = sum_j w_j f(nodes_j).
 
     Exact for polynomials f of degree < len(nodes). Shape (len(nodes), *z.shape).
     """
@@ -86,7 +88,7 @@ Nonlinearity = Callable[[Complex], Complex]
 
 
 class ExponentialRungeKutta:
-    """Steps of one length ``h`` for p' = L p + N(p), L diagonal; four evaluations of N a step.
+    """ETDRK4 with step ``h`` for p' = L p + N(p), L diagonal; four evaluations of N per step.
 
     ``linear`` and p have the shape (branches, modes), N(p) the shape (modes,).
     """
@@ -101,7 +103,7 @@ class ExponentialRungeKutta:
         self._last = h * (4 * three - two)
 
     def step(self, p: Complex) -> Complex:
-        """The solution one step later."""
+        """Return the solution one step later."""
         n0 = self._nonlinearity(p)
         a = self._half * p + self._inner * n0
         na = self._nonlinearity(a)
@@ -113,13 +115,13 @@ class ExponentialRungeKutta:
 Table = tuple[Complex, Complex, Complex]
 
 VALUES = 3
-"""Past values of N in the predictor. With 5 and more the waves at the zone boundary grow."""
+"""Past values of N in the predictor. With 5 and more, waves at the zone boundary grow."""
 
 ORDER = VALUES + 1
 """Order of the method."""
 
 SLACK = 1e-9
-"""A time this near to a whole step, in steps, is that step."""
+"""A time within this many steps of a whole step counts as that step."""
 
 
 @njit(
@@ -128,6 +130,7 @@ SLACK = 1e-9
     fastmath={"contract"},
 )
 def _predict(factor: Complex, p: Complex, weights: Complex, past: Complex, out: Complex) -> None:
+    """Compute the predicted solution after a step into ``out``."""
     for branch in range(p.shape[0]):
         for k in range(p.shape[1]):
             value = factor[branch, k] * p[branch, k]
@@ -142,6 +145,7 @@ def _predict(factor: Complex, p: Complex, weights: Complex, past: Complex, out: 
     fastmath={"contract"},
 )
 def _correct(weights: Complex, newest: Complex, past: Complex, p: Complex) -> None:
+    """Add the corrector's change to p, in place."""
     for branch in range(p.shape[0]):
         for k in range(p.shape[1]):
             change = weights[0, branch, k] * newest[k]
@@ -151,10 +155,10 @@ def _correct(weights: Complex, newest: Complex, past: Complex, p: Complex) -> No
 
 
 class ExponentialAdams:
-    """A solution of p' = L p + N(p) from ``p`` at time 0, in steps of ``h`` > 0.
+    """Solution of p' = L p + N(p) from ``p`` at time 0, in steps of ``h`` > 0.
 
     ``linear`` and ``p`` have the shape (branches, modes), N(p) the shape (modes,): one nonlinearity
-    drives all branches. The past values that the first step needs come from ETDRK4, backwards.
+    drives all branches. The past values for the first step come from ETDRK4, run backwards.
 
     ``p`` is the solution at time ``steps * h``; ``evaluations`` counts those of N.
     """
@@ -177,26 +181,27 @@ class ExponentialAdams:
         self.steps += 1
 
     def memory(self) -> Memory:
-        """What `recall` needs between two steps."""
+        """Return the data from which `recall` resumes between two steps."""
         return {name: getattr(self, name) for name in ("p", "steps", "evaluations", "_past")}
 
     def recall(self, memory: Memory) -> None:
-        """Be where another, made alike, had that `memory`."""
+        """Restore the solution from the `memory` of one with the same arguments."""
         from longwave.support.checkpoint import fitting
 
         for name in ("p", "steps", "evaluations", "_past"):
             setattr(self, name, fitting(memory[name], getattr(self, name)))
 
     def whole_steps(self, t: float) -> int:
-        """How many more whole steps lead up to the time ``t`` or just before it."""
+        """Return how many more whole steps fit before the time ``t``."""
         return int(np.floor(t / self.h + SLACK)) - self.steps
 
-    def ahead(self, t: float) -> Complex:
-        """The solution at a time less than one step ahead of ``p``; the run itself stays."""
+    def solution_at(self, t: float) -> Complex:
+        """Return the solution at a time less than one step after ``p``, which does not change."""
         share = t / self.h - self.steps
         return self.p if abs(share) <= SLACK else self._part(self._table(share))[0]
 
     def _part(self, table: Table) -> tuple[Complex, Complex]:
+        """Return the solution after a step with these coefficients, and N at the predicted one."""
         factor, predictor, corrector = table
         p = np.empty_like(self.p)
         _predict(factor, self.p, predictor, self._past, p)
@@ -206,6 +211,7 @@ class ExponentialAdams:
         return p, newest
 
     def _start(self) -> None:
+        """Compute the past values of N by ETDRK4, backwards in time."""
         method = ExponentialRungeKutta(self._linear, self._nonlinearity, -self.h)
         p = self.p
         for j in range(VALUES):
@@ -215,7 +221,7 @@ class ExponentialAdams:
         self.evaluations += VALUES + 4 * (VALUES - 1)
 
     def _table(self, share: float) -> Table:
-        """Coefficients of a step of ``share`` steps."""
+        """Return the coefficients of ``share`` of a step."""
         h = share * self.h
         z = self._linear * h
         nodes = -np.arange(VALUES) / share

@@ -1,8 +1,8 @@
-"""Fields and velocities of any lattice on a ring of real circumferences at one time, sampled.
+"""Sampled fields and velocities of any lattice on a ring of real circumferences at one time.
 
 Fields that are L-periodic in a real cell variable x and obey the lattice's equations with shifts
 f(x) -> f(x + s) obey them at every x + n: such a ring is an exact quasi-periodic solution of the
-infinite lattice, whatever L is. Along each axis it has its own circumference.
+infinite lattice, whatever L is. Each axis has its own circumference.
 """
 
 from __future__ import annotations
@@ -18,16 +18,16 @@ Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 TAIL = 8
-"""The spectrum's tail is its last 1/TAIL."""
+"""Inverse share of the spectrum that counts as its tail: the last 1/TAIL."""
 
 INTERPOLATION = 1e-13
-"""Relative accuracy of the interpolation, in units of the coefficients' root mean square sum."""
+"""Accuracy of the interpolation, relative to the root mean square sum of the coefficients."""
 
 
 def modes_of(values: Array) -> Complex:
-    """Fourier coefficients over all axes but that of fields; of the last axis those of k >= 0.
+    """Return Fourier coefficients over all axes but that of fields; k >= 0 on the last axis.
 
-    The first axis is that of fields, if there is another.
+    The first of several axes is that of fields.
     """
     axes = tuple(range(min(1, values.ndim - 1), values.ndim))
     modes: Complex = ducc0.fft.r2c(values, axes=axes, inorm=2, nthreads=1)
@@ -35,14 +35,14 @@ def modes_of(values: Array) -> Complex:
 
 
 def values_of(modes: Complex, last: int, out: Array | None = None) -> Array:
-    """The real functions with these coefficients, ``last`` points along the last axis."""
+    """Return the real functions with these coefficients, ``last`` points along the last axis."""
     axes = tuple(range(min(1, modes.ndim - 1), modes.ndim))
     values: Array = ducc0.fft.c2r(modes, axes=axes, lastsize=last, forward=False, out=out)
     return values
 
 
 def fast_count(least: float) -> int:
-    """The next larger even number of points that transforms fast."""
+    """Return the next larger even number of points with a fast Fourier transform."""
     return 2 * int(ducc0.fft.good_size(math.ceil(least / 2.0), True))
 
 
@@ -50,8 +50,8 @@ def fast_count(least: float) -> int:
 class FieldRing:
     """Samples of fields ``f`` and velocities ``v`` at time ``t``, shape (fields, *counts).
 
-    Along each axis the points are ``left + j circumference/count``. Displacements that grow with
-    the cell leave their mean strain to the lattice, and are periodic here.
+    Along each axis the points are ``left + j circumference/count``. For displacements that grow
+    with the cell, the mean strain is in the lattice, and the fields here are periodic.
 
     >>> x = 7.5 / 16 * np.arange(16)
     >>> wave = np.cos(2 * np.pi * x / 7.5)[None]
@@ -68,92 +68,94 @@ class FieldRing:
 
     @property
     def counts(self) -> tuple[int, ...]:
-        """The number of points along each axis."""
+        """Number of points along each axis."""
         return self.f.shape[1:]
 
     def points(self, axis: int = 0) -> Array:
-        """The sample points along an axis."""
+        """Return the sample points along an axis."""
         steps = np.arange(self.counts[axis], dtype=np.float64)
         points: Array = self.left[axis] + self.circumferences[axis] / steps.size * steps
         return points
 
     def at(self, *x: ArrayLike) -> Array:
-        """The fields at any real positions, an array for each axis: shape (fields, positions)."""
+        """Return the fields at any real positions, an array for each axis: (fields, positions)."""
         return self._interpolated(self.f, x)
 
     def velocities_at(self, *x: ArrayLike) -> Array:
-        """The velocities at any real positions."""
+        """Return the velocities at any real positions."""
         return self._interpolated(self.v, x)
 
     def sampled(self, counts: tuple[int, ...]) -> FieldRing:
-        """The same functions at other numbers of points, exactly."""
+        """Return the same functions at other numbers of points, exactly."""
         if counts == self.counts:
             return self
         f, v = (_sampled(values, counts) for values in (self.f, self.v))
         return replace(self, f=f, v=v)
 
     def tail(self) -> float:
-        """What the last 1/TAIL of the spectrum, along any axis, adds to a field at most."""
+        """Return a bound of the field contributed by the last 1/TAIL of the spectrum."""
         return spectrum_tails(modes_of(self.f), self.counts)
 
     def _interpolated(self, values: Array, x: tuple[ArrayLike, ...]) -> Array:
-        places = [np.atleast_1d(np.asarray(part, dtype=np.float64)) for part in x]
+        positions = [np.atleast_1d(np.asarray(part, dtype=np.float64)) for part in x]
         turns = [
-            np.mod((place - left) / length, 1.0) * (2.0 * math.pi)
-            for place, left, length in zip(places, self.left, self.circumferences, strict=True)
+            np.mod((position - left) / length, 1.0) * (2.0 * math.pi)
+            for position, left, length in zip(
+                positions, self.left, self.circumferences, strict=True
+            )
         ]
         coordinates = np.stack(np.broadcast_arrays(*turns), axis=-1)
-        found = [self._along(part, coordinates.reshape(-1, len(turns))) for part in values]
-        return np.stack(found).reshape(len(values), *coordinates.shape[:-1])
+        result = [self._along(part, coordinates.reshape(-1, len(turns))) for part in values]
+        return np.stack(result).reshape(len(values), *coordinates.shape[:-1])
 
     def _along(self, values: Array, turns: Array) -> Array:
         modes = np.fft.fftshift(np.fft.fftn(values, norm="forward"))
-        grown = [(0, 1 - count % 2) for count in values.shape]
-        modes = _with_both_ends(modes, grown)
+        padding = [(0, 1 - count % 2) for count in values.shape]
+        modes = _with_both_ends(modes, padding)
         padded = [(0, 1 - count % 2) for count in modes.shape]
-        found = ducc0.nufft.u2nu(
+        values_at_turns = ducc0.nufft.u2nu(
             grid=np.pad(modes, padded),
             coord=turns,
             forward=False,
             epsilon=INTERPOLATION,
             periodicity=2.0 * math.pi,
         )
-        real: Array = np.ascontiguousarray(found.real)
+        real: Array = np.ascontiguousarray(values_at_turns.real)
         return real
 
 
-def _with_both_ends(modes: Complex, grown: list[tuple[int, int]]) -> Complex:
-    """Shifted coefficients whose first, of an even number of points, stands at both ends."""
-    modes = np.pad(modes, grown)
-    for axis, (_, more) in enumerate(grown):
+def _with_both_ends(modes: Complex, padding: list[tuple[int, int]]) -> Complex:
+    """Return shifted coefficients padded so that the first, of an even number, is at both ends."""
+    modes = np.pad(modes, padding)
+    for axis, (_, more) in enumerate(padding):
         if more:
-            ends = [(slice(None),) * axis + (place,) for place in (0, -1)]
+            ends = [(slice(None),) * axis + (end,) for end in (0, -1)]
             modes[ends[0]] *= 0.5
             modes[ends[1]] = modes[ends[0]]
     return modes
 
 
 def _sampled(values: Array, counts: tuple[int, ...]) -> Array:
-    """The trigonometric interpolants at other numbers of points, axis by axis."""
+    """Return the trigonometric interpolants at other numbers of points, axis by axis."""
     for axis, count in enumerate(counts, 1):
         size = values.shape[axis]
         if size == count:
             continue
         modes = np.moveaxis(np.fft.fft(values, axis=axis, norm="forward"), axis, 0)
         number = np.fft.fftfreq(size, 1.0 / size).astype(np.int64)
-        found = np.zeros((count, *modes.shape[1:]), dtype=np.complex128)
-        np.add.at(found, number % count, modes)
+        resampled = np.zeros((count, *modes.shape[1:]), dtype=np.complex128)
+        np.add.at(resampled, number % count, modes)
         if size % 2 == 0:
             half = 0.5 * modes[size // 2]
-            found[-(size // 2) % count] -= half
-            found[size // 2 % count] += half
-        moved = np.fft.ifft(np.moveaxis(found, 0, axis), axis=axis, norm="forward")
-        values = np.ascontiguousarray(moved.real)
+            resampled[-(size // 2) % count] -= half
+            resampled[size // 2 % count] += half
+        interpolated = np.fft.ifft(np.moveaxis(resampled, 0, axis), axis=axis, norm="forward")
+        values = np.ascontiguousarray(interpolated.real)
     return values
 
 
 def spectrum_tails(modes: Complex, counts: tuple[int, ...]) -> float:
-    """The most, over the fields, that the last 1/TAIL of the modes along any axis can come to."""
+    """Return a bound, over all fields, of the sum of the last 1/TAIL of modes along any axis."""
     size = np.abs(modes)
     size[..., 1 : (counts[-1] + 1) // 2] *= 2.0
     inner = size

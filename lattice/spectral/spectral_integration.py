@@ -1,10 +1,10 @@
-"""Any lattice on a ring of real circumferences through given times, to a stated tolerance.
+"""Integration of any lattice on a ring of real circumferences through given times, to a tolerance.
 
-The run is judged by `lattice.refine`: done again with a shorter step and more points, and with the
-last digits of its data changed. The tail of the spectrum is watched all the time: where it rises
-above its bound, the run is begun again with more points. Fewer than the state has are taken where
-they hold it, none fewer where its points are the sites of lattices that are all judged. A ring that
-has a point for each site of its one lattice is that lattice, and needs no more of them.
+`lattice.refine` estimates the error: the run is repeated with a shorter step and more points, and
+with the last digits of its data changed. The tail of the spectrum is checked all the time; where it
+exceeds its bound, the run is restarted with more points. Fewer points than the state's are used if
+they resolve it, but not if its points are the sites of lattices that are all judged. A ring with
+one point for each site of its one lattice is that lattice, and needs no more points.
 """
 
 from __future__ import annotations
@@ -47,21 +47,25 @@ Array = NDArray[np.float64]
 Judged = Callable[[FieldRing], Array]
 
 ROUNDED_TAIL = 2.0**-46
-"""A tail below so much of the fields is rounding, which more points do not lower."""
+"""Tail, in units of the fields, below which it is rounding that more points do not reduce."""
 
 DENSER = 1.4
-"""Points with which a run is begun again whose spectrum's tail rose, or whose control tells so."""
+"""Factor on the points when a run is restarted because its spectrum's tail rose, or its control run
+needs it."""
 
 LEAST_POINTS = 8
-"""Points along an axis at least; a control run has ``DENSITY_RATIO`` times as many of them."""
+"""Fewest points along an axis; a control run has ``DENSITY_RATIO`` times as many."""
 
 MOST_POINTS = 2**22
-"""Points on the largest ring; a run takes some 500 bytes a point and field."""
+"""Most points on a ring; a run takes some 500 bytes per point and field."""
 
 
 @dataclass(frozen=True)
 class SpectralTrajectory:
-    """Rings at all ``times``. ``error_estimate`` is of what was judged, sup over all times."""
+    """Rings at all ``times``.
+
+    ``error_estimate`` is that of the judged quantity, sup over all times.
+    """
 
     times: Array
     states: tuple[FieldRing, ...]
@@ -79,14 +83,14 @@ def spectral_integrate(
     *,
     judged: Judged | None = None,
 ) -> SpectralTrajectory:
-    """The lattice from ``state``, on its ring of real circumferences, at all ``times``.
+    """Integrate the lattice from ``state``, on its ring of real circumferences, to all ``times``.
 
-    ``speed`` is that of the frame in which the waves are nearly still, one for each axis: it costs
-    nothing and lets steps be long. ``tolerance`` is the error that is accepted of what ``judged``
-    makes of a ring, an array of one shape however many points the ring has; without it, of the
-    stretches of all bonds at the state's own points. ``times`` increase and do not lie before
-    ``state.t``. Raises ValueError for what cannot be run, for a lattice that blows up before the
-    last time, and for a tolerance that needs too many points or lies below what rounding leaves.
+    ``speed`` is that of the frame in which the waves are nearly still, one for each axis; it costs
+    nothing and allows long steps. ``tolerance`` is the accepted error of ``judged(ring)``, an array
+    whose shape does not depend on the ring's points; by default, of the stretches of all bonds at
+    the state's own points. ``times`` increase from ``state.t`` on. Raises ValueError for invalid
+    arguments, for a lattice that blows up before the last time, and for a tolerance that needs too
+    many points or that rounding errors exceed.
 
     >>> from longwave.derive import LATTICES
     >>> from longwave.lattice.numeric_lattice import numeric_lattice
@@ -100,29 +104,32 @@ def spectral_integrate(
     True
     """
     state = _checked_ring(lattice, state)
-    wanted = checked_times(times, state.t)
-    check_positive("tolerance", tolerance, "it is the error accepted of what is judged")
+    moments = checked_times(times, state.t)
+    check_positive("tolerance", tolerance, "it is the accepted error of the judged quantity")
     frame = _frame(lattice, speed)
-    begun = perf_counter()
-    sight = None if judged is None else FieldComparison(judged)
-    engine = FieldRingEngine(lattice, state, wanted, frame, tolerance, sight)
-    found = refine(engine, tolerance)
-    trial = found.trial
+    started = perf_counter()
+    comparison = None if judged is None else FieldComparison(judged)
+    engine = FieldRingEngine(lattice, state, moments, frame, tolerance, comparison)
+    refined = refine(engine, tolerance)
+    trial = refined.trial
     if trial.values is None:
-        raise ValueError(engine.refusal(float(wanted[-1])))
+        raise ValueError(engine.refusal(float(moments[-1])))
     ring, rows = trial.payload
     states = tuple(FieldRing(**row) for row in rows)
     cost = Cost(
         ring.integrator.steps,
         ring.integrator.evaluations,
         trial.seconds,
-        perf_counter() - begun,
+        perf_counter() - started,
     )
-    return SpectralTrajectory(wanted, states, found.error, trial.choices.step, cost)
+    return SpectralTrajectory(moments, states, refined.error, trial.choices.step, cost)
 
 
 def _checked_ring(lattice: NumericLattice, state: FieldRing) -> FieldRing:
-    """The ring with arrays of doubles, if they are the lattice's."""
+    """Return the ring with arrays of doubles.
+
+    Raises ValueError if it does not fit the lattice.
+    """
     if lattice.cellwise[1] is not None:
         raise ValueError(
             f"lattice must be the same in all cells, got disorder in {lattice.name} (a wave's "
@@ -132,11 +139,11 @@ def _checked_ring(lattice: NumericLattice, state: FieldRing) -> FieldRing:
         real_array(f"every value of state.{name}", values, allows_nan=True)
         for name, values in (("f", state.f), ("v", state.v))
     )
-    found = replace(state, f=f, v=v)
-    for name, values in (("f", found.f), ("v", found.v)):
+    ring = replace(state, f=f, v=v)
+    for name, values in (("f", ring.f), ("v", ring.v)):
         shape = values.shape
         fitting = len(shape) == 1 + lattice.dimension and shape[:1] == (len(lattice.fields),)
-        if not fitting or shape != found.f.shape or min(shape) < 1:
+        if not fitting or shape != ring.f.shape or min(shape) < 1:
             raise ValueError(
                 f"state.{name} must have the shape (fields, points along each axis), got {shape} "
                 f"for {len(lattice.fields)} fields on {lattice.dimension} axes of {lattice.name} "
@@ -145,59 +152,60 @@ def _checked_ring(lattice: NumericLattice, state: FieldRing) -> FieldRing:
         if not np.all(np.isfinite(values)):
             raise ValueError(
                 f"state.{name} must be finite, got {values[~np.isfinite(values)][0]} in it "
-                "(look at where the state comes from)"
+                "(check how the state was computed)"
             )
-    for length in found.circumferences:
+    for length in ring.circumferences:
         check_positive("circumference", length, "sites around the ring, any real number")
-    if not len(found.left) == len(found.circumferences) == lattice.dimension:
+    if not len(ring.left) == len(ring.circumferences) == lattice.dimension:
         raise ValueError(
             f"state.left and state.circumferences must have {lattice.dimension} entries, got "
-            f"{len(found.left)} and {len(found.circumferences)} (one for each axis)"
+            f"{len(ring.left)} and {len(ring.circumferences)} (one for each axis)"
         )
-    return found
+    return ring
 
 
 def _frame(lattice: NumericLattice, speed: float | tuple[float, ...]) -> tuple[float, ...]:
-    found = tuple(np.atleast_1d(real_array("every speed", speed)).tolist())
-    if len(found) < lattice.dimension and not any(found):
-        found = (0.0,) * lattice.dimension
-    if len(found) != lattice.dimension or not all(map(math.isfinite, found)):
+    """Return the frame's speed along each axis."""
+    speeds = tuple(np.atleast_1d(real_array("every speed", speed)).tolist())
+    if len(speeds) < lattice.dimension and not any(speeds):
+        speeds = (0.0,) * lattice.dimension
+    if len(speeds) != lattice.dimension or not all(map(math.isfinite, speeds)):
         raise ValueError(
             f"speed must have one finite entry for each of {lattice.dimension} axes, got {speed} "
-            "(0 is a frame that stands still)"
+            "(0 is a frame at rest)"
         )
-    return found
+    return speeds
 
 
 @dataclass(frozen=True)
 class FieldComparison:
-    """What is seen of a ring: what is ``judged``, in so many ``unit`` of the fields, and ``kept``.
+    """Quantities of a ring: those ``judged``, in ``unit`` of the fields, and those ``stored``.
 
-    It is ``at_sites`` if it stands at the sites of one lattice alone, each of which is a point of
-    the state. Runs that are compared part ``around`` it at the end, too; one of which anything
-    judged exceeds the ``limit`` has none. ``wider`` gives lattice and state of a wider ring, which
-    every other run has.
+    ``at_sites`` if they are taken at the sites of one lattice only, each a point of the state.
+    ``stored`` returns what is saved at each time. Runs are also compared by ``around`` at the end.
+    A run in which a judged value exceeds the ``limit`` has no values. ``wider`` returns lattice and
+    state of a wider ring, used by every other run.
     """
 
     judged: Judged
     unit: float = 1.0
     at_sites: bool = False
-    kept: Callable[[FieldRing], Memory] = vars
+    stored: Callable[[FieldRing], Memory] = vars
     around: Judged | None = None
     limit: float | None = None
     wider: Callable[[], tuple[NumericLattice, FieldRing]] | None = None
 
 
 WIDER_SIZE = 2.0
-"""The size of a ring that is wider."""
+"""Size of a wider ring in `Choices`."""
 
 
 class FieldRingEngine(SpectralRingSearch):
-    """Runs of a ring of fields from a state, for `refine` to judge, and what is ``kept`` of it.
+    """Runs of a ring of fields from a state, for `refine`.
 
-    Without ``sight`` the stretches of all bonds are judged, at the state's points. The size of the
-    ring is 1. Steps tried are at most ``longer`` times what the ring's waves call for: those of a
-    carrier may be, which is integrated exactly.
+    By default the stretches of all bonds are judged, at the state's points; ``sight`` gives another
+    comparison. The ring has the size 1. Steps tried are at most ``longer`` times the natural step
+    of the ring's waves: a carrier, which is integrated exactly, allows more.
     """
 
     kinds: tuple[Kind, ...] = ("step", "sampling")
@@ -231,14 +239,14 @@ class FieldRingEngine(SpectralRingSearch):
                 "rounding)"
             )
         self._tail = max(TAIL_SHARE * tolerance * unit, ROUNDED_TAIL * largest)
-        self._whole = sight is None and whole(state)
-        self._density, self._crowded = self._first_density(), False
+        self._is_lattice = sight is None and whole(state)
+        self._density, self._needs_too_many_points = self._first_density(), False
         self._dense_state: dict[tuple[float, tuple[int, ...]], FieldRing] = {}
         self._first = self._first_choices(longer)
 
     def _first_density(self) -> float:
-        """The least number of points that hold the state, in units of its own."""
-        if self._whole:
+        """Return the least density of points that resolves the state, relative to its own."""
+        if self._is_lattice:
             return 1.0
         density = 1.0
         while density > 0.02:
@@ -250,14 +258,17 @@ class FieldRingEngine(SpectralRingSearch):
         return density
 
     def _first_choices(self, longer: float) -> Choices:
-        """A step by the rates at which what is not exact varies; shorter if waves are too short."""
+        """Return the first step, from the rates that are not integrated exactly.
+
+        It is shorter if waves are so short that the ring's lattices differ.
+        """
         T = self._duration
         ring = self._ring(Choices(T, 1.0), math.inf)
         moving, still = ring.typical_rates()
         slopes = ring_slopes(self._lattice, ring.start)
-        bent = self._lattice.highest_frequency([float(np.ptp(part)) for part in slopes])
+        slope_spread = self._lattice.highest_frequency([float(np.ptp(part)) for part in slopes])
         mean = self._lattice.highest_frequency([abs(float(np.mean(part))) for part in slopes])
-        turning = 0.5 * still * bent**2 / max(mean**2, 1e-300)
+        turning = 0.5 * still * slope_spread**2 / max(mean**2, 1e-300)
         values = self._sight.judged(self._state)
         size = float(np.ptp(values)) if values.size else 0.0
         turns = 1.0 + turning * T
@@ -267,45 +278,50 @@ class FieldRingEngine(SpectralRingSearch):
         fast = [axis for axis, c in enumerate(self._speed) if c]
         if fast and T > 0.0:
             spread = max(crest_energy_spread(self._lattice, ring.start, axis) for axis in fast)
-            self._alike = turns * spread * size
-            if self._must_tell:
-                step = min(step, self._telling)
-        return Choices(min(longer * step, max(step, self._telling)), 1.0)
+            self._lattice_spread = turns * spread * size
+            if self._must_resolve:
+                step = min(step, self._resolving)
+        return Choices(min(longer * step, max(step, self._resolving)), 1.0)
 
     def first(self) -> Choices:
-        """The state's own sampling, a step of the waves' own scale."""
+        """Return choices with the natural step of the waves."""
         return self._first
 
-    def _made_denser(self, choices: Choices) -> bool:
+    def _add_points(self, choices: Choices) -> bool:
         self._density *= DENSER
-        self._crowded = not self._sight.at_sites and self.points(choices) > MOST_POINTS
-        return not self._crowded
+        self._needs_too_many_points = (
+            not self._sight.at_sites and self.points(choices) > MOST_POINTS
+        )
+        return not self._needs_too_many_points
 
-    def _tell_loss(self, error: RunawayError, step: float) -> None:
-        self._crowded = False
+    def _handle_loss(self, error: RunawayError, step: float) -> None:
+        self._needs_too_many_points = False
         if self._lost_again(error, step):
             raise ValueError(self.refusal(float(self._times[-1])))
 
     def points(self, choices: Choices) -> float:
-        """The number of points that a ring has."""
+        """Return the number of points of a ring."""
         return math.prod(self._counts(choices))
 
     def control(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
-        """A shorter step on a wider ring, or from that on the ring as it is; more points."""
+        """Return choices with a shorter step, or more points, or both.
+
+        With a wider ring, a shorter step goes with that, and from that with the ring as it is.
+        """
         if "step" in kinds and self._sight.wider is not None:
             choices = replace(choices, size=WIDER_SIZE if choices.size == 1.0 else 1.0)
         return super().control(choices, kinds)
 
     def improved(self, choices: Choices, kind: Kind, excess: float) -> Choices:
-        """By the law of the order, or more points; on the ring as it is."""
+        """Return a step by the law of the order, or more points, on the ring as it is."""
         if kind == "sampling":
-            density = choices.density if self._is_whole(choices) else DENSER * choices.density
+            density = choices.density if self._is_unaliased(choices) else DENSER * choices.density
             return replace(choices, density=density, size=1.0)
         return replace(self._shorter(choices, excess), size=1.0)
 
     def refusal(self, end: float) -> str:
-        """Why no run came to its end."""
-        if self._crowded:
+        """Return why no run reached its end."""
+        if self._needs_too_many_points:
             return (
                 f"tolerance must be larger than {self._tolerance:g}: it needs a ring of more than "
                 f"{MOST_POINTS} points (raise it, end earlier or take smoother data)"
@@ -315,27 +331,31 @@ class FieldRingEngine(SpectralRingSearch):
             "step follows them; end earlier or take smaller fields)"
         )
 
-    def _begun(self, choices: Choices) -> tuple[NumericLattice, FieldRing]:
-        """The lattice and the state that a run begins from, before it is sampled."""
+    def _initial_data(self, choices: Choices) -> tuple[NumericLattice, FieldRing]:
+        """Return the lattice and the state of a run, before the state is resampled."""
         if choices.size > 1.0 and self._sight.wider is not None:
             return self._sight.wider()
         return self._lattice, self._state
 
     def _counts(self, choices: Choices) -> tuple[int, ...]:
-        _, state = self._begun(choices)
-        if self._whole:
+        """Return the number of points along each axis."""
+        _, state = self._initial_data(choices)
+        if self._is_lattice:
             return state.counts
-        found = _fast_counts(state, self._density * choices.density, choices.finer)
-        pairs = zip(found, state.counts, strict=True)
-        return state.counts if self._sight.at_sites and any(a >= b for a, b in pairs) else found
+        counts = _fast_counts(state, self._density * choices.density, choices.finer)
+        pairs = zip(counts, state.counts, strict=True)
+        return state.counts if self._sight.at_sites and any(a >= b for a, b in pairs) else counts
 
-    def _is_whole(self, choices: Choices) -> bool:
-        """Whether the ring is a lattice, so that nothing is folded onto its points."""
-        at_sites = self._sight.at_sites and self._counts(choices) == self._begun(choices)[1].counts
-        return self._whole or at_sites
+    def _is_unaliased(self, choices: Choices) -> bool:
+        """Return whether the ring is a lattice, so that no modes alias onto its points."""
+        at_sites = (
+            self._sight.at_sites and self._counts(choices) == self._initial_data(choices)[1].counts
+        )
+        return self._is_lattice or at_sites
 
     def _ring(self, choices: Choices, tail: float) -> LatticeRing:
-        lattice, state = self._begun(choices)
+        """Return the ring at the start of a run."""
+        lattice, state = self._initial_data(choices)
         key = choices.size, self._counts(choices)
         if key not in self._dense_state:
             self._dense_state[key] = state.sampled(key[1])
@@ -347,7 +367,7 @@ class FieldRingEngine(SpectralRingSearch):
 
     def _run(self, choices: Choices, progress: Progress) -> Trial:
         loop = begin_loop(f"spectral {choices} {self._counts(choices)}")
-        ring = self._ring(choices, math.inf if self._is_whole(choices) else self._tail)
+        ring = self._ring(choices, math.inf if self._is_unaliased(choices) else self._tail)
         rows: list[tuple[Array, Memory, Array | None]] = []
         sight, end = self._sight, self._times[-1]
 
@@ -360,11 +380,11 @@ class FieldRingEngine(SpectralRingSearch):
         for t in self._times[len(rows) :]:
             state = ring.at(float(t), lambda: loop.offer(memory))
             around = sight.around(state) if sight.around and t == end else None
-            rows.append((sight.judged(state), sight.kept(state), around))
+            rows.append((sight.judged(state), sight.stored(state), around))
             progress((float(t) - self._state.t) / (self._duration or 1.0))
         loop.end(memory)
-        looks, kept, arounds = zip(*rows, strict=True)
-        values = np.array(looks)
+        judged, stored, arounds = zip(*rows, strict=True)
+        values = np.array(judged)
         sound = sight.limit is None or bool(np.all(np.abs(values) <= sight.limit))
         return Trial(
             choices,
@@ -372,12 +392,12 @@ class FieldRingEngine(SpectralRingSearch):
             self.work(choices),
             perf_counter() - loop.begun,
             rounding_error(ring.largest / sight.unit, ring.integrator.evaluations),
-            (ring, kept),
-            common_error=self._unshown(choices),
+            (ring, stored),
+            common_error=self._unresolved_error(choices),
             around=arounds[-1] if sound else None,
         )
 
 
 def _fast_counts(state: FieldRing, density: float, finer: float = 1.0) -> tuple[int, ...]:
-    """The next larger even numbers of points that transform fast, ``finer`` than the fewest too."""
+    """Return even numbers of points with a fast transform, ``finer`` times the fewest at least."""
     return tuple(fast_count(finer * max(density * n, LEAST_POINTS)) for n in state.counts)

@@ -20,7 +20,7 @@ from longwave.reports.studies.evaluation_accuracy import (
     worst_of,
 )
 from longwave.support.command_line import check_and_announce
-from longwave.support.console import finished, print_found, table_console
+from longwave.support.console import finished, print_results, table_console
 from longwave.support.known_names import one_of
 from longwave.support.processes import Job, LocalWorkers, in_order
 from longwave.support.user_files import shown
@@ -66,7 +66,7 @@ def print_accuracy(
     )
     results, complete = finished(_measured(chosen, jobs, drawn))
     asked = f"{len(chosen)} waves"
-    status = print_found(results, complete, _print, json_wanted, program, asked)
+    status = print_results(results, complete, _print, json_wanted, program, asked)
     return status or int(not all(result.passed for result in results))
 
 

@@ -15,7 +15,7 @@ from longwave.derive.__main__ import derive
 from longwave.reports.__main__ import report
 from longwave.support.command_line import (
     CommandGroup,
-    called_by,
+    command_name,
     example,
     force_option,
     json_option,
@@ -178,7 +178,7 @@ def run(scene: str, **options: Any) -> int:
     """
     from longwave.cli.scene_command import run_and_print
 
-    return run_and_print(scene, called_by(), **options)
+    return run_and_print(scene, command_name(), **options)
 
 
 @longwave.command(epilog=example("longwave sweep error_over_k --processes 2 --output errors.nc"))
@@ -205,7 +205,7 @@ def sweep(sweep: str, **options: Any) -> int:
     """
     from longwave.cli.sweep_command import sweep_and_print
 
-    return sweep_and_print(sweep, called_by(), **options)
+    return sweep_and_print(sweep, command_name(), **options)
 
 
 @longwave.command(epilog=example("longwave plot rogue_cn_k_0.5 --output rogue_cn.pdf"))
@@ -239,7 +239,7 @@ def plot(source: str, **options: Any) -> int:
     """
     from longwave.cli.plot_command import plot_and_print
 
-    return plot_and_print(source, called_by(), **options)
+    return plot_and_print(source, command_name(), **options)
 
 
 @longwave.command(epilog=example("longwave animate rational_3_eps_0.05 --times -2000 2000"))
@@ -263,7 +263,7 @@ def animate(
     """
     from longwave.reports.pictures.animation import draw_film
 
-    return draw_film(source, output, options, called_by(), force, changes)
+    return draw_film(source, output, options, command_name(), force, changes)
 
 
 longwave.add_command(report)
@@ -287,7 +287,7 @@ def converge(scene: str, **options: Any) -> int:
     """
     from longwave.cli.converge import converge_and_draw
 
-    return converge_and_draw(scene, called_by(), **options)
+    return converge_and_draw(scene, command_name(), **options)
 
 
 @longwave.command(epilog=example("longwave explore --no-browser --port 5006"))
@@ -309,7 +309,7 @@ def explore(port: int, no_browser: bool) -> int:
     """
     from longwave.explore.explore_server import explore as serve
 
-    return serve(port, not no_browser, called_by())
+    return serve(port, not no_browser, command_name())
 
 
 @longwave.command("list", epilog=example("longwave list waves --json"))

@@ -11,7 +11,7 @@ import click
 
 from longwave.support.command_line import (
     CommandGroup,
-    called_by,
+    command_name,
     example,
     force_option,
     json_option,
@@ -128,7 +128,7 @@ def prove(files: tuple[str, ...], **options: Any) -> int:
     )
     from longwave.cli.statements import prove_and_print
 
-    return prove_and_print(called_by(), files, **options)
+    return prove_and_print(command_name(), files, **options)
 
 
 @click.command(
@@ -145,7 +145,7 @@ def library(names: tuple[str, ...], **options: Any) -> int:
     _refuse_both((options["json_wanted"], "--json", options["latex"], "--latex"))
     from longwave.cli.statements import decide_library_and_print
 
-    return decide_library_and_print(called_by(), names, **options)
+    return decide_library_and_print(command_name(), names, **options)
 
 
 @click.command(epilog=example("longwave check c.json"))
@@ -198,7 +198,7 @@ def verify(**options: Any) -> int:
         return 0
     from longwave.cli.verdicts import print_verdicts
 
-    return print_verdicts(called_by(), **options)
+    return print_verdicts(command_name(), **options)
 
 
 @verify.command(epilog=example("longwave verify recheck --only kink"))
@@ -213,7 +213,7 @@ def recheck(only: tuple[str, ...], limit: float | None, json_wanted: bool) -> in
     """
     from longwave.cli.recheck import print_rechecks
 
-    return print_rechecks(only, limit, json_wanted, called_by())
+    return print_rechecks(only, limit, json_wanted, command_name())
 
 
 @verify.command(epilog=example("longwave verify mutations --only kink"))
@@ -224,7 +224,7 @@ def mutations(only: tuple[str, ...], json_wanted: bool) -> int:
     """Refute every misprint of the closed forms."""
     from longwave.cli.verdicts import print_mutations
 
-    return print_mutations(only, json_wanted, called_by())
+    return print_mutations(only, json_wanted, command_name())
 
 
 @verify.command(epilog=example("longwave verify accuracy --only kink --drawn 10"))
@@ -237,4 +237,4 @@ def accuracy(only: tuple[str, ...], jobs: int | None, drawn: int | None, json_wa
     """Measure the evaluation of every wave."""
     from longwave.cli.accuracy import print_accuracy
 
-    return print_accuracy(only, jobs, drawn, json_wanted, called_by())
+    return print_accuracy(only, jobs, drawn, json_wanted, command_name())

@@ -16,7 +16,7 @@ from rich.table import Table
 
 from longwave.cli.statements import decided
 from longwave.support.command_line import check_and_announce
-from longwave.support.console import finished, print_found, print_lines, table_console, tracked
+from longwave.support.console import finished, print_lines, print_results, table_console, tracked
 from longwave.support.processes import Job, LocalWorkers, in_order
 from longwave.verify.proof import CertificateError
 from longwave.verify.proof.catalogue_proofs import NAMES, prove_named
@@ -76,7 +76,7 @@ def print_rechecks(
     install_systems()
     found, complete = finished(tracked(rechecks(proofs, seconds), len(proofs), "rechecking"))
     asked = f"{len(proofs)} statements"
-    status = print_found(found, complete, _print, json_wanted, program, asked)
+    status = print_results(found, complete, _print, json_wanted, program, asked)
     return status or int(any(REJECTED in entry.answers.values() for entry in found))
 
 
@@ -123,7 +123,7 @@ def proofs_of(names: Sequence[str] = ()) -> Proofs:
 def rechecks(proofs: Proofs, limit: float) -> Iterator[Rechecked]:
     """What each system says of each statement, on all cores, in the order of the proofs."""
     jobs = (Job(_recheck, (name, parts, limit)) for name, parts in proofs)
-    return in_order(jobs, LocalWorkers(os.cpu_count() or 1, apart=True))
+    return in_order(jobs, LocalWorkers(os.cpu_count() or 1, isolated=True))
 
 
 def _recheck(name: str, certificates: Sequence[Mapping[str, Any]], limit: float) -> Rechecked:

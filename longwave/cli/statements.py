@@ -22,7 +22,7 @@ from longwave.cli.verdicts import STYLES, summary
 from longwave.derive.algebra.formula_text import FormulaError
 from longwave.support.command_line import fail
 from longwave.support.compiled.source_digest import source_digest
-from longwave.support.console import finished, print_found, print_lines, table_console, tracked
+from longwave.support.console import finished, print_lines, print_results, table_console, tracked
 from longwave.support.dask_cluster import DaskWorkers
 from longwave.support.processes import (
     Call,
@@ -171,7 +171,7 @@ def decide_and_print(
     proofs.write([c for _, verdict in found for c in verdict.certificates])
     decisions = [Decision(problems[place], verdict) for place, verdict in found]
     show, asked = partial(_print, latex=latex), f"{len(problems)} statements"
-    status = print_found(decisions, complete, show, json_wanted, program, asked)
+    status = print_results(decisions, complete, show, json_wanted, program, asked)
     return status or int(not all(decision.is_met for decision in decisions))
 
 
@@ -273,7 +273,7 @@ def decided(
     those before them on average, or at most the limit if none is decided.
     ``workers`` may be those of a cluster.
     """
-    workers = workers or LocalWorkers(os.cpu_count() or 1, apart=True)
+    workers = workers or LocalWorkers(os.cpu_count() or 1, isolated=True)
     left, begun, is_told = len(problems), time.monotonic(), False
 
     def look(_: object) -> None:
@@ -303,14 +303,14 @@ def decided(
 
 
 def _last_word(statement: Statement, call: Call, limit: float) -> StatementVerdict:
-    for found in (call.value, call.told):
+    for found in (call.value, call.message):
         if isinstance(found, StatementVerdict):
             return found
     late = isinstance(call.error, OutOfTime)
     why = f"no verdict within {limit:g} s" if late else str(call.error)
     if not isinstance(call.error, OutOfTime | LostProcess):
         why = f"the workers ended before it was decided ({type(call.error).__name__})"
-    stage = call.told or THE_BEGINNING
+    stage = call.message or THE_BEGINNING
     return undecided(statement, f"{why} (it had come to {stage})", limit if late else 0.0)
 
 

@@ -17,7 +17,7 @@ from rich.table import Table
 from longwave.cli.certificates import ProofFile
 from longwave.solutions.catalogue import CATALOGUE
 from longwave.support.command_line import check_and_announce, listed
-from longwave.support.console import finished, print_found, print_lines, table_console, tracked
+from longwave.support.console import finished, print_lines, print_results, table_console, tracked
 from longwave.verify.evidence.mutations import MutationCount, count_mutants
 from longwave.verify.evidence.residual import Sampling, check_residual, scientific
 from longwave.verify.proof import ProofVerdict, prove_stable
@@ -89,7 +89,7 @@ def print_verdicts(
     proofs.write([certificate for certificate in proved if certificate is not None])
     noun = "stable form" if stable else "closed form"
     show, asked = partial(_print, noun=noun), _noun(len(names))
-    status = print_found(found, complete, show, json_wanted, program, asked)
+    status = print_results(found, complete, show, json_wanted, program, asked)
     return status or int(not all(verdict.passed for verdict in found))
 
 
@@ -211,7 +211,7 @@ def print_mutations(only: Sequence[str], json_wanted: bool, program: str) -> int
     work = (count_mutants(named_form(name)) for name in names)
     counts, complete = finished(tracked(work, len(names), "refuting"))
     asked = f"{len(names)} forms"
-    status = print_found(counts, complete, _print_counts, json_wanted, program, asked)
+    status = print_results(counts, complete, _print_counts, json_wanted, program, asked)
     return status or int(any(count.undecided for count in counts))
 
 

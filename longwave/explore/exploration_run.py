@@ -263,7 +263,7 @@ class Explorer:
             return None
         if call not in ended:
             share: float | None
-            share, call.told = call.told, None
+            share, call.message = call.message, None
             return share
         self._call = None
         try:

@@ -73,7 +73,7 @@ def _stage_seconds(lattice: NumericLattice) -> float:
     """The least of some rounds, a cell and stage."""
     random = np.random.default_rng(0)
     dynamics, spent = Dynamics(lattice), []
-    state = lattice.held(State(0.0, *(0.1 * random.standard_normal((2, 1, CELLS)))))
+    state = lattice.with_walls(State(0.0, *(0.1 * random.standard_normal((2, 1, CELLS)))))
     for number in range(ROUNDS):
         begun = time.perf_counter()
         dynamics.advance(REDUCED_PHASE_6, state.f, state.v, STEP, STEPS, number * STEPS * STEP)

@@ -65,14 +65,14 @@ class BenchReadings:
         self.times = reading_times(scene, bench)
         self.watched = list(watched(bench, chain))
         scheme = scheme_named(scene.target.scheme) if scene.target.scheme else REDUCED_PHASE_6
-        start = chain.held(start_on_bench(bench, chain, scene.t0))
+        start = chain.with_walls(start_on_bench(bench, chain, scene.t0))
         self.engine = CellEngine(
             chain,
             start,
             self.times,
             scheme,
             StateComparison(self.read),
-            kept=self.times[:0],
+            stored_times=self.times[:0],
             cuts=watched_cuts(bench, chain),
             tolerance=scene.target.tolerance,
         )

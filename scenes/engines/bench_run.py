@@ -93,7 +93,7 @@ def record_scene(
     try:
         found = searched(readings.engine, scene, progress, announce, readings.record_of)
     except OverBudgetError as dear:
-        raise ValueError(readings.engine.told_dear(dear.work, scene.tolerance)) from None
+        raise ValueError(readings.engine.budget_message(dear.work, scene.tolerance)) from None
     record = readings.record_of(found.trial)
     if found.trial.values is None:
         readings.engine.check_followed(found.trial)

@@ -59,7 +59,7 @@ class SpectralRuns:
             lambda state: self._view(state).judged(),
             wave.scale,
             at_sites=True,
-            kept=self._kept,
+            stored=self._kept,
             around=lambda state: self._view(state).judged(AROUND),
             limit=domains.limit(ring),
             wider=self._wider,

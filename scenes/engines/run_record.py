@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from longwave.lattice.refine import USUAL_WORK, StoppedSearch, refine
 from longwave.lattice.trial import StoppedTrial, Trial, difference
 from longwave.scenes.observed.observables import TIME, axis_values
-from longwave.support.checkpoint import spared_seconds
+from longwave.support.checkpoint import restored_seconds
 from longwave.support.html_tables import html_table
 from longwave.support.labelled_arrays import LabelledArray, LabelledArrays
 from longwave.support.provenance import provenance
@@ -120,7 +120,7 @@ def judged(record: RunRecord, found: Refined, asked: Scene, begun: float) -> Run
         "error_estimate": found.error,
         "rounding_estimate": found.rounding,
         "next_decade": found.next_decade,
-        "planning_seconds": time.perf_counter() - begun + spared_seconds() - found.trial.seconds,
+        "planning_seconds": time.perf_counter() - begun + restored_seconds() - found.trial.seconds,
     }
     return record
 

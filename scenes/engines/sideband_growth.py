@@ -48,7 +48,7 @@ from longwave.scenes.starts.perturbed_plane import (
     chosen_kappa,
     plane_domain,
 )
-from longwave.support.checkpoint import spared_seconds
+from longwave.support.checkpoint import restored_seconds
 from longwave.support.request_limits import ExpectedCost, OverBudgetError, check_request
 
 if TYPE_CHECKING:
@@ -242,7 +242,7 @@ def measure_growth(
     try:
         found = refine(runs.engine, scene.target.tolerance, progress or (lambda _: None), announce)
     except OverBudgetError as dear:
-        raise ValueError(runs.engine.told_dear(dear.work, scene.tolerance)) from None
+        raise ValueError(runs.engine.budget_message(dear.work, scene.tolerance)) from None
     runs.engine.check_followed(found.trial)
     if math.isinf(found.error) or found.trial.values is None:
         raise ValueError(
@@ -250,7 +250,7 @@ def measure_growth(
             "up (take a smaller amplitude or eps)"
         )
     _, steps, _, _ = found.trial.payload
-    whole = perf_counter() - begun + spared_seconds()
+    whole = perf_counter() - begun + restored_seconds()
     cost = {
         "engine": "stencil",
         "scheme": SCHEME.name,
@@ -367,7 +367,7 @@ class SidebandRuns:
             times,
             SCHEME,
             StateComparison(self._sidebands, self._logarithms, 1.0 / self.scale / SIZE),
-            kept=times[:0],
+            stored_times=times[:0],
             tolerance=scene.target.tolerance,
             longest=longest,
             amplified=math.sqrt(max(1.0, evaluations / GROWTH_EVALUATIONS)),

@@ -242,9 +242,9 @@ class SpectralEngine(SpectralRingSearch):
         k = rms_wavenumber(state)
         turning = turning_time(self._moving.constants, state, k)
         step = first_step(c, self._duration, k, turning)
-        self._alike = self._apart(self._duration / turning)
-        if self._must_tell:
-            step = min(step, self._telling)
+        self._lattice_spread = self._apart(self._duration / turning)
+        if self._must_resolve:
+            step = min(step, self._resolving)
             self._refuse_toil(step)
         length = 1.0 / (c * k)
         start = START * length if STARTED * length < self._duration else 0.0
@@ -282,11 +282,11 @@ class SpectralEngine(SpectralRingSearch):
         spread = SPREAD * crest_energy_spread(chain, state, 0)
         return (1.0 + turns) * spread * float(np.max(np.abs(bounds.strain))) / data.moving.eps
 
-    def _made_denser(self, choices: Choices) -> bool:
+    def _add_points(self, choices: Choices) -> bool:
         self._density = DENSER * self._dense(choices) / choices.finer
         return True
 
-    def _tell_loss(self, error: RunawayError, step: float) -> None:
+    def _handle_loss(self, error: RunawayError, step: float) -> None:
         """Raise it if waves cease to exist by themselves."""
         self._soft = error if isinstance(error, NotHyperbolicError) else None
         if self._soft and self._lost_again(error, step):
@@ -379,7 +379,13 @@ class SpectralEngine(SpectralRingSearch):
         work = cost.evaluations * cost.points * math.log2(cost.points)
         seconds = time.perf_counter() - loop.begun
         trial = Trial(
-            choices, values, work, seconds, rounding, cost, common_error=self._unshown(choices)
+            choices,
+            values,
+            work,
+            seconds,
+            rounding,
+            cost,
+            common_error=self._unresolved_error(choices),
         )
         if stopped:
             raise StoppedTrial(trial)

@@ -115,7 +115,7 @@ class EnvelopeFlow:
                 self._run = self._begun()
             for _ in range(self._run.whole_steps(time)):
                 self._run.step()
-            self._known[time] = np.ravel(self._run.ahead(time)).copy()
+            self._known[time] = np.ravel(self._run.solution_at(time)).copy()
         return self._known[time]
 
 

@@ -109,7 +109,7 @@ class LongWaveData(LatticeWave):
 
     def strained(self, mean_strain: tuple[float, ...]) -> NumericLattice:
         """The lattice about this uniform strain."""
-        return self.numbers.lattice.grown(mean_strain, self.growth_shares)
+        return self.numbers.lattice.with_mean_strain(mean_strain, self.growth_shares)
 
     @property
     def growth_shares(self) -> tuple[float, ...]:

@@ -1,1 +1,1 @@
-"""Compiled code and its cache on disk, which follows the sources."""
+"""Compiled code: kernels, their cache on disk, and the source digests it depends on."""

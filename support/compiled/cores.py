@@ -1,4 +1,4 @@
-"""How many cores this process may use: one where it is a worker beside others."""
+"""Number of cores that this process may use: one if it is one of several workers."""
 
 import multiprocessing
 import os
@@ -9,18 +9,18 @@ _alone = False
 
 
 def keep_to_one_core() -> None:
-    """From now on no work of this process is shared by threads: its other cores have their own."""
+    """Use one core from now on: the other cores belong to other processes."""
     global _alone
     _alone = True
 
 
 def is_worker() -> bool:
-    """Whether this process works beside others: one that was started by another, or said so."""
+    """Return whether this process is a worker: started by another one, or declared as one."""
     return _alone or multiprocessing.parent_process() is not None
 
 
 def usable_cores() -> int:
-    """Threads that pay in this process: one in a worker process, else the cores.
+    """Return the number of useful threads: one in a worker process, else the number of cores.
 
     >>> usable_cores() >= 1
     True
@@ -33,11 +33,11 @@ def usable_cores() -> int:
 
 
 def other_core() -> ThreadPoolExecutor:
-    """The one thread that shares the work of a kernel with its caller."""
+    """Return the executor of the one thread that shares a kernel's work with its caller."""
     return _thread_of(os.getpid())
 
 
 @lru_cache(maxsize=1)
 def _thread_of(_: int) -> ThreadPoolExecutor:
-    """Of one process: in a fork of it there are no threads."""
+    """Return the executor of this process; a fork, which has no threads, gets its own."""
     return ThreadPoolExecutor(1, thread_name_prefix="core")

@@ -1,13 +1,13 @@
-"""Numba's ``njit`` with kernels whose machine code is kept, and called without numba.
+"""Numba's ``njit`` with cached kernels that are called without importing numba.
 
-Numba, whose import and first look at a type take half a second, is asked when a kernel is first
-called with arguments of some kinds. The text in LLVM's language that it gives is kept as machine
-code by `support.compiled.native_code`, which the next process loads without numba. For the
-``examples`` of a kernel that text comes with the package (`support.compiled.shipped_kernels`).
+Importing numba and its first type inference take half a second, so numba is only used when a kernel
+is first called with arguments of some types. The LLVM text it produces is compiled and cached by
+`support.compiled.native_code`; the next process loads the machine code without numba. For the
+``examples`` of a kernel the text is shipped with the package (`support.compiled.shipped_kernels`).
 
-The arguments are words of 64 bits: of an array the address of NumPy's object, of a tuple the items,
-for None 0. They are handed over as numba does from kernel to kernel: an array as its owner, twice
-(here 0), size, item size, address, shape and strides.
+Arguments are passed as 64-bit words: the address of NumPy's array object, the items of a tuple, 0
+for None. The entry function passes arrays on as numba's kernels do: owner, twice (here 0), size,
+item size, address, shape and strides.
 """
 
 from __future__ import annotations
@@ -29,47 +29,47 @@ from numpy.typing import NDArray
 Arguments = tuple[Any, ...]
 
 OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": False}
-"""What a function does not say: one that is silent of ``fastmath`` takes it from the first kernel
-that calls it, and the last digits of all others would depend on what a process compiled before."""
+"""Default options. A function without ``fastmath`` would take it from the first kernel that calls
+it, and last digits would depend on what a process compiled before."""
 
 BARE = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-"""Without numba's own entry for Python a function compiles in half the time."""
+"""Options that omit numba's own wrappers, which halves the compile time."""
 
 LARGEST = 2**63
 
 PROTOTYPE = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_char_p)
 
 C_ORDER, OF_C, OF_OTHERS = 0x1, 0x501, 0x502
-"""NumPy's flags of arrays: the order of C; with it, aligned and writeable; these two and the order
-of Fortran."""
+"""NumPy's array flags: C order; C order, aligned and writeable; the last two with Fortran order."""
 
 DATA, SHAPE, STRIDES = (object.__basicsize__ // 8 + place for place in (0, 2, 3))
-"""Where in an array object, in words, the addresses of these are: NumPy's binary interface."""
+"""Word offsets, in an array object, of the addresses of data, shape and strides: NumPy's binary
+interface."""
 
 ENTRY = "kernel"
-"""The name of what Python calls, which takes the address of the words."""
+"""Name of the exported function, which takes the address of the words."""
 
 NEVER_CALLED = re.compile(r"^declare (void @NRT_MemInfo_call_dtor\(.*?\)).*$", re.MULTILINE)
-"""What numba calls when an array of its own is left: never in a kernel that makes none."""
+"""Declaration of numba's destructor of arrays, never called by a kernel that creates none."""
 
 
 def doubles(axes: int) -> NDArray[np.float64]:
-    """Return an array of doubles in the order of C, for an example of a kernel's arguments."""
+    """Return an array of doubles in C order, an example of a kernel's argument."""
     return np.zeros((1,) * axes)
 
 
 def integers(axes: int) -> NDArray[np.int64]:
-    """Return an array of integers in the order of C, for an example of a kernel's arguments."""
+    """Return an array of integers in C order, an example of a kernel's argument."""
     return np.zeros((1,) * axes, np.int64)
 
 
 def complexes(axes: int) -> NDArray[np.complex128]:
-    """Return an array of complex numbers in the order of C, for an example of arguments."""
+    """Return an array of complex numbers in C order, an example of a kernel's argument."""
     return np.zeros((1,) * axes, np.complex128)
 
 
 THREE = 0.0, 0.0, 0.0
-"""Example of an argument that is a number as three floats."""
+"""Example of a number stored as three floats."""
 
 
 def njit(
@@ -79,12 +79,12 @@ def njit(
     examples: Sequence[Arguments] = (),
     **options: Any,
 ) -> Callable[[Callable[..., Any]], Any]:
-    """``numba.njit(**options)``; with ``cache``, a kernel whose machine code is kept.
+    """Return ``numba.njit(**options)``, with ``cache`` a kernel with cached machine code.
 
-    A kernel takes doubles, integers, arrays, tuples and None. It gives nothing, makes no arrays and
-    raises nothing. One without ``subnormals`` takes and gives 0 for them, however it is called from
-    Python (`support.compiled.subnormals`). ``examples`` are arguments of the kinds that runs
-    call it with, a tuple for each combination: the package comes with the text for them.
+    A kernel takes doubles, integers, arrays, tuples and None. It returns nothing, creates no arrays
+    and raises nothing. Without ``subnormals`` it flushes them to 0
+    (`support.compiled.subnormals`). ``examples`` are arguments of the types that runs use, a tuple
+    for each combination; the package ships the text for them.
 
     >>> @njit()
     ... def half(x):
@@ -102,49 +102,49 @@ def njit(
 
 
 class Kernel:
-    """A function to be compiled: for Python, and for the kernels that call it."""
+    """Compiled function, callable from Python and from other kernels."""
 
     def __init__(
         self,
         function: Callable[..., Any],
-        kept: bool,
+        cached: bool,
         subnormals: bool,
         examples: Sequence[Arguments],
         options: dict[str, Any],
     ) -> None:
-        if not (kept or subnormals):
+        if not (cached or subnormals):
             raise ValueError("cache must be True where subnormals is False, got False")
-        if examples and not kept:
+        if examples and not cached:
             raise ValueError("cache must be True where there are examples, got False")
         functools.update_wrapper(self, function)
         self.py_func, self.examples = function, examples
-        self._kept, self._subnormals, self._options = kept, subnormals, OPTIONS | options
+        self._cached, self._subnormals, self._options = cached, subnormals, OPTIONS | options
         self._entries: dict[tuple[Any, ...], tuple[Callable[..., int], Callable[..., bytes]]] = {}
 
     def __call__(self, *arguments: Any) -> Any:
-        """The function's value."""
-        if not self._kept:
+        """Call the function, compiling it for new types of arguments."""
+        if not self._cached:
             return self._by_numba(*arguments)
         kinds: list[Any] = []
         words: list[Any] = []
         _unpack(arguments, kinds, words)
-        known = tuple(kinds)
-        found = self._entries.get(known)
-        if found is None:
-            found = self._entries[known] = self._entry(known, words, arguments)
-        entry, packed = found
+        key = tuple(kinds)
+        compiled = self._entries.get(key)
+        if compiled is None:
+            compiled = self._entries[key] = self._entry(key, words, arguments)
+        entry, packed = compiled
         if entry(packed(*words)):
             raise RuntimeError(f"{self.py_func.__name__} must raise nothing, got an exception")
         return None
 
     def __get__(self, instance: object, owner: type | None = None) -> Any:
-        """The kernel, bound to an instance as functions are: for Python's inspection it is one."""
+        """Return the kernel, bound to an instance as functions are, for Python's inspection."""
         return self if instance is None else MethodType(self, instance)
 
     def _entry(
         self, kinds: tuple[Any, ...], words: list[Any], arguments: Arguments
     ) -> tuple[Callable[..., int], Callable[..., bytes]]:
-        """The machine code for arguments of these kinds, and what packs their words."""
+        """Return the machine code for these types of arguments, and the packer of their words."""
         from longwave.support.compiled.native_code import native_functions
 
         key = self._key(kinds)
@@ -162,13 +162,13 @@ class Kernel:
         return f"{self.py_func.__qualname__}-{self.py_func.__code__.co_firstlineno} {kinds}"
 
     def key(self, arguments: Arguments) -> str:
-        """Return the name, within its module, of the kernel for arguments of these kinds."""
+        """Return the kernel's name within its module, with the types of the arguments."""
         kinds: list[Any] = []
         _unpack(arguments, kinds, [])
         return self._key(tuple(kinds))
 
     def text(self, arguments: Arguments) -> str:
-        """Have numba write the kernel and its entry, for these kinds of arguments, as LLVM text."""
+        """Compile the kernel and its entry for these types of arguments to LLVM text."""
         from llvmlite import binding  # type: ignore[import-untyped]
 
         numba = _numba()
@@ -179,7 +179,7 @@ class Kernel:
         compiled = self.dispatcher.overloads[folded]
         if compiled.signature.return_type != numba.types.none:
             raise TypeError(
-                f"{self.py_func.__name__} must return nothing to be kept, got a function that "
+                f"{self.py_func.__name__} must return nothing to be cached, got a function that "
                 f"returns {compiled.signature.return_type} (leave out cache=True)"
             )
         text = NEVER_CALLED.sub(
@@ -192,17 +192,17 @@ class Kernel:
 
     @cached_property
     def dispatcher(self) -> Any:
-        """Numba's own object, as other kernels call it."""
+        """Numba's dispatcher, for calls from other kernels."""
         return _numba().njit(**self._options, **BARE)(self.py_func)
 
     @cached_property
     def _by_numba(self) -> Any:
-        """Numba's own object, as Python calls it."""
+        """Numba's dispatcher, for calls from Python."""
         return _numba().njit(**self._options)(self.py_func)
 
 
 def _entry_text(context: Any, compiled: Any, subnormals: bool) -> str:
-    """A function in LLVM's language that calls the kernel with the words at an address."""
+    """Return the LLVM text of a function that calls the kernel with the words at an address."""
     from llvmlite import ir
     from numba import types
 
@@ -214,22 +214,24 @@ def _entry_text(context: Any, compiled: Any, subnormals: bool) -> str:
     entry = ir.Function(module, kind, name=ENTRY)
     builder = ir.IRBuilder(entry.append_basic_block())
 
-    def loaded(begin: Any, place: int) -> Any:
-        return builder.load(builder.gep(begin, [word(place)]))
+    def loaded(begin: Any, index: int) -> Any:
+        return builder.load(builder.gep(begin, [word(index)]))
 
     def scalars(kinds: Any) -> Iterator[Any]:
         for kind in kinds:
             yield from scalars(kind) if isinstance(kind, types.BaseTuple) else (kind,)
 
     words = []
-    for place, kind in enumerate(scalars(compiled.fndesc.argtypes)):
-        given = loaded(entry.args[0], place)
+    for index, kind in enumerate(scalars(compiled.fndesc.argtypes)):
+        word_value = loaded(entry.args[0], index)
         if not isinstance(kind, types.Array):
-            words.append(given)
+            words.append(word_value)
             continue
-        array = builder.inttoptr(given, word.as_pointer())
-        places = [builder.inttoptr(loaded(array, n), word.as_pointer()) for n in (SHAPE, STRIDES)]
-        axes = [loaded(begin, n) for begin in places for n in range(kind.ndim)]
+        array = builder.inttoptr(word_value, word.as_pointer())
+        addresses = [
+            builder.inttoptr(loaded(array, n), word.as_pointer()) for n in (SHAPE, STRIDES)
+        ]
+        axes = [loaded(begin, n) for begin in addresses for n in range(kind.ndim)]
         size = functools.reduce(builder.mul, axes[: kind.ndim], word(1))
         item = context.get_abi_sizeof(context.get_data_type(kind.dtype))
         words += [word(0), word(0), size, word(item), loaded(array, DATA), *axes]
@@ -248,7 +250,7 @@ def _entry_text(context: Any, compiled: Any, subnormals: bool) -> str:
 
 
 def _unpack(values: Iterable[Any], kinds: list[Any], words: list[Any]) -> None:
-    """Append the kinds that machine code depends on, and the words that it takes."""
+    """Append the types that machine code depends on, and the words that it takes."""
     for value in values:
         kind = type(value)
         if kind is np.ndarray:
@@ -275,16 +277,16 @@ def _unpack(values: Iterable[Any], kinds: list[Any], words: list[Any]) -> None:
 
 
 def _plain(value: Any) -> Any:
-    """Python's own numbers for NumPy's."""
+    """Return Python numbers for NumPy's."""
     if isinstance(value, tuple):
         return tuple(map(_plain, value))
     return value.item() if isinstance(value, np.generic) else value
 
 
 class Intrinsic:
-    """``numba.extending.intrinsic``, which numba is told of when it is there.
+    """Lazy ``numba.extending.intrinsic``, registered when numba is imported.
 
-    ``function`` is as numba takes it: the signature and the code for arguments of some types.
+    ``function`` is as numba takes it: it returns the signature and the code generator for types.
     """
 
     def __init__(self, function: Callable[..., Any]) -> None:
@@ -292,19 +294,19 @@ class Intrinsic:
 
     @cached_property
     def kind(self) -> Any:
-        """Numba's type of it."""
+        """Numba's type of the intrinsic."""
         from numba.core.registry import cpu_target
         from numba.extending import intrinsic
 
         typing = cpu_target.typing_context
-        made = intrinsic(self._function)
+        registered = intrinsic(self._function)
         typing.refresh()
-        return typing.resolve_value_type(made)
+        return typing.resolve_value_type(registered)
 
 
 @lru_cache(maxsize=1)
 def _numba() -> Any:
-    """Numba, which knows kernels and intrinsics then."""
+    """Import numba and register kernels and intrinsics with it."""
     import numba
     from numba.core.typing.typeof import typeof_impl
 
@@ -321,9 +323,9 @@ def _numba() -> Any:
 
 @lru_cache(maxsize=1)
 def compile_complex_product() -> None:
-    """Compile the product of complex numbers before any kernel that is kept.
+    """Compile the product of complex numbers before any cached kernel.
 
-    Numba compiles it once, with the flags of the kernel that needs it first: whether its products
+    Numba compiles it once, with the flags of the kernel that first needs it. Whether its products
     and sums may be contracted, and so last digits, would depend on what a process compiled before.
     """
     from numba.core.registry import cpu_target

@@ -1,16 +1,16 @@
-"""Where machine code and data are kept from one process to the next, under keys of their sources.
+"""Cache folders for machine code and data, named by a digest of their sources.
 
-What is kept lies in a folder that is named by a digest of all that it is made from
-(`support.compiled.source_digest`) and of numba's settings. So nothing old is ever found, and going
-back to an earlier source finds what was made from that.
+A folder's name has a digest of all that its files are made from (`support.compiled.source_digest`)
+and of numba's settings. Outdated files are therefore never found, and going back to an earlier
+source finds its files again.
 
-The folder is the first that can be written of ``NUMBA_CACHE_DIR``, the module's ``__pycache__`` and
-the user's cache. Where there is none, every process makes all anew, and a warning says so once. A
-cache can only save time: whatever is missing, damaged or cannot be written is made anew.
+The folder is the first writable one of ``NUMBA_CACHE_DIR``, the module's ``__pycache__`` and the
+user's cache. If there is none, every process compiles anew, after one warning. Anything missing,
+damaged or unwritable is also made anew.
 
-Machine code is run. So it is read only from a file in a folder that are both no links, the user's
-own, and closed to all others: nobody else can have put it there. A folder that is not is told once
-and left alone, and the next is taken.
+Machine code is executed, so it is read only if both the file and its folder are no links, belong to
+the user and are closed to everybody else: nobody else can have put it there. A folder that is not
+private is reported once and skipped.
 """
 
 from __future__ import annotations
@@ -33,29 +33,30 @@ if TYPE_CHECKING:
     from longwave.support.compiled.source_digest import Files
 
 PRIVATE, OWN, WRITABLE = 0o700, 0o600, 0o022
-"""The modes of a cache's folder and its files, and rights that others may not have on them."""
+"""Modes of a cache's folder and files, and permissions that others must not have on them."""
 
 READABLE = 0o755
-"""The mode of the folder in which they are, at most: with the mask 0 all could move them away."""
+"""Most permissive mode of the folder that contains cache folders: with mask 0 everybody could move
+them."""
 
 KEPT = 8
-"""Versions of a module's folder that a cache keeps; the least lately used ones go first."""
+"""Versions of a module's folder that are kept; the least recently used ones are removed first."""
 
 
 @dataclass(frozen=True)
 class CacheFolder:
-    """The files made from ``sources`` that are kept in the folder ``path``; None keeps nothing.
+    """Cached files made from ``sources``, in the folder ``path``; with None nothing is cached.
 
-    Read and written only by a process that runs what the sources say.
+    They are read and written only by a process whose code is what the sources say.
     """
 
     path: Path | None
     sources: Files = ()
     refused: tuple[str, ...] = ()
-    """What is wrong with folders that would have come before, a line each."""
+    """Reasons why earlier choices of folders were skipped, one line each."""
 
-    def kept(self, name: str, make: Callable[[], bytes]) -> bytes:
-        """The file's content, made if it is not there."""
+    def get_or_make(self, name: str, make: Callable[[], bytes]) -> bytes:
+        """Return the file's content, made and stored if it is missing."""
         data = self.read(name)
         if data is None:
             data = make()
@@ -63,7 +64,7 @@ class CacheFolder:
         return data
 
     def read(self, name: str) -> bytes | None:
-        """The file's content; None if it is not there, damaged, or may be somebody else's."""
+        """Return the file's content; None if it is missing, damaged, or not private."""
         from longwave.support.compiled.source_digest import are_older
         from longwave.support.sealed_file import open_plain, sealed_content
 
@@ -73,17 +74,17 @@ class CacheFolder:
             number = open_plain(name if folder else self.path / name, folder)
             with open(number, "rb") as stream:
                 if not _fault(os.fstat(number), others=WRITABLE):
-                    held = sealed_content(stream.read())
-                    title, _, data = (held or b"").partition(b"\n")
+                    content = sealed_content(stream.read())
+                    title, _, data = (content or b"").partition(b"\n")
                     return data if title == self._title(name) else None
         return None
 
     def _title(self, name: str) -> bytes:
-        """The first line of a file: one that was moved is not what its name says."""
+        """Return the first line of a file, which reveals a file that was renamed."""
         return f"{self.path and self.path.name}/{name}".encode()
 
     def write(self, name: str, data: bytes) -> None:
-        """Keep a file, if it can be: a full disk or a folder that is gone is no error."""
+        """Store a file if possible; a full disk or a missing folder is no error."""
         from longwave.support.compiled.source_digest import runs_as_written
         from longwave.support.sealed_file import write_sealed
 
@@ -95,7 +96,7 @@ class CacheFolder:
 
 @lru_cache
 def cache_folder(module: str, *others: str) -> CacheFolder:
-    """The folder for what an imported module makes, with the ``others``; made if need be."""
+    """Return the cache folder for an imported module and the ``others``, created if needed."""
     from longwave.support.compiled.source_digest import all_sources, text_digest
 
     sources = all_sources((module, *others))
@@ -110,28 +111,28 @@ def cache_folder(module: str, *others: str) -> CacheFolder:
                 os.utime(folder)
         except NotPrivateError as error:
             refused.append(str(error))
-            _warn(f"{error}: what it holds is not used (remove it)")
+            _warn(f"{error}: its files are not used (remove it)")
             continue
         except OSError:
             continue
         _prune(base, module)
         return CacheFolder(folder, sources, tuple(refused))
     _warn(
-        "no folder for compiled kernels can be written: this process compiles them anew, which "
-        "takes some seconds (set NUMBA_CACHE_DIR to a folder that can be written)"
+        "no folder for compiled kernels is writable: this process compiles them anew, which "
+        "takes some seconds (set NUMBA_CACHE_DIR to a writable folder)"
     )
     return CacheFolder(None, refused=tuple(refused))
 
 
 class NotPrivateError(OSError):
-    """A folder that others may have put something into."""
+    """A cache folder into which others may have put files."""
 
 
 @contextmanager
 def _opened(path: Path) -> Iterator[int | None]:
-    """The number of the folder, opened; None where files are not opened by it.
+    """Open the folder and yield its descriptor; None where files cannot be opened relative to one.
 
-    Raises NotPrivateError for one that is a link, another user's, or open to others.
+    Raises NotPrivateError if it is a link, another user's, or open to others.
     """
     _check_private(path, path.lstat())
     if os.open not in os.supports_dir_fd:
@@ -146,13 +147,17 @@ def _opened(path: Path) -> Iterator[int | None]:
 
 
 def _check_private(path: Path, state: os.stat_result) -> None:
+    """Raise NotPrivateError if the folder is not the user's alone."""
     fault = "a link" if stat.S_ISLNK(state.st_mode) else _fault(state, PRIVATE ^ 0o777)
     if fault:
-        raise NotPrivateError(f"a cache's folder must be the user's alone, got {path}, {fault}")
+        raise NotPrivateError(f"a cache folder must be private to the user, got {path}, {fault}")
 
 
 def _fault(state: os.stat_result, others: int) -> str:
-    """Why others may have written there: "" if not, ``others`` being rights they may not have."""
+    """Return why others may have written there, or an empty text.
+
+    ``others`` are the permissions that others must not have.
+    """
     if not hasattr(os, "geteuid"):
         return ""
     if state.st_uid != os.geteuid():
@@ -162,7 +167,7 @@ def _fault(state: os.stat_result, others: int) -> str:
 
 
 def _digest(sources: str) -> str:
-    """What machine code depends on: the sources and numba's settings."""
+    """Return the digest of what machine code depends on: sources, numba's settings and user."""
     settings = numba_settings()
     if hasattr(os, "geteuid"):  # several users may have one NUMBA_CACHE_DIR
         settings.insert(0, f"user {os.geteuid()}")
@@ -170,7 +175,7 @@ def _digest(sources: str) -> str:
 
 
 def numba_settings() -> list[str]:
-    """Return numba's settings, of the environment and of the file in the current folder."""
+    """Return numba's settings, from the environment and from the file in the current folder."""
     from longwave.support.compiled.source_digest import compiler_settings
     from longwave.support.sealed_file import open_plain
 
@@ -181,6 +186,7 @@ def numba_settings() -> list[str]:
 
 
 def _bases(file: Path) -> Iterator[Path]:
+    """Yield the folders that may contain cache folders, in order of preference."""
     chosen = os.environ.get("NUMBA_CACHE_DIR", "")
     if chosen:
         yield Path(chosen)
@@ -190,7 +196,7 @@ def _bases(file: Path) -> Iterator[Path]:
 
 
 def _users_cache() -> Path:
-    """The platform's folder for the caches of this user."""
+    """Return the platform's folder for this user's caches."""
     if sys.platform == "win32":
         return Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local")
     if sys.platform == "darwin":
@@ -199,7 +205,7 @@ def _users_cache() -> Path:
 
 
 def _prune(base: Path, module: str) -> None:
-    """Remove the least lately used versions of the module's folder."""
+    """Remove the least recently used versions of the module's folder."""
     try:
         versions = sorted(base.glob(f"{module}-*"), key=lambda path: path.stat().st_mtime)
     except OSError:  # another process has just removed one
@@ -209,6 +215,6 @@ def _prune(base: Path, module: str) -> None:
 
 
 @lru_cache
-def _warn(said: str) -> None:
-    """Warn of it, once, in one line: without the line of this file."""
-    warnings.warn_explicit(said, RuntimeWarning, "longwave", 0)
+def _warn(text: str) -> None:
+    """Warn once, in one line, without the source line."""
+    warnings.warn_explicit(text, RuntimeWarning, "longwave", 0)

@@ -1,4 +1,4 @@
-"""Writing the text of the package's kernels when it is built (`tools/build_kernels.py`)."""
+"""Generation of the shipped kernels' texts when the package is built (`tools/build_kernels.py`)."""
 
 from __future__ import annotations
 
@@ -18,25 +18,25 @@ from longwave.support.compiled.source_digest import PACKAGE, ROOT, all_sources
 from longwave.support.sealed_file import write_sealed
 
 DECLARED = "examples="
-"""Text that a module with kernels to be shipped contains."""
+"""Text that occurs in every module with kernels to be shipped."""
 
 FOR_ONE_PROCESSOR = re.compile(r"\b(contract|reassoc|fast|afn|arcp)\b|\bllvm\.x86\.(avx|fma)")
-"""Flags by which results depend on the processor, and operations that not all processors have."""
+"""Flags that make results depend on the processor, and instructions that not all have."""
 
 Task = tuple[str, str, int]
-"""Module and name of a kernel, and the number of one of its examples."""
+"""Module and name of a kernel, and the index of one of its examples."""
 
 
 def write_kernels(folder: Path = FOLDER) -> int:
     """Write the texts of all kernels of the package that have examples; return their number.
 
-    Each is written by a process of its own, as the first one of a run is: some functions of numba
-    take their flags from the first kernel that needs them. Nothing is written if one cannot be.
-    What an earlier build left in the folder is removed.
+    Each is generated in its own process, as in the first run that needs it: some functions of numba
+    take their flags from the first kernel that calls them. Nothing is written if one fails. The
+    folder's earlier content is removed.
     """
     shutil.rmtree(folder, ignore_errors=True)
     tasks = [*_tasks()]
-    compile_complex_product()  # which brings numba into all of the processes
+    compile_complex_product()  # imports numba before the processes are forked
     with multiprocessing.get_context("fork").Pool(maxtasksperchild=1) as pool:
         files = pool.map(_packed, tasks, chunksize=1)
     folder.mkdir()
@@ -46,6 +46,7 @@ def write_kernels(folder: Path = FOLDER) -> int:
 
 
 def _tasks() -> Iterator[Task]:
+    """Yield a task for each example of each kernel."""
     for module in modules_with_kernels():
         for name, value in vars(import_module(module)).items():
             if isinstance(value, Kernel) and value.__module__ == module:
@@ -53,17 +54,17 @@ def _tasks() -> Iterator[Task]:
 
 
 def modules_with_kernels() -> list[str]:
-    """Return the modules of the package that declare examples of kernels."""
-    found = []
+    """Return the names of the package's modules that declare examples of kernels."""
+    modules = []
     for folder, _, names in os.walk(ROOT / PACKAGE, followlinks=True):
         for path in (Path(folder, name) for name in names if name.endswith(".py")):
             if path.name != Path(__file__).name and DECLARED in path.read_text(encoding="utf-8"):
-                found.append(".".join(path.relative_to(ROOT).with_suffix("").parts))
-    return sorted(found)
+                modules.append(".".join(path.relative_to(ROOT).with_suffix("").parts))
+    return sorted(modules)
 
 
 def _packed(task: Task) -> tuple[str, bytes]:
-    """Return the name and the content of a kernel's file."""
+    """Return the name and the compressed content of a kernel's file."""
     module, name, number = task
     kernel: Any = getattr(import_module(module), name)
     text: str = kernel.text(kernel.examples[number])

@@ -1,14 +1,15 @@
-"""Kernels that come with the package as text in LLVM's language: a first run need not write them.
+"""Kernels shipped as LLVM text with the package, so that a first run need not generate them.
 
-Numba takes seconds to write the text of a kernel, LLVM a tenth of that to make machine code of it.
-So `support.compiled.kernel_writer` writes the text when the package is built, for the
-``examples`` of every kernel, and `shipped_text` finds it again where the sources, the kinds of
-arguments, the versions and settings of the compilers, and the computer are those it was written
-for. Anywhere else, and in a checkout, numba writes it as before.
+Numba takes seconds to generate the text of a kernel, LLVM a tenth of that to compile it.
+`support.compiled.kernel_writer` generates the text for the ``examples`` of every kernel when the
+package is built. `shipped_text` finds it if the sources, the types of arguments, the versions and
+settings of the compilers, and the computer are the same. Otherwise, and in a checkout, numba
+generates it.
 
-Numba lays out loops for the vectors of the processor that it runs on. That changes the speed and no
-bit of a kernel whose operations are all rounded one by one: its text serves every processor of the
-architecture. Where products and sums may be contracted it serves the processor it was written for.
+Numba vectorises loops for the processor that it runs on. That changes the speed but no bit of a
+kernel whose operations are all rounded separately: its text serves every processor of the
+architecture. If products and sums may be contracted, it serves only the processor it was generated
+for.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ FOLDER = Path(__file__).with_name("kernel_texts")
 
 
 def shipped_text(module: str, key: str) -> str | None:
-    """Return the text of a kernel that came with the package; None if there is none for it here."""
+    """Return the shipped text of a kernel, or None if there is none for this computer."""
     if not FOLDER.is_dir():
         return None
     sources = all_sources((module,))
@@ -40,7 +41,7 @@ def shipped_text(module: str, key: str) -> str | None:
 
 
 def computers() -> tuple[str, str]:
-    """Return what texts may be for: this processor, and all of its architecture and system."""
+    """Return identifiers of this processor, and of its architecture and system."""
     from llvmlite import binding  # type: ignore[import-untyped]
 
     from longwave.support.compiled.native_code import processor
@@ -50,6 +51,6 @@ def computers() -> tuple[str, str]:
 
 
 def file_name(sources: Files, key: str, computer: str) -> str:
-    """Return the name of the file of a kernel."""
+    """Return the file name of a kernel's text."""
     parts = [kernel_digest(sources), key, computer, *numba_settings()]
     return hashlib.sha256("\n".join(parts).encode()).hexdigest()[:40] + ".ll.z"

@@ -1,9 +1,9 @@
-"""A digest of all that kept code or data are made from: texts of the project, and versions.
+"""Digest of all that cached code and data are made from: the project's sources, and versions.
 
-It covers the text of every file of the project that a module imports, directly or through others,
-at once or later. What is in memory may be something else: Python runs old byte code where a file
-changed and kept time and size, and a file may change after it was imported. So what a process made
-is kept only if it `runs_as_written`.
+It covers the text of every project file that a module imports, directly or indirectly, at once or
+later. The code in memory may differ: Python runs old byte code if a file changed without changing
+time and size, and a file may change after it was imported. So results of a process are cached only
+if it `runs_as_written`.
 """
 
 from __future__ import annotations
@@ -19,26 +19,26 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 PACKAGE = "longwave"
-"""The project's own package; of all others the version counts."""
+"""The project's own package; all others are covered by their versions."""
 
 HOUSE = Path(__file__).resolve().parents[2]
-"""The folder that holds the rooms: a checkout, or the installed package."""
+"""Folder that contains the rooms: a checkout, or the installed package."""
 
 ROOT = Path(__file__).absolute().parents[3]
-"""The folder that the package is imported from."""
+"""Folder from which the package is imported."""
 
 MAKERS = ("sympy", "mpmath", "python-flint", "numpy", "numba", "llvmlite")
-"""Packages that exact numbers and machine code are made with."""
+"""Packages that produce exact numbers and machine code."""
 
 KERNEL_MAKERS = ("numba", "llvmlite")
-"""Packages that write a kernel's text from its sources; of NumPy it has the layout of arrays."""
+"""Packages that generate a kernel's text; of NumPy it depends on the layout of arrays only."""
 
 Files = tuple[tuple[str, Path], ...]
-"""Modules with their files, in order."""
+"""Sorted modules with their files."""
 
 
 def source_digest(*modules: str) -> str:
-    """The digest (hexadecimal) of what these modules, imported or not, are built from.
+    """Return the digest (hexadecimal) of the sources of these modules, imported or not.
 
     >>> names = "longwave.solutions.run.linear_phase", "longwave.support.compiled.source_digest"
     >>> source_digest(names[0]) == source_digest(names[1])
@@ -49,35 +49,36 @@ def source_digest(*modules: str) -> str:
 
 @lru_cache
 def all_sources(modules: tuple[str, ...]) -> Files:
-    """Every file of the project that these modules import, which need not be imported for that.
+    """Return every project file that these modules import, without importing them.
 
     >>> files = dict(all_sources(("longwave.solutions.run.linear_phase",)))
     >>> "longwave.solutions.run.doubledouble" in files
     True
     """
-    found: dict[str, Path] = {}
+    files: dict[str, Path] = {}
     waiting = [(module, _file(module) or _file_in_memory(module)) for module in modules]
     while waiting:
         module, path = waiting.pop()
-        if path is not None and module not in found:
-            found[module] = path
+        if path is not None and module not in files:
+            files[module] = path
             waiting += _imported(module, path)
-    return tuple(sorted(found.items()))
+    return tuple(sorted(files.items()))
 
 
 @lru_cache
 def text_digest(sources: Files) -> str:
-    """The digest of their text, and of the versions of Python and of what makes code and data."""
+    """Return the digest of the sources, and of the versions of Python and `MAKERS`."""
     return _digest(sources, sys.version, MAKERS)
 
 
 @lru_cache
 def kernel_digest(sources: Files) -> str:
-    """Return the digest of their text, and of the versions of what writes a kernel's text."""
+    """Return the digest of the sources, and of the versions of Python and `KERNEL_MAKERS`."""
     return _digest(sources, str(sys.implementation.cache_tag), KERNEL_MAKERS)
 
 
 def _digest(sources: Files, python: str, packages: tuple[str, ...]) -> str:
+    """Return the digest of sources, a Python version and the versions of packages."""
     total = hashlib.sha256("\n".join(name for name, _ in sources).encode())
     for _, path in sources:
         total.update(_text_digest(path))
@@ -88,7 +89,7 @@ def _digest(sources: Files, python: str, packages: tuple[str, ...]) -> str:
 
 @lru_cache
 def are_older(sources: Files) -> bool:
-    """Whether those of the modules that are imported are older than the first import of a room."""
+    """Return whether all imported modules among them are older than the first import of a room."""
     from longwave.support.lazy_exports import BEGUN
 
     states = (path.stat() for name, path in sources if name in sys.modules)
@@ -97,10 +98,10 @@ def are_older(sources: Files) -> bool:
 
 @lru_cache
 def runs_as_written(sources: Files) -> bool:
-    """Whether those of the modules that are imported run what their files say now.
+    """Return whether the imported modules among them run what their files say now.
 
-    Not so where Python took old byte code, a file having changed and kept time and size, and
-    perhaps not where a file is younger than the first import of a room.
+    False if Python used old byte code because a file changed without changing time and size. Also
+    False if a file is younger than the first import of a room, which may be needlessly strict.
     """
     if not are_older(sources):
         return False
@@ -120,15 +121,15 @@ def _text_digest(path: Path) -> bytes:
 
 @cache
 def _imported(module: str, path: Path) -> tuple[tuple[str, Path], ...]:
-    """The modules of the project, with their files, that a module imports."""
-    found = []
+    """Return the project's modules, with their files, that a module imports."""
+    modules = []
     for stem, inner in _imports(path):
         package = module.split(".")[: None if path.name == "__init__.py" else -1]
         above = _absolute(stem, package)
         names = (f"{above}.{inner}", above) if inner else (above,)
         files = ((name, file) for name in names if (file := _file(name)) is not None)
-        found += [*files][:1]
-    return tuple(found)
+        modules += [*files][:1]
+    return tuple(modules)
 
 
 _IMPORT = re.compile(
@@ -140,9 +141,9 @@ _COMMENT = re.compile(r"#[^\n]*")
 
 
 def _imports(path: Path) -> Iterator[tuple[str, str]]:
-    """What a file imports: the module (with dots if relative), and a name in it.
+    """Yield the imports of a file: the module (with dots if relative), and a name in it.
 
-    Read without Python's parser, which would take a tenth of a second for the whole project.
+    Regular expressions are used because Python's parser takes a tenth of a second for the project.
     """
     for stem, inside, plain, modules in _IMPORT.findall(path.read_text(encoding="utf-8")):
         names = _COMMENT.sub("", inside or plain or modules).replace("\\", " ").split(",")
@@ -159,7 +160,7 @@ def _absolute(stem: str, package: list[str]) -> str:
 
 @cache
 def _file(module: str) -> Path | None:
-    """The file of a module of the project, None for any other name."""
+    """Return the file of a project module, None for any other name."""
     if module.split(".")[0] != PACKAGE:
         return None
     stem = ROOT.joinpath(*module.split("."))
@@ -168,13 +169,13 @@ def _file(module: str) -> Path | None:
 
 
 def _file_in_memory(module: str) -> Path | None:
-    """The file of an imported module from elsewhere, such as a user's."""
+    """Return the file of an imported module from elsewhere, such as a user's."""
     name = getattr(sys.modules.get(module), "__file__", None)
     return None if name is None else Path(name).absolute()
 
 
 def installed_version(package: str) -> str | None:
-    """The version of a package that is installed."""
+    """Return the installed version of a package, or None."""
     try:
         return version(package)
     except PackageNotFoundError:
@@ -182,7 +183,7 @@ def installed_version(package: str) -> str | None:
 
 
 def compiler_settings() -> list[str]:
-    """The variables of the environment that say how kernels are compiled, with their values."""
+    """Return the environment variables that affect how kernels are compiled, with values."""
     return [
         f"{name}={value}"
         for name, value in sorted(os.environ.items())

@@ -1,11 +1,12 @@
-"""Machine code that takes and gives 0 for subnormal numbers, below 2.3e-308.
+"""Machine code that flushes subnormal numbers, below 2.3e-308, to 0.
 
-The tails of a wave on zero fall through the subnormal numbers, and on Intel processors an operation
-with one takes 100 cycles and more. Machine code that advances a lattice sets the processor's mode
-on entry and restores it on exit: FTZ and DAZ of MXCSR on x86-64, FZ of FPCR on aarch64. The mode
-belongs to a thread, so every thread that calls the code sets its own. Elsewhere nothing is done.
+The tails of a wave on zero become subnormal, and on Intel processors an operation with a subnormal
+number takes 100 cycles and more. Machine code that advances a lattice sets the processor's mode on
+entry and restores it on exit: FTZ and DAZ of MXCSR on x86-64, FZ of FPCR on aarch64. The mode
+belongs to a thread, so every thread that calls the code sets its own. On other processors nothing
+is done.
 
-Double-double arithmetic does without it: its error bounds count on gradual underflow.
+Double-double arithmetic does not use it, because its error bounds need gradual underflow.
 """
 
 from __future__ import annotations
@@ -27,9 +28,9 @@ _WORD, _LONG = ir.IntType(32), ir.IntType(64)
 
 @contextmanager
 def flushed_subnormals(module: Any, builder: Any, triple: str | None = None) -> Iterator[None]:
-    """Write the code of the body between an entry that sets the mode and an exit that restores it.
+    """Generate code that sets the mode before the body's code and restores it after.
 
-    The body must go on to its end: a return or a branch out of it leaves the mode set. ``triple``
+    The body must reach its end: a return or a branch out of it would leave the mode set. ``triple``
     names the processor, by default this one.
     """
     architecture = (triple or binding.get_process_triple()).partition("-")[0]
@@ -59,7 +60,7 @@ def flushed_subnormals(module: Any, builder: Any, triple: str | None = None) -> 
 
 
 def _intrinsic(module: Any, name: str, result: Any, *kinds: Any) -> Any:
-    """Return LLVM's function of that name, declared in the module."""
+    """Return LLVM's intrinsic of that name, declared in the module."""
     known = module.globals
     return (
         known[name] if name in known else ir.Function(module, ir.FunctionType(result, kinds), name)

@@ -9,7 +9,7 @@ Two kinds of table, two algebras:
 * a Runge-Kutta table: sum_i b_i Phi_i(tree) = 1/gamma(tree) for every rooted tree of at most p
   vertices (Butcher; the same book, III.1).
 
-Both return the largest defect.
+Both functions return the largest defect.
 """
 
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""Random lattices, states and references for searches: what any engine must get right."""
+"""Random lattices, states and reference solutions, for searches over all engines."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Random = np.random.Generator
 
 
 def random_force(random: Random, size: float, stiffness: float) -> ForceProgram:
-    """A force whose nonlinear part matters at stretches of that size."""
+    """Return a random force whose nonlinear part matters at stretches of that size."""
     from sympy import Float, Rational, exp, sin
 
     from longwave.derive.symbols import x
@@ -40,9 +40,9 @@ def random_force(random: Random, size: float, stiffness: float) -> ForceProgram:
 
 
 def random_lattice(random: Random, size: float, axes: int = 1) -> NumericLattice:
-    """Masses and springs, some tied to their sites, or strains; fields up to three, reach to three.
+    """Return a random lattice of masses and springs, some tied to their sites, or of strains.
 
-    ``size`` is that of the stretches.
+    It has up to three fields and a reach of up to three cells. ``size`` is that of the stretches.
     """
     unit = 10.0 ** random.uniform(-1, 1)
     if random.random() < 0.2:
@@ -98,7 +98,7 @@ def _strains(random: Random, size: float, unit: float, axes: int) -> NumericLatt
 def smooth_or_rough(
     random: Random, size: float, fields: int, counts: Sequence[int], width: float
 ) -> Array:
-    """Random fields whose spectrum falls off at ``width`` modes; all modes alike if it is inf."""
+    """Return random fields whose spectrum decays over ``width`` modes; inf for white noise."""
     values = size * random.standard_normal((fields, *counts))
     if width == np.inf:
         return 0.3 * values
@@ -116,7 +116,7 @@ def smooth_or_rough(
 def reference(
     lattice: NumericLattice, f: Array, v: Array, times: Sequence[float] | Array
 ) -> Array | None:
-    """The fields at the times (from 0 on) by DOP853; None where it gets stuck or loses them."""
+    """Return the fields at the times (from 0 on) by DOP853; None if it stalls or diverges."""
     size = f.size
 
     def slope(_: float, z: Array) -> Array:

@@ -1,4 +1,4 @@
-"""Fields on a ring between their samples, in one dimension and two."""
+"""Interpolation of fields on a ring between their samples, in one and two dimensions."""
 
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ def ring(counts: tuple[int, ...]) -> FieldRing:
 
 
 @pytest.mark.parametrize("counts", [(16,), (15,), (12, 9), (8, 10)])
-def test_the_interpolant_meets_the_samples_and_repeats(counts: tuple[int, ...]) -> None:
+def test_the_interpolant_matches_the_samples_and_is_periodic(counts: tuple[int, ...]) -> None:
     state = ring(counts)
     grid = np.meshgrid(*map(state.points, range(len(counts))), indexing="ij")
     np.testing.assert_allclose(state.at(*grid), state.f, atol=1e-12)
@@ -23,7 +23,7 @@ def test_the_interpolant_meets_the_samples_and_repeats(counts: tuple[int, ...]) 
 
 @pytest.mark.parametrize("counts", [(16,), (15,), (12, 9), (8, 10)])
 @pytest.mark.parametrize("more", [-3, -2, 1, 16])
-def test_other_samples_are_of_the_same_functions(counts: tuple[int, ...], more: int) -> None:
+def test_resampling_keeps_the_functions(counts: tuple[int, ...], more: int) -> None:
     state = ring(counts)
     other = state.sampled(tuple(count + more for count in counts))
     grid = np.meshgrid(*map(other.points, range(len(counts))), indexing="ij")
@@ -31,7 +31,7 @@ def test_other_samples_are_of_the_same_functions(counts: tuple[int, ...], more: 
     np.testing.assert_allclose(other.v, state.velocities_at(*grid), atol=1e-12)
 
 
-def test_the_tail_is_what_the_last_waves_add() -> None:
+def test_the_tail_bounds_the_contribution_of_the_last_modes() -> None:
     x = np.arange(64) / 64.0
     waves = [0.3 * np.cos(2 * np.pi * 31 * x) - 0.2 * np.sin(2 * np.pi * 28 * x)]
     state = FieldRing(0.0, (0.0,), (1.0,), np.array([waves[0], np.cos(2 * np.pi * x)]), 0 * x)

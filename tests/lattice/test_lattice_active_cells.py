@@ -45,7 +45,7 @@ def advanced(
     """Fields and velocities after steps of 0.05, where arcs may be that part of the ring."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(ring_kernel, "SHARE", share)
-        dynamics, ring = Dynamics(lattice), lattice.held(State(0.0, *start.copy()))
+        dynamics, ring = Dynamics(lattice), lattice.with_walls(State(0.0, *start.copy()))
         for turn in range(3):  # the arc of one call serves the next
             dynamics.advance(scheme, ring.f, ring.v, 0.05, steps, 0.05 * steps * turn)
     return np.array([ring.f, ring.v])

@@ -1,7 +1,7 @@
-"""Any lattice by `integrate`.
+"""Integration of arbitrary lattices by `integrate`.
 
-Catches: an estimate below the error, a lattice or a state that does not fit, a blow-up that is
-passed over.
+Catches: an estimate below the error, a lattice or state that does not fit, a blow-up that is
+missed.
 """
 
 from dataclasses import replace
@@ -43,21 +43,21 @@ def test_estimates_bound_the_error_on_random_chains_at_length() -> None:
     assert sum(verdict.kind == "sound" for verdict in judged(range(1000, 1012))) > 8
 
 
-def test_what_has_blown_up_has_no_frequency_and_no_bound() -> None:
-    """A run with too long a step may end in infinite stretches; that is no error of its own."""
+def test_infinite_stretches_have_an_infinite_frequency_and_size() -> None:
+    """A run with too long a step may end in infinite stretches, which must not raise an error."""
     dynamics = Dynamics(numbers("dimer"))
     for broken in ((-np.inf, np.inf), (np.nan, np.nan), (-1.5e308, 1.5e308)):
         ranges = np.array([broken, (0.0, 1.0), (0.0, 1.0), broken])
         assert dynamics.highest_frequency(ranges) == np.inf == dynamics.largest(ranges)
 
 
-def test_slopes_whose_sums_are_no_numbers_have_no_frequency() -> None:
-    """3 y^2 = 9.4e307 is a number, four times that is none."""
+def test_slopes_whose_sum_overflows_have_an_infinite_frequency() -> None:
+    """3 y^2 = 9.4e307 is finite, four times that overflows."""
     ranges = np.array([(-5.6e153, 5.6e153), (-5.6e153, 5.6e153)])
     assert Dynamics(Model(1.0, 0.0, 1.0).lattice).highest_frequency(ranges) == np.inf
 
 
-def test_runs_go_side_by_side_where_the_kernel_lets_them() -> None:
+def test_runs_are_concurrent_if_the_kernel_allows_it() -> None:
     lattices = Model(1, 0, 1).lattice, numbers("dimer"), numbers("square")
     assert {Dynamics(lattice).threads(KAHAN_LI_8) for lattice in lattices} == {2}
     assert {Dynamics(lattice).threads(RK4) for lattice in lattices} == {1}
@@ -70,7 +70,7 @@ def state(lattice: NumericLattice, size: int = 24) -> State:
 
 
 def test_a_linear_dimer_follows_its_waves() -> None:
-    """Of every wavenumber each branch turns with its own frequency."""
+    """For every wavenumber each branch oscillates with its own frequency."""
     lattice = numbers("dimer")
     lattice = with_forces(lattice, *(ForceProgram((stiffness,)) for stiffness in (1.0, 2.5)))
     start, t = state(lattice, 16), 7.5
@@ -89,7 +89,7 @@ def test_a_linear_dimer_follows_its_waves() -> None:
 
 
 @pytest.mark.parametrize("name", ["next_nearest", "toda", "square"])
-def test_schemes_that_are_no_splittings_run_too(name: str) -> None:
+def test_nystroem_schemes_run_on_any_lattice(name: str) -> None:
     lattice = numbers(name)
     shape = (1, 6, 5) if lattice.dimension == 2 else (1, 12)
     f = 0.1 * np.random.default_rng(2).standard_normal(shape)
@@ -105,7 +105,7 @@ def test_schemes_that_are_no_splittings_run_too(name: str) -> None:
     )
 
 
-def test_the_strain_lattice_runs_alike_in_either_form() -> None:
+def test_the_strain_lattice_equals_the_model() -> None:
     y, s = 0.2 * np.random.default_rng(3).standard_normal((2, 64))
     one = integrate(Model(1.0, 0.25, 1.0).lattice, State(0.0, y[None], s[None]), [1.0, 9.0], 1e-9)
     other = integrate(numbers("fput_strain"), State(0.0, y[None], s[None]), [1.0, 9.0], 1e-9)
@@ -113,8 +113,8 @@ def test_the_strain_lattice_runs_alike_in_either_form() -> None:
     assert other.error_estimate == pytest.approx(one.error_estimate, rel=0.5)
 
 
-def test_what_is_judged_is_the_users() -> None:
-    """The sum of all displacements drifts: stretches do not see it, nor its error."""
+def test_the_user_chooses_what_is_judged() -> None:
+    """The sum of all displacements drifts; stretches show neither it nor its error."""
     lattice = numbers("fput")
     start = state(lattice)
     start.f += 1e3
@@ -124,14 +124,14 @@ def test_what_is_judged_is_the_users() -> None:
         integrate(lattice, start, 20.0, 1e-12)
 
 
-def test_what_is_no_state_of_the_lattice_is_refused() -> None:
+def test_states_that_do_not_fit_the_lattice_are_refused() -> None:
     lattice, ring = numbers("dimer"), np.zeros((2, 8))
     for wrong, message in (
         (State(0.0, ring[:1], ring[:1]), r"state.f must have the shape .* got \(1, 8\)"),
         (State(0.0, ring, ring[:, 1:]), r"state.v must have the shape .* got \(2, 7\)"),
         (
             State(0.0, ring, ring + np.inf),
-            r"state.v must be finite, got inf at place \(0, 0\)",
+            r"state.v must be finite, got inf at index \(0, 0\)",
         ),
         (State(0.0, ring[0], ring[0]), r"state.f must have the shape .* got \(8,\)"),
         (FieldRing(0.0, (0.0,), (8.0,), ring, ring), "state must be a State, got a FieldRing"),
@@ -141,13 +141,13 @@ def test_what_is_no_state_of_the_lattice_is_refused() -> None:
 
 
 def torn(name: str) -> NumericLattice:
-    """A chain whose force is no number where its bonds are stretched by more than 1."""
+    """Return a chain whose force is nan where its bonds are stretched by more than 1."""
     smooth = force_program(-((1 - x) ** Rational(3, 2)))
     lattice = numbers(name)
     return replace(lattice, bonds=tuple(replace(bond, force=smooth) for bond in lattice.bonds))
 
 
-def test_a_force_that_ends_is_told_of() -> None:
+def test_a_stretch_without_a_force_is_reported() -> None:
     v = np.zeros((1, 16))
     v[0, 3] = 50.0
     with pytest.raises(ValueError, match="times must end before the lattice blows up"):
@@ -155,8 +155,11 @@ def test_a_force_that_ends_is_told_of() -> None:
 
 
 @pytest.mark.parametrize(("seed", "struck"), [(1, True), (2, True), (3, False), (4, False)])
-def test_grains_that_part_meet_again(seed: int, struck: bool) -> None:
-    """Steps of a high order have a low one where contacts open: the estimate must know."""
+def test_estimates_hold_when_contacts_open_and_close(seed: int, struck: bool) -> None:
+    """Schemes of high order have a low one where contacts open.
+
+    The estimate must account for it.
+    """
     random, lattice = np.random.default_rng(seed), numbers("granular")
     v = 2.0 * random.standard_normal((1, 16))
     if struck:
@@ -188,7 +191,7 @@ def seen(lattice: NumericLattice, f: Array, amplitude: float | None = 0.1) -> st
     return "" if found is None else f"{found.criterion} @ {found.site}"
 
 
-def test_a_wave_that_is_none_any_more_is_found() -> None:
+def test_unstable_bonds_are_detected_as_a_blow_up() -> None:
     lattice, f = numbers("beta_fput"), np.zeros((1, 12))
     soft = with_forces(lattice, ForceProgram((1.0, 0.0, -1.0)))
     assert seen(soft, f) == ""
@@ -200,8 +203,8 @@ def test_a_wave_that_is_none_any_more_is_found() -> None:
     assert seen(lattice, f, None) == "the fields are not finite @ 7"
 
 
-def test_waves_held_by_another_bond_are_sound() -> None:
-    """A spring that pushes where another holds: no single slope says whether waves grow."""
+def test_a_bond_stabilised_by_another_is_sound() -> None:
+    """A bond with a negative slope is stabilised by another: one slope does not decide."""
     chain = numbers("klein_gordon")
     tie = chain.bonds[1].force
     lattice = with_forces(chain, ForceProgram((-0.2,)), tie)
@@ -211,7 +214,7 @@ def test_waves_held_by_another_bond_are_sound() -> None:
 
 
 @pytest.mark.parametrize(("K3", "K4"), [(0.0, 0.0), (0.5, -0.3), (-0.4, 0.0), (0.2, 0.7)])
-def test_the_highest_frequency_is_that_about_some_strain(K3: float, K4: float) -> None:
+def test_the_highest_frequency_is_attained_at_some_strain(K3: float, K4: float) -> None:
     lattice = with_forces(numbers("fput_strain"), ForceProgram((1.0, K3, K4)))
     y = np.random.default_rng(0).uniform(-1.5, 1.0, 50)
     dynamics = Dynamics(lattice)
@@ -220,7 +223,7 @@ def test_the_highest_frequency_is_that_about_some_strain(K3: float, K4: float) -
     assert found == pytest.approx(2.0 * np.sqrt(np.abs(every).max()), rel=1e-3)
 
 
-def test_a_site_by_itself_oscillates() -> None:
+def test_a_single_site_oscillates() -> None:
     tie = NumericBond((Entry((0,), 1.0, 0),), (Entry((0,), -1.0, 0),), ForceProgram((4.0,)))
     lattice = NumericLattice("site", ("u",), (1.0,), (tie,))
     run = integrate(lattice, State(0.0, np.ones((1, 1)), np.zeros((1, 1))), 3.0, 1e-10)

@@ -1,4 +1,4 @@
-"""Catches: a run that goes on with NaN, or names the wrong site."""
+"""Catches: a run that continues with NaN, or reports the wrong site."""
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ SOFT = Model(1.0, 0.0, -1.0).lattice
 
 
 def state(value: float) -> State:
-    """Sites -3 .. 4; ``value`` stands at site 2."""
+    """Return a state of sites -3 .. 4 with ``value`` at site 2."""
     made = State(7.5, np.full((1, 8), 0.1), np.zeros((1, 8)), left=-3)
     made.store(np.array([2]), np.array([value]), np.array([0.0]))
     return made
@@ -29,7 +29,7 @@ def state(value: float) -> State:
         (1e200, "a bond is stretched beyond its force"),
     ],
 )
-def test_criterion_time_and_site_are_named(value: float, criterion: str) -> None:
+def test_criterion_time_and_site_are_reported(value: float, criterion: str) -> None:
     found = find_blow_up(SOFT, state(value), 0.1)
     assert found is not None
     assert criterion in found.criterion
@@ -47,7 +47,7 @@ def test_a_sound_state_passes() -> None:
     assert find_blow_up(SOFT, state(0.57), 0.1) is None
 
 
-def test_a_velocity_that_is_not_finite_is_seen() -> None:
+def test_a_velocity_that_is_not_finite_is_detected() -> None:
     broken = state(0.2)
     broken.v[0, 0] = np.nan
     found = find_blow_up(SOFT, broken, 0.1)
@@ -57,8 +57,8 @@ def test_a_velocity_that_is_not_finite_is_seen() -> None:
 
 @pytest.mark.parametrize("K3", [-0.9, 0.0, 0.9])
 @pytest.mark.parametrize("K4", [-0.3, 0.0, 0.26, 0.3])
-def test_the_ranges_alone_tell_what_all_sites_do(K3: float, K4: float) -> None:
-    """Catches: a soft strain between the extremes, or at one of them, that is overlooked."""
+def test_the_quick_check_of_ranges_agrees_with_all_sites(K3: float, K4: float) -> None:
+    """Catches: a soft strain between the extremes, or at one of them, that is missed."""
     constants = Model(1.0, K3, K4)
     for least, most in ((-0.5, 0.2), (-2.0, 0.5), (-0.5, 2.0), (-2.0, 2.0), (0.9, 2.0)):
         strains = np.linspace(least, most, 4001)
@@ -69,14 +69,14 @@ def test_the_ranges_alone_tell_what_all_sites_do(K3: float, K4: float) -> None:
         assert (found is not None) == soft
 
 
-def test_steps_that_are_repeated_leave_no_trace_in_the_ranges() -> None:
-    """Catches: strains of steps that were taken together and undone, told as met."""
+def test_undone_steps_do_not_change_the_ranges() -> None:
+    """Catches: ranges that include strains of a chunk that was undone."""
     lattice, sites = Model(1.0, 0.0, -1.0).lattice, 64
     y = 0.5 * np.sin(2.0 * np.pi * np.arange(sites) / sites)[np.newaxis]
     state = State(0.0, y, y.copy())
 
     class Calmed(FixedDomain):
-        """Comes to rest at each stop."""
+        """Ring that is set to rest at each stop."""
 
         def fade(self, state: State) -> None:
             state.f *= 0.0

@@ -1,7 +1,7 @@
-"""Machine code of chains against `NumericLattice.acceleration`.
+"""Compiled kernels of chains against `NumericLattice.acceleration`.
 
-Catches: a stencil that is read wrong, a value that is carried too short, rows at the seam that are
-not true, code that rounds otherwise in lanes than without, terms that are there although absent.
+Catches: a stencil that is read wrongly, a value that is not carried long enough, invalid rows at
+the seam, code that rounds differently in lanes, terms computed although absent.
 """
 
 import multiprocessing
@@ -44,7 +44,7 @@ CHAINS = sorted({*DISPLACED, "fput_strain", "next_nearest"} - {"square", "fput",
 
 
 def accelerations(lattice: NumericLattice, f: Array) -> Array:
-    """By the kernel: one kick of 1, no drift, from rest."""
+    """Return the accelerations by the kernel: one kick of 1 without drift, from rest."""
     f, v = f.copy(), np.zeros_like(f)
     RingKernel(lattice, f.shape[1]).advance_stages(f, v, np.zeros(1), np.ones(1), 1)
     return v
@@ -53,12 +53,12 @@ def accelerations(lattice: NumericLattice, f: Array) -> Array:
 def advance_chain(
     lattice: NumericLattice, f: Array, v: Array, drifts: Array, kicks: Array, steps: int
 ) -> None:
-    """By a kernel that is made for it."""
+    """Advance by a kernel built for the chain."""
     RingKernel(lattice, f.shape[1]).advance(f, v, drifts, kicks, steps)
 
 
 def rounded(lattice: NumericLattice, f: Array) -> float:
-    """The size of what is added to an acceleration."""
+    """Return the size of the terms added to an acceleration."""
     weights = [
         sum(abs(entry.weight) for entry in (*bond.stretch, *bond.action)) for bond in lattice.bonds
     ]
@@ -83,7 +83,7 @@ def test_forces_are_the_declared_ones(seed: int, size: int) -> None:
 
 @pytest.mark.parametrize("name", CHAINS)
 @pytest.mark.parametrize(("size", "steps"), [(1, 2), (2, 2), (7, 3), (33, 5), (1032, 3), (4100, 9)])
-def test_many_stages_are_the_same_one_by_one(name: str, size: int, steps: int) -> None:
+def test_many_stages_equal_single_stages(name: str, size: int, steps: int) -> None:
     lattice, random = numbers(name), np.random.default_rng(size)
     f, v = 0.01 * random.standard_normal((2, len(lattice.fields), size))
     g, w = f.copy(), v.copy()
@@ -97,9 +97,7 @@ def test_many_stages_are_the_same_one_by_one(name: str, size: int, steps: int) -
 
 
 @pytest.mark.parametrize("name", ["next_nearest", "dimer", "klein_gordon", "granular"])
-def test_lanes_blocks_and_passages_change_no_bit(
-    name: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_lanes_blocks_and_passes_change_no_bit(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     lattice = numbers(name)
     start = 0.01 * np.random.default_rng(5).standard_normal((2, len(lattice.fields), 2603))
     weights = 0.1 * BLANES_MOAN_6.drifts, 0.1 * BLANES_MOAN_6.kicks
@@ -121,7 +119,7 @@ def two_cores(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def shared_chains() -> list[NumericLattice]:
-    """Reaches of one and of two cells, two fields, deviations from cell to cell."""
+    """Chains with a reach of one and two cells, two fields, and deviations from cell to cell."""
     chains = [numbers(name) for name in ("fput_strain", "next_nearest", "dimer")]
     return [*chains, varied(chains[0], "mass", 0.1, LEAST_SHARED + 27)]
 
@@ -159,13 +157,13 @@ def test_a_worker_process_leaves_the_other_core_alone(
     assert kernel._stages_between(14) == 0
 
 
-def test_one_core_is_not_divided(two_cores: None, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_one_core_uses_one_arc(two_cores: None, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cores.os, "sched_getaffinity", lambda _: {0}, raising=False)
     assert RingKernel(numbers("fput"), LEAST_SHARED)._stages_between(14) == 0
 
 
-def test_cores_meet_often_enough_that_little_is_done_twice() -> None:
-    """A reach of 4 cells each way in 200 stages a step: at most a fifth of the cells twice."""
+def test_cores_compute_few_cells_twice() -> None:
+    """With a reach of 4 cells and 200 stages per step, at most a fifth are computed twice."""
     kernel = RingKernel(random_chain(np.random.default_rng(0), 1.0, reach=4), LEAST_SHARED)
     flow = kernel._flow
     for period in (14, 200, 10**4):
@@ -173,7 +171,7 @@ def test_cores_meet_often_enough_that_little_is_done_twice() -> None:
         assert doubled <= 0.2 * LEAST_SHARED
 
 
-def test_room_that_is_used_again_changes_no_bit() -> None:
+def test_reused_memory_changes_no_bit() -> None:
     lattice, size = numbers("next_nearest"), 1031
     kernel = RingKernel(lattice, size)
     for seed, scheme in enumerate((BLANES_MOAN_6, STOERMER_VERLET, SUZUKI_UMENO_8, BLANES_MOAN_6)):
@@ -185,8 +183,8 @@ def test_room_that_is_used_again_changes_no_bit() -> None:
         np.testing.assert_array_equal(ring, anew)
 
 
-def test_a_wrong_stencil_is_seen() -> None:
-    """What the tests above would say of code that is written from another declaration."""
+def test_a_wrong_stencil_is_detected() -> None:
+    """The tests above must fail for code generated from another lattice."""
     lattice, f = numbers("dimer"), 0.1 * np.random.default_rng(2).standard_normal((2, 40))
     bond = lattice.bonds[1]
     moved = replace(bond, stretch=(Entry((2,), 1.0, 0), *bond.stretch[1:]))
@@ -202,7 +200,7 @@ COUNTS = {
     ("fput", (1, 0, 0)): 4, ("fput", (1, 0, 1)): 6, ("fput", (1, 1, 0)): 6,
     ("mass_dimer", (1, 0, 0)): 8, ("mass_dimer", (1, 0, 1)): 12, ("next_nearest", (1, 0, 1)): 11,
 }  # fmt: skip
-"""Drift 1; stretch 1; force 0, 2 or 3; difference 1 or 2; kick 1: each for each field or bond."""
+"""Drift 1; stretch 1; force 0, 2 or 3; difference 1 or 2; kick 1: for each field or bond."""
 
 
 @pytest.mark.parametrize(("name", "constants"), COUNTS)
@@ -258,7 +256,7 @@ def test_a_lattice_of_three_dimensions_is_refused() -> None:
 
 
 @pytest.mark.parametrize("spoil", [np.float32, np.asfortranarray])
-def test_rings_that_are_laid_out_otherwise_are_refused(spoil: Callable[[Array], Array]) -> None:
+def test_rings_with_another_memory_layout_are_refused(spoil: Callable[[Array], Array]) -> None:
     ring = spoil(np.zeros((3, 2)))
     with pytest.raises(ValueError, match="f must be contiguous doubles"):
         RingKernel(numbers("beta_fput"), 2).advance(ring, ring, np.zeros(2), np.ones(1), 1)

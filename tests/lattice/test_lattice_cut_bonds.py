@@ -1,4 +1,4 @@
-"""Catches: a bond that is cut and still felt, in forces, ranges, steps, energies or derivatives."""
+"""Catches: a cut bond that still acts, in forces, ranges, steps, energies or derivatives."""
 
 from typing import Any
 
@@ -26,14 +26,14 @@ END = 8.0
 
 
 def lattice(force: str, **tables: Any) -> NumericLattice:
-    """A chain in displacements with these springs, and others."""
+    """Return a chain in displacements with these springs and further ones."""
     near = {"between": ["u[n]", "u[n+1]"], "force": force}
     springs = [near, *tables.pop("spring", [])]
     return numeric_lattice(lattice_of({"fields": ["u"], "spring": springs, **tables}, "own"), {})
 
 
 def wall(velocity: float) -> Any:
-    """A wall of that velocity, from 0."""
+    """Return a wall's displacement with that velocity, starting at 0."""
     return Integral.of(time_function("wall", f"{velocity}"), 0.0, END)
 
 
@@ -52,7 +52,7 @@ LAWS = {
     ),
 }
 AT_REST = [name for name in LAWS if name not in ("power law", "next nearest")]
-"""Laws that do not press."""
+"""Force laws that vanish at rest."""
 
 
 @pytest.mark.parametrize(
@@ -77,14 +77,14 @@ def test_a_wall_may_go_further_than_a_bond_is_long(law: str, place: str) -> None
         assert balance_share(case, exact) < 1.0
 
 
-def test_what_is_not_there_has_no_stretch_and_no_energy() -> None:
-    """The bond between both walls, and one that is left out, when it would be past its pole."""
+def test_cut_bonds_have_no_stretch_and_no_energy() -> None:
+    """The bond between both walls, and a bond left out, would be past their pole."""
     chain = driven_chain(
         LAWS["power law"], 24, left=wall(0.25), right="fixed", spring_factors={11: 0.0}
     )
     moved = np.zeros((1, 24))
     moved[0, 12:] = 1.5
-    held = chain.held(State(6.0, moved, np.zeros((1, 24))))
+    held = chain.with_walls(State(6.0, moved, np.zeros((1, 24))))
     [stretch], [force] = chain.stretches(held.f), chain.forces(held.f)
     cut = chain.bond_shares[0] == 0.0
     assert np.flatnonzero(cut).tolist() == [11, 24]  # and that from wall to wall
@@ -95,7 +95,7 @@ def test_what_is_not_there_has_no_stretch_and_no_energy() -> None:
     assert np.isfinite(chain.energy(held.f, held.v))
 
 
-def test_halves_between_which_a_bond_is_cut_may_part() -> None:
+def test_halves_of_a_cut_chain_may_separate() -> None:
     for law in ("Toda", "Lennard-Jones", "quartic"):
         lone = driven_chain(LAWS[law], 8, left="free", right="free")
         chain = driven_chain(LAWS[law], 16, left="free", right="free", spring_factors={7: 0.0})
@@ -106,7 +106,7 @@ def test_halves_between_which_a_bond_is_cut_may_part() -> None:
         assert np.abs(run.f[-1][:, :8] - half.f[-1]).max() < 1e-7
 
 
-def test_derivatives_are_of_the_bonds_that_are_there() -> None:
+def test_derivatives_leave_out_cut_bonds() -> None:
     chain = driven_chain(LAWS["power law"], 12, left=wall(0.25), right="fixed")
     read = VariedChain(chain, ()).readings(
         rest(12), np.array([END]), 0.05, [Sensor("displacement", 0, cell) for cell in range(12)]
@@ -116,7 +116,7 @@ def test_derivatives_are_of_the_bonds_that_are_there() -> None:
 
 
 @pytest.mark.slow
-def test_the_opponent_finds_a_bond_that_is_not_cut(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_search_detects_a_bond_that_is_not_cut(monkeypatch: pytest.MonkeyPatch) -> None:
     found = attacked_by_pushing(11)
     assert found is not None
     assert not found.refusals

@@ -1,8 +1,8 @@
 """Chains whose masses or springs differ from cell to cell.
 
 Catches: a deviation of the wrong cell, of a mass instead of its inverse or of a force in another
-unit, a wave that is faster than the bound, an ordered chain that loses its bits, a realisation that
-depends on the ring.
+unit, a wave faster than the bound, an ordered chain with other bits, a realisation that depends on
+the ring.
 """
 
 from dataclasses import replace
@@ -29,7 +29,10 @@ LINEAR: dict[str, Any] = {"K2": 1, "K3": 0, "K4": 0}
 
 
 def varied(lattice: NumericLattice, of: str, spread: float, size: int) -> DisorderedLattice:
-    """With all masses, or the first half of each polynomial force, deviating."""
+    """Return the lattice with deviations of all masses or of its forces.
+
+    Forces deviate in the first half of each polynomial.
+    """
     if of == "mass":
         variation = Variation(spread, mass_kind(lattice))
     else:
@@ -48,7 +51,7 @@ def varied(lattice: NumericLattice, of: str, spread: float, size: int) -> Disord
 
 
 def kick(lattice: NumericLattice, f: Array) -> Array:
-    """The acceleration by the kernel."""
+    """Return the acceleration by the kernel."""
     v = np.zeros_like(f)
     RingKernel(lattice, f.shape[1]).advance_stages(f.copy(), v, np.zeros(1), np.ones(1), 1)
     return v
@@ -56,7 +59,7 @@ def kick(lattice: NumericLattice, f: Array) -> Array:
 
 @pytest.mark.parametrize("name", CHAINS)
 @pytest.mark.parametrize("of", ["mass", "springs"])
-def test_the_kernel_pulls_as_numpy_does(name: str, of: str) -> None:
+def test_the_kernel_agrees_with_numpy(name: str, of: str) -> None:
     if (name, of) == ("granular", "springs"):
         return
     for size in (5, 33, 1032):
@@ -97,7 +100,7 @@ def test_without_deviations_all_bits_are_those_of_the_ordered_chain(name: str, o
 
 
 @pytest.mark.parametrize("of", ["mass", "springs"])
-def test_strains_move_as_the_displacements_between_which_they_lie(of: str) -> None:
+def test_strains_and_displacements_agree(of: str) -> None:
     size, random = 200, np.random.default_rng(3)
     strained, displaced = (
         varied(numeric_lattice(LATTICES[name], {"K2": 1, "K3": 0.2, "K4": 1}), of, 0.4, size)
@@ -116,7 +119,7 @@ def test_strains_move_as_the_displacements_between_which_they_lie(of: str) -> No
 
 
 def frequencies(chain: DisorderedLattice) -> Array:
-    """Those of a linear ring, ascending, from its matrix."""
+    """Return the frequencies of a linear ring, ascending, from its matrix."""
     size = chain.deviations.shape[1]
     columns = [chain.acceleration(unit[None])[0] for unit in np.eye(size)]
     squares = np.linalg.eigvals(-np.array(columns).T).real
@@ -154,7 +157,10 @@ def test_deviations_belong_to_the_sites(distribution: str) -> None:
 
 
 def philox(counter: int, key: tuple[int, int]) -> list[int]:
-    """The four numbers of Philox4x64-10 (Salmon et al., SC11 (2011) 16) by whole numbers alone."""
+    """Return the four numbers of Philox4x64-10, computed with integers.
+
+    Source: Salmon et al., SC11 (2011) 16.
+    """
     mask = 2**64 - 1
     c, k = [counter & mask, counter >> 64, 0, 0], list(key)
     for _ in range(10):
@@ -174,17 +180,19 @@ def test_a_realisation_is_the_same_on_any_machine() -> None:
         assert sign == (1.0 if bits >= 2**63 else -1.0)
 
 
-def test_what_cannot_be_disordered_is_one_line() -> None:
+def test_invalid_disorder_is_refused_in_one_line() -> None:
     size = 8
     hertz = numbers("granular")
-    with pytest.raises(ValueError, match=r"disorder must leave granular at rest .* \(let the"):
+    with pytest.raises(
+        ValueError, match=r"must exert no force at zero stretch, got granular, .* \(let the"
+    ):
         disordered(hertz, Variation(0.1, None, (hertz.bonds[0].force,)), np.zeros((1, size)))
     soft = numeric_lattice(
         LATTICES["next_nearest"], {"K2": 1, "K3": 0, "K4": 0, "L2": "-1/5", "L3": 0, "L4": 0}
     )
     parts = soft.bonds[0].force, None
     with pytest.raises(
-        ValueError, match=r"spread must leave waves of next_nearest stable, got 0\.3"
+        ValueError, match=r"spread must leave next_nearest linearly stable, got 0\.3"
     ):
         disordered(soft, Variation(0.3, None, parts), np.zeros((1, size)))
     plane = Variation(0.1, "displacements")
@@ -199,7 +207,7 @@ def test_what_cannot_be_disordered_is_one_line() -> None:
         spectral_integrate(chain, ring, [1.0], 1e-6)
 
 
-def test_no_slope_is_above_what_a_bond_may_have() -> None:
+def test_slope_bounds_hold_in_every_cell() -> None:
     chain = varied(numbers("dimer"), "springs", 0.5, 300)
     stretches = chain.stretches(np.random.default_rng(4).uniform(-0.2, 0.2, (2, 300)))
     for place, slopes in enumerate(chain.slopes(stretches)):
@@ -208,8 +216,8 @@ def test_no_slope_is_above_what_a_bond_may_have() -> None:
             assert ordered < np.max(slopes) <= bound(place, stretches[place]) < 1.6 * ordered
 
 
-def test_integrate_keeps_its_estimate() -> None:
-    """A step that is stable in the ordered chain alone would be far off, or blow up."""
+def test_estimates_bound_the_error() -> None:
+    """A step that is stable only in the ordered chain would be far off, or blow up."""
     size = 100
     chain = varied(
         numeric_lattice(LATTICES["fput"], {"K2": 1, "K3": 0, "K4": 1}), "mass", 0.8, size

@@ -1,4 +1,4 @@
-"""Catches: an end, a loss or a force that is felt wrongly or late, and a lower order."""
+"""Catches: an end, a loss or a force that acts wrongly or late, and a reduced order."""
 
 from collections.abc import Callable
 from typing import Any
@@ -30,7 +30,7 @@ STRAIN = numeric_lattice(LATTICES["fput_strain"], {"K2": 1, "K3": 0, "K4": 2})
 
 
 def push(t: Array) -> Array:
-    """A force that begins at once."""
+    """Return a force that begins at once."""
     return 0.3 * np.cos(0.9 * t)
 
 
@@ -38,19 +38,19 @@ shake = time_function("displacement of a wall", "0.05*sin(13*t/10)")
 
 
 def chain(name: str) -> NumericLattice:
-    """A lattice of the catalogue whose constants are small whole numbers."""
+    """Return a lattice of the catalogue whose constants are small whole numbers."""
     lattice = LATTICES[name]
     return numeric_lattice(lattice, {str(symbol): 1 for symbol in lattice.constants})
 
 
 def start(lattice: NumericLattice, cells: int) -> State:
-    """Small random displacements and velocities."""
+    """Return small random displacements and velocities."""
     f, v = 0.1 * np.random.default_rng(3).standard_normal((2, len(lattice.fields), cells))
     return State(0.0, f, v)
 
 
 def error(made: DrivenChain, ends: tuple[Any, Any], state: State, run: Trajectory) -> float:
-    """The largest error of the displacements at the last time."""
+    """Return the largest error of the displacements at the last time."""
     case = DrivenCase(made.name, made, ends, state, float(run.times[-1]), 1e-7)
     return float(np.abs(run.f[-1] - exact_state(case)[0]).max())
 
@@ -65,7 +65,7 @@ ENDS: list[tuple[Any, Any]] = [
 
 
 @pytest.mark.parametrize(("ends", "cells"), [*((ends, 64) for ends in ENDS), (ENDS[2], 9)])
-def test_every_effect_is_felt_as_scipy_has_it(ends: tuple[Any, Any], cells: int) -> None:
+def test_every_effect_agrees_with_scipy(ends: tuple[Any, Any], cells: int) -> None:
     force = SiteForce(3, push)
     for losses, forces in ((0.0, [force]), (0.03, [force]), (0.1, [])):
         made = driven_chain(BETA, cells, left=ends[0], right=ends[1], losses=losses, forces=forces)
@@ -76,7 +76,7 @@ def test_every_effect_is_felt_as_scipy_has_it(ends: tuple[Any, Any], cells: int)
 
 
 @pytest.mark.parametrize(("ends", "cells"), [*((ends, 64) for ends in ENDS), (ENDS[2], 9)])
-def test_dashpots_are_felt_as_scipy_has_them(ends: tuple[Any, Any], cells: int) -> None:
+def test_dashpots_agree_with_scipy(ends: tuple[Any, Any], cells: int) -> None:
     for dashpot, losses in ((0.05, 0.0), (1.0, 0.1)):
         made = driven_chain(
             BETA, cells, left=ends[0], right=ends[1], losses=losses, dashpots=dashpot
@@ -87,7 +87,7 @@ def test_dashpots_are_felt_as_scipy_has_them(ends: tuple[Any, Any], cells: int) 
 
 
 def test_a_ring_of_strains_has_the_losses_of_its_displacements() -> None:
-    """Also those of dashpots, by which strains spread as they do by springs."""
+    """This includes dashpots, which spread strains as springs do."""
     constants = {"K2": 1, "K3": 1, "K4": 1}
     u, v = 0.05 * np.random.default_rng(3).standard_normal((2, 1, 40))
     stretched = [np.roll(values, -1, axis=1) - values for values in (u, v)]
@@ -101,7 +101,7 @@ def test_a_ring_of_strains_has_the_losses_of_its_displacements() -> None:
         assert np.abs(np.roll(fields, -1, axis=2) - fields - rates).max() < 1e-8
 
 
-def test_a_bare_function_is_no_wall_beside_dashpots() -> None:
+def test_a_wall_with_dashpots_needs_a_slope() -> None:
     made = driven_chain(BETA, 8, left=np.sin, right="fixed", dashpots=0.1)
     with pytest.raises(ValueError, match="must have a slope, its velocity, got a bare function"):
         integrate(made, start(BETA, 8), [1.0], 1e-3)
@@ -120,7 +120,7 @@ def test_fields_have_losses_and_walls_of_their_own(name: str) -> None:
 
 
 def driven_by_all(cells: int) -> DrivenChain:
-    """A wall with a velocity, defects beside it and elsewhere, losses, dashpots and a force."""
+    """Return a chain with a moving wall, defects, losses, dashpots and a force."""
     return driven_chain(
         BETA,
         cells,
@@ -148,7 +148,7 @@ def test_schemes_keep_their_order(scheme: Scheme) -> None:
 
 
 def modal_chain(cells: int, rate: float, site: int, frequency: float, t: float) -> Array:
-    """A linear chain between fixed walls, driven from rest by cos(frequency t) at a site."""
+    """Return a linear chain between fixed walls, driven from rest by cos(frequency t) at a site."""
     n = np.arange(1, cells + 1)
     shapes = np.sqrt(2.0 / (cells + 1)) * np.sin(np.pi * np.outer(n, n) / (cells + 1))
     omega = 2.0 * np.sin(np.pi * n / (2 * cells + 2))
@@ -161,7 +161,7 @@ def modal_chain(cells: int, rate: float, site: int, frequency: float, t: float) 
     return np.asarray(shapes @ (steady.real + own))
 
 
-def test_a_linear_driven_chain_is_its_modes() -> None:
+def test_a_linear_driven_chain_agrees_with_its_modes() -> None:
     lattice = numeric_lattice(LATTICES["alpha_fput"], {"K2": 1, "K3": 0})
     force = SiteForce(5, lambda t: np.cos(0.7 * t))
     made = driven_chain(lattice, 24, left="fixed", right="fixed", losses=0.05, forces=[force])
@@ -172,7 +172,7 @@ def test_a_linear_driven_chain_is_its_modes() -> None:
 
 
 def test_a_wall_with_a_velocity_moves_by_its_integral() -> None:
-    """A linear chain answers ``cos(0.7 t) - 1`` as its modes do."""
+    """A linear chain responds to ``cos(0.7 t) - 1`` as its modes do."""
     lattice = numeric_lattice(LATTICES["alpha_fput"], {"K2": 1, "K3": 0})
     velocity = time_function("velocity", "-0.7*sin(7*t/10)")
     made = driven_chain(
@@ -184,7 +184,7 @@ def test_a_wall_with_a_velocity_moves_by_its_integral() -> None:
     assert np.abs(run.f[:, 0] - exact).max() < 1e-10
 
 
-def test_a_linear_chain_with_defects_is_its_modes() -> None:
+def test_a_linear_chain_with_defects_agrees_with_its_modes() -> None:
     lattice = numeric_lattice(LATTICES["alpha_fput"], {"K2": 1, "K3": 0})
     masses, springs = np.ones(16), np.ones(17)
     masses[[0, 9]], springs[[0, 5, 16]] = (3.0, 0.2), (0.5, 4.0, 2.0)
@@ -207,12 +207,12 @@ def test_a_linear_chain_with_defects_is_its_modes() -> None:
     turned = np.cos(np.outer(times, omega)) * f + np.sin(np.outer(times, omega)) / omega * v
     run = integrate(made, state, times, tolerance=1e-10)
     assert np.abs(run.f[:, 0] - turned @ shapes.T / root).max() < 1e-10
-    energy = made.energy(*made.held(state).arrays)
+    energy = made.energy(*made.with_walls(state).arrays)
     assert energy == pytest.approx(0.5 * np.sum(v**2 + squares * f**2), rel=1e-12)
 
 
 def test_light_masses_and_stiff_bonds_have_the_fastest_waves() -> None:
-    """A light mass alone turns at sqrt(2 / m), two masses with a stiff bond at sqrt(2 K)."""
+    """A single light mass oscillates at sqrt(2 / m), two masses with a stiff bond at sqrt(2 K)."""
     defects = ({"mass_factors": {3: 0.1}}, 20.0), ({"spring_factors": {3: 8.0}}, 16.0)
     for given, square in defects:
         made = driven_chain(BETA, 8, left="fixed", right="fixed", **given)  # type: ignore[arg-type]
@@ -230,7 +230,7 @@ def test_light_masses_and_stiff_bonds_have_the_fastest_waves() -> None:
         ),
     ],
 )
-def test_defects_are_felt_as_scipy_has_them(name: str, losses: float) -> None:
+def test_defects_agree_with_scipy(name: str, losses: float) -> None:
     lattice = chain(name)
     fields, bonds = len(lattice.fields), len(lattice.bonds)
     masses = {0: [2.0, 0.3][:fields], 5: [0.2, 4.0][:fields], 11: [3.0, 0.5][:fields]}
@@ -269,17 +269,17 @@ def test_the_first_mode_of_1955_returns() -> None:
 
 
 def energies(made: DrivenChain, run: Any) -> Array:
-    """The energy of the cells that move and of what is stretched beside them, at all times."""
+    """Return the energy of the moving cells and of the bonds to the walls, at all times."""
     return np.array(
         [
-            made.energy(*made.held(State(t, f, v)).arrays)
+            made.energy(*made.with_walls(State(t, f, v)).arrays)
             for t, f, v in zip(run.times, run.f, run.v, strict=True)
         ]
     )
 
 
 @pytest.mark.parametrize("end", ["fixed", "free"])
-def test_energy_is_kept_and_goes_where_losses_take_it(end: str) -> None:
+def test_energy_is_conserved_or_decreases_by_losses(end: str) -> None:
     times, state = np.linspace(0.0, 4.0, 81), start(BETA, 12)
     kept = driven_chain(BETA, 12, left="free", right=end)
     lossy = driven_chain(BETA, 12, left="free", right=end, losses=0.3)
@@ -316,11 +316,11 @@ REFUSED: list[tuple[Callable[[], object], str]] = [
     (lambda: driven_chain(BETA, 8, spring_factors={1: [1, 2]}), "must be positive, one or 1, got"),
     (
         lambda: driven_chain(STRAIN, 8, mass_factors={1: 2.0}),
-        "must be of a chain of displacements, got fput_strain",
+        "need a chain of displacements, got fput_strain",
     ),
     (
         lambda: driven_chain(STRAIN, 8, left="fixed", right="fixed"),
-        "must be of a chain of displacements, got fput_strain",
+        "need a chain of displacements, got fput_strain",
     ),
     (
         lambda: integrate(driven_chain(BETA, 8), start(BETA, 9), [1.0], 1e-3),
@@ -330,7 +330,7 @@ REFUSED: list[tuple[Callable[[], object], str]] = [
         lambda: integrate(
             driven_chain(BETA, 8, losses=0.1), start(BETA, 8), [1.0], step=0.1, scheme=RK4
         ),
-        "scheme must be a splitting with ends, losses or forces, got rk4",
+        "a chain with ends, losses or forces needs a splitting scheme, got rk4",
     ),
     (
         lambda: integrate(
@@ -345,7 +345,7 @@ REFUSED: list[tuple[Callable[[], object], str]] = [
 
 
 @pytest.mark.parametrize("case", REFUSED, ids=[text for _, text in REFUSED])
-def test_what_is_refused(case: tuple[Callable[[], object], str]) -> None:
+def test_invalid_arguments_are_refused(case: tuple[Callable[[], object], str]) -> None:
     ask, text = case
     with np.errstate(all="ignore"), pytest.raises(ValueError, match=text) as caught:
         ask()
@@ -354,7 +354,7 @@ def test_what_is_refused(case: tuple[Callable[[], object], str]) -> None:
 
 @pytest.mark.parametrize("width", [1.0, 0.03, 0.001])
 def test_a_short_push_is_not_missed(width: float) -> None:
-    """Two runs whose steps are longer than a push agree that there was none."""
+    """Two runs with steps longer than a push would agree that there was none."""
     force = SiteForce(3, lambda t: 0.1 / width * np.exp(-(((t - 5.3) / width) ** 2)))
     made = driven_chain(BETA, 8, left="free", right="free", forces=[force])
     run = integrate(made, State(0.0, *np.zeros((2, 1, 8))), [12.0], tolerance=1e-6)
@@ -370,7 +370,7 @@ def test_a_short_push_is_not_missed(width: float) -> None:
     ],
 )
 @pytest.mark.parametrize("width", ["1e-4", "1e-6"])
-def test_a_push_between_the_times_looked_at_is_found(push: str, width: str) -> None:
+def test_a_push_between_the_sampled_times_is_found(push: str, width: str) -> None:
     value = time_function("value", push.replace("w", width))
     made = driven_chain(BETA, 8, left="free", right="free", forces=[SiteForce(3, value)])
     assert 0.5 < made.driven_within(0.0, 2000.0) / float(width) < 10.0
@@ -399,22 +399,22 @@ def test_formulas_are_enclosed(text: str) -> None:
     assert ratio < 3.0
 
 
-def test_strong_losses_are_run() -> None:
+def test_strong_losses_can_be_run() -> None:
     made = driven_chain(BETA, 4, left="fixed", right="fixed", losses=1e4)
     run = integrate(made, State(0.0, np.zeros((1, 4)), np.ones((1, 4))), [1.0], tolerance=1e-9)
     np.testing.assert_allclose(run.f[-1], 1e-4, rtol=1e-3)
 
 
-def test_a_fast_push_is_followed() -> None:
+def test_a_fast_push_is_resolved() -> None:
     made = driven_chain(BETA, 8, forces=[SiteForce(3, lambda t: 1e3 * np.sin(1e4 * t))])
     run = integrate(made, State(0.0, *np.zeros((2, 1, 8))), [1.0], tolerance=1e-6)
     exact = 1e3 * (1.0 - np.cos(1e4)) / 1e4  # what a free mass gets: waves have no time to answer
     assert run.v.sum() == pytest.approx(exact, abs=1e-6)
 
 
-def test_losses_of_a_declared_lattice_are_not_passed_over() -> None:
+def test_losses_of_a_declared_lattice_are_refused() -> None:
     lossy = LATTICES["beta_fput"].with_losses(site="1/10")
-    with pytest.raises(ValueError, match="losses must not be in a lattice that is run, got those"):
+    with pytest.raises(ValueError, match="lattice must have no losses of its own to be run, got"):
         numeric_lattice(lossy, {"K2": 1, "K4": 2})
 
 
@@ -424,7 +424,7 @@ def corner(at: float) -> Callable[[Array], Array]:
 
 @pytest.mark.parametrize("seed", [1, 5, 13, 17, 25, 28])
 def test_the_error_of_a_force_with_a_corner_is_known(seed: int) -> None:
-    """An order of 6 was taken: errors were 1.14 of the estimate, and runs were refused."""
+    """With an assumed order of 6, errors were 1.14 of the estimate, and runs were refused."""
     random = np.random.default_rng(seed)
     at, tolerance = float(random.uniform(1, 9)), 10 ** random.uniform(-5, -3)
     push = SiteForce(0, corner(at))
@@ -435,7 +435,7 @@ def test_the_error_of_a_force_with_a_corner_is_known(seed: int) -> None:
     assert np.abs(run.f[-1] - exact[0]).max() < run.error_estimate <= tolerance
 
 
-def test_corners_are_told_from_what_is_fast() -> None:
+def test_corners_are_distinguished_from_fast_drives() -> None:
     for text, turns in (
         ("sin(100*t)", False),
         ("exp(-((t - 5)/0.01)**2)", False),

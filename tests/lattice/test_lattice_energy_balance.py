@@ -1,4 +1,4 @@
-"""Catches: work, heat or power of the wrong cell, end or sign, and integrals of a lower order."""
+"""Catches: work, heat or power of the wrong cell, end or sign, and integrals of a reduced order."""
 
 from typing import Any
 
@@ -35,14 +35,14 @@ NEXT_NEAREST = NumericLattice(
 
 
 def power(made: DrivenChain, cuts: list[int], t: float = 0.7) -> tuple[Flow, Array, Array]:
-    """What flows at random fields and velocities, and these, on the whole ring."""
+    """Return the power for random fields and velocities, and these, on the whole ring."""
     shape = len(made.fields), 1, made.deviations.shape[1]
     f, v = 0.3 * np.random.default_rng(5).standard_normal((2, *shape))
     found, _ = energy_balance.power(made, f, v, np.array([t]), cuts)
     return Flow(*np.split(found[:, 0], np.cumsum([len(made.drivers), 1]))), f[:, 0], v[:, 0]
 
 
-def test_a_wall_and_a_force_do_work_and_dashpots_take_it() -> None:
+def test_walls_and_forces_do_work_and_dashpots_dissipate_it() -> None:
     forces = [SiteForce(3, push)]
     made = driven_chain(BETA, 9, left=shake, right="free", losses=0.2, dashpots=0.1, forces=forces)
     found, f, v = power(made, [])
@@ -84,7 +84,7 @@ def test_power_goes_from_the_last_field_of_a_cell_to_the_first_of_the_next() -> 
 
 
 def test_integrals_are_of_order_8_whatever_the_scheme() -> None:
-    """Of two modes of a linear chain that are followed exactly."""
+    """Two modes of a linear chain, followed exactly."""
     lattice = numeric_lattice(LATTICES["alpha_fput"], {"K2": 1, "K3": 0})
     made = driven_chain(lattice, 7, left="fixed", right="fixed")
     wavenumber = np.pi * np.array([[2], [5]]) / 8
@@ -95,7 +95,10 @@ def test_integrals_are_of_order_8_whatever_the_scheme() -> None:
         return State(t, f[np.newaxis], v[np.newaxis])
 
     def right_of_cell_3(t: float) -> float:
-        """The energy there, with half of the bond's over the cut; the middle does not move."""
+        """Return the energy right of cell 3, with half of the cut bond's.
+
+        The middle does not move.
+        """
         now = state(t)
         squares = np.diff(now.f[0, 3:]) ** 2
         return float(now.v[0, 4:] @ now.v[0, 4:] + squares.sum() - squares[0] / 2.0) / 2.0
@@ -112,11 +115,11 @@ def test_integrals_are_of_order_8_whatever_the_scheme() -> None:
 
 
 @pytest.mark.parametrize("ends", [("free", "fixed"), ("free", "free"), (shake, "fixed")])
-def test_energy_holds_what_grains_pressed_together_store(ends: tuple[Any, Any]) -> None:
-    """They push off from where nothing holds them; a wall works against their force at rest."""
+def test_energy_includes_that_of_compressed_grains(ends: tuple[Any, Any]) -> None:
+    """Grains push off from free ends; a wall works against their force at rest."""
     grains = numeric_lattice(LATTICES["granular"], {"A": 1, "d": 1})
     made = driven_chain(grains, 6, left=ends[0], right=ends[1])
-    start = made.held(State(0.0, *np.zeros((2, 1, 6))))
+    start = made.with_walls(State(0.0, *np.zeros((2, 1, 6))))
     cuts = () if made.exchanges_energy else None
 
     def energies(state: State, balance: EnergyBalance | None) -> Array:

@@ -1,4 +1,4 @@
-"""The exponential Adams method against an exact solution, and the halving of its step."""
+"""The exponential Adams method against an exact solution, and its order of convergence."""
 
 import math
 
@@ -22,7 +22,7 @@ def _solve(h: float) -> np.ndarray:
     solution = ExponentialAdams(1j * W, _turn, START, h)
     for _ in range(solution.whole_steps(END)):
         solution.step()
-    return solution.ahead(END)
+    return solution.solution_at(END)
 
 
 def _real(h: float) -> np.ndarray:
@@ -47,5 +47,5 @@ def test_order_of_etdrk4() -> None:
 
 
 def test_a_part_of_a_step_is_as_exact_as_whole_ones() -> None:
-    """0.007 does not divide 10."""
+    """The step 0.007 does not divide 10."""
     assert np.abs(_solve(0.007) - EXACT).max() < np.abs(_solve(0.008) - EXACT).max()

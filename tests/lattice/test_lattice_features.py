@@ -28,7 +28,7 @@ BUMP = "t + 117.6*exp(-((t - 0.0384)/0.00017)**2)"
 
 
 def chain_of(law: str) -> NumericLattice:
-    """A chain whose springs have the law, written in t."""
+    """Return a chain whose springs have the law, written in t."""
     formula = time_formula("force", law)
     stretch = (Entry((1,), 1.0, 0), Entry((0,), -1.0, 0))
     action = (Entry((0,), 1.0, 0), Entry((-1,), -1.0, 0))
@@ -78,7 +78,7 @@ def test_a_law_with_a_corner_is_treated_as_contacts_are() -> None:
 
 
 @pytest.mark.parametrize("place", [-0.31234, 0.0384, 0.2])
-def test_slopes_between_the_places_looked_at_are_enclosed(place: float) -> None:
+def test_slopes_between_samples_are_enclosed(place: float) -> None:
     law = program_of(time_formula("force", f"t + exp(-((t - {place})/0.00001)**2)"))
     steepest = law.steepest_between(-0.5, 0.5, 1.0)
     assert steepest == pytest.approx(np.sqrt(2.0 / np.e) * 1e5, rel=0.15)
@@ -122,8 +122,8 @@ def test_the_error_of_a_corner_under_a_fast_carrier_is_known(seed: int) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", ["force", "velocity", "displacement"])
-def test_what_pushes_and_pulls_at_once_is_seen(kind: str) -> None:
-    """A wiggle gives no momentum, and its integral shows nothing of it."""
+def test_a_wiggle_without_momentum_is_detected(kind: str) -> None:
+    """A wiggle transfers no momentum, so its integral does not show it."""
     family = Family(kind, "wiggle", 3, 5.0, 0.0, 0.0, 1.0, False)
     assert judge(Member(family, np.array([0.371, 0.7, 0.9, 0.6]))).kind == "sound"
 
@@ -131,8 +131,10 @@ def test_what_pushes_and_pulls_at_once_is_seen(kind: str) -> None:
 @pytest.mark.parametrize("width", [2e-4, 1e-3, 8e-3, 4e-2])
 @pytest.mark.parametrize("is_wall", [False, True])
 @pytest.mark.parametrize("place", [2.3565868, 2.86261483, 3.6248231])
-def test_steps_see_what_has_no_integral(width: float, is_wall: bool, place: float) -> None:
-    """Panels on which a wiggle hid were taken for smooth: a wall's gave errors of 112 estimates."""
+def test_steps_resolve_a_wiggle_without_an_integral(
+    width: float, is_wall: bool, place: float
+) -> None:
+    """Panels that hid a wiggle counted as smooth: a wall's errors were 112 estimates."""
     text = f"0.05*exp(-((t - {place})/{width})**2)*sin(3*(t - {place})/{width}) + 0.1*sin(1.5*t)"
     value = time_function("left", text)
     drive = Integral.of(value, 0.0, 5.0) if is_wall else value
@@ -143,8 +145,8 @@ def test_steps_see_what_has_no_integral(width: float, is_wall: bool, place: floa
 
 
 @pytest.mark.parametrize(("height", "width"), [(0.00251, 1e-6), (1.456e-5, 2.124e-5), (1e-9, 1e-4)])
-def test_what_is_short_and_gives_nothing_costs_a_few_steps(height: float, width: float) -> None:
-    """All steps were as short as it, for hours, where its integral was no matter."""
+def test_a_short_negligible_feature_costs_a_few_steps(height: float, width: float) -> None:
+    """All steps were as short as the feature, for hours, although its integral was negligible."""
     text = f"{height}*exp(-((t - 13.5)/{width})**2)*sin(3*(t - 13.5)/{width})"
     drive = time_function("value", text)
     found, within = drive_steps([drive], 0.0, 15.0, 0.4, REDUCED_PHASE_6, 1e-3)
@@ -155,14 +157,14 @@ def test_what_is_short_and_gives_nothing_costs_a_few_steps(height: float, width:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("place", [0.4641467, 0.5906537])
-def test_a_wall_whose_velocity_swings_is_followed(place: float) -> None:
+def test_a_wall_with_an_oscillating_velocity_is_resolved(place: float) -> None:
     family = Family("velocity", "wiggle", 4, 5.0, 1.5, 0.0, 1.0, False)
     member = Member(family, np.array([place, 0.5073559, 0.3605443, 0.4860659]))
     assert np.abs(answer(member)[0] - reference(member, 1e-12)).max() < 0.1 * answer(member)[1]
 
 
-def test_a_run_that_broke_down_says_nothing_of_the_next() -> None:
-    """Last digits were changed by what its fields had become: every run with that broke down."""
+def test_a_failed_run_does_not_affect_the_next() -> None:
+    """Last digits were changed by the fields of a failed run, so later runs failed."""
     family = Family("law", "wiggle", 2, 5.0, 0.0, 0.0, 1.0, False)
     genes = np.array([0.1933048538487302, 0.2699874503273933, 1.0, 0.5113523306679055])
     found, estimate = answer(Member(family, genes))
@@ -170,19 +172,19 @@ def test_a_run_that_broke_down_says_nothing_of_the_next() -> None:
     assert estimate < 1e-8
 
 
-def test_a_refusal_names_what_asks_for_short_steps() -> None:
+def test_a_refusal_names_the_cause_of_short_steps() -> None:
     engine = engine_of(driven_chain(BETA, 4, left="free", right="free"), 20.0)
-    engine._note_admitted(1.0, 1e-50, np.inf)  # broke down
-    engine._note_admitted(0.1, 1.0, 1e-9)
-    assert "forces of beta_fput must change slowly enough" in engine.told_dear(1e9, 1e-6)
-    engine._note_admitted(0.01, 1.0, 0.5)
-    assert "tolerance must be one that" in engine.told_dear(1e9, 1e-6)
-    engine._note_admitted(0.001, 1e-12, np.inf)
-    assert "times must end before strains run away" in engine.told_dear(1e9, 1e-6)
+    engine._note_limit(1.0, 1e-50, np.inf)  # broke down
+    engine._note_limit(0.1, 1.0, 1e-9)
+    assert "forces of beta_fput must change slowly enough" in engine.budget_message(1e9, 1e-6)
+    engine._note_limit(0.01, 1.0, 0.5)
+    assert "tolerance must be reachable with" in engine.budget_message(1e9, 1e-6)
+    engine._note_limit(0.001, 1e-12, np.inf)
+    assert "times must end before strains run away" in engine.budget_message(1e9, 1e-6)
 
 
-def test_a_sharp_corner_that_no_run_follows_is_named() -> None:
-    """It was told as strains that run away, on a chain that swings quietly."""
+def test_a_corner_too_sharp_to_resolve_is_reported() -> None:
+    """It was reported as strains that run away, on a chain that oscillates quietly."""
     family = Family("law", "corner", 3, 5.0, 1.5, 0.0, 1.0, False)
     genes = np.array([0.34502074388020887, 0.299194535700599, 1.0, 0.5415984747492062])
     with pytest.raises(ValueError, match="forces of chain must change slowly enough"):
@@ -190,11 +192,11 @@ def test_a_sharp_corner_that_no_run_follows_is_named() -> None:
 
 
 def engine_of(made: DrivenChain, end: float) -> CellEngine:
-    return CellEngine(made, made.held(at_rest(4)), np.array([end]), REDUCED_PHASE_6)
+    return CellEngine(made, made.with_walls(at_rest(4)), np.array([end]), REDUCED_PHASE_6)
 
 
 def test_last_digits_of_a_chain_at_rest_are_changed() -> None:
-    """Zeros times a factor stay zeros: rounding of a driven chain was taken to be none."""
+    """Zeros times a factor stay zeros, so the rounding of a driven chain was estimated as none."""
     wall = time_function("left", "2*sin(1.5*t)")
     engine = engine_of(driven_chain(BETA, 4, left=wall, right="free"), 30.0)
     choices = replace(engine.first(), step=0.05)
@@ -206,14 +208,14 @@ def test_last_digits_of_a_chain_at_rest_are_changed() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("tolerance", [1e-8, 1e-6])
-def test_rounding_of_a_chain_driven_from_rest_is_told(tolerance: float) -> None:
-    """It comes to far more than these tolerances until then, whatever the step."""
+def test_rounding_of_a_chain_driven_from_rest_is_reported(tolerance: float) -> None:
+    """Rounding far exceeds these tolerances by then, whatever the step."""
     made = driven_chain(BETA, 4, left=time_function("left", "2*sin(1.5*t)"), right="free")
     with pytest.raises(ValueError, match="rounding comes to that much"):
         integrate(made, at_rest(4), [50.0], tolerance, judged=lambda f, v, t: f)
 
 
-def test_smooth_drives_take_no_stops() -> None:
+def test_smooth_drives_need_no_stops() -> None:
     for text in ("cos(7*t/10)", "sin(200*t)", "exp(-((t - 9)/5)**2)", "t", "1"):
         drive = SiteForce(0, time_function("value", text))
         engine = engine_of(driven_chain(BETA, 4, forces=[drive]), 20.0)
@@ -223,17 +225,15 @@ def test_smooth_drives_take_no_stops() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(("free", "quartic"), [(True, 0.0), (False, 1.0)])
 @pytest.mark.parametrize("tolerance", [2.5e-7, 1e-6])
-def test_a_low_bump_that_steps_pass_is_followed(
-    free: bool, quartic: float, tolerance: float
-) -> None:
-    """Twelve points on each panel gave its integral, and two runs that passed it agreed."""
+def test_a_low_bump_is_resolved(free: bool, quartic: float, tolerance: float) -> None:
+    """Twelve points on each panel gave its integral, and two runs that stepped over it agreed."""
     family = Family("law", "bump", 2, 5.0, 0.0, 0.0, quartic, free)
     member = Member(family, np.array([0.0, 0.0, 0.0, (np.log10(tolerance) + 9.0) / 6.0]))
     vars(member).update(place=0.1557369, width=0.01202, height=9.25e-6)
     assert np.abs(answer(member)[0] - reference(member, 1e-12)).max() < 0.1 * tolerance
 
 
-def test_an_exponent_far_from_its_pulse_is_not_rounded() -> None:
-    """Runs were refused for the rounding of (x - c)**2/w**2, of which there is nothing left."""
+def test_rounding_of_an_exponent_far_from_its_pulse_does_not_count() -> None:
+    """Runs were refused for the rounding of (x - c)**2/w**2, which no longer matters there."""
     law = program_of(time_formula("force", "t + 1.4*exp(-((t - 0.13)/0.0001)**2)"))
     assert law.largest_summand(np.linspace(-0.3, 0.3, 65)) < 1.0

@@ -1,4 +1,4 @@
-"""Catches: an estimate below the error, a time that is missed, a blow-up that is passed over."""
+"""Catches: an estimate below the error, a time that is missed, a blow-up that is not detected."""
 
 import math
 import tracemalloc
@@ -16,7 +16,7 @@ from longwave.reports.studies.doubledouble_ring import advance_doubled, doubled
 
 
 def reference(model: Model, state: State, times: Array, largest: float) -> Array:
-    """Strains at the times, by double-double steps that are a twentieth of the stable ones."""
+    """Return strains at the times by double-double steps a twentieth of the stable step."""
     strains = np.linspace(-largest, largest, 101)
     highest = 2.0 * math.sqrt(max(float(np.abs(model.stiffness(strains)).max()), model.K2))
     y, s, t, rows = doubled(state.f[0]), doubled(state.v[0]), state.t, []
@@ -29,7 +29,7 @@ def reference(model: Model, state: State, times: Array, largest: float) -> Array
 
 
 def random_case(seed: int) -> tuple[Model, State, Array, float]:
-    """A model, a state of either amplitude, times and a tolerance, over their whole ranges."""
+    """Return a random model, state, times and tolerance, over their whole ranges."""
     random = np.random.default_rng(seed)
     K2, a = 10.0 ** random.uniform(-2, 2), 10.0 ** random.uniform(-2, 1)
     K3 = random.choice([0, 1, 1]) * random.uniform(-1, 1) * K2 / a
@@ -45,7 +45,7 @@ def random_case(seed: int) -> tuple[Model, State, Array, float]:
 
 
 def shortfall(seed: int) -> float | None:
-    """The true error in units of the estimate; None where the run is refused."""
+    """Return the true error in units of the estimate; None if the run is refused."""
     model, state, times, tolerance = random_case(seed)
     try:
         run = integrate(model.lattice, state, times, tolerance)
@@ -75,7 +75,7 @@ def test_estimates_bound_the_error_at_length() -> None:
 
 
 def modes(state: State, K2: float, t: float) -> tuple[Array, Array]:
-    """The linear ring at the time ``t``, by its normal modes."""
+    """Return the linear ring at time ``t`` by its normal modes."""
     y, s = np.fft.fft(state.f[0]), np.fft.fft(state.v[0])
     w = 2.0 * math.sqrt(K2) * np.abs(np.sin(np.pi * np.arange(state.size) / state.size))
     turn = w * (t - state.t)
@@ -105,14 +105,14 @@ MODEL = Model(1.0, 0.3, 1.0)
 CHAIN = MODEL.lattice
 
 
-def test_the_energy_is_kept_as_well_as_the_strain() -> None:
+def test_the_energy_is_conserved_as_accurately_as_the_strain() -> None:
     run = integrate(CHAIN, ROUGH, [10.0, 30.0], 1e-9)
     before = MODEL.energy(ROUGH)
     for f, v in zip(run.f, run.v, strict=True):
         assert MODEL.energy(State(0.0, f, v)) == pytest.approx(before, rel=1e-8)
 
 
-def test_the_way_back_leads_to_the_start() -> None:
+def test_integrating_back_leads_to_the_start() -> None:
     there = integrate(CHAIN, ROUGH, [12.0], 1e-10)
     turned = State(0.0, there.f[0], -there.v[0])
     back = integrate(CHAIN, turned, [12.0], 1e-10)
@@ -120,7 +120,7 @@ def test_the_way_back_leads_to_the_start() -> None:
     np.testing.assert_allclose(back.v[0], -ROUGH.v, rtol=0, atol=1e-7)
 
 
-def test_tighter_tolerances_agree_within_what_they_say() -> None:
+def test_tighter_tolerances_agree_within_their_estimates() -> None:
     runs = [integrate(CHAIN, ROUGH, [5.0, 15.0], 10.0**-k) for k in (3, 5, 7, 9)]
     for coarse, fine in pairwise(runs):
         change = np.abs(coarse.f - fine.f).max()
@@ -129,13 +129,13 @@ def test_tighter_tolerances_agree_within_what_they_say() -> None:
 
 
 def test_a_ring_that_begins_elsewhere_is_the_same_ring() -> None:
-    """Sites are stored at n mod size: a state that begins at 10 gives its sites in their order."""
+    """Sites are stored at n mod size: a state that begins at 10 returns its sites in order."""
     moved = State(0.0, np.roll(ROUGH.f, 10), np.roll(ROUGH.v, 10), left=10)
     plain, other = (integrate(CHAIN, state, [3.0], 1e-8) for state in (ROUGH, moved))
     np.testing.assert_allclose(other.f, plain.f, rtol=0, atol=2e-8)
 
 
-def test_the_state_is_left_alone_and_need_not_be_of_floats() -> None:
+def test_the_state_is_unchanged_and_may_have_integers() -> None:
     state = State(0.0, np.array([[0, 1, 0, -1]]), np.zeros((1, 4), dtype=int))
     integrate(CHAIN, state, 1.0, 1e-6)
     assert state.f.tolist() == [[0, 1, 0, -1]]
@@ -146,7 +146,7 @@ def stated(**settings: object) -> Trajectory:
     return integrate(CHAIN, ROUGH, [10.0], **settings)  # type: ignore[arg-type]
 
 
-def test_a_stated_step_is_taken_and_its_error_is_measured() -> None:
+def test_a_given_step_is_used_and_its_error_is_measured() -> None:
     exact = integrate(CHAIN, ROUGH, [10.0], 1e-10).f
     for scheme, step in ((RK4, 0.05), (RK4, 0.01), (KAHAN_LI_8, 0.4)):
         run = stated(scheme=scheme, step=step)
@@ -159,7 +159,7 @@ def test_a_stated_step_is_taken_and_its_error_is_measured() -> None:
 
 
 def test_the_error_of_a_step_that_the_times_shorten_is_measured_too() -> None:
-    """Of 0.6 and of half of it there is one step of 0.25 between two times: no difference."""
+    """Steps of 0.6 and of half of it both give one step of 0.25 between two times."""
     times = np.arange(0.25, 4.1, 0.25)
     exact = integrate(CHAIN, ROUGH, times, 1e-9).f
     run = integrate(CHAIN, ROUGH, times, scheme=RK4, step=0.6)
@@ -167,7 +167,7 @@ def test_the_error_of_a_step_that_the_times_shorten_is_measured_too() -> None:
     assert 1e-5 < np.abs(run.f - exact).max() <= run.error_estimate
 
 
-def test_a_blow_up_is_told_with_its_time() -> None:
+def test_a_blow_up_is_reported_with_its_time() -> None:
     """y'' = D(y - y^3) from beyond the barrier reaches infinity soon."""
     soft = Model(1.0, 0.0, -1.0).lattice
     state = State(0.0, np.array([[3.0, -3.0, 3.0, -3.0]]), np.zeros((1, 4)))
@@ -194,8 +194,8 @@ def test_a_tolerance_below_rounding_is_refused() -> None:
         integrate(CHAIN, ROUGH, [10.0], 1e-16)
 
 
-def test_what_chaos_makes_of_the_last_digits_is_told() -> None:
-    """Neighbouring strains part like exp(0.2 t) here: 1e-16 is 1e-7 by then."""
+def test_rounding_amplified_by_chaos_is_reported() -> None:
+    """Neighbouring strains separate like exp(0.2 t) here: 1e-16 has become 1e-7."""
     wild = replace(ROUGH, f=2.5 * ROUGH.f, v=2.5 * ROUGH.v)
     with pytest.raises(ValueError, match=r"got 1e-09 \(neighbouring states of the lattice part"):
         integrate(CHAIN, wild, [100.0], 1e-9)
@@ -220,7 +220,7 @@ WRONG = {
 
 
 @pytest.mark.parametrize("message", WRONG)
-def test_what_cannot_be_run_is_refused_in_one_line(message: str) -> None:
+def test_invalid_arguments_are_refused_in_one_line(message: str) -> None:
     with pytest.raises(ValueError, match=message) as caught:
         stated(**WRONG[message])
     assert "\n" not in str(caught.value)
@@ -234,9 +234,9 @@ def test_what_cannot_be_run_is_refused_in_one_line(message: str) -> None:
         ([[1.0]], "times must be one or more finite numbers"),
         (np.ones((3, 3)), "times must be one or more finite numbers"),
         ([1.0, math.inf], "every time must be finite"),
-        ([-1.0, 2.0], r"times must increase from state.t = 0 on, got -1 at place 0"),
-        ([1.0, 3.0, 2.0], r"times must increase from state.t = 0 on, got 2 at place 2"),
-        ([1.0, 1.0], r"times must increase from state.t = 0 on, got 1 at place 1"),
+        ([-1.0, 2.0], r"times must increase from state.t = 0 on, got -1 at index 0"),
+        ([1.0, 3.0, 2.0], r"times must increase from state.t = 0 on, got 2 at index 2"),
+        ([1.0, 1.0], r"times must increase from state.t = 0 on, got 1 at index 1"),
     ],
 )
 def test_wrong_times_are_refused(times: list[float], message: str) -> None:
@@ -245,12 +245,12 @@ def test_wrong_times_are_refused(times: list[float], message: str) -> None:
     assert "\n" not in str(caught.value)
 
 
-def test_forces_beyond_all_numbers_are_refused() -> None:
-    with pytest.raises(ValueError, match=r"state must leave .* finite, got a stretch of"):
+def test_forces_that_overflow_are_refused() -> None:
+    with pytest.raises(ValueError, match=r"state must have .* finite, got a stretch of"):
         integrate(Model(1.0, 1e300, 1e300).lattice, replace(ROUGH, f=1e10 * ROUGH.f), [1.0], 1e-3)
 
 
-def test_far_from_zero_each_time_is_given_once() -> None:
+def test_far_from_zero_each_time_is_returned_once() -> None:
     """Of 10 steps in 160 at t = 1e17 most end at the same number."""
     far = replace(ROUGH, t=1e17)
     run = integrate(CHAIN, far, [1e17 + 16, 1e17 + 32], step=0.5)
@@ -264,12 +264,12 @@ def test_a_ring_at_rest_stays() -> None:
     assert not run.v.any()
 
 
-def test_the_face_knows_its_nouns() -> None:
+def test_the_package_exports_its_names() -> None:
     assert all(getattr(lattice, noun) is not None for noun in lattice.__all__)
 
 
 def test_a_large_ring_takes_few_bytes_a_site() -> None:
-    """Catches: every run of the search kept whole, 331 bytes a site. Its state alone has 16."""
+    """Catches: every run of the search stored whole, 331 bytes per site. Its state alone has 16."""
     sites = 2**20
     wave = 0.1 * np.cos(np.arange(sites) * (2.0 * np.pi / 64))[np.newaxis]
     state = State(0.0, wave, np.zeros((1, sites)))

@@ -81,7 +81,7 @@ def test_rk4_equals_the_textbook_form(K3: float, K4: float, rng: np.random.Gener
 
 @pytest.mark.parametrize(("K3", "K4"), PRESENT)
 def test_force_and_stiffness_are_those_of_the_derivation(K3: float, K4: float) -> None:
-    """The chain is declared twice; it must be the one that the expansion started from."""
+    """The chain is declared twice; it must be the one that the expansion starts from."""
     y = sp.Symbol("y")
     lattice = derive.LATTICES["fput_strain"]
     numbers = {symbols.K2: sp.Rational(13, 10), symbols.K3: K3, symbols.K4: K4}
@@ -121,7 +121,7 @@ def test_no_steps_change_nothing(scheme: Scheme, rng: np.random.Generator) -> No
 
 @pytest.mark.parametrize("scheme", SCHEMES, ids=lambda scheme: scheme.name)
 def test_total_velocity_is_conserved(scheme: Scheme, rng: np.random.Generator) -> None:
-    """The discrete Laplacian sums to zero on a ring: a leak at the seam would show."""
+    """The discrete Laplacian sums to zero on a ring, so a leak at the seam would show."""
     y, s = smooth_ring(50, rng)
     total = s.sum()
     advance(scheme, y[None], s[None], 0.1, 50, Model(1, 0.3, 1).lattice)
@@ -129,7 +129,7 @@ def test_total_velocity_is_conserved(scheme: Scheme, rng: np.random.Generator) -
 
 
 def test_engine_agrees_with_dop853() -> None:
-    """Y2 about its crest at eps = 0.05, to 1e-8 eps: an integrator that shares no line with it."""
+    """Y2 about its crest at eps = 0.05, to 1e-8 eps; DOP853 is an independent integrator."""
     eps, size, duration = 0.05, 512, 40.0
     wave = Wave(closed_form("rational_2"), derive.mkdv_normal_form(4, 1))
     value = wave.at(np.arange(size) - size // 2, 0.0, eps)

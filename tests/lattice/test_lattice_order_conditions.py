@@ -1,4 +1,4 @@
-"""Catches: a wrong digit or sign in a table, an order claimed that the table does not have."""
+"""Catches: a wrong digit or sign in a table, a stated order that the table does not have."""
 
 import pickle
 from dataclasses import replace
@@ -41,8 +41,8 @@ def test_every_table_has_the_order_that_it_claims_and_no_more(scheme: Scheme) ->
     assert nystroem_defect(scheme.table(), scheme.order + 1) > 1e-6
 
 
-def test_a_wrong_position_is_a_defect() -> None:
-    """The conditions of the velocity are those of Verlet's method."""
+def test_a_wrong_position_weight_is_detected() -> None:
+    """The velocity conditions are those of Verlet's method."""
     half, one = Fraction(1, 2), Fraction(1)
     assert nystroem_defect(NystroemTable([half], [[]], [half], [one]), 2) == 0.0
     assert nystroem_defect(NystroemTable([half], [[]], [one], [one]), 2) == 0.5
@@ -55,7 +55,7 @@ def off(literal: str, change: str) -> str:
 @pytest.mark.parametrize("scheme", [SUZUKI_UMENO_8, KAHAN_LI_8], ids=lambda scheme: scheme.name)
 @pytest.mark.parametrize("place", [0, 3, 6])
 def test_one_digit_off_is_refused(scheme: Composition, place: int) -> None:
-    """A change of 1e-20 in one weight is far below what an order test by slopes can see."""
+    """A change of 1e-20 in one weight is far below what a convergence test can detect."""
     half = list(scheme.half)
     half[place] = off(half[place], "1e-20")
     with pytest.raises(ValueError, match=r"must sum to 1 .* got a defect of 2\.0e-20"):
@@ -86,12 +86,12 @@ def test_one_digit_off_in_a_splitting_is_refused(place: int) -> None:
         check_order(replace(REDUCED_PHASE_6, kick_half=tuple(half)))
 
 
-def test_a_phase_lag_order_that_is_not_there_is_refused() -> None:
+def test_a_wrong_phase_lag_order_is_refused() -> None:
     with pytest.raises(ValueError, match="phase-lag order 8"):
         check_order(replace(BLANES_MOAN_6, phase_order=8))
 
 
-def test_halves_that_do_not_fit_are_refused() -> None:
+def test_mismatched_halves_are_refused() -> None:
     with pytest.raises(ValueError, match="drift_half must have as many weights as kick_half"):
         replace(BLANES_MOAN_6, drift_half=BLANES_MOAN_6.drift_half[:3])
 
@@ -108,7 +108,7 @@ def test_phase_lag_is_that_of_the_matrices() -> None:
 
 
 def test_reduced_phase_has_no_unstable_band_at_pi() -> None:
-    """Blanes and Moan's trace passes -2 by 4e-7 there, and ends the stable steps at z = 3.1409."""
+    """Blanes and Moan's trace passes -2 by 4e-7 there: its stable steps end at 3.1409."""
     z = np.pi + np.linspace(-1e-4, 1e-4, 20_001)
     depth = {
         scheme.name: -2.0 - np.trace(scheme.oscillator(z), axis1=1, axis2=2).min()
@@ -119,7 +119,7 @@ def test_reduced_phase_has_no_unstable_band_at_pi() -> None:
 
 
 def test_a_yoshida_weight_off_by_a_thousandth_is_refused() -> None:
-    """Such a scheme still shows slope 3.95 on coarse steps."""
+    """Such a scheme still converges with slope 3.95 on coarse steps."""
     outer = "1.35120719195965763404768780897"
     inner = "-1.70241438391931526809537561795"
     check_order(Composition("yoshida_4", 4, (outer, inner), ""))
@@ -167,7 +167,7 @@ def test_names_are_unique() -> None:
     assert len({scheme.name for scheme in SCHEMES}) == len(SCHEMES)
 
 
-def test_a_stated_scheme_is_the_table_of_its_weights() -> None:
+def test_a_user_defined_scheme_has_the_table_of_its_weights() -> None:
     weights = [" ".join(half) for half in (BLANES_MOAN_6.drift_half, BLANES_MOAN_6.kick_half)]
     stated = scheme_named(f"mine, order 6: drifts {weights[0]}, kicks {weights[1]}")
     assert stated.table() == BLANES_MOAN_6.table()
@@ -179,7 +179,7 @@ def test_a_stated_scheme_is_the_table_of_its_weights() -> None:
     ("text", "message"),
     [
         ("mine, order 4: drifts 1/2, kicks 1", "mine, order 4: drifts 1/2, kicks 1 must satisfy"),
-        ("mine, order 2: drifts 1/2", "scheme must be stated as 'mine, order 2: "),
+        ("mine, order 2: drifts 1/2", "scheme must be defined as 'mine, order 2: "),
         ("mine, order 2: drifts __import__, kicks 1", "weights of a scheme must be decimals or"),
         ("mine, order 2: drifts 1/0, kicks 1", "weights of a scheme must be decimals or"),
         ("mine, order 2: drifts 1/2 1/2 1/2, kicks 1", "drift_half must have as many weights"),
@@ -189,6 +189,6 @@ def test_a_stated_scheme_is_the_table_of_its_weights() -> None:
         ("kahan_li_9", r"scheme must be a known one, got 'kahan_li_9' \(did you mean kahan_li_8"),
     ],
 )
-def test_a_scheme_that_is_none_is_refused_in_one_line(text: str, message: str) -> None:
+def test_invalid_schemes_are_refused_in_one_line(text: str, message: str) -> None:
     with pytest.raises(ValueError, match=rf"^{message}[^\n]*$"):
         scheme_named(text)

@@ -15,7 +15,7 @@ from longwave.lattice.energy_balance import EnergyBalance
 from longwave.lattice.force_program import ForceProgram, program_of
 from longwave.lattice.integration import CellEngine, StateComparison
 from longwave.lattice.numeric_lattice import numeric_lattice
-from longwave.lattice.outer_forces import looked_at
+from longwave.lattice.outer_forces import shortest_time_scale
 from longwave.lattice.schemes import KAHAN_LI_8, REDUCED_PHASE_6, STOERMER_VERLET, Scheme
 from longwave.lattice.sensitivities import FreeParameter, Sensor, VariedChain
 from longwave.scenes.description.time_functions import time_function
@@ -33,30 +33,30 @@ class SitePull(SiteForce):
 
     @property
     def law(self) -> ForceProgram:
-        """Not of one term, so that it has a unit."""
+        """Return a law of two terms, so that it has a unit."""
         return ForceProgram((2.0, 0.0, 2.0))
 
 
 @dataclass(frozen=True)
 class Shaken(SiteForce):
-    """What all cells feel on a table that is shaken."""
+    """Inertial force on all cells of a shaken table."""
 
     def shares(self, masses: Array) -> Array:
-        """By mass."""
+        """Return shares proportional to mass."""
         return -masses
 
 
 class RootPull(SitePull):
-    """``k(t) sqrt(1/4 - u)`` on a cell, and nothing on those that are further away."""
+    """``k(t) sqrt(1/4 - u)`` on a cell, and no force on the other cells, which are further away."""
 
     @property
     def law(self) -> ForceProgram:
-        """No number beyond 1/4."""
+        """Return a law that is nan beyond 1/4."""
         return program_of(time_formula("law", "(1/4 - t)**(1/2)"))
 
 
 def pulled_chain() -> DrivenChain:
-    """A pull, a force by mass and a heavy cell, between a wall and a free end, with losses."""
+    """Return a chain with a wall, a free end, a pull, a force by mass, a heavy cell and losses."""
     forces = [SitePull(3, K), Shaken(0, time_function("base", "0.2*sin(t)"))]
     return driven_chain(
         BETA, CELLS, left="fixed", right="free", losses=0.1, dashpots=0.05, forces=forces,
@@ -65,12 +65,12 @@ def pulled_chain() -> DrivenChain:
 
 
 def start() -> State:
-    """Small random displacements and velocities."""
+    """Return small random displacements and velocities."""
     return State(0.0, *(0.2 * np.random.default_rng(3).standard_normal((2, 1, CELLS))))
 
 
 def exact(state: State) -> tuple[Array, float]:
-    """Displacements at the end, and the work done until then, by SciPy."""
+    """Return the displacements at the end, and the work done until then, by SciPy."""
     masses = np.where(np.arange(CELLS) == 3, 2.0, 1.0)
 
     def slopes(t: float, y: Array) -> Array:
@@ -86,12 +86,12 @@ def exact(state: State) -> tuple[Array, float]:
     return found[:CELLS], float(found[-1])
 
 
-def test_a_kind_of_force_is_an_entry() -> None:
+def test_a_new_kind_of_force_needs_one_class() -> None:
     made, state = pulled_chain(), start()
     run = integrate(made, state, [END], tolerance=1e-8)
     u, work = exact(state)
     assert np.abs(run.f[-1, 0] - u).max() < run.error_estimate <= 1e-8
-    held = made.held(state)
+    held = made.with_walls(state)
 
     def worked(_: State, balance: EnergyBalance | None) -> Array:
         assert balance is not None
@@ -105,8 +105,8 @@ def test_a_kind_of_force_is_an_entry() -> None:
     assert trial.values[0, 0] == pytest.approx(work, abs=1e-8)
 
 
-def test_a_law_is_evaluated_where_its_force_acts_alone() -> None:
-    """Catches nothing times the root of a negative number, which is no number."""
+def test_a_law_is_evaluated_only_where_its_force_acts() -> None:
+    """Catches: 0 times the root of a negative number, which is nan."""
     made = driven_chain(
         BETA, CELLS, left="fixed", right="free", forces=[RootPull(3, time_function("k", "0.01"))]
     )
@@ -158,15 +158,15 @@ def test_poles_and_jumps_in_time_are_refused_at_once(text: str) -> None:
     with pytest.raises(
         ValueError, match=r"without jumps, got one that is not near t = (0\.3|1\.5)"
     ):
-        looked_at([time_function("force", text)], 0.0, 2.0)
+        shortest_time_scale([time_function("force", text)], 0.0, 2.0)
 
 
 @pytest.mark.parametrize("text", ["1/(t*t - 2*t + 10001/10000)", "tanh(10**9*(t - 1))"])
-def test_what_is_steep_is_no_jump(text: str) -> None:
-    assert looked_at([time_function("force", text)], 0.0, 2.0)[0] > 1e-10
+def test_a_steep_drive_is_not_a_jump(text: str) -> None:
+    assert shortest_time_scale([time_function("force", text)], 0.0, 2.0)[0] > 1e-10
 
 
-def test_chains_are_equal_where_all_is_that_acts() -> None:
+def test_chains_with_equal_drives_are_equal() -> None:
     made = pulled_chain()
     assert made == pulled_chain()
     assert hash(made) == hash(pulled_chain())

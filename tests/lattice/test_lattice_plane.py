@@ -1,4 +1,4 @@
-"""The kernel of two dimensions against the plain force, and the face that runs it."""
+"""The two-dimensional kernel against NumPy, and `integrate` on planes."""
 
 import numpy as np
 import pytest
@@ -16,10 +16,10 @@ from tests.lattice.test_numeric_lattice import numbers
 SQUARE = numbers("square")
 
 
-def misses(
+def relative_difference(
     chain: NumericLattice, shape: tuple[int, ...], size: float, scheme: DriftKick, steps: int = 3
 ) -> float:
-    """By how much the kernel and NumPy differ, relatively."""
+    """Return the relative difference between the kernel and NumPy."""
     random = np.random.default_rng(4)
     f, v = size * random.standard_normal((2, len(chain.fields), *shape))
     g, w = f.copy(), v.copy()
@@ -37,17 +37,19 @@ def misses(
     "shape", [(1, 1), (1, 9), (9, 1), (2, 30), (5, 3), (16, 16), (40, 50), (64, 17), (7, 200)]
 )
 @pytest.mark.parametrize("scheme", [REDUCED_PHASE_6, BLANES_MOAN_6, STOERMER_VERLET])
-def test_the_kernel_is_the_plain_force_on_rings_of_any_shape(
+def test_the_kernel_agrees_with_numpy_on_rings_of_any_shape(
     shape: tuple[int, ...], scheme: DriftKick
 ) -> None:
-    assert misses(SQUARE, shape, 0.1, scheme) < 1e-14
+    assert relative_difference(SQUARE, shape, 0.1, scheme) < 1e-14
 
 
 @pytest.mark.parametrize("seed", range(8))
 def test_the_kernel_takes_any_lattice(seed: int) -> None:
     random = np.random.default_rng(seed)
     chain = random_lattice(random, 0.1, axes=2)
-    assert misses(chain, tuple(random.integers(1, 40, 2)), 0.01, REDUCED_PHASE_6) < 1e-12
+    assert (
+        relative_difference(chain, tuple(random.integers(1, 40, 2)), 0.01, REDUCED_PHASE_6) < 1e-12
+    )
 
 
 @pytest.mark.slow
@@ -56,7 +58,7 @@ def test_the_kernel_takes_very_many_lattices() -> None:
         random = np.random.default_rng(seed)
         chain = random_lattice(random, 0.1, axes=2)
         shape = tuple(random.integers(1, 60, 2))
-        assert misses(chain, shape, 0.01, REDUCED_PHASE_6) < 1e-12, seed
+        assert relative_difference(chain, shape, 0.01, REDUCED_PHASE_6) < 1e-12, seed
 
 
 def test_two_cores_give_the_same_numbers(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -76,7 +78,7 @@ def test_two_cores_give_the_same_numbers(monkeypatch: pytest.MonkeyPatch) -> Non
 
 
 def test_absent_terms_are_absent() -> None:
-    """Of springs without quadratic and cubic parts, and of an axis without springs."""
+    """Springs without quadratic and cubic parts, and an axis without springs."""
     straight = NumericLattice("plain", ("u",), (1.0,), (SQUARE.bonds[0],))
     whole, half = stage_plan(SQUARE)[0], stage_plan(straight)[0]
     assert (whole.operations, half.operations) == (13, 7)
@@ -84,7 +86,7 @@ def test_absent_terms_are_absent() -> None:
 
 
 def shortfall(seed: int) -> float | None:
-    """True error over estimate of a random lattice in two dimensions; None if it is refused."""
+    """Return the true error over the estimate of a random plane lattice; None if it is refused."""
     random = np.random.default_rng(seed)
     size = 10.0 ** random.uniform(-2, 1)
     chain = random_lattice(random, size, 2)
@@ -126,7 +128,7 @@ def test_estimates_bound_the_error_in_two_dimensions_at_length() -> None:
 
 @pytest.mark.parametrize("cells", [(3, 2), (-3, 1), (2, -3), (0, 3)])
 def test_stages_stay_as_far_apart_as_springs_reach(cells: tuple[int, int]) -> None:
-    """Two stages go over the rows together only if a ring is tall."""
+    """Two stages share a pass over the rows only if a ring is tall enough."""
     here, back = (0, 0), (-cells[0], -cells[1])
     far = NumericBond(
         (Entry(cells, 1.0, 0), Entry(here, -1.0, 0)),
@@ -134,4 +136,4 @@ def test_stages_stay_as_far_apart_as_springs_reach(cells: tuple[int, int]) -> No
         SQUARE.bonds[0].force,
     )
     chain = NumericLattice("far", ("u",), (1.0,), (*SQUARE.bonds, far))
-    assert misses(chain, (120, 21), 0.05, REDUCED_PHASE_6) < 1e-13
+    assert relative_difference(chain, (120, 21), 0.05, REDUCED_PHASE_6) < 1e-13

@@ -1,7 +1,7 @@
-"""The judge of a run's error, by an engine whose errors and blow-ups are known.
+"""Error estimation by an engine whose errors and blow-ups are known.
 
-Catches: a lattice said to blow up by itself where shorter steps cure it, a refusal that says what
-was not seen, runs of which others show the same, an error blamed on the wrong choice for good.
+Catches: a lattice reported to blow up where shorter steps cure it, a refusal that reports what was
+not measured, redundant runs, an error attributed to the wrong choice.
 """
 
 import math
@@ -29,7 +29,10 @@ from longwave.lattice.trial import (
 
 
 class Breaking:
-    """A value that is off by step^2; none if the step is longer than ``longest``, or ``among``."""
+    """Engine whose value has the error step^2.
+
+    None if the step is longer than ``longest``, or ``among``.
+    """
 
     kinds: tuple[Kind, ...] = ("step",)
     threads, order, decay, safety, unstable, amplifies_rounding = 1, 2, 1.0, 2.0, 1, False
@@ -66,24 +69,22 @@ class Breaking:
 @pytest.mark.parametrize(
     ("longest", "own"), [(2.0, False), (0.3, False), (0.05, False), (0.02, True), (0.0, True)]
 )
-def test_a_blow_up_that_outlives_three_pairs_of_runs_is_the_lattice_s_own(
-    longest: float, own: bool
-) -> None:
-    """Their steps are 1, 0.2 and 0.04, the control runs' 0.7 of that."""
+def test_a_blow_up_in_three_pairs_of_runs_is_physical(longest: float, own: bool) -> None:
+    """Their steps are 1, 0.2 and 0.04; those of the control runs 0.7 of that."""
     found = refine(Breaking(longest), 1e-2)
     assert math.isinf(found.error) is own
     assert (found.trial.values is None) is own
     assert own or abs(found.trial.values[0]) <= found.error <= 1e-2  # type: ignore[index]
 
 
-def test_blow_ups_with_a_run_between_them_are_not_the_lattice_s_own() -> None:
-    """Its steps are 1, 0.2, 0.04, about 0.01, of which the third alone comes to an end."""
+def test_blow_ups_with_a_good_run_between_them_are_numerical() -> None:
+    """The steps are 1, 0.2, 0.04 and about 0.01; only the third run completes."""
     found = refine(Breaking(0.05, among=(0.003, 0.025)), 1e-4)
     assert found.error <= 1e-4
 
 
-def test_a_step_that_stops_shorten_is_shortened_as_it_is_taken() -> None:
-    """Catches: a shorter step with which the same steps are taken, so that the same run is made."""
+def test_the_actual_steps_are_shortened() -> None:
+    """Catches: a shorter step that gives the same actual steps, and so repeats the run."""
     for gaps in ([1.0], [1.0] * 5, [0.3, 1.0, 0.7], [2.0, 0.01]):
         stops = np.concatenate([[0.0], np.cumsum(gaps)])
         for order, step, excess in product((2, 6, 8), (0.2, 0.53, 0.9, 1.5, 4.0), (1.01, 1.4, 9)):
@@ -95,7 +96,7 @@ def test_a_step_that_stops_shorten_is_shortened_as_it_is_taken() -> None:
 
 
 def test_a_mild_chain_runs_at_every_tolerance() -> None:
-    """Catches: three equal runs between two stops, taken for errors that no step lowers."""
+    """Catches: three equal runs between two stops, interpreted as errors that no step reduces."""
     lattice = numeric_lattice(LATTICES["alpha_fput"], {"K2": 0.5, "K3": 0.5})
     f, v = 0.1 * np.random.default_rng(31).standard_normal((2, 1, 12))
     chain = driven_chain(lattice, 12, left="fixed", right="fixed")
@@ -105,7 +106,7 @@ def test_a_mild_chain_runs_at_every_tolerance() -> None:
 
 
 class Blunt(StepSearch):
-    """An error that no step lowers, and one that falls, but never far enough."""
+    """Engine with an error that no step reduces, or one that falls too slowly."""
 
     def __init__(self, slowly: bool) -> None:
         super().__init__(2, 1.0, np.array([0.0, 100.0]))
@@ -119,7 +120,7 @@ class Blunt(StepSearch):
         return Trial(choices, np.array([value]), 1.0, 0.0, 0.0, None, shown)
 
 
-def test_a_refusal_says_what_was_measured() -> None:
+def test_a_refusal_reports_what_was_measured() -> None:
     with pytest.raises(ValueError, match="no longer help, and rounding is only"):
         refine(Blunt(slowly=False), 1e-9)
     with pytest.raises(ValueError, match=r"got 1e-90 \(after 12 control runs"):
@@ -127,9 +128,9 @@ def test_a_refusal_says_what_was_measured() -> None:
 
 
 class Windowed(StepSearch):
-    """Values that are off by ``of_step`` step^6 and ``of_size`` size^-5; all runs are kept.
+    """Engine with errors ``of_step`` step^6 and ``of_size`` size^-5; all runs are recorded.
 
-    A scout, if it ``is_scouted``, sees the step's error ``blunted``.
+    If it ``is_scouted``, a scout sees the step's error ``blunted``.
     """
 
     kinds: tuple[Kind, ...] = ("step", "domain")
@@ -159,8 +160,8 @@ class Windowed(StepSearch):
         return replace(choices, size=choices.size * max(1.2, excess**0.2))
 
 
-def test_the_run_that_controls_a_window_shows_the_law_of_the_step_too() -> None:
-    """Catches: a run with a shorter step alone, although one in a wider window says the same."""
+def test_the_control_run_of_a_window_confirms_the_steps_law() -> None:
+    """Catches: a run with a shorter step alone, although one in a wider window shows the same."""
     engine = Windowed(1e-4, 1e-5)
     found = refine(engine, 1e-3)
     assert abs(float(found.trial.values[0])) <= found.error <= 1e-3  # type: ignore[index]
@@ -169,8 +170,8 @@ def test_the_run_that_controls_a_window_shows_the_law_of_the_step_too() -> None:
 
 
 @pytest.mark.parametrize("of_size", [0.01, 0.1, 10.0])
-def test_a_window_is_widened_without_runs_that_say_that_it_must_be(of_size: float) -> None:
-    """Catches: the step varied alone and the window alone, with the step's change known."""
+def test_a_window_is_widened_without_further_runs(of_size: float) -> None:
+    """Catches: step and window varied separately although the step's change is known."""
     engine = Windowed(1e-4, of_size)
     found = refine(engine, 1e-3)
     assert abs(float(found.trial.values[0])) <= found.error <= 1e-3  # type: ignore[index]
@@ -179,15 +180,15 @@ def test_a_window_is_widened_without_runs_that_say_that_it_must_be(of_size: floa
 
 
 @pytest.mark.parametrize("blunted", [1e-1, 1e-3])
-def test_an_error_that_no_wider_window_lowers_is_found_to_be_the_steps(blunted: float) -> None:
-    """Catches: a window widened in vain where a scout saw next to nothing of the step's error."""
+def test_an_error_that_no_window_reduces_is_the_steps(blunted: float) -> None:
+    """Catches: a window widened in vain where a scout saw almost nothing of the step's error."""
     engine = Windowed(0.1, 1e-6, blunted)
     found = refine(engine, 1e-3)
     assert abs(float(found.trial.values[0])) <= found.error <= 1e-3  # type: ignore[index]
 
 
-def test_a_window_whose_error_hides_the_law_takes_a_run_for_it() -> None:
-    """Catches: a law said to be seen where it was the window that changed the values."""
+def test_a_law_hidden_by_the_window_gets_its_own_run() -> None:
+    """Catches: a law counted as confirmed although the window changed the values."""
     engine = Windowed(1e-4, 2e-3)
     refine(engine, 1e-3)
     assert [one.size for one in engine.runs].count(1.0) == 3

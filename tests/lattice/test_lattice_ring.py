@@ -1,4 +1,4 @@
-"""The exponential engine of any lattice: exact where it is linear, and of its order elsewhere."""
+"""The exponential engine of any lattice: exact if linear, and of its order otherwise."""
 
 import math
 from dataclasses import replace
@@ -20,12 +20,19 @@ from tests.lattice.test_numeric_lattice import numbers
 
 END = 6.0
 
-TELLING = ("alpha_fput", "fput_strain", "granular", "klein_gordon", "mass_dimer", "square")
-"""Lattices with whatever a lattice may have: strains, a site's force, two masses, two axes."""
+LATTICES_WITH_ALL_FEATURES = (
+    "alpha_fput",
+    "fput_strain",
+    "granular",
+    "klein_gordon",
+    "mass_dimer",
+    "square",
+)
+"""Lattices that together have every feature: strains, a site's force, two masses, two axes."""
 
 
 def rough(chain: NumericLattice, sites: int) -> FieldRing:
-    """Random fields on all sites."""
+    """Return random fields on all sites."""
     axes = chain.dimension
     size = 0.01 if chain.name == "lennard_jones" else 0.05
     shape = (2, len(chain.fields), *(sites,) * axes)
@@ -33,8 +40,8 @@ def rough(chain: NumericLattice, sites: int) -> FieldRing:
     return FieldRing(0.0, (0.0,) * axes, (float(sites),) * axes, f, v)
 
 
-@pytest.mark.parametrize("name", family(sorted(LATTICES), quick=TELLING))
-def test_the_ring_is_the_plain_lattice_in_any_frame(name: str) -> None:
+@pytest.mark.parametrize("name", family(sorted(LATTICES), quick=LATTICES_WITH_ALL_FEATURES))
+def test_the_ring_agrees_with_the_lattice_in_any_frame(name: str) -> None:
     chain = numbers(name)
     state = rough(chain, 6)
     exact = reference(chain, state.f, state.v, [END])
@@ -61,7 +68,7 @@ def test_a_linear_lattice_is_exact_whatever_the_step(name: str) -> None:
     np.testing.assert_allclose(found.f, exact[0], atol=1e-10)
 
 
-def test_a_chain_that_is_pushed_drifts() -> None:
+def test_a_chain_with_momentum_drifts() -> None:
     chain = numbers("dimer")
     state = FieldRing(2.0, (0.0,), (6.5,), np.full((2, 16), 0.7), np.full((2, 16), 0.3))
     found = LatticeRing(chain, state, 3.0, 40.0, (1.0,)).at(42.0)
@@ -69,8 +76,8 @@ def test_a_chain_that_is_pushed_drifts() -> None:
     np.testing.assert_allclose(found.v, 0.3, rtol=1e-12)
 
 
-def test_an_unstable_site_falls_off() -> None:
-    """u'' = u - u^3 from near 0: the mean slope is negative, the frequency imaginary."""
+def test_an_unstable_site_leaves_its_equilibrium() -> None:
+    """u'' = u - u^3 from near 0: the mean slope is negative, so the frequency is imaginary."""
     here = ((Entry((0,), 1.0, 0),), (Entry((0,), -1.0, 0),))
     chain = NumericLattice(
         "hill", ("u",), (1.0,), (NumericBond(*here, ForceProgram((-1.0, 0, 1.0))),)
@@ -82,7 +89,7 @@ def test_an_unstable_site_falls_off() -> None:
     np.testing.assert_allclose(found.f, exact[0], rtol=1e-6)
 
 
-def test_it_is_the_strain_ring_on_a_real_circumference() -> None:
+def test_it_agrees_with_the_strain_ring_on_a_real_circumference() -> None:
     x = 140.5 / 512 * np.arange(512)
     y = 0.1 / np.cosh((x - 70.0) / 4.0)
     s = y * np.tanh((x - 70.0) / 4.0) / 4.0
@@ -108,7 +115,7 @@ def test_waves_along_one_axis_of_the_square_lattice_are_those_of_the_chain() -> 
     np.testing.assert_allclose(plane.f[0], np.repeat(line.f[0][:, None], 6, axis=1), atol=1e-12)
 
 
-def test_the_tail_is_watched() -> None:
+def test_the_tail_is_checked() -> None:
     x = 40.0 / 64 * np.arange(64)
     steep = np.exp(-((x - 20.0) ** 2) / 8.0)[None]
     state = FieldRing(0.0, (0.0,), (40.0,), steep, 0 * steep)
@@ -116,8 +123,8 @@ def test_the_tail_is_watched() -> None:
         LatticeRing(numbers("fput"), state, 0.1, 50.0, (0.0,), tail=1e-9).at(50.0)
 
 
-def test_strains_of_two_fields_part_into_oscillators() -> None:
-    """Strains of a mass dimer: their matrix is Hermitian in no weights of the masses."""
+def test_strains_of_two_fields_decouple() -> None:
+    """Strains of a mass dimer: no weights of the masses make their matrix Hermitian."""
     here, back, ahead = (0,), (-1,), (1,)
     m = (1.0, 3.0)
     first = NumericBond(
@@ -168,6 +175,6 @@ def test_waves_that_grow_like_time_are_refused() -> None:
     )
     chain = NumericLattice("jordan", ("f", "g"), (1.0, 1.0), bonds)
     with pytest.raises(
-        ValueError, match="lattice must have waves that are oscillators, got jordan"
+        ValueError, match="lattice must have normal modes that decouple, got jordan"
     ):
         normal_modes(chain, np.zeros((1, 1)), [1.0, 1.0], 0.01)

@@ -37,7 +37,7 @@ def slopes(errors: list[float], steps: tuple[int, ...]) -> Array:
 
 @pytest.fixture(scope="module")
 def fput() -> tuple[Array, Array, Array]:
-    """Initial strains and velocities of a ring of 24 sites, and its strains at the end."""
+    """Return initial strains and velocities of a ring of 24 sites, and its strains at the end."""
     n = 2.0 * np.pi * np.arange(24) / 24
     y, s = 0.4 * np.sin(n) + 0.2 * np.cos(2 * n + 1), 0.3 * np.cos(3 * n)
     K2, K3, K4 = CONSTANTS.K2, CONSTANTS.K3, CONSTANTS.K4
@@ -64,7 +64,7 @@ def test_order_on_fput_against_dop853(scheme: Scheme, fput: tuple[Array, Array, 
 
 
 def toda_soliton(n: Array, t: float) -> tuple[Array, Array]:
-    """Strain and velocity of the Toda chain's soliton, y'' = D[exp(y) - 1], kappa = 1."""
+    """Return strain and velocity of the Toda chain's soliton, y'' = D[exp(y) - 1], kappa = 1."""
     phase = n - np.sinh(1.0) * t
     height = np.sinh(1.0) ** 2 / np.cosh(phase) ** 2
     return np.log1p(height), 2.0 * np.sinh(1.0) * np.tanh(phase) * height / (1.0 + height)

@@ -1,4 +1,4 @@
-"""Catches: a run that is not the kernel's, a derivative without a wall, a loss or a mass."""
+"""Catches: a run that differs from the kernel's, a derivative that ignores a wall, loss or mass."""
 
 from typing import Any
 
@@ -52,7 +52,7 @@ def fput(values: Array, ends: tuple[Any, Any]) -> DrivenChain:
 
 
 def by_differences(read: Any, values: Array) -> Array:
-    """Fourth-order differences: what exact derivatives are to agree with."""
+    """Return fourth-order differences, with which exact derivatives must agree."""
     found, size = [], 3e-4
     for unit in np.eye(values.size):
         two, one, back, far = (read(values + n * size * unit) for n in (2, 1, -1, -2))
@@ -62,7 +62,7 @@ def by_differences(read: Any, values: Array) -> Array:
 
 @pytest.mark.parametrize("losses", [(0.0, 0.0), (0.2, 0.0), (0.1, 0.05)])
 @pytest.mark.parametrize("ends", ENDS)
-def test_the_run_is_the_kernels(ends: str, losses: tuple[float, float]) -> None:
+def test_the_run_agrees_with_the_kernel(ends: str, losses: tuple[float, float]) -> None:
     chain = fput(np.array([1.0, 2.0, *losses]), ENDS[ends])
     run = integrate(chain, state(), TIMES, step=STEP, measure_error=False)
     read = VariedChain(chain, FPUT).readings(state(), TIMES, STEP, SENSORS)[..., 0]
@@ -75,7 +75,7 @@ def test_the_run_is_the_kernels(ends: str, losses: tuple[float, float]) -> None:
 
 
 @pytest.mark.parametrize(("ends", "small"), [*((ends, room.SMALL) for ends in ENDS), ("moved", 0)])
-def test_derivatives_are_those_of_the_run(
+def test_derivatives_agree_with_differences_of_runs(
     ends: str, small: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(room, "SMALL", small)
@@ -91,7 +91,7 @@ def test_derivatives_are_those_of_the_run(
 
 
 def test_masses_and_several_fields_have_derivatives() -> None:
-    """With a mass it is not the force alone that changes, but losses and what pushes, too."""
+    """A mass changes not only the response to forces, but also losses and external forces."""
     lattice = LATTICES["mass_dimer"]
     names = [str(symbol) for symbol in lattice.constants]
     values = np.array([1.0 + 0.3 * place for place in range(len(names))])
@@ -124,8 +124,8 @@ def test_masses_and_several_fields_have_derivatives() -> None:
     np.testing.assert_allclose(exact[..., 1:], by_differences(read, values), atol=2e-9)
 
 
-def test_a_loss_has_a_derivative_where_there_is_none() -> None:
-    """The series of a drift must not be cut before the term that only the derivative has."""
+def test_a_loss_of_zero_has_a_derivative() -> None:
+    """The series of a drift must not be cut before a term that only the derivative has."""
     K = 0.7
     lattice = numeric_lattice(LATTICES["beta_fput"], {"K2": K, "K4": 0})
     chain = driven_chain(lattice, 2, left="fixed", right="fixed")

@@ -1,4 +1,4 @@
-"""The spectral ring against the stencil, its interpolation, its watch on the tail."""
+"""The spectral ring against the stencil, its interpolation, and its check of the tail."""
 
 import math
 from dataclasses import replace
@@ -34,8 +34,8 @@ def test_engines_agree(K3: float, K4: float) -> None:
     assert np.abs(reached.velocities_at(state.points()) - s).max() < 1e-7 * 0.05
 
 
-def test_one_point_a_site_folds_short_waves() -> None:
-    """Why the run above takes two points a site: products fold back onto the lattice's waves."""
+def test_one_point_per_site_aliases_short_waves() -> None:
+    """The run above needs two points per site because products alias onto the lattice's waves."""
     state = _bump(512, width=2.0)
     y, s = state.f[0].copy(), state.v[0].copy()
     advance(scheme_named("blanes_moan_6"), y[None], s[None], 0.1, 200, CONSTANTS.lattice)
@@ -54,14 +54,14 @@ def test_mean_drifts() -> None:
     np.testing.assert_allclose(reached.v, 1e-3, atol=1e-12)
 
 
-def test_looking_changes_nothing() -> None:
+def test_observing_changes_nothing() -> None:
     seen, unseen = (SpectralRing(CONSTANTS, _bump(128), 0.5) for _ in range(2))
     for t in (0.3, 1.7, 2.0):
         seen.at(t)
     np.testing.assert_array_equal(seen.at(6.1).f, unseen.at(6.1).f)
 
 
-def test_tail_is_watched() -> None:
+def test_tail_is_checked() -> None:
     """Narrow data split into waves that the sampling does not resolve; more points do."""
     state = _bump(128, width=3.0)
     bound = 10.0 * state.tail()
@@ -73,7 +73,7 @@ def test_tail_is_watched() -> None:
         SpectralRing(CONSTANTS, steep, 0.05, tail=10.0 * bound).at(50.0)
 
 
-def test_unstable_step_is_told_from_coarse_sampling() -> None:
+def test_unstable_step_is_distinguished_from_coarse_sampling() -> None:
     with pytest.raises(FloatingPointError, match="grew without bound"):
         SpectralRing(CONSTANTS, _bump(512, width=2.0), 1000.0).at(1e6)
 
@@ -95,7 +95,7 @@ def test_interpolation() -> None:
     np.testing.assert_allclose(state.sampled((100,)).at(at)[0], exact, atol=1e-10)
 
 
-def test_waves_that_every_site_sees_as_a_constant_stay() -> None:
+def test_waves_of_wavenumber_2_pi_m_do_not_change() -> None:
     """On a circumference of whole sites the modes k = 2 pi m have no frequency, and no force."""
     length, count = 32.0, 256
     x = length / count * np.arange(count)

@@ -1,4 +1,4 @@
-"""Catches: a stability limit that is not where the kernels themselves start to grow."""
+"""Catches: a stability limit that differs from where the kernels themselves become unstable."""
 
 import numpy as np
 import pytest
@@ -32,7 +32,7 @@ def test_known_limits(name: str, limit: float) -> None:
 
 
 def test_strain_stiffens_the_lattice() -> None:
-    """Forgetting 3 K4 y^2 lets a step through that is unstable on the crest."""
+    """Without the term 3 K4 y^2, a step that is unstable on the crest would be accepted."""
     scheme, constants = scheme_named("rk4"), Model(4.0, 0.0, 1.0)
     step = 0.99 * stability_limit(scheme) / 4.0
     check_step(step, scheme, constants.highest_frequency(np.zeros(3)))

@@ -1,4 +1,4 @@
-"""The lattices of one ring: their energies, summed site by site, and what steps must show of it."""
+"""The lattices of one ring: the spread of their energies, against sums over sites."""
 
 import numpy as np
 import pytest
@@ -16,7 +16,7 @@ LATTICES = 16
 
 
 def _spread(steepness: float, points_per_site: float = DENSITY) -> tuple[float, float]:
-    """The spread of a soliton's energies, and the same from sums over the sites of each lattice."""
+    """Return the spread of a soliton's energies, and the same from sums over sites."""
     wave = Wave(closed_form("soliton_sech"), derive.mkdv_normal_form(1, 1), A=1)
     eps = steepness / float(wave.normal_form.a)
     data = spectral_start(MovingWave(wave, Model(1.0, 0.0, 1.0), eps, (0.0, 100.0), 60), 1e-4)
@@ -36,7 +36,7 @@ def _spread(steepness: float, points_per_site: float = DENSITY) -> tuple[float, 
 
 
 @pytest.mark.parametrize("steepness", [0.4, 0.5, 0.6])
-def test_the_spread_is_that_of_the_sums(steepness: float) -> None:
+def test_the_spread_agrees_with_sums_over_sites(steepness: float) -> None:
     found, parted = _spread(steepness)
     assert 0.4 * parted < found < 2.5 * parted
 
@@ -49,7 +49,7 @@ def test_long_waves_have_one_energy() -> None:
     assert _spread(0.2)[0] < 1e-12
 
 
-def test_a_mean_strain_is_other_springs() -> None:
+def test_a_mean_strain_changes_the_springs() -> None:
     """Catches: energies of stretches without the mean strain."""
     x = 120.0 * (np.arange(600) / 600 - 0.5)
     u = np.exp(-((x / 2.0) ** 2))[None]

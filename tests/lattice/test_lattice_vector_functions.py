@@ -1,7 +1,7 @@
-"""Functions of vectors against mpmath and the C library.
+"""Vector functions of generated code against mpmath and the C library.
 
-Catches: a wrong factor of a polynomial, a rounding error that is left out where it counts, a range
-that ends too early, special values, lanes that differ from one another, products of halves.
+Catches: a wrong polynomial coefficient, a rounding error that is left out where it counts, a range
+that ends too early, wrong special values, lanes that differ, wrong products of halves.
 """
 
 import ctypes
@@ -35,24 +35,24 @@ from longwave.support.compiled import native_code
 from longwave.support.compiled.subnormals import flushed_subnormals
 
 ALLOWED = 2.0
-"""Largest error, in units in the last place."""
+"""Largest error allowed, in units in the last place."""
 
 POINTS = 20_000
 
 EXPONENTS = (1.4, -1.4, 1.0 / 3.0, 1e-3, -2.7, 65.0, -66.0, 123.25, 2000.5)
-"""Some that are whole or half, beyond those that products give."""
+"""Exponents, some whole or half, beyond those computed by products."""
 
 LARGEST, TINY = float(np.finfo(float).max), float(np.finfo(float).tiny)
 
 _engines: list[Any] = []
 
 
-def written(word: str, lanes: int, fused: bool, flushed: bool) -> str:
-    """A function that puts ``count`` vectors through one of that name, or through a power."""
-    module = ir.Module("tried")
+def module_of(word: str, lanes: int, fused: bool, flushed: bool) -> str:
+    """Return a module that applies a function, or a power, to ``count`` vectors."""
+    module = ir.Module("compiled_function")
     doubles, index = ir.DoubleType().as_pointer(), ir.IntType(64)
     kind = ir.FunctionType(ir.VoidType(), [doubles, doubles, index])
-    made = ir.Function(module, kind, "tried")
+    made = ir.Function(module, kind, "compiled_function")
     builder = ir.IRBuilder(made.append_basic_block())
     code = LaneCode(module, builder, lanes, fused)
     begin, to, count = made.args
@@ -74,7 +74,7 @@ def written(word: str, lanes: int, fused: bool, flushed: bool) -> str:
 
 
 def machine(fused: bool, triple: str | None = None) -> Any:
-    """The processor at hand, or the least of its kind."""
+    """Return this processor's target machine, or that of the least processor of its kind."""
     native_code.processor()
     binding.initialize_all_targets()
     binding.initialize_all_asmprinters()
@@ -89,7 +89,7 @@ def machine(fused: bool, triple: str | None = None) -> Any:
 
 
 def optimized(text: str, processor: Any) -> Any:
-    """The module after the passes that the kernels go through."""
+    """Return the module after the passes that the kernels go through."""
     parsed = binding.parse_assembly(text)
     parsed.triple, parsed.data_layout = processor.triple, str(processor.target_data)
     parsed.verify()
@@ -103,19 +103,19 @@ def optimized(text: str, processor: Any) -> Any:
 
 
 @lru_cache
-def tried(
+def compiled_function(
     word: str, lanes: int = 8, fused: bool = True, flushed: bool = False
 ) -> Callable[[Array], Array]:
-    """The machine code of one function, for arrays."""
+    """Return the compiled function for arrays."""
     native_code.processor()
     native_code._machine()
     processor = machine(fused)
-    parsed = optimized(written(word, lanes, fused, flushed), processor)
+    parsed = optimized(module_of(word, lanes, fused, flushed), processor)
     engine = binding.create_mcjit_compiler(parsed, processor)
     engine.finalize_object()
     _engines.append(engine)
     prototype = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int64)
-    call = prototype(engine.get_function_address("tried"))
+    call = prototype(engine.get_function_address("compiled_function"))
 
     def run(x: Array) -> Array:
         padded = np.pad(np.asarray(x, float), (0, -len(x) % lanes))
@@ -127,7 +127,10 @@ def tried(
 
 
 def exact(word: str, x: Array) -> tuple[Array, Array]:
-    """What mpmath gives, as a sum of two doubles; beyond the largest double, that and the rest."""
+    """Return mpmath's value as a sum of two doubles.
+
+    Beyond the largest double, that and the rest.
+    """
     with mpmath.workprec(140):
         if word in FUNCTIONS_OF_LANES:
             of = getattr(mpmath, word)
@@ -146,7 +149,7 @@ def exact(word: str, x: Array) -> tuple[Array, Array]:
 
 
 def ulps(exactly: tuple[Array, Array], found: Array) -> Array:
-    """Errors in units in the last place of the exact values; infinity stands for 2^1024."""
+    """Return errors in units in the last place of the exact values; infinity stands for 2^1024."""
     high, low = exactly
     unit = np.spacing(np.minimum(np.abs(high), np.nextafter(LARGEST, 0.0)))
     over, ends = np.isinf(found), np.copysign(LARGEST, found)
@@ -156,19 +159,19 @@ def ulps(exactly: tuple[Array, Array], found: Array) -> Array:
 
 
 def of_all_sizes(random: np.random.Generator, count: int) -> Array:
-    """Positive doubles of all exponents, subnormal ones among them."""
+    """Return positive doubles of all exponents, including subnormal ones."""
     bits = random.integers(1, 0x7FF0 << 48, count)
     return bits.view(np.float64)
 
 
 def close_to(places: Array, random: np.random.Generator) -> Array:
-    """A few doubles on either side of each place."""
+    """Return a few doubles on either side of each point."""
     steps = random.integers(-3, 4, places.size)
     return places + steps * np.spacing(places)
 
 
 def arguments(word: str) -> Array:
-    """Where a function is tried: all exponents, the ends of ranges, and where it is hard."""
+    """Return test arguments: all exponents, the ends of ranges, and hard cases."""
     random, count = np.random.default_rng(17), POINTS // 4
     sizes, either = of_all_sizes(random, count), random.choice([-1.0, 1.0], count)
     if word in ("exp", "sinh", "cosh", "tanh"):
@@ -195,7 +198,7 @@ def arguments(word: str) -> Array:
 
 @lru_cache
 def reference(word: str) -> tuple[Array, tuple[Array, Array]]:
-    """Arguments, and what is exact there."""
+    """Return arguments and exact values."""
     x = arguments(word)
     assert x.size >= POINTS
     return x, exact(word, x)
@@ -206,10 +209,10 @@ WORDS = (*FUNCTIONS_OF_LANES, *map(str, EXPONENTS))
 
 @pytest.mark.parametrize("word", WORDS)
 def test_errors_are_below_two_units_in_the_last_place(word: str) -> None:
-    """With fused multiply-adds and on the least processor of the kind."""
+    """With fused multiply-adds, and on the least processor of the kind."""
     x, exactly = reference(word)
     for fused in (True, False):
-        off = ulps(exactly, tried(word, fused=fused)(x))
+        off = ulps(exactly, compiled_function(word, fused=fused)(x))
         assert off.max() <= ALLOWED, (fused, x[off.argmax()], off.max())
 
 
@@ -218,17 +221,19 @@ def test_subnormal_numbers_are_zeros_where_they_are_flushed(word: str) -> None:
     x, (high, low) = reference(word)
     seen = np.abs(x) >= TINY
     x, high, low = x[seen], high[seen], low[seen]
-    found = tried(word, flushed=True)(x)
+    found = compiled_function(word, flushed=True)(x)
     off = ulps((high, low), found)
     lost = np.abs(high) <= TINY
     np.testing.assert_array_equal(found[lost & (off > ALLOWED)], 0.0)
     assert off[~lost].max() <= ALLOWED
     small = np.array([5e-324, -5e-324, 2.2e-308, -2.2e-308])
-    np.testing.assert_array_equal(tried(word, flushed=True)(small), by_numpy(word, 0.0 * small))
+    np.testing.assert_array_equal(
+        compiled_function(word, flushed=True)(small), by_numpy(word, 0.0 * small)
+    )
 
 
 def by_numpy(word: str, x: Array) -> Array:
-    """The function in NumPy."""
+    """Return NumPy's values."""
     with np.errstate(all="ignore"):
         return np.asarray(UNARY[word](x) if word in UNARY else x ** float(word))
 
@@ -243,7 +248,8 @@ ENDS = {
     "cos": (TURNED, np.nextafter(TURNED, np.inf), 1e22, -1e22, 6381956970095103.0 * 2.0**797),
     "tan": (TURNED, np.nextafter(TURNED, np.inf), 1e22, -1e22),
 }  # fmt: skip
-"""Where functions end, or where the C library takes over; the hardest angle of all doubles."""
+"""Ends of the functions' ranges, and where the C library takes over; the hardest angle of all
+doubles."""
 
 
 @pytest.mark.parametrize("fused", [True, False])
@@ -251,7 +257,7 @@ ENDS = {
 def test_special_values_are_those_of_numpy(word: str, fused: bool) -> None:
     sizes = [0.0, 5e-324, 1e-310, TINY, 0.5, 1.0, 2.0, 1e300, LARGEST, np.inf, np.nan]
     x = np.array([*sizes, *(-size for size in sizes), *ENDS.get(word, ())])
-    expected, found = by_numpy(word, x), tried(word, fused=fused)(x)
+    expected, found = by_numpy(word, x), compiled_function(word, fused=fused)(x)
     plain = np.isfinite(expected) & (expected != 0.0)
     np.testing.assert_array_equal(found[~plain], expected[~plain])
     signed = ~np.isnan(expected)
@@ -260,26 +266,26 @@ def test_special_values_are_those_of_numpy(word: str, fused: bool) -> None:
     assert off.max() <= ALLOWED + 1.0
 
 
-def test_what_is_exact_is_found_exactly() -> None:
+def test_exact_values_are_exact() -> None:
     """A lattice at rest stays at rest."""
     for word, at, value in (("exp", 0.0, 1.0), ("log", 1.0, 0.0), ("cos", 0.0, 1.0)):
-        assert tried(word)(np.array([at])) == [value]
+        assert compiled_function(word)(np.array([at])) == [value]
     for exponent in map(str, EXPONENTS):
-        assert tried(exponent)(np.array([1.0])) == [1.0]
+        assert compiled_function(exponent)(np.array([1.0])) == [1.0]
 
 
 @pytest.mark.parametrize("word", WORDS)
 def test_lanes_change_no_bit(word: str) -> None:
-    """Nor do neighbours for which the C library is asked."""
+    """This includes lanes next to one for which the C library is called."""
     x = np.concatenate([arguments(word)[::7], [1e9, 2.0, np.nan, 3.0, np.inf]])
-    found = tried(word)(x)
-    np.testing.assert_array_equal(tried(word, lanes=1)(x), found)
+    found = compiled_function(word)(x)
+    np.testing.assert_array_equal(compiled_function(word, lanes=1)(x), found)
     order = np.random.default_rng(3).permutation(x.size)
-    np.testing.assert_array_equal(tried(word)(x[order]), found[order])
+    np.testing.assert_array_equal(compiled_function(word)(x[order]), found[order])
 
 
 @pytest.mark.parametrize("word", WORDS)
-def test_functions_of_signs_keep_them(word: str) -> None:
+def test_odd_functions_keep_the_sign(word: str) -> None:
     signs = {
         "sin": -1.0,
         "tan": -1.0,
@@ -292,7 +298,9 @@ def test_functions_of_signs_keep_them(word: str) -> None:
     }
     if word in signs:
         x = arguments(word)[::5]
-        np.testing.assert_array_equal(tried(word)(-x), signs[word] * tried(word)(x))
+        np.testing.assert_array_equal(
+            compiled_function(word)(-x), signs[word] * compiled_function(word)(x)
+        )
 
 
 TRIED_BY = {
@@ -302,17 +310,17 @@ TRIED_BY = {
 
 
 @pytest.mark.parametrize("name", SERIES)
-def test_a_wrong_fourteenth_digit_is_seen(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_wrong_fourteenth_digit_is_detected(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     right = fitted(name)
     wrong = (right[0] * (1.0 + 5e-14), *right[1:])
     monkeypatch.setattr(vector_functions, "fitted", lambda of: wrong if of == name else fitted(of))
     x, exactly = reference(TRIED_BY[name])
-    assert ulps(exactly, tried.__wrapped__(TRIED_BY[name])(x)).max() > ALLOWED
+    assert ulps(exactly, compiled_function.__wrapped__(TRIED_BY[name])(x)).max() > ALLOWED
 
 
 @pytest.mark.parametrize("name", SERIES)
-def test_polynomials_leave_less_than_rounding(name: str) -> None:
-    """They are the functions they stand for: what they leave, in shares of the whole function."""
+def test_errors_of_polynomials_are_below_rounding(name: str) -> None:
+    """The errors of the polynomials are relative to the whole function."""
     low, high, _, made = SERIES[name]
     powers = {
         "exp": 2,
@@ -334,21 +342,21 @@ def test_polynomials_leave_less_than_rounding(name: str) -> None:
 
 
 @pytest.mark.parametrize("word", WORDS)
-def test_other_processors_have_it_without_calls(word: str) -> None:
-    """Code of 64-bit ARM, and of the least x86-64, asks nobody but for angles beyond the range."""
+def test_other_processors_need_no_calls(word: str) -> None:
+    """On 64-bit ARM and the least x86-64, only angles beyond the range need the C library."""
     for triple in ("aarch64-unknown-linux-gnu", "x86_64-unknown-linux-gnu"):
         try:
             processor = machine(False, triple)
         except RuntimeError:
             pytest.skip("LLVM is built without the processor")
         fused = triple.startswith("aarch64")
-        lines = processor.emit_assembly(optimized(written(word, 8, fused, False), processor))
+        lines = processor.emit_assembly(optimized(module_of(word, 8, fused, False), processor))
         calls = re.findall(r"^\s+(?:bl|callq)\s+(.*)$|movabsq\s+\$([a-z]\w*),", lines, re.MULTILINE)
         called = {name for call in calls for name in call if name and not name.startswith("*")}
         assert called <= ({word} if word in ("sin", "cos", "tan") else set())
 
 
-def test_exponents_of_any_size_are_asked_for_elsewhere() -> None:
+def test_large_exponents_use_the_c_library() -> None:
     assert LARGEST_EXPONENT == 2.0**20
     law = ForceProgram((), (("x", 0.0), ("power", 3e6 + 0.5)))
     text = passage_text(*plan(law))
@@ -356,7 +364,7 @@ def test_exponents_of_any_size_are_asked_for_elsewhere() -> None:
 
 
 def plan(law: ForceProgram) -> tuple[Any, ...]:
-    """What a chain with that law is written from."""
+    """Return the arguments of `passage_text` for a chain with that law."""
     bond = NumericBond((Entry((0,), 1.0, 0),), (Entry((0,), 1.0, 0),), law)
-    flow, numbers = stage_plan(NumericLattice("tried", ("u",), (1.0,), (bond,)))
+    flow, numbers = stage_plan(NumericLattice("compiled_function", ("u",), (1.0,), (bond,)))
     return flow, 8, 1, 256, len(numbers)

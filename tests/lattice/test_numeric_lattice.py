@@ -1,4 +1,4 @@
-"""Any lattice with numbers: forces, energies and frequencies against each other."""
+"""Numerical lattices: forces, energies and frequencies against each other."""
 
 import numpy as np
 import pytest
@@ -59,7 +59,7 @@ def test_the_dynamical_matrix_is_that_of_small_forces(name: str) -> None:
         np.testing.assert_allclose(found, expected, atol=1e-5 * np.max(np.abs(expected)))
 
 
-def test_the_strain_lattice_is_that_of_the_model() -> None:
+def test_the_strain_lattice_agrees_with_the_model() -> None:
     chain = numbers("fput_strain")
     model = Model(1.0, 0.25, 1.0)
     y = random_fields(chain)
@@ -98,13 +98,13 @@ def test_constants_that_do_not_fit_are_refused(
         numeric_lattice(LATTICES[name], given)
 
 
-def test_a_site_that_is_tied_has_no_mean_strain() -> None:
+def test_a_tied_site_has_no_mean_strain() -> None:
     with pytest.raises(ValueError, match="mean_strain must be 0"):
         numbers("klein_gordon", (0.1,))
 
 
 def test_forces_are_numpys_polynomials_to_the_last_bit() -> None:
-    """Their slopes and potentials, too, of any degree and for stretches that are no numbers."""
+    """So are slopes and potentials, for any degree and for stretches that are nan or infinite."""
     random = np.random.default_rng(0)
     stretches = np.array([0.0, -0.0, np.inf, np.nan, *random.normal(size=50)])
     for degree in range(7):
@@ -116,8 +116,8 @@ def test_forces_are_numpys_polynomials_to_the_last_bit() -> None:
         np.testing.assert_array_equal(found, wanted)
 
 
-def test_stretches_of_a_chain_are_of_the_cells_at_their_shifts() -> None:
-    """Whichever way a shift goes, and how often it goes around a short ring."""
+def test_stretches_use_the_cells_at_their_shifts() -> None:
+    """For shifts of either sign, also several times around a short ring."""
     f = np.random.default_rng(0).normal(size=(2, 3, 5))
     for shift in range(-7, 8):
         bond = NumericBond((Entry((shift,), 2.0, 1), Entry((0,), -1.0, 0)), (), ForceProgram())

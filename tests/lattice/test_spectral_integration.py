@@ -1,4 +1,4 @@
-"""The spectral engine of any lattice: against the plain one, and whether its estimates bound."""
+"""The spectral engine of any lattice against the plain one, and its error estimates."""
 
 from dataclasses import replace
 
@@ -14,11 +14,11 @@ from tests.lattice.test_lattice_any_chain import torn
 from tests.lattice.test_numeric_lattice import numbers
 
 REFERENCE = 1e-10
-"""Relative error of the reference."""
+"""Relative error of the reference solution."""
 
 
 def shortfall(seed: int) -> tuple[str, float]:
-    """What became of a random lattice's ring: "told" and true error over estimate, or a reason."""
+    """Return the outcome of a random lattice's ring, and the true error over the estimate."""
     random = np.random.default_rng(seed)
     size = 10.0 ** random.uniform(-2, 1)
     axes = int(random.choice([1, 1, 2]))
@@ -52,7 +52,7 @@ def shortfall(seed: int) -> tuple[str, float]:
 
 
 def worst(seeds: range) -> tuple[int, float]:
-    """How many runs were told their error, and the largest true error over estimate of these."""
+    """Return how many runs had an error estimate, and their largest true error over estimate."""
     found = [shortfall(seed) for seed in seeds]
     told = [ratio for word, ratio in found if word == "told"]
     odd = [word for word, _ in found if word not in ("told", "no reference")]
@@ -77,14 +77,14 @@ CHAIN = numbers("dimer")
 
 
 def packet(points: int, size: float = 0.1) -> FieldRing:
-    """A long wave that runs to the right of a dimer, on a ring of 80.5 cells."""
+    """Return a long wave that runs to the right of a dimer, on a ring of 80.5 cells."""
     x = 80.5 / points * np.arange(points)
     f = np.repeat(size * np.exp(-(((x - 40.0) / 8.0) ** 2))[None], 2, axis=0)
     return FieldRing(0.0, (0.0,), (80.5,), f, f * 2.0 * (x - 40.0) / 64.0)
 
 
-def test_a_ring_of_real_circumference_is_the_infinite_lattice() -> None:
-    """Cells of a long chain at x + n, started from the ring's own fields, far from its ends."""
+def test_a_ring_of_real_circumference_agrees_with_a_long_chain() -> None:
+    """Compared with a long chain started from the ring's fields at x + n, far from its ends."""
     run = spectral_integrate(CHAIN, state := packet(160), [5.0, 25.0], 1e-6, speed=0.6)
     cells = 0.37 + np.arange(-80, 80)
     exact = reference(CHAIN, state.at(cells), state.velocities_at(cells), [5.0, 25.0])
@@ -96,13 +96,13 @@ def test_a_ring_of_real_circumference_is_the_infinite_lattice() -> None:
         assert np.max(miss) <= run.error_estimate <= 1e-6
 
 
-def test_a_run_to_its_own_start_is_that_start() -> None:
+def test_a_run_of_length_zero_returns_the_start() -> None:
     run = spectral_integrate(CHAIN, state := packet(160), [state.t], 1e-6, 0.6)
     [found] = run.states
     np.testing.assert_allclose(found.at(cells := np.arange(80.0)), state.at(cells), atol=1e-6)
 
 
-def test_what_is_judged_is_what_the_tolerance_is_of() -> None:
+def test_the_tolerance_is_that_of_the_judged_quantity() -> None:
     places = np.linspace(0.0, 80.0, 33)
 
     def strain(ring: FieldRing) -> np.ndarray:
@@ -118,7 +118,7 @@ def test_what_is_judged_is_what_the_tolerance_is_of() -> None:
 
 
 def test_points_are_as_many_as_the_wave_needs() -> None:
-    """A long wave that comes with many points is run with few, and steep data with more."""
+    """A long wave given with many points is run with few, and steep data with more."""
     many = spectral_integrate(CHAIN, packet(1024), [10.0], 1e-4, 0.6)
     assert many.states[0].counts[0] < 256
     run = spectral_integrate(CHAIN, packet(32), [10.0], 1e-6, 0.6)
@@ -126,7 +126,7 @@ def test_points_are_as_many_as_the_wave_needs() -> None:
 
 
 def test_a_control_run_has_more_points_than_the_fewest() -> None:
-    """A wave on a quarter of the fewest points that a ring has is sampled more densely, too."""
+    """A wave that a quarter of the fewest points resolves is sampled more densely, too."""
     state = packet(16)
     long = replace(state, f=np.cos(2 * np.pi * np.arange(16) / 16) * np.ones((2, 1)), v=0 * state.v)
     search = FieldRingEngine(CHAIN, long.sampled((96,)), np.array([1.0]), (0.6,), 1e-2)
@@ -149,8 +149,8 @@ def test_a_frame_that_moves_with_the_wave_takes_longer_steps() -> None:
     assert with_it.cost.steps < 0.5 * still.cost.steps
 
 
-def test_a_run_that_has_no_end_is_refused() -> None:
-    """A chain is pulled too far: its force ceases to exist."""
+def test_a_force_that_becomes_undefined_is_refused() -> None:
+    """A chain is stretched until its force is undefined."""
     chain = torn("granular")
     x = np.arange(16.0)
     pulled = FieldRing(0.0, (0.0,), (16.0,), 0.4 * np.cos(np.pi * x / 2)[None], 0 * x[None])
@@ -171,11 +171,11 @@ def test_a_run_that_has_no_end_is_refused() -> None:
         ({"left": (0.0, 0.0)}, {}, "state.left and state.circumferences must have 1 entries"),
         ({}, {"tolerance": 0.0}, "tolerance must satisfy 0 < tolerance < inf, got 0.0"),
         ({}, {"speed": (1.0, 0.0)}, "speed must have one finite entry for each of 1 axes"),
-        ({}, {"times": [2.0, 1.0]}, "times must increase from state.t = 0 on, got 1 at place 1"),
+        ({}, {"times": [2.0, 1.0]}, "times must increase from state.t = 0 on, got 1 at index 1"),
         ({}, {"tolerance": 1e-17}, "tolerance must satisfy tolerance >= "),
     ],
 )
-def test_what_cannot_be_run_is_refused(
+def test_invalid_arguments_are_refused(
     changed: dict[str, object], options: dict[str, object], message: str
 ) -> None:
     given: dict[str, object] = {"times": [3.0], "tolerance": 1e-5, **options}
@@ -185,8 +185,8 @@ def test_what_cannot_be_run_is_refused(
     assert "\n" not in str(caught.value)
 
 
-def parted(seed: int) -> float | None:
-    """True error over estimate of a steep crest on many lattices; None if it is refused.
+def spread_shortfall(seed: int) -> float | None:
+    """Return the true error over the estimate of a steep crest on many lattices; None if refused.
 
     Steps that do not resolve how it passes the sites would make all of them run alike.
     """
@@ -219,21 +219,21 @@ def parted(seed: int) -> float | None:
     return max(misses) / (run.error_estimate + 1e-4 * tolerance)
 
 
-def test_estimates_know_that_the_lattices_of_a_ring_part() -> None:
-    found = [ratio for ratio in map(parted, range(2, 5)) if ratio is not None]
+def test_estimates_include_the_spread_of_lattices_on_a_ring() -> None:
+    found = [ratio for ratio in map(spread_shortfall, range(2, 5)) if ratio is not None]
     assert len(found) > 1
     assert max(found) <= 1.0
 
 
 @pytest.mark.slow
-def test_estimates_know_that_many_lattices_of_a_ring_part() -> None:
-    found = [ratio for ratio in map(parted, range(100, 114)) if ratio is not None]
+def test_estimates_include_the_spread_of_many_lattices_on_a_ring() -> None:
+    found = [ratio for ratio in map(spread_shortfall, range(100, 114)) if ratio is not None]
     assert len(found) > 8
     assert max(found) <= 1.0
 
 
-def test_a_crest_as_short_as_the_sites_is_run_with_steps_that_resolve_them() -> None:
-    """A wider one, however long its steps, has one energy on all lattices of its ring."""
+def test_a_short_crest_is_run_with_steps_that_resolve_the_sites() -> None:
+    """A wider crest, however long its steps, has the same energy on all lattices of its ring."""
     x = np.arange(240) / 5.0 - 24.0
     steps = []
     for width in (1.3, 4.0):

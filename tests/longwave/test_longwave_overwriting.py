@@ -70,7 +70,7 @@ def test_nothing_is_overwritten_unasked(
     assert main([*words.split(), str(older)]) == 2
     error = capsys.readouterr().err
     assert error.count("\n") == 1
-    assert f"must name a new file, got {older}, which is there (--force overwrites it)" in error
+    assert f"must name a new file, got {older}, which exists (--force overwrites it)" in error
     assert older.read_text() == "older"
 
 
@@ -80,7 +80,7 @@ def test_a_picture_by_its_usual_name_is_not_overwritten_either(
     monkeypatch.chdir(tmp_path)
     Path("toda_soliton.png").touch()
     assert main(["plot", "toda_soliton"]) == 2
-    assert "got toda_soliton.png, which is there (--force overwrites it)" in capsys.readouterr().err
+    assert "got toda_soliton.png, which exists (--force overwrites it)" in capsys.readouterr().err
 
 
 def test_force_overwrites(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

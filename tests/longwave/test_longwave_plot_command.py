@@ -52,7 +52,7 @@ def test_a_picture_that_is_there_is_refused_before_anything_is_imported(tmp_path
         check=False,
     )
     assert done.returncode == 2, done.stderr
-    assert "which is there (--force overwrites it)" in done.stderr
+    assert "which exists (--force overwrites it)" in done.stderr
 
 
 @pytest.mark.parametrize(

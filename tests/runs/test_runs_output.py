@@ -57,10 +57,10 @@ def run_file(scene: Path, capsys: Output) -> Path:
         ("scene.toml", ["--force"], "--output must end in .nc"),
         ("nowhere/run.nc", [], "--output must lie in an existing folder, got nowhere/run.nc"),
         ("folder.nc", [], "--output must name a file, got the folder folder.nc"),
-        ("pipe.nc", ["--force"], "--output must name a file, got pipe.nc, which is none"),
-        ("run.nc", [], "must name a new file, got run.nc, which is there (--force overwrites it)"),
+        ("pipe.nc", ["--force"], "--output must name a file, got pipe.nc, which is not a file"),
+        ("run.nc", [], "must name a new file, got run.nc, which exists (--force overwrites it)"),
         ("text.nc", ["--force"], "--output must name a run, got text.nc, which is another file"),
-        ("/proc/run.nc", [], "must lie in a folder that can be written, got /proc: "),
+        ("/proc/run.nc", [], "must lie in a writable folder, got /proc: "),
     ],
 )
 def test_what_cannot_or_may_not_be_written_is_refused_before_the_run(

@@ -69,7 +69,7 @@ def test_what_another_scene_left_is_not_used_and_what_is_no_checkpoint_stays(
     kept["at"] = 10**9
     capsys.readouterr()
     assert run(tmp_path) == 0
-    said = f"window: begins anew: {mine.parent} holds nothing of this scene, code and machine\n"
+    said = f"window: begins anew: {mine.parent} has no checkpoint of this scene, code and machine\n"
     assert capsys.readouterr().err == said
     assert bits(load_run(tmp_path / "run.nc")) == bits(scene_run.run(SCENES[NAME]))
     assert list(mine.parent.iterdir()) == [mine]

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from longwave.scenes.engines import scene_run
-from longwave.support.checkpoint import kept_by
+from longwave.support.checkpoint import checkpoints_in
 from tests.runs.unfinished_scenes import SCENES, Killed, KillingFolder, bits
 
 ENDLESS = 10**9
@@ -26,7 +26,7 @@ def resumed_bits(name: str, folder: Path, kills: list[int]) -> tuple[dict[str, o
     for writes in [*kills, ENDLESS]:
         keeper = KillingFolder(folder, writes)
         try:
-            with kept_by(keeper):
+            with checkpoints_in(keeper):
                 found = bits(scene_run.run(SCENES[name]))
         except Killed:
             continue

@@ -1,16 +1,15 @@
-"""A folder that a process sees as on a network file system on a bad day.
+"""A folder that behaves, for one process, like one on an unreliable network file system.
 
-What the client of such a file system tells the process, of names in that folder alone:
+For names in that folder alone, the process sees what the client of such a file system reports:
 
-* a request that was done and is repeated has an error: EEXIST of link and mkdir, ENOENT of rename,
-  unlink and rmdir;
-* ESTALE where a name is asked for, at random, of an open file once another process removed it;
-* attributes of a name, or that there is none, as they were some time ago: until the time is over,
-  or this process changes the name, opens it, or (of what was not there) lists its folder or makes
-  something there;
-* no folder can be flushed, and no file is: no power fails here;
-* locks work, are refused (ENOLCK, EOPNOTSUPP, ENOSYS), or are given to everybody; links are made or
-  refused.
+* a request that succeeded and is repeated fails: EEXIST of link and mkdir, ENOENT of rename, unlink
+and rmdir;
+* ESTALE, at random, when a name is looked up, and for an open file that another process removed;
+* attributes of a name, or its absence, may be outdated for some time, until this process changes
+the name, opens it, or (for an absent name) lists its folder or creates something there;
+* no folder and no file is flushed: no power fails here;
+* locks work, are refused (ENOLCK, EOPNOTSUPP, ENOSYS), or are granted to everybody; links are made
+or refused.
 """
 
 from __future__ import annotations
@@ -30,7 +29,7 @@ from typing import Any
 import pytest
 
 WORK, REFUSED, BLIND = "work", "refused", "blind"
-"""Locks that do what they should, are an error, and exclude nobody."""
+"""Kinds of locks: working, refused with an error, and excluding nobody."""
 
 REPEATED = {
     "link": errno.EEXIST,
@@ -39,7 +38,7 @@ REPEATED = {
     "unlink": errno.ENOENT,
     "rmdir": errno.ENOENT,
 }
-"""What a request is told that was done the first time."""
+"""Error of a request that is repeated after it succeeded."""
 
 FLOCK_ERRORS = (errno.ENOLCK, errno.EOPNOTSUPP, errno.ENOSYS)
 
@@ -49,23 +48,23 @@ def failure(number: int, path: object) -> OSError:
 
 
 OTHERS = ("stat", "lstat", "fstat", "open", "scandir", "fsync")
-"""Requests that are answered by the methods of these names."""
+"""Requests that are handled by the methods of these names."""
 
 
 @dataclass
 class FailingFolder:
-    """The folder, as the process that asks first sees it from then on."""
+    """The folder as one process sees it, from its first use on."""
 
     folder: str
     seed: int = 0
     repeated: float = 0.1
-    """How often a request is repeated."""
+    """Rate at which a request is repeated."""
     stale: float = 0.1
-    """How often a name is stale."""
+    """Rate at which a name is stale."""
     locks: str = WORK
     links: bool = True
     old: float = 0.2
-    """Seconds for which attributes are believed."""
+    """Seconds for which attributes are cached."""
     _cached: dict[tuple[str, bool], tuple[float, os.stat_result | None]] = field(
         default_factory=dict
     )
@@ -78,7 +77,7 @@ class FailingFolder:
 
     @contextmanager
     def seen(self) -> Iterator[None]:
-        """See it so in the body."""
+        """Replace the requests of this process in the body."""
         with pytest.MonkeyPatch.context() as patch:
             for name in REPEATED:
                 patch.setattr(os, name, self._changing(name))
@@ -93,12 +92,12 @@ class FailingFolder:
         return str(path).startswith(self.folder)
 
     def _fails(self, rate: float) -> bool:
-        """Whether what is asked for now fails: not twice running, a client asks again itself."""
+        """Return whether this request fails; not twice in a row, because a client repeats it."""
         self._has_failed = not self._has_failed and self._random.random() < rate
         return self._has_failed
 
     def _go_stale(self, path: Any) -> None:
-        """Raise ESTALE now and then, of a file: nobody replaces a folder."""
+        """Raise ESTALE now and then, for files only: nobody replaces a folder."""
         if self._fails(self.stale) and stat.S_ISREG(self._mode(path)):
             raise failure(errno.ESTALE, path)
 
@@ -108,7 +107,7 @@ class FailingFolder:
         return 0
 
     def _forget(self, *paths: object) -> None:
-        """What was known of the names, and of names beside them that were not there."""
+        """Drop cached attributes of the names, and of absent names next to them."""
         for path in map(str, paths):
             self._forget_absent(os.path.dirname(path))
             for follow in (True, False):

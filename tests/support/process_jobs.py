@@ -1,4 +1,4 @@
-"""Jobs that end badly, in a module that a fresh interpreter imports at once; scripts with jobs."""
+"""Jobs that fail, in a module that a fresh interpreter imports quickly; scripts with jobs."""
 
 import os
 import signal
@@ -12,7 +12,7 @@ def killed() -> None:
 
 
 def sleeping(file: Path, seconds: float) -> None:
-    """Start a program that sleeps, say in a file what its number is, and wait for it."""
+    """Start a program that sleeps, write its process number to a file, and wait for it."""
     os.setpgrp()
     with subprocess.Popen(["sleep", str(seconds)]) as program:
         file.with_suffix(".draft").write_text(str(program.pid))
@@ -39,4 +39,4 @@ if __name__ == "__main__":
     print(*in_order([Job(len, ("four",))], workers))
     workers.stop()
 """
-"""Scripts that print 4, the length of a text, from a worker of a cluster and of a pool."""
+"""Scripts that print 4, the length of a text, from a worker of a cluster or a pool."""

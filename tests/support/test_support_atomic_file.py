@@ -1,4 +1,4 @@
-"""Catches: a file that is half written, lost or overwritten unasked, and drafts left behind."""
+"""Catches: a file that is half written, lost or overwritten unasked, and leftover drafts."""
 
 import errno
 import os
@@ -58,7 +58,7 @@ def test_a_process_killed_at_any_step_leaves_a_whole_file(moment: str, tmp_path:
     assert place.read_text() == (NEW if moment == "named" else OLD)
 
 
-def test_what_is_written_is_flushed_before_it_has_its_name(
+def test_content_is_flushed_before_the_file_is_renamed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     seen = []
@@ -86,7 +86,7 @@ def no_file_larger_than(size: int) -> Iterator[None]:
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
 
 
-def test_what_does_not_fit_leaves_the_older_file_and_no_draft(tmp_path: Path) -> None:
+def test_a_failed_write_leaves_the_older_file_and_no_draft(tmp_path: Path) -> None:
     place = tmp_path / "run.nc"
     place.write_text(OLD)
     with no_file_larger_than(1000), pytest.raises(OSError, match=r"run\.nc") as caught:
@@ -98,7 +98,7 @@ def test_what_does_not_fit_leaves_the_older_file_and_no_draft(tmp_path: Path) ->
 
 
 @pytest.mark.skipif(os.geteuid() != 0, reason="only root mounts a disk")
-def test_a_full_disk_and_one_that_is_read_only_are_told(tmp_path: Path) -> None:
+def test_full_and_read_only_disks_are_reported(tmp_path: Path) -> None:
     mount = ["mount", "-t", "tmpfs", "-o", "size=16k", "none", str(tmp_path)]
     if subprocess.run(mount, capture_output=True).returncode != 0:
         pytest.skip("root may not mount here")
@@ -118,8 +118,8 @@ def test_a_full_disk_and_one_that_is_read_only_are_told(tmp_path: Path) -> None:
         subprocess.run(["umount", str(tmp_path)], check=True)
 
 
-def test_a_folder_that_cannot_be_written_is_told() -> None:
-    """Not even root makes a file in it."""
+def test_an_unwritable_folder_is_reported() -> None:
+    """Not even root can create a file in it."""
     place = Path("/proc/self/run.nc")
     with pytest.raises(OSError, match=r"/proc/self/run\.nc") as caught:
         write_atomically(place, lambda draft: draft.write_text(NEW))
@@ -142,7 +142,7 @@ def test_any_error_of_the_writer_leaves_the_older_file_and_no_draft(tmp_path: Pa
 
 
 @pytest.mark.parametrize("links", [True, False])
-def test_of_several_writers_without_force_one_wins(
+def test_one_of_several_writers_without_force_wins(
     links: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Also on file systems without hard links."""
@@ -182,7 +182,7 @@ def test_readers_never_see_less_than_a_whole_file(tmp_path: Path) -> None:
             assert place.read_text() in whole
 
 
-def test_what_is_no_file_is_not_replaced(tmp_path: Path) -> None:
+def test_only_files_are_replaced(tmp_path: Path) -> None:
     (tmp_path / "folder").mkdir()
     os.mkfifo(tmp_path / "pipe")
     for name in ("folder", "pipe"):
@@ -216,10 +216,8 @@ def test_the_longest_name_that_a_file_may_have_has_room_for_its_draft(tmp_path: 
 
 
 @pytest.mark.parametrize("force", [True, False])
-def test_a_request_that_is_done_and_told_as_an_error_has_been_done(
-    force: bool, tmp_path: Path
-) -> None:
-    """The client of a network file system repeats what it had no answer to."""
+def test_a_repeated_request_that_fails_counts_as_done(force: bool, tmp_path: Path) -> None:
+    """The client of a network file system repeats requests that got no answer."""
     place = tmp_path / "run.nc"
     view = FailingFolder(str(tmp_path), repeated=1.0, stale=0.0)
     with view.seen():
@@ -228,7 +226,7 @@ def test_a_request_that_is_done_and_told_as_an_error_has_been_done(
     assert list(tmp_path.iterdir()) == [place]
 
 
-def test_another_file_of_the_name_is_not_taken_for_ones_own(tmp_path: Path) -> None:
+def test_another_file_of_the_name_is_not_mistaken_for_the_draft(tmp_path: Path) -> None:
     place = tmp_path / "run.nc"
 
     def write(draft: Path) -> None:
@@ -248,10 +246,10 @@ def test_another_file_of_the_name_is_not_taken_for_ones_own(tmp_path: Path) -> N
     assert caught.value.filename == str(place)
 
 
-def test_a_name_that_is_taken_and_not_given_is_free_again(
+def test_a_reserved_name_is_released_after_an_error(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Where no links are, an empty file has the name for a moment."""
+    """Where there are no links, an empty file reserves the name for a moment."""
     place = tmp_path / "run.nc"
 
     def fail(*_: object) -> None:
@@ -265,7 +263,7 @@ def test_a_name_that_is_taken_and_not_given_is_free_again(
 
 
 @pytest.mark.parametrize("number", [errno.EINVAL, errno.EOPNOTSUPP, errno.EIO, errno.ENOSPC])
-def test_what_cannot_be_flushed_is_no_error_and_what_does_not_fit_is_one(
+def test_an_unsupported_flush_is_ignored_and_a_full_disk_is_not(
     number: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     place = tmp_path / "run.nc"
@@ -284,17 +282,15 @@ def test_what_cannot_be_flushed_is_no_error_and_what_does_not_fit_is_one(
 
 @pytest.fixture
 def dead() -> int:
-    """The number of a process that has ended."""
+    """Return the number of a process that has ended."""
     with subprocess.Popen([sys.executable, "-c", ""]) as process:
         pass
     return process.pid
 
 
 @pytest.mark.parametrize("goes", [True, False])
-def test_drafts_of_the_dead_are_removed_and_those_of_the_living_stay(
-    goes: bool, dead: int, tmp_path: Path
-) -> None:
-    """Of another host, or of an older longwave, the age says it."""
+def test_only_drafts_of_ended_processes_are_removed(goes: bool, dead: int, tmp_path: Path) -> None:
+    """For another host or an older version, the age decides."""
     here = draft_path(tmp_path / "run.nc").name
     process = dead if goes else os.getpid()
     names = [here.replace(f"-{os.getpid()}-", f"-{process}-")]
@@ -313,8 +309,8 @@ def test_drafts_of_the_dead_are_removed_and_those_of_the_living_stay(
 
 @pytest.mark.parametrize("follow", [False, True])
 @pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() != 0, reason="another's file")
-def test_a_file_of_another_user_passes_no_permissions_on(follow: bool, tmp_path: Path) -> None:
-    """Catches: a damaged file with mode 0666 in the place of a run, and the new one as open."""
+def test_permissions_of_another_users_file_are_not_kept(follow: bool, tmp_path: Path) -> None:
+    """Catches: a damaged file with mode 0666 in place of a run, replaced by one just as open."""
     place = tmp_path / "key.nc"
     place.write_text("damaged")
     place.chmod(0o666)
@@ -324,7 +320,7 @@ def test_a_file_of_another_user_passes_no_permissions_on(follow: bool, tmp_path:
     assert place.stat().st_mode & 0o022 == 0
 
 
-def test_a_file_of_ones_own_keeps_its_permissions_unless_a_mode_is_asked_for(
+def test_an_own_file_keeps_its_permissions_unless_a_mode_is_given(
     tmp_path: Path,
 ) -> None:
     place = tmp_path / "file"
@@ -337,7 +333,7 @@ def test_a_file_of_ones_own_keeps_its_permissions_unless_a_mode_is_asked_for(
 
 
 def test_a_private_file_is_private_while_it_is_written_anew(tmp_path: Path) -> None:
-    """Catches: a draft that all may read until it is whole."""
+    """Catches: a draft that everybody may read until it is complete."""
     place, seen = tmp_path / "file", list[int]()
     place.write_text("old")
     place.chmod(0o600)

@@ -1,4 +1,4 @@
-"""Catches: a checkpoint that is read though it is damaged, of another run or of another task."""
+"""Catches: a checkpoint that is read although it is damaged, or of another run or task."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from longwave.support.checkpoint import (
     Memory,
     begin_loop,
     branches,
+    checkpoints_in,
     fitting,
-    kept_by,
 )
 from longwave.support.request_limits import request_limits
 from longwave.support.sealed_file import write_sealed
@@ -27,7 +27,7 @@ from longwave.support.sealed_file import write_sealed
 MEMORY: Memory = {"seconds": 1.5, "f": np.arange(3.0), "rows": [np.float64(2.0), (1, None, "a")]}
 
 
-def test_what_was_kept_is_read_for_the_same_run_and_task_alone(tmp_path: Path) -> None:
+def test_a_checkpoint_is_read_only_for_the_same_run_and_task(tmp_path: Path) -> None:
     CheckpointFolder(tmp_path, "this run").write("1", "this task", MEMORY)
     found = CheckpointFolder(tmp_path, "this run").read("1", "this task")
     assert found is not None
@@ -39,7 +39,7 @@ def test_what_was_kept_is_read_for_the_same_run_and_task_alone(tmp_path: Path) -
     assert CheckpointFolder(tmp_path, "another run").read("1", "this task") is None
 
 
-def test_a_damaged_checkpoint_is_told_and_not_read(
+def test_a_damaged_checkpoint_is_reported_and_not_read(
     tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
     keeper = CheckpointFolder(tmp_path, "this run")
@@ -67,7 +67,7 @@ print(memory)
 
 
 class HiddenObjects:
-    """A type with an object in it that says of itself that it has none."""
+    """Array type that contains an object but denies it."""
 
     def __reduce__(self) -> tuple[Any, ...]:
         fields = {"a": (np.dtype("O"), 0)}
@@ -75,7 +75,7 @@ class HiddenObjects:
 
 
 class Pointers:
-    """An array of objects at addresses that are chosen."""
+    """Array of objects at chosen addresses."""
 
     def __reduce__(self) -> tuple[Any, ...]:
         return np._core.numeric._frombuffer, (24 * b"A", HiddenObjects(), (3,), "C")  # type: ignore
@@ -83,7 +83,7 @@ class Pointers:
 
 @pytest.mark.parametrize("what", [os.getcwd, {"seconds": 1.0, "f": Pointers()}])
 def test_a_checkpoint_calls_nothing_and_has_no_addresses(what: object, tmp_path: Path) -> None:
-    """Whoever may write into the folder may not run a program by it, nor end this one."""
+    """Whoever may write into the folder must not be able to run code or crash this process."""
     write_sealed(tmp_path / "1.loop", pickled(what))
     words = [sys.executable, "-c", CRAFTED, str(tmp_path)]
     done = subprocess.run(words, capture_output=True, text=True, check=False)
@@ -91,14 +91,14 @@ def test_a_checkpoint_calls_nothing_and_has_no_addresses(what: object, tmp_path:
 
 
 @pytest.mark.parametrize("memory", [{}, {"seconds": "1"}, {"seconds": None}])
-def test_a_memory_without_its_seconds_is_none(memory: Memory, tmp_path: Path) -> None:
+def test_a_state_without_its_seconds_is_not_read(memory: Memory, tmp_path: Path) -> None:
     keeper = CheckpointFolder(tmp_path, "this run")
     keeper.write("1", "this task", memory)
     assert keeper.read("1", "this task") is None
 
 
 def test_links_are_not_followed(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
-    """Nobody has typed the names: they lead into the folders of whoever goes on."""
+    """No user typed the names, which could lead into the folders of whoever resumes the run."""
     folder, theirs = tmp_path / "run.unfinished", tmp_path / "theirs"
     CheckpointFolder(theirs, "this run").write("1", "this task", MEMORY)
     folder.symlink_to(theirs)
@@ -122,21 +122,21 @@ def test_links_are_not_followed(tmp_path: Path, caplog: pytest.LogCaptureFixture
 @pytest.mark.parametrize(
     "value", [np.zeros(2), np.zeros((3, 2)).T, np.zeros((2, 3), "f4"), np.zeros((2, 4)), 1.0, None]
 )
-def test_machine_code_is_given_no_other_array_than_its_own(value: object) -> None:
-    """It asks for no size of what goes on."""
+def test_restored_arrays_must_fit_the_machine_code(value: object) -> None:
+    """Machine code does not check the sizes of restored arrays."""
     like = np.zeros((2, 3))
     assert fitting(like, like) is like
-    with pytest.raises(ValueError, match=r"^a checkpoint must hold what its run remembers, got "):
+    with pytest.raises(ValueError, match=r"^a checkpoint must have the state of its run, got "):
         fitting(value, like)
 
 
-def test_a_memory_of_another_kind_is_told_in_one_line(tmp_path: Path) -> None:
-    """Whoever knows the stamp of a run can write a file that fits but for what it remembers."""
+def test_an_unexpected_state_is_reported_in_one_line(tmp_path: Path) -> None:
+    """Whoever knows the stamp of a run can write a file that fits except for its content."""
     CheckpointFolder(tmp_path, "this run").write("1", "this task", {"seconds": 1.0})
-    told = rf"^a checkpoint must hold [^\n]* got {tmp_path} with KeyError: 'f' \(remove"
+    told = rf"^a checkpoint must have [^\n]* got {tmp_path} with KeyError: 'f' \(remove"
 
     def go_on(run: str) -> None:
-        with kept_by(CheckpointFolder(tmp_path, run)):
+        with checkpoints_in(CheckpointFolder(tmp_path, run)):
             (begin_loop("this task").memory or {})["f"]
 
     with pytest.raises(ValueError, match=told):
@@ -155,15 +155,15 @@ def test_a_checkpoint_that_does_not_fit_the_memory_is_not_read(tmp_path: Path) -
         assert not keeper.is_begun
 
 
-def test_drafts_are_no_loops_and_those_of_the_living_stay(tmp_path: Path) -> None:
-    """Where locks do nothing another process may be at the same run."""
+def test_drafts_are_not_checkpoints_and_live_ones_stay(tmp_path: Path) -> None:
+    """Where locks do nothing, another process may be making the same run."""
     keeper = CheckpointFolder(tmp_path, "this run")
     keeper.write("1", "this task", MEMORY)
     (path,) = tmp_path.iterdir()
     draft = draft_path(path)
     draft.write_bytes(path.read_bytes())
     keeper.tell("this scene")
-    assert keeper.kept_seconds == MEMORY["seconds"]
+    assert keeper.stored_seconds == MEMORY["seconds"]
     keeper.clear()
     assert list(tmp_path.iterdir()) == [draft]
     draft.unlink()
@@ -172,8 +172,8 @@ def test_drafts_are_no_loops_and_those_of_the_living_stay(tmp_path: Path) -> Non
 
 
 def test_loops_are_numbered_by_the_order_in_which_they_begin(tmp_path: Path) -> None:
-    """Those of work that is done at once by themselves, whichever is first."""
-    with kept_by(CheckpointFolder(tmp_path, "this run")):
+    """Loops of concurrent work are numbered separately, whichever begins first."""
+    with checkpoints_in(CheckpointFolder(tmp_path, "this run")):
         first = begin_loop("").name
         one, other = branches(2)
         later = [place.run(lambda: begin_loop("").name) for place in (other, one, one)]
@@ -182,11 +182,11 @@ def test_loops_are_numbered_by_the_order_in_which_they_begin(tmp_path: Path) -> 
     assert begin_loop("").keeper is None
 
 
-def test_keeping_takes_a_small_share_of_the_time(tmp_path: Path) -> None:
-    """Whatever a write costs, it is done so seldom: the clock is the test's."""
+def test_checkpoints_take_a_small_share_of_the_time(tmp_path: Path) -> None:
+    """However long a write takes, it is rare enough; the test sets the clock."""
     keeper = CheckpointFolder(tmp_path, "this run", least=0.0, share=0.01)
     written = []
-    with kept_by(keeper), pytest.MonkeyPatch.context() as patched:
+    with checkpoints_in(keeper), pytest.MonkeyPatch.context() as patched:
         clock = [0.0]
         patched.setattr("longwave.support.checkpoint.perf_counter", lambda: clock[0])
 

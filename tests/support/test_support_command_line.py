@@ -1,4 +1,4 @@
-"""Catches: usage dumps, messages of several lines, a wrong exit status, in any room's command."""
+"""Catches: usage dumps, messages of several lines, a wrong exit status, in any command."""
 
 import resource
 import signal
@@ -30,7 +30,7 @@ def test_an_unknown_option_is_one_line(
     assert f"{word} --help)" in error
 
 
-def test_a_message_of_several_lines_is_told_in_one(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_message_of_several_lines_becomes_one(capsys: pytest.CaptureFixture[str]) -> None:
     assert fail("one\n  two") == 2
     assert capsys.readouterr().err == "error: one two\n"
 
@@ -40,15 +40,15 @@ def test_a_long_word_of_a_file_is_cut(capsys: pytest.CaptureFixture[str]) -> Non
     assert 150 < len(capsys.readouterr().err) < 250
 
 
-def test_two_dashes_are_no_value(capsys: pytest.CaptureFixture[str]) -> None:
+def test_two_dashes_are_not_a_value(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["--k2", "--"]) == 2
     assert capsys.readouterr().err.startswith(
         "error: K2: expected a number, a name or '(', got the end"
     )
 
 
-def test_limits_inside_another_process_leave_that_alone() -> None:
-    """Catches: a limit of memory or a timer that stays, or that ends what calls the command."""
+def test_limits_inside_another_process_do_not_affect_it() -> None:
+    """Catches: a memory limit or timer that stays, or that ends the caller of the command."""
     before = resource.getrlimit(resource.RLIMIT_DATA)
 
     @click.command()

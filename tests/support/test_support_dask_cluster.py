@@ -1,4 +1,4 @@
-"""Catches: an answer of a hostile worker that ends the command in more than a line, or at all."""
+"""Catches: an answer of a hostile worker that ends the command, or takes more than a line."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ distributed = pytest.importorskip("distributed")
 
 
 class Answers:
-    """A cluster each of whose workers gives these answers."""
+    """Client of a cluster whose workers return these answers."""
 
     def __init__(self, answer: Any) -> None:
         self.answer = answer
@@ -46,8 +46,8 @@ def workers_of(client: Any) -> DaskWorkers:
     "answer",
     [None, 3, (1, 2), (None, 1, SystemExit(0)), (None, 1, KeyboardInterrupt()), SystemExit(0)],
 )
-def test_an_answer_that_is_no_outcome_is_the_jobs_error(answer: Any) -> None:
-    """An error that is raised here may not end the process, as an exit does."""
+def test_an_invalid_answer_is_the_jobs_error(answer: Any) -> None:
+    """An error raised here must not end the process, as SystemExit would."""
     workers = workers_of(Answers(answer))
     workers.submit(Job(len, ("",)))
     (call,) = workers.ended(1.0)
@@ -55,8 +55,8 @@ def test_an_answer_that_is_no_outcome_is_the_jobs_error(answer: Any) -> None:
     assert "a worker must answer with an outcome, got" in str(call.error)
 
 
-def test_a_scheduler_that_is_lost_while_workers_are_counted_is_every_calls_error() -> None:
-    """A lost scheduler was a traceback where it was noticed by the count."""
+def test_a_scheduler_lost_during_the_count_fails_every_call() -> None:
+    """A lost scheduler caused a traceback when the count noticed it."""
     client = Answers((None, 1, None))
     workers = workers_of(client)
     workers.submit(Job(len, ("",)))
@@ -66,7 +66,7 @@ def test_a_scheduler_that_is_lost_while_workers_are_counted_is_every_calls_error
     assert call.error is lost
 
 
-def test_a_workers_folder_holds_no_part_of_the_standard_library(
+def test_workers_import_nothing_from_their_folder(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Catches: a planted module that runs in the process of a job with limits."""
@@ -77,15 +77,15 @@ def test_a_workers_folder_holds_no_part_of_the_standard_library(
     assert not (tmp_path / "planted").exists()
 
 
-def test_outcomes_are_what_they_are() -> None:
+def test_valid_outcomes_are_returned_unchanged() -> None:
     for error in (None, ValueError("a reason"), OutOfTime()):
         workers = workers_of(Answers(("told", 3, error)))
         workers.submit(Job(len, ("",)))
         (call,) = workers.ended(1.0)
-        assert (call.told, call.value, call.error) == ("told", 3, error)
+        assert (call.message, call.value, call.error) == ("told", 3, error)
 
 
-def test_workers_that_do_not_say_what_they_run_are_refused(
+def test_workers_that_do_not_report_their_code_are_refused(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     closed: list[Any] = []
@@ -95,18 +95,18 @@ def test_workers_that_do_not_say_what_they_run_are_refused(
     def check(_: Any) -> None:
         raise TypeError("'int' object is not\nsubscriptable")
 
-    with pytest.raises(ValueError, match=r"^--scheduler must be of workers that say[^\n]*$"):
+    with pytest.raises(ValueError, match=r"^--scheduler must have workers that report[^\n]*$"):
         DaskWorkers("tcp://127.0.0.1:1", "", check)
     assert closed
 
 
-def test_encryption_without_certificates_is_told() -> None:
+def test_encryption_without_certificates_is_reported() -> None:
     with pytest.raises(ValueError, match=r"^--scheduler must be the address[^\n]*tls[^\n]*$"):
         _connected("tls://127.0.0.1:9", "")
 
 
 @pytest.mark.slow
-def test_a_cluster_is_spoken_to_by_tls(tmp_path: Path) -> None:
+def test_a_cluster_can_use_tls(tmp_path: Path) -> None:
     """With the certificates that Dask's own configuration names."""
     from dask import config
     from distributed.security import Security

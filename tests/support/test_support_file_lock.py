@@ -1,4 +1,4 @@
-"""Catches: a lock that lets two in, and work that ends where nothing can be locked."""
+"""Catches: a lock that admits two holders, and work that stops where locking is impossible."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ FLOCK, OPEN, FSTAT = fcntl.flock, os.open, os.fstat
 
 
 @pytest.fixture(autouse=True)
-def _nothing_told() -> Iterator[None]:
-    """Of each file system something is tried and told once in a process."""
+def _reset_warnings() -> Iterator[None]:
+    """Reset what was tested and reported for each file system."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(file_lock, "_TOLD", set())
-        patch.setattr(file_lock, "_TRIED", set())
+        patch.setattr(file_lock, "_WARNED", set())
+        patch.setattr(file_lock, "_TESTED", set())
         yield
 
 
@@ -40,7 +40,7 @@ def refused(number: int) -> Any:
     return refuse
 
 
-def test_one_is_let_in_at_a_time(place: Path, caplog: pytest.LogCaptureFixture) -> None:
+def test_a_lock_has_one_holder_at_a_time(place: Path, caplog: pytest.LogCaptureFixture) -> None:
     waiting, done = Event(), []
 
     def other() -> None:
@@ -59,10 +59,10 @@ def test_one_is_let_in_at_a_time(place: Path, caplog: pytest.LogCaptureFixture) 
 
 
 @pytest.mark.parametrize("number", [errno.ENOLCK, errno.EOPNOTSUPP, errno.ENOSYS, 524])
-def test_where_nothing_can_be_locked_work_goes_on_and_that_is_told_once(
+def test_without_locks_work_continues_after_one_warning(
     number: int, place: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    """524 is what Linux says of some file systems, and no error that has a name."""
+    """Linux returns 524 on some file systems, an error without a name."""
     monkeypatch.setattr(fcntl, "flock", refused(number))
     for _ in range(2):
         with locked(place), locked(place):
@@ -72,7 +72,7 @@ def test_where_nothing_can_be_locked_work_goes_on_and_that_is_told_once(
     assert not place.exists()
 
 
-def test_a_lock_that_excludes_nobody_is_told(
+def test_a_lock_that_excludes_nobody_is_reported(
     place: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     monkeypatch.setattr(fcntl, "flock", lambda *_: None)
@@ -80,7 +80,7 @@ def test_a_lock_that_excludes_nobody_is_told(
         assert "a lock there excludes nobody" in caplog.text
 
 
-def test_a_system_without_locks_is_one_where_nothing_can_be_locked(
+def test_a_system_without_locks_continues_with_a_warning(
     place: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     monkeypatch.setattr(file_lock, "fcntl", None)
@@ -88,18 +88,18 @@ def test_a_system_without_locks_is_one_where_nothing_can_be_locked(
         assert "files cannot be locked there" in caplog.text
 
 
-def test_numbers_of_files_that_change_are_not_waited_for(
+def test_changing_inodes_do_not_block(
     place: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     monkeypatch.setattr(os.path, "samestat", lambda *_: False)
     with locked(place):
-        assert "the number of a file changes" in caplog.text
+        assert "the inode of a file changes" in caplog.text
 
 
 def test_a_link_in_the_place_of_a_lock_is_replaced(
     place: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
-    """Catches: a run that ends because another user has put a link there."""
+    """Catches: a run that fails because another user has put a link there."""
     other = place.with_name("other")
     other.write_text("theirs")
     place.symlink_to(other)
@@ -116,10 +116,10 @@ def test_the_lock_of_another_is_not_removed(place: Path) -> None:
     assert place.exists()
 
 
-def test_a_lock_whose_file_was_removed_from_another_host_is_taken_anew(
+def test_a_lock_removed_from_another_host_is_acquired_again(
     place: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    """As its holder there does while this process waits."""
+    """Its holder there removes it while this process waits."""
     opened: list[int] = []
 
     def open_late(path: Any, *given: Any) -> int:
@@ -135,10 +135,10 @@ def test_a_lock_whose_file_was_removed_from_another_host_is_taken_anew(
     assert not caplog.text
 
 
-def test_a_lock_that_another_removes_while_it_is_tried_is_not_made_again(
+def test_a_lock_removed_during_the_test_is_not_created_again(
     place: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Catches: a lock that nobody holds and nobody removes."""
+    """Catches: a lock file that nobody holds and nobody removes."""
     monkeypatch.setattr(fcntl, "flock", lambda *_: None)
     leads = file_lock.leads_to
 
@@ -154,7 +154,7 @@ def test_a_lock_that_another_removes_while_it_is_tried_is_not_made_again(
 
 
 def test_a_lock_that_cannot_be_made_or_closed(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The one is an error, the other none: the work is done."""
+    """Failing to create it is an error; failing to close it is not, because the work is done."""
     with (
         pytest.raises(FileNotFoundError, match=r"nowhere/run\.lock"),
         locked(place.parent / "nowhere" / "run.lock"),

@@ -1,4 +1,4 @@
-"""Catches: Ctrl-C told in several lines; a command that did its work and dies of the signal."""
+"""Catches: Ctrl-C reported in several lines; a finished command that is killed by the signal."""
 
 import os
 import signal
@@ -24,7 +24,7 @@ sys.exit(interruptible("late", lambda: 3, whole_process=True))
 """
 
 
-def test_an_interruption_is_told_in_one_line_whatever_a_file_is_called(
+def test_an_interruption_is_reported_in_one_line_for_any_file_name(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     assert interrupted("longwave run", "2 snapshots are kept in out\n\x1b[31m.nc") == 130
@@ -33,7 +33,7 @@ def test_an_interruption_is_told_in_one_line_whatever_a_file_is_called(
     )
 
 
-def test_ctrl_c_while_python_ends_leaves_the_status() -> None:
+def test_ctrl_c_while_python_exits_keeps_the_status() -> None:
     root = Path(__file__).parents[2]
     environment = {**os.environ, "PYTHONPATH": str(root)}
     late = [sys.executable, "-c", LATE]
@@ -58,7 +58,7 @@ sys.exit(interruptible("waiting", work, whole_process=True))
 
 @pytest.mark.parametrize("in_background", [False, True])
 def test_a_scheduler_ends_a_command_as_ctrl_c_does(in_background: bool, tmp_path: Path) -> None:
-    """Also one that a script left in the background, where Ctrl-C is ignored; no lock stays."""
+    """Also for a background command of a script, where Ctrl-C is ignored; no lock remains."""
     running = subprocess.Popen(
         [sys.executable, "-c", WAITING, str(tmp_path / "lock")],
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,

@@ -1,4 +1,4 @@
-"""Catches: data that come back as others, and bytes that call something or take the memory."""
+"""Catches: data that change on the way, and bytes that call code or exhaust the memory."""
 
 import json
 import math
@@ -47,7 +47,7 @@ def test_data_come_back_type_by_type_and_bit_by_bit(value: Any) -> None:
     assert same(plain_value(plain_bytes(value)), value)
 
 
-def test_what_json_has_not_comes_back() -> None:
+def test_values_that_json_lacks_are_restored() -> None:
     for value in (math.inf, -math.inf, -0.0, np.float64(0.1), np.int32(3), 2**400, "\ud800"):
         assert same(plain_value(plain_bytes(value)), value)
     assert math.isnan(plain_value(plain_bytes(math.nan)))
@@ -58,7 +58,7 @@ def test_what_json_has_not_comes_back() -> None:
 
 
 @pytest.mark.parametrize("value", [object(), {1}, np.array([None]), np.array([1], "M8[s]"), len])
-def test_nothing_else_is_written(value: object) -> None:
+def test_other_types_are_refused(value: object) -> None:
     with pytest.raises(TypeError, match="must be"):
         plain_bytes(value)
 
@@ -90,12 +90,12 @@ def crafted(tree: object, arrays: bytes = b"") -> bytes:
         crafted({"tuple": 3}),
     ],
 )
-def test_what_was_not_written_by_it_is_one_error(content: bytes) -> None:
-    with pytest.raises(ValueError, match=r"^data must be as they were written"):
+def test_foreign_bytes_raise_one_error(content: bytes) -> None:
+    with pytest.raises(ValueError, match=r"^data must be those of plain_bytes"):
         plain_value(content)
 
 
-def test_what_is_nested_too_deep_is_one_error() -> None:
+def test_deeply_nested_data_raise_one_error() -> None:
     text = b"[" * 10**5
-    with pytest.raises(ValueError, match=r"^data must be as they were written"):
+    with pytest.raises(ValueError, match=r"^data must be those of plain_bytes"):
         plain_value(len(text).to_bytes(HEAD, "little") + text)

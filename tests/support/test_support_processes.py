@@ -1,4 +1,4 @@
-"""Jobs in processes: results, progress, failures, limits; kills of a process and of its command."""
+"""Jobs in processes: results, progress, failures, limits; killed processes and commands."""
 
 import gc
 import os
@@ -40,7 +40,7 @@ SHORT = replace(
 
 
 def test_results_come_back_under_their_keys_with_rising_progress() -> None:
-    """Catches results mixed up by the order of the work, which is the longest first."""
+    """Catches: results mixed up by the order of the work, the longest job first."""
     longer = replace(SHORT, snapshots=(-10000.0, -9995.0))
     jobs = {"short": scene_job(SHORT), "root": Job(sqrt, (2.25,), 0.1), "long": scene_job(longer)}
     assert jobs["long"].weight > jobs["short"].weight
@@ -65,7 +65,7 @@ def test_at_least_one_worker() -> None:
         run_jobs({"short": scene_job(SHORT)}, 0, lambda share: None)
 
 
-def test_what_loses_the_limit_does_not_get_away_with_it() -> None:
+def test_code_that_swallows_the_limit_is_still_stopped() -> None:
     def loses_it() -> None:
         with suppress(OutOfTime):  # as a finalizer does
             while True:
@@ -95,7 +95,7 @@ def test_a_command_ended_over_its_pool_leaves_no_warning(tmp_path: Path) -> None
 
 
 def is_there(process: int) -> bool:
-    """Whether a process is, and is no zombie."""
+    """Return whether a process exists and is not a zombie."""
     try:
         status = Path(f"/proc/{process}/stat").read_text("ascii")
     except OSError:
@@ -113,13 +113,13 @@ def wait_until(condition: Callable[[], bool]) -> None:
 @pytest.mark.parametrize("apart", [False, True])
 def test_a_lost_process_costs_its_own_job_alone(apart: bool) -> None:
     jobs = [Job(sqrt, (4.0,)), Job(killed), Job(sqrt, (9.0,)), Job(sqrt, (-1.0,))]
-    ended = dict(as_ended(enumerate(jobs), LocalWorkers(1, apart=apart)))
+    ended = dict(as_ended(enumerate(jobs), LocalWorkers(1, isolated=apart)))
     assert [ended[place].value for place in (0, 2)] == [2.0, 3.0]
     assert isinstance(ended[1].error, LostProcess)
     assert isinstance(ended[3].error, ValueError)
 
 
-def test_what_is_behind_a_lost_job_is_done_by_another_process() -> None:
+def test_queued_jobs_of_a_lost_process_go_to_another() -> None:
     workers, found = LocalWorkers(1), []
     try:
         calls = [workers.submit(job) for job in (Job(killed), Job(sqrt, (4.0,)))]
@@ -144,15 +144,15 @@ def test_past_its_seconds_a_job_is_killed_and_its_process_replaced() -> None:
     assert (type(ended[0].error), ended[1].value) == (OutOfTime, 2.0)
 
 
-def test_a_program_says_what_it_is_asked_or_is_killed(tmp_path: Path) -> None:
+def test_a_program_returns_its_output_or_is_killed(tmp_path: Path) -> None:
     command = ["sh", "-c", "pwd; echo wrong >&2; exit 3"]
     assert run_program(command, tmp_path, 60.0) == (3, f"{tmp_path}\nwrong\n")
     with pytest.raises(OutOfTime):
         run_program(["sleep", "100"], tmp_path, 0.2)
 
 
-def test_memory_is_limited_to_what_is_given() -> None:
-    """Catches a limit that the process's own thread takes a part of."""
+def test_memory_is_limited() -> None:
+    """Catches: a limit of which the process's own thread takes a part."""
     fits, swells = (
         run_apart(Job(lambda size: len(bytearray(size)), (size,), memory=10**8))
         for size in (95 * 10**6, 10**9)  # what a process frees it may take again
@@ -161,21 +161,21 @@ def test_memory_is_limited_to_what_is_given() -> None:
     assert isinstance(swells.error, MemoryError)
 
 
-def test_what_is_told_is_there_though_the_process_is_lost() -> None:
+def test_messages_survive_a_lost_process() -> None:
     def tells(tell: Callable[[str], None]) -> None:
         tell("first")
         tell("second")
         killed()
 
     call = run_apart(Job(tells, tells=True))
-    assert (call.told, type(call.error)) == ("second", LostProcess)
+    assert (call.message, type(call.error)) == ("second", LostProcess)
 
 
 def test_a_job_gives_way_to_the_next() -> None:
     workers = LocalWorkers(1)
     try:
         older = workers.submit(Job(endless, tells=True, gives_way=True))
-        wait_until(lambda: not workers.ended(0.0) and older.told == 0.5)
+        wait_until(lambda: not workers.ended(0.0) and older.message == 0.5)
         newest = workers.submit(Job(sqrt, (4.0,)))
         ended = workers.ended(60.0)
         while newest not in ended:
@@ -189,10 +189,10 @@ def test_a_job_gives_way_to_the_next() -> None:
 
 def test_results_keep_the_order_of_their_jobs() -> None:
     jobs = [Job(time.sleep, (0.3,)), Job(abs, (-1,)), Job(abs, (-2,))]
-    assert list(in_order(jobs, LocalWorkers(2, apart=True))) == [None, 1, 2]
+    assert list(in_order(jobs, LocalWorkers(2, isolated=True))) == [None, 1, 2]
 
 
-def test_an_error_tells_where_it_was_raised() -> None:
+def test_an_error_contains_its_traceback() -> None:
     def fails() -> None:
         raise ValueError("wrong")
 
@@ -201,7 +201,7 @@ def test_an_error_tells_where_it_was_raised() -> None:
     assert "in fails" in call.error.__notes__[0]
 
 
-def test_what_cannot_be_sent_is_an_error() -> None:
+def test_an_unpicklable_result_is_an_error() -> None:
     call = run_apart(Job(lambda: lambda: None))
     assert isinstance(call.error, RuntimeError)
 
@@ -212,7 +212,7 @@ from pathlib import Path
 from longwave.support.processes import Job, LocalWorkers
 from tests.support.process_jobs import sleeping
 if __name__ == "__main__":
-    workers = [LocalWorkers(1), LocalWorkers(1, apart=True), LocalWorkers(1, apart=True)]
+    workers = [LocalWorkers(1), LocalWorkers(1, isolated=True), LocalWorkers(1, isolated=True)]
     for place, one in enumerate(workers):
         one.submit(Job(sleeping, (Path(sys.argv[1]) / str(place), 100.0)))
     workers[0].ended(100.0)
@@ -233,7 +233,7 @@ def test_processes_and_what_they_started_end_with_a_command_that_is_killed(tmp_p
 
 
 class Garbage:
-    """Tells of its end, in a cycle that a collection alone finds."""
+    """Object in a cycle, freed only by a collection, that reports its end."""
 
     def __init__(self, file: Path) -> None:
         self.file, self.me = file, self
@@ -242,13 +242,13 @@ class Garbage:
         self.file.write_text(str(os.getpid()), encoding="utf-8")
 
 
-def test_a_fork_ends_no_garbage_of_its_parent(tmp_path: Path) -> None:
-    """Catches: a client of a cluster that a fork closes, waiting for a thread that it has not."""
+def test_a_fork_does_not_collect_its_parents_garbage(tmp_path: Path) -> None:
+    """Catches: a fork that closes a cluster's client, waiting for a thread that it lacks."""
     file = tmp_path / "ended"
     gc.disable()
     try:
         Garbage(file)
-        (found,) = in_order([Job(gc.collect)], LocalWorkers(1, apart=True))
+        (found,) = in_order([Job(gc.collect)], LocalWorkers(1, isolated=True))
         assert isinstance(found, int)
         assert not file.exists()
     finally:

@@ -1,4 +1,4 @@
-"""Catches: the current folder before the standard library in an interpreter that is begun."""
+"""Catches: a fresh interpreter that imports from the current folder before the standard library."""
 
 import os
 import subprocess
@@ -16,9 +16,7 @@ PLANTED = "open('{mark}', 'a').close()\n"
 
 @pytest.mark.parametrize("name", ["pickle.py", "subprocess.py", "longwave/__init__.py"])
 @pytest.mark.parametrize("code", [CLUSTER, POOL], ids=["cluster", "processes"])
-def test_what_lies_in_the_folder_of_a_worker_is_not_run(
-    code: str, name: str, tmp_path: Path
-) -> None:
+def test_workers_run_no_files_of_their_folder(code: str, name: str, tmp_path: Path) -> None:
     folder, mark = tmp_path / "folder", tmp_path / "mark"
     planted = folder / name
     planted.parent.mkdir(parents=True)

@@ -1,4 +1,4 @@
-"""Catches: a sealed file that a network file system loses, or has count as missing."""
+"""Catches: a sealed file that is lost, or counted as missing, on a network file system."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ CONTENT = b"a run" * 1000
 
 
 @pytest.mark.parametrize("force", [True, False])
-def test_a_draft_that_somebody_removes_is_written_anew(
+def test_a_removed_draft_is_written_again(
     force: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     place, fsync, left = tmp_path / "run.nc", os.fsync, [1, 2]
@@ -35,8 +35,8 @@ def test_a_draft_that_somebody_removes_is_written_anew(
     assert list(tmp_path.iterdir()) == [place]
 
 
-def test_the_rights_on_a_file_that_is_replaced_are_not_taken_over(tmp_path: Path) -> None:
-    """Catches: a damaged file of another user, open to all, that opens the new one to all."""
+def test_permissions_of_a_replaced_file_are_not_kept(tmp_path: Path) -> None:
+    """Catches: a damaged file of another user, open to all, replaced by one just as open."""
     place = tmp_path / "run.nc"
     place.write_bytes(b"damaged")
     place.chmod(0o666)
@@ -48,13 +48,13 @@ def test_the_rights_on_a_file_that_is_replaced_are_not_taken_over(tmp_path: Path
     assert place.stat().st_mode & 0o777 == 0o644
 
 
-def test_a_folder_that_is_gone_is_an_error(tmp_path: Path) -> None:
+def test_a_missing_folder_is_an_error(tmp_path: Path) -> None:
     with pytest.raises(FileNotFoundError) as caught:
         write_sealed(tmp_path / "folder" / "run.nc", CONTENT)
     assert caught.value.filename == str(tmp_path / "folder" / "run.nc")
 
 
-def test_a_file_that_another_host_replaces_while_it_is_read_is_read_anew(
+def test_a_file_replaced_during_reading_is_read_again(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     place, opened = tmp_path / "run.nc", sealed_file.open_plain
@@ -79,7 +79,7 @@ def test_a_file_that_another_host_replaces_while_it_is_read_is_read_anew(
 def test_a_file_that_stays_stale_is_an_error(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """It must not count as missing: it would be made anew though it may be there."""
+    """It must not count as missing, because it would be made again although it may exist."""
     place = tmp_path / "run.nc"
     write_sealed(place, CONTENT)
 

@@ -1,7 +1,7 @@
-"""What is said of long work, before it and on its way.
+"""Reports about long work, before it begins and on its way.
 
-Catches: a time left that a checkpoint or the first, slow cells put wrong by a factor, and a line
-every moment in the log of a cluster.
+Catches: a time left that is wrong by a factor because of a checkpoint or the first, slow cells, and
+too many lines in a cluster's log.
 """
 
 import threading
@@ -12,15 +12,15 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from longwave.support.checkpoint import CheckpointFolder, begin_loop, kept_by, kept_seconds
+from longwave.support.checkpoint import CheckpointFolder, begin_loop, checkpoints_in, stored_seconds
 from longwave.support.console import progress_bar
-from longwave.support.slow_work import EVERY, TimeLeft, announce, time_told
+from longwave.support.slow_work import EVERY, TimeLeft, announce, report_time_left
 
 Output = pytest.CaptureFixture[str]
 
 
-class Hands:
-    """A clock that a test sets."""
+class ManualClock:
+    """A clock that the test sets."""
 
     now = 0.0
 
@@ -30,11 +30,11 @@ class Hands:
 
 @contextmanager
 def looking(monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[], None]]:
-    """Yields a function that lets the thread which watches look once."""
+    """Yield a function that lets the watching thread check once."""
     go, looked, ended = threading.Semaphore(0), threading.Semaphore(0), threading.Event()
 
     class Over:
-        """An event that is waited for as often as the test says."""
+        """Event that is awaited as often as the test says."""
 
         begun = False
 
@@ -58,11 +58,11 @@ def looking(monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[], None]]:
     monkeypatch.undo()
 
 
-def test_a_line_comes_rarely_and_has_a_number(
+def test_lines_are_rare_and_contain_a_number(
     monkeypatch: pytest.MonkeyPatch, capsys: Output
 ) -> None:
-    clock = Hands()
-    with looking(monkeypatch) as look, time_told("longwave derive", clock):
+    clock = ManualClock()
+    with looking(monkeypatch) as look, report_time_left("longwave derive", clock):
         look()
         clock.now = EVERY - 1.0
         look()
@@ -79,10 +79,10 @@ def test_a_line_comes_rarely_and_has_a_number(
         assert capsys.readouterr().err == "the run: about 20 s (Ctrl-C stops it)\n"
 
 
-def test_where_there_is_no_terminal_lines_tell_the_time_left(
+def test_without_a_terminal_lines_report_the_time_left(
     monkeypatch: pytest.MonkeyPatch, capsys: Output
 ) -> None:
-    clock = Hands()
+    clock = ManualClock()
     bar = progress_bar("name", "the run", Console(stderr=True), clock)
     with looking(monkeypatch) as look, bar as (share, tell):
         tell(100.0)
@@ -96,8 +96,8 @@ def test_where_there_is_no_terminal_lines_tell_the_time_left(
     assert line == "the run: 25 %, about 71 s left (Ctrl-C stops it)"  # between 60 and 120
 
 
-def test_what_was_done_before_has_no_pace() -> None:
-    clock = Hands()
+def test_earlier_work_does_not_count_for_the_pace() -> None:
+    clock = ManualClock()
     left = TimeLeft(clock)
     left.share(0.8)
     clock.now = 10.0
@@ -105,14 +105,14 @@ def test_what_was_done_before_has_no_pace() -> None:
     assert left.words() == "90 %, about 10 s left"
 
 
-def test_what_a_checkpoint_holds_is_not_told_again(tmp_path: Path, capsys: Output) -> None:
+def test_work_in_a_checkpoint_is_not_announced_again(tmp_path: Path, capsys: Output) -> None:
     before = CheckpointFolder(tmp_path / "kept", "stamp")
     before.write("1", "task", {"seconds": 80.0})
     now = CheckpointFolder(tmp_path / "kept", "stamp")
     now.tell("run")
-    with progress_bar("run", "the run", Console(stderr=True)) as (_, tell), kept_by(now):
-        assert kept_seconds() == 80.0
+    with progress_bar("run", "the run", Console(stderr=True)) as (_, tell), checkpoints_in(now):
+        assert stored_seconds() == 80.0
         tell(100.0)
         begin_loop("task")
-        assert kept_seconds() == 0.0
+        assert stored_seconds() == 0.0
     assert capsys.readouterr().err == "the run: about 20 s (Ctrl-C stops it)\n"

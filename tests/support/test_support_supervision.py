@@ -1,4 +1,4 @@
-"""Catches: a watched command that outlives its watcher, or an end that is not passed on."""
+"""Catches: a watched command that outlives its watcher, or a status that is not passed on."""
 
 import os
 import signal
@@ -27,8 +27,8 @@ sys.exit(interruptible("command", work, whole_process=True))
 """
 
 
-def begun(work: str) -> tuple[subprocess.Popen[str], int]:
-    """A command that states a limit, and the process that does its work."""
+def started(work: str) -> tuple[subprocess.Popen[str], int]:
+    """Start a command with a limit; return it and the process that does its work."""
     running = subprocess.Popen(
         [sys.executable, "-P", "-c", COMMAND.format(work=work)],
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
@@ -42,7 +42,7 @@ def begun(work: str) -> tuple[subprocess.Popen[str], int]:
 
 
 def test_the_status_is_that_of_the_command() -> None:
-    running, _ = begun("print('done')")
+    running, _ = started("print('done')")
     assert running.stdout is not None
     assert running.stdout.read() == "done\n"  # what was read ahead with the first line, too
     assert running.communicate(timeout=PATIENCE)[1] == ""
@@ -51,14 +51,14 @@ def test_the_status_is_that_of_the_command() -> None:
 
 @pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
 def test_a_signal_is_passed_on(number: int, status: int) -> None:
-    running, _ = begun("time.sleep(600)")
+    running, _ = started("time.sleep(600)")
     running.send_signal(number)
     out, errors = running.communicate(timeout=PATIENCE)
     assert (running.returncode, out, errors) == (status, "", "command: interrupted\n")
 
 
 def test_a_command_ends_with_its_watcher() -> None:
-    running, worker = begun("time.sleep(600)")
+    running, worker = started("time.sleep(600)")
     running.kill()
     _, errors = running.communicate(timeout=PATIENCE)  # until the worker has closed them too
     assert errors == "command: interrupted\n"
@@ -68,8 +68,8 @@ def test_a_command_ends_with_its_watcher() -> None:
     assert not Path(f"/proc/{worker}").exists()
 
 
-def test_a_command_that_crashes_is_seen_to_have_crashed() -> None:
-    running, _ = begun("os.kill(os.getpid(), 11)")
+def test_a_crash_is_passed_on() -> None:
+    running, _ = started("os.kill(os.getpid(), 11)")
     running.communicate(timeout=PATIENCE)
     assert running.returncode == -signal.SIGSEGV
 

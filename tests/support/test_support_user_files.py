@@ -1,4 +1,4 @@
-"""Catches: a pipe that is waited for, a file read without end, a text quoted whole, lost limits."""
+"""Catches: a pipe that blocks, a file read without end, a long quotation, lost limits."""
 
 import io
 import math
@@ -22,7 +22,7 @@ from longwave.support.user_files import read_toml
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="there are no pipes with names")
-def test_a_pipe_is_not_waited_for(tmp_path: Path) -> None:
+def test_a_pipe_does_not_block(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "scene.toml")
     with pytest.raises(ValueError, match=r"must be a regular file, got .*, a pipe"):
         read_toml(tmp_path / "scene.toml", "scene", 100)
@@ -39,7 +39,7 @@ def test_a_pipe_is_not_waited_for(tmp_path: Path) -> None:
         (b"a." * 30 + b"a = 1", "must have plain keys"),
     ],
 )
-def test_what_cannot_be_read_is_told(tmp_path: Path, content: bytes, message: str) -> None:
+def test_unreadable_files_are_reported(tmp_path: Path, content: bytes, message: str) -> None:
     path = tmp_path / "x.toml"
     path.write_bytes(content)
     with pytest.raises(ValueError, match=message) as raised:
@@ -48,7 +48,7 @@ def test_what_cannot_be_read_is_told(tmp_path: Path, content: bytes, message: st
 
 
 @pytest.mark.parametrize("depth", [101, 400, 2000])
-def test_what_is_nested_deep_is_refused(tmp_path: Path, depth: int) -> None:
+def test_deep_nesting_is_refused(tmp_path: Path, depth: int) -> None:
     path = tmp_path / "x.toml"
     path.write_text("a = " + "[" * depth + "]" * depth)
     with pytest.raises(ValueError, match="nested at most 100 deep"):

@@ -104,5 +104,5 @@ def test_what_is_read_is_not_overwritten(
     ):
         for force in ([], ["--force"]):
             assert longwave([*words.split(), *force]) == 2
-            assert "must be a file of its own, got " in capsys.readouterr().err
+            assert "must not be an input file, got " in capsys.readouterr().err
     assert before == {name: Path(name).read_bytes() for name in before}

@@ -78,9 +78,9 @@ def test_kernels_that_cannot_be_kept_cost(monkeypatch: pytest.MonkeyPatch, tmp_p
     assert "the first run compiles" in found("compiled kernels").cost
     (tmp_path / "kernel.object").touch()
     assert found("compiled kernels").state == "good"
-    refused = CacheFolder(tmp_path, refused=("a cache's folder must be the user's alone",))
+    refused = CacheFolder(tmp_path, refused=("a cache folder must be private to the user",))
     monkeypatch.setattr(kernel_folder, "cache_folder", lambda *_: refused)
-    assert "the user's alone" in found("compiled kernels").found
+    assert "private to the user" in found("compiled kernels").found
     assert "remove it" in found("compiled kernels").cost
     monkeypatch.setenv("NUMBA_DISABLE_JIT", "1")
     assert "unset NUMBA_DISABLE_JIT" in found("compiled kernels").cost

@@ -341,7 +341,7 @@ def test_four_processes_decide_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
         return whole(statement, tell)
 
     monkeypatch.setattr(command, "answer", waiting)
-    verdicts = dict(decided([problem()] * 4, 2 * PATIENCE, workers=LocalWorkers(4, apart=True)))
+    verdicts = dict(decided([problem()] * 4, 2 * PATIENCE, workers=LocalWorkers(4, isolated=True)))
     assert [verdicts[place].outcome for place in range(4)] == ["PROVED"] * 4
 
 

@@ -378,7 +378,7 @@ REFUSED: list[tuple[dict[str, Any], str]] = [
         {"force": [{"site": 1, "value": 10**400}]},
         "value in [[force]] must be 0 or satisfy 1e-50 <=",
     ),
-    ({"force": [{"site": 1, "value": "sqrt(-1)*t"}]}, "numbers of a formula must be real, got I"),
+    ({"force": [{"site": 1, "value": "sqrt(-1)*t"}]}, "numbers in a formula must be real, got I"),
     ({"chain": {"left": "free"}}, "sites in [chain] must be stated"),
     ({"chain": {"sites": 1}}, "sites in [chain] must be a whole number, 2 <="),
     ({"chain": {"sites": 8, "lefft": "free"}}, "keys in [chain] must be known ones, got lefft"),
@@ -436,7 +436,7 @@ REFUSED: list[tuple[dict[str, Any], str]] = [
     ({"defects": {"mass": {1: [2]}}}, "mass of 1 in [defects] must be a number, got [2]"),
     ({"defects": {"spring": {20: "2*K2"}}}, "must be a number, got '2*K2'"),
     ({"defects": {"spring": {1: [2, 2]}}}, "spring factors must be positive, one or 1, got (2.0"),
-    ({"defects": {"spring": {-2: 2}}}, "spring factors must be of cells and bonds of the chain"),
+    ({"defects": {"spring": {-2: 2}}}, "spring factors must be of cells and bonds in the chain"),
     ({"start": None}, "start must be stated"),
     ({"start": {"rest": False}}, "rest in [start] must be true"),
     ({"start": {"impact": {"site": 99, "velocity": 1}}}, "site of impact must be 0 to 11, got 99"),
@@ -469,7 +469,7 @@ REFUSED: list[tuple[dict[str, Any], str]] = [
     ({"engine": "spectral"}, "tolerance must be given for a chain on a bench, without an engine"),
     ({"times": [0, 0.0]}, "times must increase"),
     ({"lattice": "mass_dimer", "constants": {}}, "constant K2 of mass_dimer must be given"),
-    ({"lattice": "fput_strain"}, "must be of a chain of displacements, got fput_strain"),
+    ({"lattice": "fput_strain"}, "need a chain of displacements, got fput_strain"),
     ({"constants": {"K2": 1}}, "constant K4 of beta_fput must be given"),
 ]
 

@@ -59,7 +59,7 @@ class PeriodicMkdv:
         """The samples at ``tau``, which must not lie before the last one."""
         for _ in range(self.integrator.whole_steps(tau)):
             self.integrator.step()
-        self._modes = self.integrator.ahead(tau)[0]
+        self._modes = self.integrator.solution_at(tau)[0]
         return self._samples(self._modes)
 
     @property

@@ -13,7 +13,7 @@ import xarray as xr
 from longwave.scenes import run as run_scene
 from longwave.scenes.description.named_scenes import load_scene
 from longwave.scenes.description.scene import Scene
-from longwave.support.checkpoint import Memory, kept_by
+from longwave.support.checkpoint import Memory, checkpoints_in
 from longwave.support.request_limits import request_limits
 from searches.soak_scenes import soak_scene
 from tests.scenes.engines.test_lattices_run import FPUT, PEREGRINE, TODA
@@ -66,7 +66,7 @@ class Stops:
     """Keeps the memory of a loop, and stops it when that has been offered so many times."""
 
     least, share = 0.0, 1e9
-    spared_seconds = 0.0
+    restored_seconds = 0.0
 
     def __init__(self, stop: int) -> None:
         self.kept: dict[str, tuple[str, Memory]] = {}
@@ -90,16 +90,16 @@ class Stops:
         if self.stop == 0:
             raise InterruptedError
 
-    def spared(self, seconds: float) -> None:
+    def add_restored(self, seconds: float) -> None:
         return
 
 
 def test_a_run_that_was_broken_off_goes_on_bit_by_bit() -> None:
     scene = Scene.of(**PEREGRINE).changed(engine="spectral")
     keeper = Stops(5)
-    with pytest.raises(InterruptedError), kept_by(keeper):
+    with pytest.raises(InterruptedError), checkpoints_in(keeper):
         run_scene(scene)
-    with kept_by(keeper):
+    with checkpoints_in(keeper):
         found = run_scene(scene)
     assert keeper.resumed
     whole = run_scene(scene)

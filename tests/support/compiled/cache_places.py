@@ -1,4 +1,4 @@
-"""Two places for caches, and a process that has not looked for them yet."""
+"""Two locations for caches, and a process that has not searched for them yet."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -9,7 +9,7 @@ from longwave.support.compiled import kernel_folder
 
 
 def caches_in(folder: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[tuple[Path, Path]]:
-    """Have caches kept in a folder: in a place that users share, or in one's own."""
+    """Put the caches in a folder, shared with other users or the user's own."""
     found = folder / "shared", folder / "own"
     monkeypatch.setattr(kernel_folder, "_bases", lambda _: iter(found))
     forget()
@@ -18,6 +18,6 @@ def caches_in(folder: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[tuple[P
 
 
 def forget() -> None:
-    """Forget which places were found and told of."""
+    """Forget which locations were found and reported."""
     kernel_folder.cache_folder.cache_clear()
     kernel_folder._warn.cache_clear()

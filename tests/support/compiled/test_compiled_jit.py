@@ -1,4 +1,4 @@
-"""Compiled kernels follow their sources: nothing old is found, nothing is compiled in vain."""
+"""Compiled kernels follow their sources: nothing outdated is used, nothing compiled in vain."""
 
 import os
 import shutil
@@ -79,7 +79,7 @@ print(*out, "made" if "numba" in sys.modules else "found")
 
 @pytest.fixture
 def house(tmp_path: Path) -> Path:
-    """A small project whose kernel is built from five files."""
+    """Return a small project whose kernel is built from five files."""
     package = tmp_path / "house" / "longwave"
     for name in RUN_FILES:
         (package / name).parent.mkdir(parents=True, exist_ok=True)
@@ -91,7 +91,7 @@ def house(tmp_path: Path) -> Path:
 
 
 def call(house: Path, code: str = RUN, **environment: str) -> list[str]:
-    """What the code prints in a process of its own, with warnings on stderr as errors."""
+    """Return what the code prints in its own process; warnings on stderr are errors."""
     inherited = {"NUMBA_CACHE_DIR", "PYTHONDONTWRITEBYTECODE", "PYTHONPYCACHEPREFIX"}
     settings = {name: value for name, value in os.environ.items() if name not in inherited}
     settings |= {"PYTHONPATH": str(house), **environment}
@@ -104,7 +104,7 @@ def call(house: Path, code: str = RUN, **environment: str) -> list[str]:
 
 
 def change(house: Path, name: str, old: str, new: str) -> Callable[[], None]:
-    """Change a file and keep its size and times; return what changes it back."""
+    """Change a file but keep its size and times; return a function that undoes it."""
     path = house / SOLUTIONS / name
     text, state = path.read_text(), path.stat()
     assert old in text
@@ -128,8 +128,8 @@ CHANGES = [
 
 
 @pytest.mark.slow
-def test_numbers_follow_every_source_there_and_back(house: Path) -> None:
-    """A function, a constant, a table, LLVM code and the kernel's own file; times kept."""
+def test_results_follow_every_source_when_it_changes_and_back(house: Path) -> None:
+    """A function, a constant, a table, LLVM code and the kernel's own file; times unchanged."""
     plain = {"PYTHONDONTWRITEBYTECODE": "1"}
     assert call(house, **plain) == ["27.0", "made"]
     backwards = []
@@ -143,8 +143,8 @@ def test_numbers_follow_every_source_there_and_back(house: Path) -> None:
 
 
 @pytest.mark.slow
-def test_old_byte_code_spoils_nothing(house: Path) -> None:
-    """Python runs old byte code where a change keeps time and size; that must not stay."""
+def test_results_of_old_byte_code_are_not_cached(house: Path) -> None:
+    """Python runs old byte code if a change keeps time and size; its results must not be cached."""
     call(house)
     change(house, "helper.py", "1.0 *", "2.0 *")
     assert call(house)[0] == "27.0"
@@ -195,7 +195,7 @@ def test_old_versions_are_removed_and_damage_costs_a_compilation(house: Path) ->
 
 @pytest.mark.slow
 def test_processes_that_compile_at_once_find_their_own_signatures(house: Path) -> None:
-    """Numba's own index can hand one of them the other's machine code."""
+    """Numba's own index can give one of them the other's machine code."""
 
     def told(number: str) -> list[str]:
         return call(house, RUN.replace("3.0", number))
@@ -207,7 +207,7 @@ def test_processes_that_compile_at_once_find_their_own_signatures(house: Path) -
 
 @pytest.mark.slow
 def test_machine_code_of_the_lattice_is_compiled_anew(tmp_path: Path) -> None:
-    """The force of the machine code changed from y^3 to y^2 and back."""
+    """The force in the machine code is changed from y^3 to y^2 and back."""
     for room in ("lattice", "support"):
         shutil.copytree(HOUSE / room, tmp_path / "longwave" / room, ignore=UNCOMPILED)
     code = """
@@ -281,7 +281,7 @@ def test_a_function_takes_no_flags_from_the_kernel_that_calls_it_first() -> None
 def test_machine_code_does_not_depend_on_what_was_compiled_before(
     house: Path, tmp_path: Path
 ) -> None:
-    """Numba compiles the product of complex numbers with the flags of what needs it first."""
+    """Numba compiles complex products with the flags of the first kernel that needs them."""
     (house / SOLUTIONS / "order.py").write_text(ORDER)
     other = "product(a[0], b[0], c[0])"
     found = {

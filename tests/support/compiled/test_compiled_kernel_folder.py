@@ -1,4 +1,4 @@
-"""Catches: machine code and data taken from a folder into which others may have put them."""
+"""Catches: machine code and data read from a folder into which others may have put them."""
 
 import os
 import shutil
@@ -17,7 +17,7 @@ MODULE = kernel_folder.__name__
 
 @pytest.fixture
 def bases(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[tuple[Path, Path]]:
-    """Two places for caches, the first of which is shared."""
+    """Return two locations for caches, the first of which is shared."""
     yield from caches_in(tmp_path, monkeypatch)
 
 
@@ -35,7 +35,7 @@ def readable_by_the_group(folder: Path, _: Path) -> None:
 
 
 @pytest.mark.parametrize("plant", [opened_to_others, linked, readable_by_the_group])
-def test_what_others_may_have_planted_is_told_and_not_read(
+def test_files_others_may_have_planted_are_reported_and_not_read(
     plant: Callable[[Path, Path], None], bases: tuple[Path, Path], tmp_path: Path
 ) -> None:
     shared, own = bases
@@ -46,7 +46,7 @@ def test_what_others_may_have_planted_is_told_and_not_read(
     plant(first.path, tmp_path / "elsewhere")
     assert first.read("code") is None
     forget()
-    with pytest.warns(RuntimeWarning, match=f"must be the user's alone, got {shared}[^\n]*$"):
+    with pytest.warns(RuntimeWarning, match=f"must be private to the user, got {shared}[^\n]*$"):
         second = cache_folder(MODULE)
     assert second.path is not None
     assert second.path.parent == own
@@ -65,7 +65,7 @@ def test_a_warning_is_one_line(bases: tuple[Path, Path]) -> None:
     (one,) = told
     shown = warnings.formatwarning(one.message, one.category, one.filename, one.lineno)
     (line,) = shown.splitlines()
-    assert line.endswith("with the mode 0777: what it holds is not used (remove it)")
+    assert line.endswith("with the mode 0777: its files are not used (remove it)")
 
 
 def test_another_users_folder_is_not_read(
@@ -78,10 +78,10 @@ def test_another_users_folder_is_not_read(
     assert first.read("code") is None
 
 
-def test_users_of_one_folder_do_not_meet(
+def test_users_of_one_folder_have_separate_caches(
     bases: tuple[Path, Path], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Else whoever comes second would be warned of the first."""
+    """Otherwise the second user would be warned about the first one's folder."""
     before, us = kernel_folder._digest("sources"), os.geteuid()
     monkeypatch.setattr(os, "geteuid", lambda: us + 1)
     assert kernel_folder._digest("sources") != before
@@ -100,7 +100,7 @@ def test_a_file_is_read_by_its_own_name_and_not_through_links(tmp_path: Path) ->
     assert folder.read("code") is None
 
 
-def test_a_planted_link_is_replaced_and_what_it_leads_to_stays(tmp_path: Path) -> None:
+def test_a_planted_link_is_replaced_and_its_target_unchanged(tmp_path: Path) -> None:
     (tmp_path / "letter").write_text("mine")
     folder = CacheFolder(tmp_path / "cache")
     (tmp_path / "cache").mkdir(mode=0o700)
@@ -110,8 +110,8 @@ def test_a_planted_link_is_replaced_and_what_it_leads_to_stays(tmp_path: Path) -
     assert folder.read("code") == b"kept"
 
 
-def test_files_are_the_users_alone_whatever_the_mask(tmp_path: Path) -> None:
-    """Catches: with the mask 0 files that all may write, which are written and never read."""
+def test_files_are_private_whatever_the_mask(tmp_path: Path) -> None:
+    """Catches: with mask 0, files that all may write, which are then written but never read."""
     folder = tmp_path / "folder"
     folder.mkdir(mode=0o700)
     cache = CacheFolder(folder)

@@ -1,4 +1,4 @@
-"""Catches: a kernel that reads what it was not given, and numba where nothing needs it."""
+"""Catches: a kernel that reads beyond its arguments, and numba imported where nothing needs it."""
 
 import subprocess
 import sys
@@ -64,10 +64,10 @@ def frozen(array: np.ndarray) -> np.ndarray:
         ((GRID, (1.0, 2.0), 1, 3, 0.0, None), 20.0),
     ],
 )
-def test_arguments_of_all_kinds_are_read_as_what_they_are(
+def test_arguments_of_all_types_are_read_correctly(
     arguments: tuple[Any, ...], expected: float
 ) -> None:
-    """Twice: when it is compiled and when it is there."""
+    """Called twice: when it is compiled and when it is cached."""
     assert total(*arguments) == expected
     assert total(*arguments) == expected
 
@@ -86,28 +86,28 @@ def test_arguments_of_all_kinds_are_read_as_what_they_are(
         (GRID, (1.0, 2.0), 0.5, 2**63, 1.0, None),
     ],
 )
-def test_what_no_kernel_takes_is_refused(arguments: tuple[Any, ...]) -> None:
+def test_unsupported_arguments_are_refused(arguments: tuple[Any, ...]) -> None:
     total(GRID, (1.0, 2.0), 0.5, 3, 1.0, None)
     with pytest.raises((TypeError, ValueError, NumbaError)):
         total(*arguments)
 
 
-def test_a_wrong_number_of_dimensions_is_no_entry() -> None:
-    """It would read past the end."""
+def test_another_number_of_dimensions_is_another_kernel() -> None:
+    """The kernel would read past the end."""
     point = (1.0, 0.0, 0.0)
     _fill(point, point, point, np.zeros(3), np.zeros(3), np.zeros((4, 3)))
     with pytest.raises(Exception, match=r"(?s)No implementation|index|getitem"):
         _fill(point, point, point, np.zeros(3), np.zeros(3), np.zeros(4))
 
 
-def test_an_array_that_may_not_be_written_is_another_kind() -> None:
+def test_a_read_only_array_is_another_type() -> None:
     total(GRID, (1.0, 2.0), 0.5, 3, 0.0, None)
     with pytest.raises(NumbaError, match="readonly"):
         _total(frozen(np.zeros(1)), GRID, (1.0, 2.0), 0.5, 3, 0.0, None)
 
 
-def test_arrays_of_one_row_are_of_the_same_kind_as_those_of_more() -> None:
-    """They are in the order of Fortran as well: the kernel would be compiled twice."""
+def test_arrays_of_one_row_have_the_type_of_others() -> None:
+    """They are in Fortran order as well, and the kernel would be compiled twice."""
     arguments = (1.0, 2.0), 0.5, 3, 0.0, None
     total(GRID, *arguments)
     known = len(_total._entries)
@@ -115,7 +115,7 @@ def test_arrays_of_one_row_are_of_the_same_kind_as_those_of_more() -> None:
     assert len(_total._entries) == known
 
 
-def test_a_kernel_gives_nothing_and_makes_no_arrays() -> None:
+def test_a_kernel_returns_nothing_and_creates_no_arrays() -> None:
     @njit(cache=True)
     def double(x: float) -> float:
         return 2.0 * x
@@ -126,13 +126,13 @@ def test_a_kernel_gives_nothing_and_makes_no_arrays() -> None:
         for i in range(x.size):
             out[i] = space[i]
 
-    with pytest.raises(TypeError, match="must return nothing to be kept"):
+    with pytest.raises(TypeError, match="must return nothing to be cached"):
         double(2.0)
-    with pytest.raises(TypeError, match="give it its space"):
+    with pytest.raises(TypeError, match="pass them as arguments"):
         copied(np.zeros(3), np.zeros(3))
 
 
-def test_an_exception_of_a_kernel_is_told() -> None:
+def test_an_exception_of_a_kernel_is_reported() -> None:
     @njit(cache=True)
     def halted(out: Any) -> None:
         if out[0] < 0.0:
@@ -160,7 +160,7 @@ print(*sorted({"numba", "sympy", "scipy"} & set(sys.modules)))
 """
 
 
-def test_a_kernel_that_is_there_needs_no_numba() -> None:
+def test_a_cached_kernel_needs_no_numba() -> None:
     for _ in range(2):
         done = subprocess.run(
             [sys.executable, "-c", WARM], capture_output=True, text=True, cwd=HOUSE, check=True
@@ -168,10 +168,10 @@ def test_a_kernel_that_is_there_needs_no_numba() -> None:
     assert done.stdout.split() == []
 
 
-def test_a_kept_file_is_not_read_for_sources_that_are_young(
+def test_a_cached_file_is_not_read_for_changed_sources(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Catches: what an earlier source made, read after the source has changed."""
+    """Catches: results of an earlier source used after the source has changed."""
     CacheFolder(tmp_path).write("name", b"kept")
     assert CacheFolder(tmp_path).read("name") == b"kept"
     (tmp_path / "young.py").touch()

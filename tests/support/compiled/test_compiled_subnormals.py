@@ -1,4 +1,4 @@
-"""Code of lattices takes subnormal numbers for 0; what runs before and beside it does not."""
+"""Compiled lattice code flushes subnormal numbers to 0; other code does not."""
 
 import threading
 from pathlib import Path
@@ -17,7 +17,7 @@ SUBNORMAL = 1e-310
 
 
 def is_gradual() -> bool:
-    """Whether this thread computes with subnormal numbers."""
+    """Return whether this thread computes with subnormal numbers."""
     return float(np.float64(2.0) * np.float64(SUBNORMAL)) == 2e-310
 
 
@@ -40,7 +40,7 @@ def advanced_positions(request: pytest.FixtureRequest):
     def compute() -> np.ndarray:
         lattice = Model(1.0, 0.0, 1.0).lattice
         f = np.full((1, request.param), SUBNORMAL)
-        ring = lattice.held(State(0.0, f, np.zeros_like(f)))
+        ring = lattice.with_walls(State(0.0, f, np.zeros_like(f)))
         Dynamics(lattice).advance(REDUCED_PHASE_6, ring.f, ring.v, 0.1, 3)
         return ring.f[0, : request.param]
 
@@ -69,7 +69,7 @@ def test_each_thread_has_its_own_mode(advanced_positions):
     assert is_gradual()
 
 
-def test_kernels_of_numba_flush_only_where_they_say_so():
+def test_numba_kernels_flush_only_if_declared():
     out = np.ones(1)
     _doubled(SUBNORMAL, out, 0)
     assert out[0] == 0.0
@@ -84,13 +84,13 @@ def test_the_mode_is_restored_after_an_exception():
     assert is_gradual()
 
 
-def test_a_kernel_that_is_not_kept_cannot_flush():
+def test_a_kernel_without_cache_cannot_flush():
     with pytest.raises(ValueError, match="cache must be True where subnormals is False, got False"):
         njit(subnormals=False)(lambda x: x)
 
 
 def _assembly(triple: str) -> str:
-    """Machine code, as text, of a function that doubles a number without subnormals."""
+    """Return, as text, the machine code of a function that doubles a number without subnormals."""
     module = ir.Module()
     double = ir.DoubleType()
     function = ir.Function(module, ir.FunctionType(double, [double]), name="doubled")
@@ -115,7 +115,7 @@ def _assembly(triple: str) -> str:
     ],
 )
 def test_code_of_each_processor_reads_sets_and_restores(triple, read, write, bits):
-    """Catches: an intrinsic with another name or type on a processor that is not at hand."""
+    """Catches: an intrinsic with another name or type on another processor."""
     lines = [line.strip().lower() for line in _assembly(triple).splitlines()]
     told = [line.split()[0] for line in lines if line.split()[:1] in ([read], [write])]
     assert told == [read, write, write]
@@ -129,7 +129,7 @@ def test_other_processors_are_left_alone():
 
 
 def test_evaluation_of_waves_keeps_subnormals():
-    """Catches: the mode in double-double code, whose bounds count on gradual underflow."""
+    """Catches: flushing in double-double code, whose bounds need gradual underflow."""
     solutions = Path(__file__).parents[3] / "solutions"
     texts = [path.read_text() for path in solutions.rglob("*.py")]
     assert texts

@@ -1,4 +1,4 @@
-"""Catches: a newcomer's run that waits for numba, and a shipped text that is not the kernel's."""
+"""Catches: a first run that waits for numba, and a shipped text that is not the kernel's."""
 
 import os
 import subprocess
@@ -27,12 +27,12 @@ from tests.support.compiled.cache_places import caches_in
 
 SCALE = machine.__name__, "_scale_row", 0
 FORCE = evolution.__name__, "_residual_force", 0
-"""A kernel whose operations are rounded one by one, and one whose operations may be contracted."""
+"""A kernel whose operations are rounded one by one, and one whose products may be contracted."""
 
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The folder of shipped texts, with the two kernels."""
+    """Return the folder of shipped texts, with the two kernels."""
     for name, packed in map(kernel_writer._packed, (SCALE, FORCE)):
         write_sealed(tmp_path / name, packed)
     monkeypatch.setattr(shipped_kernels, "FOLDER", tmp_path)
@@ -40,7 +40,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def texts() -> tuple[str | None, str | None]:
-    """What is found for the two kernels."""
+    """Return the texts found for the two kernels."""
     scale, force = machine._scale_row, evolution._residual_force
     return (
         shipped_text(machine.__name__, scale.key(scale.examples[0])),
@@ -48,8 +48,8 @@ def texts() -> tuple[str | None, str | None]:
     )
 
 
-def test_every_kept_kernel_of_the_package_says_what_it_is_called_with() -> None:
-    """Without examples it is not shipped, and the scan for modules must see it."""
+def test_every_cached_kernel_declares_examples() -> None:
+    """A kernel without examples is not shipped; the scan for modules must see it."""
     scanned = kernel_writer.modules_with_kernels()
     for room in ROOMS:
         for path in (HOUSE / room).rglob("*.py"):
@@ -58,24 +58,24 @@ def test_every_kept_kernel_of_the_package_says_what_it_is_called_with() -> None:
             relative = path.relative_to(HOUSE).with_suffix("")
             name = ".".join(("longwave", *relative.parts))
             for kernel in vars(import_module(name)).values():
-                if isinstance(kernel, Kernel) and kernel._kept and kernel.__module__ == name:
+                if isinstance(kernel, Kernel) and kernel._cached and kernel.__module__ == name:
                     assert kernel.examples, f"{name}.{kernel.py_func.__name__}"
                     assert name in scanned
 
 
-def test_a_kernel_that_is_not_kept_has_no_examples() -> None:
+def test_a_kernel_without_cache_has_no_examples() -> None:
     with pytest.raises(ValueError, match="cache must be True"):
         njit(examples=[(1.0,)])(lambda x: x)
 
 
-def test_texts_are_those_that_numba_writes(folder: Path) -> None:
+def test_texts_equal_those_of_numba(folder: Path) -> None:
     for text in texts():
         assert text is not None
         assert "define" in text
         assert native_code._compiled(text)
 
 
-def test_a_shipped_kernel_is_run_without_numba(
+def test_a_shipped_kernel_runs_without_numba(
     folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     row = np.array([[3.0], [0.0], [0.0]])
@@ -111,10 +111,10 @@ def other_layout(patch: pytest.MonkeyPatch) -> None:
         lambda patch: patch.setattr(shipped_kernels, "FOLDER", Path("nowhere")),
     ],
 )
-def test_a_text_of_anything_else_is_not_taken(
+def test_texts_for_other_settings_are_not_used(
     folder: Path, monkeypatch: pytest.MonkeyPatch, change: Callable[[pytest.MonkeyPatch], None]
 ) -> None:
-    """Another compiler, source, architecture or setting; a source that is just being edited."""
+    """Another compiler, source, architecture or setting; a source that has just been edited."""
     change(monkeypatch)
     assert texts() == (None, None)
     shipped_kernels.kernel_digest.cache_clear()
@@ -123,7 +123,7 @@ def test_a_text_of_anything_else_is_not_taken(
 def test_contracted_products_are_for_one_processor(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Numba lays out loops for the processor; that changes bits where rounding may be left out."""
+    """Numba vectorises for the processor, which changes bits if products may be contracted."""
     monkeypatch.setattr(native_code, "processor", lambda: "another one")
     scale, force = texts()
     assert scale is not None
@@ -143,7 +143,7 @@ def test_a_link_is_not_followed(folder: Path, tmp_path: Path) -> None:
 
 
 def build(built: Path, monkeypatch: pytest.MonkeyPatch) -> str:
-    """Run the step of a build over a folder; return what it warns of or announces."""
+    """Run the build step on a folder; return its warnings and messages."""
     pytest.importorskip("setuptools")
     from setuptools import Distribution
 
@@ -159,10 +159,10 @@ def build(built: Path, monkeypatch: pytest.MonkeyPatch) -> str:
     return text
 
 
-def test_a_build_without_numba_goes_on_and_says_so(
+def test_a_build_without_numba_continues_with_a_message(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """What is imported stands for a package that numba cannot compile."""
+    """The imported module stands for a package that numba cannot compile."""
     package = tmp_path / "longwave"
     package.mkdir()
     (package / "__init__.py").write_text("raise ImportError('No module named numba')")
@@ -203,8 +203,8 @@ SCENES = "rogue_cn_k_0.5", "rational_2_eps_0.05", "toda_soliton", "dimer_peregri
 
 
 @pytest.mark.slow
-def test_runs_of_shipped_scenes_find_all_of_their_kernels_shipped(tmp_path: Path) -> None:
-    """A process each, without any cache: the second could be given machine code of the first."""
+def test_all_kernels_of_shipped_scenes_are_shipped(tmp_path: Path) -> None:
+    """One process each, without a cache: a second run could get machine code of the first."""
     count = write_kernels(tmp_path / "shipped")
     files = [*(tmp_path / "shipped").iterdir()]
     assert len(files) == count
@@ -223,8 +223,8 @@ def test_runs_of_shipped_scenes_find_all_of_their_kernels_shipped(tmp_path: Path
 
 
 @pytest.mark.slow
-def test_what_is_written_is_the_same_each_time(tmp_path: Path) -> None:
-    """Names in a text count what numba compiled before: each is written in its own process."""
+def test_texts_are_reproducible(tmp_path: Path) -> None:
+    """Names in a text count earlier compilations, so each text is written in its own process."""
     for name in ("one", "two"):
         write_kernels(tmp_path / name)
     one, two = (
@@ -248,7 +248,7 @@ print(hashlib.sha256(np.stack([*values]).tobytes()).hexdigest())
 
 @pytest.mark.slow
 def test_vectors_of_another_processor_change_no_bit_of_a_wave(tmp_path: Path) -> None:
-    """So the text of a kernel whose operations are rounded one by one may be for all of them."""
+    """So the text of a kernel whose operations are rounded one by one serves all processors."""
     found = set()
     for processor in ("", "generic"):
         environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / f"of {processor}")}
