@@ -1,4 +1,4 @@
-"""``longwave plot``: check where the picture goes before anything of it is imported."""
+"""``longwave plot``: check the output file before importing the drawing modules."""
 
 from __future__ import annotations
 
@@ -18,6 +18,6 @@ def plot_and_print(
         picture_path(path)
     except (ValueError, OSError) as error:
         return fail(error)
-    from longwave.reports.pictures.plotting import draw  # Matplotlib and xarray, a second
+    from longwave.reports.pictures.plotting import draw  # takes a second: Matplotlib, xarray
 
     return draw(source, path, program, **options)

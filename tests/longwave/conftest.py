@@ -11,5 +11,5 @@ from longwave.cli import statements
 def _slow_proofs_are_silent() -> Iterator[None]:
     """They say after some seconds of the clock that they go on: on a loaded machine all do."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(statements, "QUIET", 600.0)
+        patch.setattr(statements, "SECONDS_BEFORE_NOTICE", 600.0)
         yield

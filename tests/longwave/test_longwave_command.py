@@ -119,7 +119,7 @@ def test_a_wrong_word_is_one_line_and_status_2(capsys: Output) -> None:
         (["check"], "missing argument 'FILE'"),
         (["verify", "mutations", "--only", "peakon"], "'peakon' (one of rational_1, "),
         (["verify", "accuracy", "--jobs", "0"], "--jobs must satisfy 1 <= --jobs <= 1000, got 0"),
-        (["verify", "--json", "mutations"], "--json must stand behind the command that it is"),
+        (["verify", "--json", "mutations"], "--json must stand after the command to which it"),
         (["verify", "--only"], "requires an argument (see longwave verify --help)"),
         (["run"], "missing argument 'SCENE' (see longwave run --help)"),
         (["run", "nowhere"], "scene must be a TOML file or a shipped scene, got 'nowhere'"),

@@ -124,7 +124,11 @@ def test_version_is_the_distributions() -> None:
 
 @pytest.mark.parametrize(
     ("room", "noun"),
-    [(room, noun) for room in longwave._NOUNS for noun in longwave._NOUNS[room].split()],
+    [
+        (room, noun)
+        for room in longwave._PUBLIC_NAMES
+        for noun in longwave._PUBLIC_NAMES[room].split()
+    ],
 )
 def test_each_noun_is_the_rooms_own(room: str, noun: str) -> None:
     assert getattr(longwave, noun) is getattr(import_module(room), noun)

@@ -99,5 +99,5 @@ def test_numbered_scripts_are_looked_for_before_the_work(
     (tmp_path / "s_1.gp").write_text("older")
     words = ["verify", "--only", "kink", "--export", "pari", "--output", str(tmp_path / "s.gp")]
     assert main(words) == 2
-    assert "beside s_1.gp, which is there (--force overwrites it)" in capsys.readouterr().err
+    assert "next to the existing file s_1.gp (--force overwrites it)" in capsys.readouterr().err
     assert main([*words, "--force"]) == 0

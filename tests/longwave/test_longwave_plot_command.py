@@ -9,7 +9,7 @@ import pytest
 
 from house import HOUSE
 from longwave.__main__ import main
-from longwave.cli.command_tree import PICTURES
+from longwave.cli.command_tree import RUN_PICTURES
 from longwave.reports.pictures import plotting as drawing
 from longwave.reports.pictures.plotting import ALL
 from longwave.reports.pictures.plotting import PICTURES as KINDS
@@ -23,7 +23,7 @@ NOTHING = RunRecord(load_scene("rogue_cn_k_0.5"), (9,), (), {}, {})
 
 
 def test_the_kinds_are_those_that_are_drawn() -> None:
-    assert (ALL, *KINDS) == PICTURES
+    assert (ALL, *KINDS) == RUN_PICTURES
 
 
 def test_a_shipped_scene_is_drawn_into_the_working_folder(

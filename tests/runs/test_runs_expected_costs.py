@@ -42,7 +42,7 @@ def asked(folder: Path, **changes: Any) -> str:
     [
         ({"step": 1e-7}, "asked, 3 cells, must take at most 60 min, got about"),
         ({"sites": 400_000_000}, "asked, 3 cells, must fit"),
-        ({"step": 1e-3, "count": 100_000}, "asked, 100000 cells, judged by"),
+        ({"step": 1e-3, "count": 100_000}, "asked, 100000 cells, estimated from"),
     ],
 )
 def test_a_sweep_that_takes_too_much_is_refused_before_it_begins(
@@ -90,26 +90,26 @@ def test_what_the_store_holds_costs_nothing(
     asked = sweep(**{"constants.K4": [1.0, 2.0]})
     store = RunStore(tmp_path)
     whole = expected_sweep_cost(asked, store, ())
-    assert (whole.looked_at, whole.missing, whole.seconds) == (2, 2, 53.0)
-    assert whole.by(2, together=True) == ExpectedCost(28.0, 14.0)
-    assert whole.by(2, together=False) == ExpectedCost(28.0, 7.0)
+    assert (whole.sampled, whole.missing, whole.seconds) == (2, 2, 53.0)
+    assert whole.on_workers(2, share_memory=True) == ExpectedCost(28.0, 14.0)
+    assert whole.on_workers(2, share_memory=False) == ExpectedCost(28.0, 7.0)
     rest = expected_sweep_cost(asked, store, {store.key(asked.scene(1))})
     assert (rest.missing, rest.seconds) == (1, 3.0)
-    assert rest.by(2, together=True).memory_bytes == 7.0
+    assert rest.on_workers(2, share_memory=True).memory_bytes == 7.0
 
 
 def test_a_large_sweep_is_judged_by_some_of_its_cells(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(sweep_cost, "LOOKING_SECONDS", 1e9)
-    monkeypatch.setattr(sweep_cost, "MOST_LOOKING_SECONDS", 1e9)
+    monkeypatch.setattr(sweep_cost, "SAMPLING_SECONDS", 1e9)
+    monkeypatch.setattr(sweep_cost, "MOST_SAMPLING_SECONDS", 1e9)
     costing(monkeypatch, {1.0: 0.0, 2.0: 2.0})
     eps = [0.1 + 1e-6 * i for i in range(200_000)]
     found = expected_sweep_cost(
         sweep(eps=eps, **{"constants.K4": [1.0, 2.0]}), RunStore(tmp_path), ()
     )
-    assert found.looked_at == 200
-    assert found.words == "400000 cells, judged by 200 of them"
+    assert found.sampled == 200
+    assert found.description == "400000 cells, estimated from 200 of them"
     assert found.seconds == pytest.approx(4e5, rel=0.2)
 
 
@@ -137,4 +137,4 @@ def test_a_cell_beyond_a_limit_is_tried_again_under_another(
     batch = run_cells([cell], tmp_path, "mark", RequestLimits(1e6, 1.0))
     assert batch.statuses == ["failed"]
     assert "must fit 1 MB, got about" in batch.first_fault
-    assert cell.key not in RunStore(tmp_path).held()
+    assert cell.key not in RunStore(tmp_path).stored_runs()

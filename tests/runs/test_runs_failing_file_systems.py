@@ -160,13 +160,13 @@ def test_no_cell_of_a_sweep_is_lost(
     monkeypatch.setattr(cores, "_alone", False)  # a cell keeps its process to one core
     sweep, store = small_sweep(eps=[0.1 + 0.01 * cell for cell in range(6)]), RunStore(tmp_path)
     for module in (store_packs, sweep_module):
-        monkeypatch.setattr(module, "FAN", 2)
-    monkeypatch.setattr(sweep_module._March, "_size", lambda _: 1)
+        monkeypatch.setattr(module, "MERGED_COUNT", 2)
+    monkeypatch.setattr(sweep_module._Dispatch, "_size", lambda _: 1)
     view = FailingFolder(str(tmp_path), seed=5, repeated=0.3, stale=0.2, links=links)
     with view.seen():
         for workers in (HereWorkers(), HereWorkers()):
             state = run_sweep(sweep, store, workers)
-    assert state.found == 6
+    assert state.stored == 6
     assert set(sweep_dataset(sweep, store)["status"].values) == {"done"}
     assert not list(tmp_path.rglob("*.draft*"))
     assert len(list(tmp_path.rglob("*.h5"))) < 6

@@ -14,7 +14,7 @@ import pytest
 import xarray as xr
 
 from longwave.runs import load_run, run_file, run_pack, save_run
-from longwave.runs.hdf_contents import MOST_SHRUNK
+from longwave.runs.hdf_contents import MAX_COMPRESSION
 from longwave.runs.run_pack import DONE, CellRecord, load_row, pack_content, write_pack
 from longwave.runs.store_packs import PACKS, pack_index
 from longwave.support.sealed_file import write_sealed
@@ -191,29 +191,29 @@ def a_dimension_that_is_longer(file: Any, _: Path) -> None:
 
 
 ATTACKS = [
-    (a_fill_value, "are claimed to be in"),
+    (a_fill_value, "are claimed by a file"),
     (a_fill_value_in_two_directions, "texts"),
-    (one_text_at_many_places, "are claimed to be in"),
-    (one_chunk, "are claimed to be in"),
+    (one_text_at_many_places, "are claimed by a file"),
+    (one_chunk, "are claimed by a file"),
     (filters_upon_filters, "filters"),
-    (other_files, "in other files"),
-    (a_virtual_array, "in other files"),
+    (other_files, "in another file"),
+    (a_virtual_array, "in another file"),
     (an_external_link, "a link"),
     (a_soft_link, "a link"),
-    (records, "no numbers"),
-    (objects, "no numbers"),
+    (records, "neither numbers"),
+    (objects, "neither numbers"),
     (groups, "a group"),
     (a_long_attribute, "4000 texts"),
-    (other_files_under_a_name, "in other files"),
-    (other_files_as_a_length, "in other files"),
-    (a_fill_value_under_a_name, "are claimed to be in"),
-    (texts_as_a_length, "are claimed to be in"),
-    (two_names, "has another name"),
-    (texts_as_dimensions, "DIMENSION_LIST of /a is not what"),
-    (dimensions_of_another_array, "DIMENSION_LIST of /b is not what"),
-    (numbers_as_references, "REFERENCE_LIST of /a is not what"),
-    (a_long_class, "CLASS of /a is not what"),
-    (half_precision, "numbers of 2 bytes"),
+    (other_files_under_a_name, "in another file"),
+    (other_files_as_a_length, "in another file"),
+    (a_fill_value_under_a_name, "are claimed by a file"),
+    (texts_as_a_length, "are claimed by a file"),
+    (two_names, "is linked under two names"),
+    (texts_as_dimensions, "DIMENSION_LIST of /a does not describe"),
+    (dimensions_of_another_array, "DIMENSION_LIST of /b does not describe"),
+    (numbers_as_references, "REFERENCE_LIST of /a does not describe"),
+    (a_long_class, "CLASS of /a does not describe"),
+    (half_precision, "floats of 2 bytes"),
     (one_number_of_two_dimensions, "its dimensions"),
     (a_dimension_that_is_longer, "its dimensions"),
 ]
@@ -233,7 +233,7 @@ def test_what_no_run_has_is_refused_before_it_is_read(
 
 def test_many_texts_attributes_and_variables_of_ones_own_are_read(tmp_path: Path) -> None:
     """More texts than the file could hold if each were all of it, empty ones, one that is long."""
-    texts = [f"text {number}" for number in range(5 * MOST_SHRUNK)]
+    texts = [f"text {number}" for number in range(5 * MAX_COMPRESSION)]
     made = xr.Dataset(
         {"texts": ("cell", texts), "square": (("x", "y"), [["a", ""], ["c", 1000 * "d"]])}
         | {f"v{number}": ("x", [1.0, 2.0], {"units": "1", "empty": ""}) for number in range(40)},
@@ -262,8 +262,8 @@ def test_packs_are_looked_through_as_well(
     whole.unlink()
     write_sealed(tmp_path / PACKS / "b.h5", image.getvalue())
     assert not len(pack_index(tmp_path))
-    assert "is no pack" in caplog.text
-    assert "it counts as missing" in caplog.text
+    assert "is not a pack" in caplog.text
+    assert "its runs count as missing" in caplog.text
 
 
 def test_the_length_of_a_dimension_may_be_large(tmp_path: Path) -> None:
@@ -292,7 +292,7 @@ def test_a_pack_with_an_array_in_another_file_gives_none_of_it(name: bytes, tmp_
         made.attrs.update(attributes)
         made.attrs["NAME"] = np.bytes_(name)
     write_sealed(path, image.getvalue())
-    with pytest.raises(ValueError, match="in other files"):
+    with pytest.raises(ValueError, match="in another file"):
         load_row(path, 0, 0)
 
 
@@ -307,7 +307,7 @@ def test_groups_of_a_pack_that_share_their_arrays_are_refused_at_once(tmp_path: 
             file.create_group(f"{number}")["arrays"] = first
     path = tmp_path / "p.pack"
     write_sealed(path, image.getvalue())
-    with pytest.raises(ValueError, match="has another name"):
+    with pytest.raises(ValueError, match="is linked under two names"):
         load_row(path, 0, 0)
 
 
@@ -346,7 +346,7 @@ def test_a_checked_pack_that_is_replaced_is_checked_again(
     path, other = tmp_path / "mine", tmp_path / "other"
     for place, value in ((path, 1.0), (other, 2.0)):
         write_pack(place, [CellRecord("k", DONE, run=_a_run(value))])
-    monkeypatch.setattr(run_pack, "YOUNG", -1)
+    monkeypatch.setattr(run_pack, "RECENT_NS", -1)
     load_row(path, 0, 0)
     state = path.stat()
     spoilt = bytearray(other.read_bytes())
@@ -362,9 +362,9 @@ def test_a_pack_that_is_young_is_not_remembered(tmp_path: Path) -> None:
     """Within a tick of the clock it may change again and keep all its times."""
     path = tmp_path / "mine"
     write_pack(path, [CellRecord("k", DONE, run=_a_run(1.0))])
-    before = len(run_pack._checked)
+    before = len(run_pack._remembered)
     load_row(path, 0, 0)
-    assert len(run_pack._checked) == before
+    assert len(run_pack._remembered) == before
 
 
 def test_a_link_in_a_store_leads_to_no_run_of_another_folder(tmp_path: Path) -> None:
@@ -423,7 +423,7 @@ def test_a_run_that_is_written_into_after_its_check_gives_no_foreign_byte(
         _write_into(path, bad)
 
     path.write_bytes(bad)
-    with pytest.raises(ValueError, match="in other files"):
+    with pytest.raises(ValueError, match="in another file"):
         load_run(path)
     path.write_bytes(good)
     monkeypatch.setattr(run_file, "check_contents", written_into)
@@ -439,7 +439,7 @@ def test_a_pack_that_is_written_into_after_its_check_gives_no_foreign_byte(
     image = pack_content([CellRecord("k", DONE, run=_a_run(1.0))])
     good, bad = _two_faces(image, "0/arrays", "a", secret)
     write_sealed(path, good)
-    monkeypatch.setattr(run_pack, "YOUNG", -1)
+    monkeypatch.setattr(run_pack, "RECENT_NS", -1)
     assert load_row(path, 0, 0)["a"].values.tolist() == [1.0, 1.0]
     opened = h5py.File
 
@@ -448,5 +448,5 @@ def test_a_pack_that_is_written_into_after_its_check_gives_no_foreign_byte(
         return opened(*given, **named)
 
     monkeypatch.setattr(h5py, "File", written_into)
-    with pytest.raises(ValueError, match="a is in other files"):
+    with pytest.raises(ValueError, match="a is stored in another file"):
         load_row(path, 0, 0)

@@ -41,8 +41,8 @@ def test_ctrl_c_keeps_the_snapshots_recorded(
     assert done.status == status
     assert done.announced.startswith("long: about ")
     assert done.errors.splitlines() == [
-        f"longwave run: interrupted (2 snapshots are kept in {output}; the same command with "
-        "--force goes on)"
+        f"longwave run: interrupted (2 snapshots are kept in {output}; repeat the command with "
+        "--force to resume)"
     ]
     assert "unfinished: Ctrl-C after t = " in done.out
     run = load_run(output)

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from longwave.runs.run_file import load_run
-from longwave.runs.run_store import RunStore, UnkeptRunError
+from longwave.runs.run_store import RunStore, UnsavedRunError
 from longwave.scenes.engines import scene_run
 from tests.runs.unfinished_scenes import SCENES, bits, chain
 
@@ -166,7 +166,7 @@ def test_a_full_disk_loses_no_finished_run_and_harms_no_other(
 ) -> None:
     store, small = RunStore(small_disk, least=0.0, share=1e9), SCENES["stated window, refined"]
     whole = bits(scene_run.run(LARGE))
-    with pytest.raises(UnkeptRunError, match="No space left") as caught:
+    with pytest.raises(UnsavedRunError, match="No space left") as caught:
         store.fetch(LARGE)
     assert bits(caught.value.run) == whole
     assert "goes on without a checkpoint" in caplog.text

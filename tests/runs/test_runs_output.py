@@ -59,7 +59,11 @@ def run_file(scene: Path, capsys: Output) -> Path:
         ("folder.nc", [], "--output must name a file, got the folder folder.nc"),
         ("pipe.nc", ["--force"], "--output must name a file, got pipe.nc, which is none"),
         ("run.nc", [], "must name a new file, got run.nc, which is there (--force overwrites it)"),
-        ("text.nc", ["--force"], "--output must name a run, got text.nc, which is another file"),
+        (
+            "text.nc",
+            ["--force"],
+            "--output must name a new file or a run, got text.nc, another file",
+        ),
         ("/proc/run.nc", [], "must lie in a folder that can be written, got /proc: "),
     ],
 )
@@ -101,7 +105,7 @@ def test_a_disk_that_is_full_at_the_end_loses_nothing(
     assert main(["run", source, "--output", "run.nc", "--force"]) == 1
     found = capsys.readouterr()
     assert found.out
-    said, _, kept = found.err.strip().removesuffix(")").partition(" (the run is kept in ")
+    said, _, kept = found.err.strip().removesuffix(")").partition(" (the run is saved in ")
     assert said == "error: run.nc: No space left on device"
     assert run_file.read_bytes() == older
     assert compare_runs(load_run(run_file), load_run(kept)).is_same
@@ -118,7 +122,7 @@ def test_a_store_that_is_full_at_the_end_loses_nothing(
     monkeypatch.setattr("longwave.support.sealed_file.write_atomically", full)
     assert main(["run", str(scene), "--store", "store"]) == 1
     said = capsys.readouterr().err
-    assert "x.nc: No space left on device (the run is kept in " in said
+    assert "x.nc: No space left on device (the run is saved in " in said
     kept = Path(said.strip().removesuffix(")").rpartition(" ")[2])
     assert load_run(kept).attrs["steps"] == 10
     kept.unlink()

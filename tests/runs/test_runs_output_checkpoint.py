@@ -80,7 +80,7 @@ def test_ctrl_c_says_what_goes_on(
 ) -> None:
     kept.update(at=5, raised=KeyboardInterrupt)
     assert run(tmp_path) == 130
-    assert "run.nc; the same command with --force goes on" in capsys.readouterr().err
+    assert "run.nc; repeat the command with --force to resume" in capsys.readouterr().err
     assert "Ctrl-C" in load_run(tmp_path / "run.nc").attrs["unfinished"]
     assert (tmp_path / "run.nc.checkpoint").is_dir()
 

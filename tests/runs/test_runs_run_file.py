@@ -148,7 +148,7 @@ def test_any_data_are_read_back_to_the_bit(
 @pytest.mark.parametrize(
     ("made", "said"),
     [
-        (xr.Dataset(attrs={"what": object()}), "an attribute must be a text, a number or a list"),
+        (xr.Dataset(attrs={"what": object()}), "attributes must be texts, numbers or lists"),
         (xr.Dataset({"a": ("x", np.zeros(2, "f2"))}), "a must be of a type that NetCDF has"),
     ],
 )
@@ -209,12 +209,12 @@ def foreign(path: Path) -> None:
         ),
         (lambda path: path.write_bytes(b""), "which is no run"),
         (lambda path: path.write_text("wave = 3"), "which is no run"),
-        (lambda path: path.mkdir(), "which is none"),
+        (lambda path: path.mkdir(), "regular file"),
         (
             lambda path: path.write_bytes(b"\x89HDF\r\n\x1a\n" + b"x" * 99),
             "whole NetCDF-4",
         ),
-        (foreign, "bytes are claimed to be in"),
+        (foreign, "bytes are claimed by a file"),
         (
             lambda path: xr.Dataset(attrs={"json_attributes": "[1]"}).to_netcdf(
                 path, engine="h5netcdf"
@@ -237,9 +237,9 @@ def test_what_is_no_run_is_one_line(make: Callable[[Path], Any], said: str, tmp_
 
 
 def test_a_run_without_a_scene_is_one_line() -> None:
-    with pytest.raises(ValueError, match=r"^run must carry the scene"):
+    with pytest.raises(ValueError, match=r"^run must have the attribute"):
         scene_of_run(xr.Dataset())
-    with pytest.raises(ValueError, match=r"^run must be one of one scene, got the result of a sw"):
+    with pytest.raises(ValueError, match=r"^run must be of a single scene, got the result of a sw"):
         scene_of_run(xr.Dataset(attrs={"sweep": "{}"}))
     with pytest.raises(ValueError, match=r"^scene must be a TOML file"):
         scene_of_run(xr.Dataset(attrs={"scene": "{}"}))

@@ -11,7 +11,7 @@ from longwave.runs import sampled_sweep as room
 from longwave.runs import sweep_dataset
 from longwave.runs.run_file import load_run
 from longwave.runs.run_store import RunStore
-from longwave.runs.sampled_sweep import FEWEST, Observed, sampled_sweep
+from longwave.runs.sampled_sweep import FEWEST_SAMPLES, ObservedNumber, sampled_sweep
 
 CHAIN = """
 fields = ["u"]
@@ -75,7 +75,7 @@ def test_draws_have_the_covariance_of_the_lattice_file() -> None:
 
 
 def test_what_the_scene_states_is_exact() -> None:
-    assert sampled_sweep("wave.toml", FEWEST).dimensions[0].fields == ("constants.K2",)
+    assert sampled_sweep("wave.toml", FEWEST_SAMPLES).dimensions[0].fields == ("constants.K2",)
 
 
 def test_intervals_are_those_of_a_mode_in_closed_form(capsys: pytest.CaptureFixture[str]) -> None:
@@ -123,8 +123,8 @@ def test_the_crest_is_that_of_the_last_time_about_the_background(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """Of a wave that falls from 1.5 to 0.5 on a background of 2, theory 0.1 below at sample 3."""
-    sweep = sampled_sweep("wave.toml", FEWEST)
-    wave = np.zeros((FEWEST, 2, 5))
+    sweep = sampled_sweep("wave.toml", FEWEST_SAMPLES)
+    wave = np.zeros((FEWEST_SAMPLES, 2, 5))
     wave[:, 0, 1], wave[:, 1, 3] = 1.5, -0.5
     theory = wave.copy()
     theory[3, 1, 3] = -0.4
@@ -136,11 +136,11 @@ def test_the_crest_is_that_of_the_last_time_about_the_background(
             ("background", 0 * wave + 2),
         )
     }
-    status = ("sample", np.array(["refused"] + ["done"] * (FEWEST - 1), dtype=object))
-    estimates = ("sample", np.where(np.arange(FEWEST) == 5, 4e-6, 1e-6))
+    status = ("sample", np.array(["refused"] + ["done"] * (FEWEST_SAMPLES - 1), dtype=object))
+    estimates = ("sample", np.where(np.arange(FEWEST_SAMPLES) == 5, 4e-6, 1e-6))
     found = xr.Dataset({**data, "status": status, "error_estimate": estimates})
     monkeypatch.setattr(sweep_dataset, "cell_run", lambda *_, **__: xr.Dataset(attrs={"power": 2}))
-    [crest] = room.observed(sweep, RunStore("none"), found)
+    [crest] = room.observed_numbers(sweep, RunStore("none"), found)
     np.testing.assert_allclose(crest.samples, 0.5)
     assert crest.reduction == pytest.approx(0.1)
     assert crest.numerics == pytest.approx(4e-6 * 0.3**2)
@@ -148,13 +148,13 @@ def test_the_crest_is_that_of_the_last_time_about_the_background(
 
 def test_an_interval_is_told_in_its_parts() -> None:
     samples = np.linspace(0.0, 2.0, 39)
-    assert Observed("crest", samples).text() == "crest 1.0 +- 1 (data)"
-    parts = Observed("crest", 1e-3 * samples + 1, 3e-4, 1e-8)
+    assert ObservedNumber("crest", samples).text() == "crest 1.0 +- 1 (data)"
+    parts = ObservedNumber("crest", 1e-3 * samples + 1, 3e-4, 1e-8)
     assert parts.text() == (
         "crest 1.0010 +- 0.001 (data) +- 0.0003 (reduction) +- 1e-08 (numerics)"
     )
     some = np.where(np.arange(39) < 3, np.nan, samples)
-    assert Observed("crest", some).ends[1] == pytest.approx(np.median(samples[3:]))
+    assert ObservedNumber("crest", some).ends[1] == pytest.approx(np.median(samples[3:]))
 
 
 @pytest.mark.parametrize(

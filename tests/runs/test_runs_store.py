@@ -15,7 +15,7 @@ import xarray as xr
 
 import longwave.runs.run_store
 from longwave.runs.run_file import load_run
-from longwave.runs.run_store import RunStore, UnkeptRunError, code_that_matters
+from longwave.runs.run_store import RunStore, UnsavedRunError, code_digest
 from longwave.scenes.description.named_scenes import load_scene
 from longwave.scenes.engines import scene_run
 from longwave.support.compiled.source_digest import Files
@@ -108,9 +108,9 @@ def test_a_changed_formula_kernel_engine_or_package_makes_another_key(
     made[name] = made[name].replace(before, after)
     with monkeypatch.context() as changed:
         changed.setattr("longwave.support.provenance.provenance", lambda: made)
-        code_that_matters.cache_clear()
+        code_digest.cache_clear()
         assert store.key(SMALL) != key
-    code_that_matters.cache_clear()
+    code_digest.cache_clear()
     assert store.key(SMALL) == key
 
 
@@ -190,7 +190,7 @@ def test_a_pipe_in_the_place_of_a_run_is_not_waited_for(store: RunStore) -> None
 
 def test_an_unfinished_run_is_not_kept(store: RunStore) -> None:
     run = scene_run.run(SMALL).assign_attrs(unfinished="Ctrl-C after t = 3")
-    with pytest.raises(ValueError, match="come to its end"):
+    with pytest.raises(ValueError, match="run must be finished"):
         store.keep(SMALL, run)
     assert store.find(SMALL) is None
 
@@ -203,7 +203,7 @@ def test_a_finished_run_is_not_lost_where_it_cannot_be_written(
 
     with monkeypatch.context() as broken:
         broken.setattr(longwave.runs.run_store, "write_sealed", full)
-        with pytest.raises(UnkeptRunError, match="No space left") as caught:
+        with pytest.raises(UnsavedRunError, match="No space left") as caught:
             store.fetch(SMALL)
     assert bits(caught.value.run) == bits(scene_run.run(SMALL))
     assert store.find(SMALL) is None

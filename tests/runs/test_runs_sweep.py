@@ -19,12 +19,12 @@ from longwave.runs.run_file import load_run
 from longwave.runs.run_pack import CellRecord, load_row, read_pack, write_pack
 from longwave.runs.run_store import RunStore
 from longwave.runs.store_packs import pack_index
-from longwave.runs.sweep import MOST_LOSSES, SweepState, run_shown, run_sweep
+from longwave.runs.sweep import MOST_LOST_WORKERS, SweepState, run_sweep, run_with_progress
 from longwave.runs.sweep_cells import Cell, numbers_of, run_cells
 from longwave.runs.sweep_cost import expected_sweep_cost
 from longwave.runs.sweep_dataset import cell_run, sweep_dataset, write_sweep
 from longwave.runs.sweep_file import Sweep, sweep_of
-from longwave.runs.sweep_workers import code_here
+from longwave.runs.sweep_workers import process_code
 from longwave.scenes.description.named_scenes import load_scene
 from longwave.scenes.engines import scene_run
 from longwave.support.compiled import cores
@@ -94,7 +94,7 @@ def store(tmp_path: Path) -> RunStore:
 def test_a_sweep_gives_what_its_runs_give_to_the_bit(store: RunStore) -> None:
     sweep = small_sweep()
     state = run_sweep(sweep, store, HereWorkers())
-    assert (state.done, state.found, state.faults) == (4, 0, 0)
+    assert (state.done, state.stored, state.faults) == (4, 0, 0)
     found = sweep_dataset(sweep, store)
     assert found.sizes == {"eps": 2, "A": 2, "time": 2, "site": 41, "curve_time": 3}
     assert found.status.values.tolist() == [["done"] * 2] * 2
@@ -129,13 +129,13 @@ def test_fields_are_read_when_they_are_used(
     sweep = small_sweep()
     run_sweep(sweep, store, HereWorkers())
     read: list[str] = []
-    rows = sweep_fields._rows
+    rows = sweep_fields._read_rows
 
     def counted(field: str, places: Any) -> Any:
         read.append(field)
         return rows(field, places)
 
-    monkeypatch.setattr(sweep_fields, "_rows", counted)
+    monkeypatch.setattr(sweep_fields, "_read_rows", counted)
     found = sweep_dataset(sweep, store)
     assert "strain" not in read
     part = found.strain.isel(eps=1, A=slice(None), site=[0, 20])
@@ -211,7 +211,7 @@ def test_what_is_there_is_not_run_again(store: RunStore) -> None:
     workers = HereWorkers()
     sweep = small_sweep(eps=[0.1, 0.3, 0.4, 0.2])
     state = run_sweep(sweep, store, workers)
-    assert (workers.cells, state.found, state.done) == (1, 3, 1)
+    assert (workers.cells, state.stored, state.done) == (1, 3, 1)
     assert sweep_dataset(sweep, store).status.values.tolist() == ["done"] * 4
     again = HereWorkers()
     run_sweep(sweep, store, again)
@@ -220,14 +220,16 @@ def test_what_is_there_is_not_run_again(store: RunStore) -> None:
 
 def test_the_share_that_is_done_and_the_seconds_left_are_shown(store: RunStore) -> None:
     sweep, shares, left = small_sweep(eps=[0.1, 0.2, 0.3, 0.4]), list[float](), list[float]()
-    held = store.held()
-    state = SweepState(len(sweep), expected=expected_sweep_cost(sweep, store, held).each)
-    run_shown(sweep, store, HereWorkers(), state, held, (shares.append, left.append))
+    held = store.stored_runs()
+    state = SweepState(len(sweep), expected=expected_sweep_cost(sweep, store, held).seconds_by_cell)
+    run_with_progress(sweep, store, HereWorkers(), state, held, (shares.append, left.append))
     assert shares[-1] == 1.0
     assert shares == sorted(shares)
     assert left[-1] == 0.0
     assert len(left) < len(shares) or left[0] > 0.0
-    run_shown(sweep, RunStore(store.folder / "b"), HereWorkers(), state, (), (shares.append, None))
+    run_with_progress(
+        sweep, RunStore(store.folder / "b"), HereWorkers(), state, (), (shares.append, None)
+    )
 
 
 def test_cells_with_one_scene_are_run_once(store: RunStore) -> None:
@@ -235,7 +237,7 @@ def test_cells_with_one_scene_are_run_once(store: RunStore) -> None:
     sweep = sweep_of({"scene": SMALL, "list": {"eps": [0.1, 0.2, 0.1, 0.1], "t0": [0, 0, 0, 0.0]}})
     assert expected_sweep_cost(sweep, store, ()).missing == 2
     state = run_sweep(sweep, store, workers)
-    assert (workers.cells, state.found, state.done) == (2, 2, 2)
+    assert (workers.cells, state.stored, state.done) == (2, 2, 2)
     errors = sweep_dataset(sweep, store).error.values
     assert errors[0] == errors[2] == errors[3] != errors[1]
 
@@ -383,8 +385,8 @@ def test_fields_that_some_runs_have_not_are_left_to_each_run(store: RunStore) ->
 def test_a_worker_of_other_code_makes_no_runs(store: RunStore, tmp_path: Path) -> None:
     """The key of a run that it made would be a lie; versions and folders that differ are told."""
     (cell,) = [Cell(0, "key", small_sweep(eps=[0.1]).scene(0))]
-    run_cells([cell], tmp_path, "", None, code_here())
-    here = dict(code_here())
+    run_cells([cell], tmp_path, "", None, process_code())
+    here = dict(process_code())
     other = {name: text.replace("numpy ", "numpy 0.") for name, text in here.items()}
     with pytest.raises(ValueError, match=r"^workers must have .* versions: numpy .*, here numpy 0"):
         run_cells([cell], tmp_path, "", None, other | {"digest": "another"})
@@ -430,7 +432,7 @@ def test_a_cell_that_kills_its_workers_is_given_up(store: RunStore) -> None:
     found = sweep_dataset(sweep, store)
     assert found.status.values.tolist() == ["done", "failed", "done"]
     assert "its worker process ended 3 times" in str(found.message.values[1])
-    assert killed[1:] == [1] * MOST_LOSSES
+    assert killed[1:] == [1] * MOST_LOST_WORKERS
 
 
 def _run_long(
@@ -479,7 +481,7 @@ def test_a_long_run_that_has_no_place_of_its_own_goes_into_the_pack(
         raise OSError(errno.ENOSPC, "No space left on device", str(path))
 
     monkeypatch.setattr(scene_run, "run", _run_long)
-    monkeypatch.setattr(run_store, "_kept", full)
+    monkeypatch.setattr(run_store, "_save", full)
     sweep = small_sweep(eps=[0.2])
     assert run_sweep(sweep, store, HereWorkers()).faults == 0
     assert bits(cell_run(sweep, store, eps=0)) == bits(scene_run.run(sweep.scene(0)))
@@ -494,7 +496,7 @@ def test_a_cell_that_changed_sources_would_run_is_tried_again(
     sweep = small_sweep(eps=[0.2])
     run_sweep(sweep, store, HereWorkers())
     found = sweep_dataset(sweep, store)
-    assert "sources must be what this process runs" in found.message.item()
+    assert "sources must not change" in found.message.item()
     monkeypatch.undo()
     run_sweep(sweep, store, HereWorkers())
     assert sweep_dataset(sweep, store).status.item() == "done"
@@ -610,6 +612,6 @@ def test_a_worker_that_ends_in_what_c_calls_says_nothing() -> None:
         called.append(1)
         signal.raise_signal(signal.SIGTERM)
 
-    with sweep_cells._ending():
+    with sweep_cells._stop_on_sigterm():
         ctypes.CFUNCTYPE(None)(told_to_end)()
     assert called

@@ -75,7 +75,7 @@ def test_workers_share_what_is_left() -> None:
     state = SweepState(12, workers=2, expected=dict.fromkeys(range(12), 1.0))
     for end in (1, 2):
         state.count(Batch([DONE], 9.0, 9.0, 9.0, expected=1.0), end)
-    assert not any(state.late)
+    assert not any(state.recent)
     for end in (3, 4):
         state.count(Batch([DONE], 3.0, 3.0, 3.0, expected=1.0), end)
     assert state.seconds_left == pytest.approx(8 * 3.0 / 2)
@@ -102,7 +102,7 @@ def test_a_batch_is_judged_by_some_of_its_cells_each_before_its_run(
     cells = [Cell(number, str(number), scene) for number in range(20)]
     batch = run_cells(cells, tmp_path, "elsewhere")
     assert batch.expected == pytest.approx(40.0)
-    assert met.count("judged") == sweep_cells.MOST_JUDGED
+    assert met.count("judged") == sweep_cells.MOST_ESTIMATED
     assert all(later == "run" for one, later in pairwise(met) if one == "judged")
 
 

@@ -71,7 +71,7 @@ def test_a_sweep_takes_what_is_set_and_tells_its_cells_as_json(
 ) -> None:
     sweep = load_sweep("sweep.toml", {"lattice.K4": 2, "parameters.A": 0.5})
     assert [dict(sweep.scene(cell).constants)["K4"] for cell in (0, 1)] == [2, 2]
-    monkeypatch.setattr(longwave.cli.sweep_command, "run_shown", lambda *_: None)
+    monkeypatch.setattr(longwave.cli.sweep_command, "run_with_progress", lambda *_: None)
     words = ["sweep", "sweep.toml", "--set", "parameters.A=0.5", "--processes", "1", "--json"]
     assert main(words) == 1
     told = strict(capsys.readouterr().out)

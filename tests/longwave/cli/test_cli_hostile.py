@@ -11,7 +11,7 @@ import pytest
 
 from longwave.__main__ import main
 from longwave.cli import certificates as limits
-from longwave.cli.certificates import limited
+from longwave.cli.certificates import run_limited
 from longwave.verify.kernel import check_certificate
 from longwave.verify.kernel.limits import digest
 from longwave.verify.proof import CertificateError, prove_form
@@ -202,15 +202,15 @@ def test_work_without_end_is_ended(monkeypatch: pytest.MonkeyPatch) -> None:
         while True:
             pass
 
-    monkeypatch.setattr(limits, "SECONDS", 1)
+    monkeypatch.setattr(limits, "MOST_SECONDS", 1)
     with pytest.raises(CertificateError, match="more than 1 s"):
-        limited(endless)
+        run_limited(endless)
 
 
 def test_memory_without_end_is_refused() -> None:
     with pytest.raises(CertificateError, match="500 MB"):
-        limited(lambda: str(len(bytearray(2 * 10**9))))
+        run_limited(lambda: str(len(bytearray(2 * 10**9))))
 
 
 def test_what_is_within_the_limits_is_handed_back() -> None:
-    assert limited(lambda: "ä\nb") == "ä\nb"
+    assert run_limited(lambda: "ä\nb") == "ä\nb"

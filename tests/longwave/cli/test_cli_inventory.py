@@ -9,7 +9,7 @@ import pytest
 
 import longwave.cli.inventory as inventory
 from longwave.__main__ import main
-from longwave.cli.command_tree import KINDS
+from longwave.cli.command_tree import INVENTORY_KINDS
 from longwave.derive import LATTICES
 from longwave.lattice.schemes import SCHEMES
 from longwave.runs.sweep_file import shipped_sweeps
@@ -34,7 +34,7 @@ NAMES = {
 }
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", INVENTORY_KINDS)
 def test_table_and_json_have_every_object(kind: str, capsys: Output) -> None:
     assert main(["list", kind, "--json"]) == 0
     records = json.loads(capsys.readouterr().out)

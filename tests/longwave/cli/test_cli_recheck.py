@@ -90,7 +90,9 @@ def test_accepted_is_told_with_its_premises(
     assert "accepted means proved if the premises hold" in said
     file = str(tmp_path / "kink.v")
     assert main(["verify", "--only", "kink", "--export", "coq", "--output", file]) == 0
-    assert "accepted will mean proved if A > 0; a > 0; c > 0; 1 more" in capsys.readouterr().err
+    assert (
+        "if accepted, proved provided that A > 0; a > 0; c > 0; 1 more" in capsys.readouterr().err
+    )
 
 
 def test_what_is_not_installed_is_said_and_never_accepted(

@@ -12,7 +12,7 @@ import pytest
 
 from longwave.__main__ import main
 from longwave.cli import statements as command
-from longwave.cli.statements import STAGES, decided
+from longwave.cli.statements import STAGES, decide_statements
 from longwave.support.processes import LocalWorkers
 from longwave.verify.problem_file import FILE_BYTES, StatedProblem, problem_texts
 from longwave.verify.proof import check_certificate, prover
@@ -269,10 +269,10 @@ def test_past_the_limit_it_is_undecided_and_says_how_far_it_came(
 
     monkeypatch.setattr(command, "answer", find_witness)
     begun = time.monotonic()
-    ((_, verdict),) = decided([problem()], 1.0)
+    ((_, verdict),) = decide_statements([problem()], 1.0)
     assert time.monotonic() - begun < PATIENCE
     assert verdict.outcome == "UNDECIDED"
-    expected = "it had come to equation 1 of 3, looking for a counterexample"
+    expected = "last stage: equation 1 of 3, looking for a counterexample"
     assert verdict.detail == f"no verdict within 1 s ({expected})"
 
 
@@ -291,11 +291,11 @@ def test_a_process_that_does_not_listen_is_ended(monkeypatch: pytest.MonkeyPatch
                 continue
 
     monkeypatch.setattr(command, "answer", deaf)
-    monkeypatch.setattr(command, "GRACE", 0.2)
+    monkeypatch.setattr(command, "GRACE_SECONDS", 0.2)
     begun = time.monotonic()
-    verdicts = dict(decided([problem(), problem()], 1.0))
+    verdicts = dict(decide_statements([problem(), problem()], 1.0))
     assert time.monotonic() - begun < PATIENCE
-    expected = "no verdict within 1 s (it had come to equation 2 of 2)"
+    expected = "no verdict within 1 s (last stage: equation 2 of 2)"
     assert [verdicts[place].detail for place in (0, 1)] == [expected] * 2
 
 
@@ -308,14 +308,14 @@ def test_a_crash_costs_its_own_statement_alone(monkeypatch: pytest.MonkeyPatch) 
         if statement.name == "raises":
             raise KeyError("a\nb")
         if statement.name == "swells":
-            bytearray(10 * command.MEMORY)
+            bytearray(10 * command.MOST_MEMORY)
         return whole(statement, tell)
 
     monkeypatch.setattr(command, "answer", fragile)
     given = [problem(name=name) for name in ("dies", "raises", "swells", "mine")]
-    verdicts = dict(decided(given, 30.0))
+    verdicts = dict(decide_statements(given, 30.0))
     assert [verdicts[place].outcome for place in range(4)] == [*["UNDECIDED"] * 3, "PROVED"]
-    assert verdicts[0].detail == "the process broke off (it had come to the beginning)"
+    assert verdicts[0].detail == "the process broke off (last stage: start)"
     assert verdicts[1].detail.startswith("the prover failed (KeyError: ")
     assert verdicts[2].detail == "no verdict within 2000 MB of memory"
 
@@ -328,7 +328,7 @@ def test_a_refutation_stays_if_the_search_for_a_hint_hangs(monkeypatch: pytest.M
 
     monkeypatch.setattr(command, "with_hint", hang)
     monkeypatch.setattr(command, "HINT_SECONDS", 0.3)
-    ((_, verdict),) = decided([problem("u_x - 2")], 30.0)
+    ((_, verdict),) = decide_statements([problem("u_x - 2")], 30.0)
     assert verdict.outcome == "REFUTED"
 
 
@@ -341,14 +341,16 @@ def test_four_processes_decide_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
         return whole(statement, tell)
 
     monkeypatch.setattr(command, "answer", waiting)
-    verdicts = dict(decided([problem()] * 4, 2 * PATIENCE, workers=LocalWorkers(4, apart=True)))
+    verdicts = dict(
+        decide_statements([problem()] * 4, 2 * PATIENCE, workers=LocalWorkers(4, apart=True))
+    )
     assert [verdicts[place].outcome for place in range(4)] == ["PROVED"] * 4
 
 
 def test_without_time_for_it_there_is_no_hint() -> None:
     given = [problem(KDV, MISPRINT)]
-    (hinted,) = (verdict for _, verdict in decided(given, 30.0))
-    (bare,) = (verdict for _, verdict in decided(given, 30.0, hinting=0.0))
+    (hinted,) = (verdict for _, verdict in decide_statements(given, 30.0))
+    (bare,) = (verdict for _, verdict in decide_statements(given, 30.0, hinting=0.0))
     assert hinted.hint
     assert (bare.outcome, bare.hint) == (hinted.outcome, "")
 
@@ -356,13 +358,13 @@ def test_without_time_for_it_there_is_no_hint() -> None:
 def test_ctrl_c_prints_what_is_decided(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Output
 ) -> None:
-    whole = command.decided
+    whole = command.decide_statements
 
     def stopped(problems: Any, limit: float, **_: float) -> Any:
         yield from whole(problems[:1], limit)
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(command, "decided", stopped)
+    monkeypatch.setattr(command, "decide_statements", stopped)
     assert main(["prove", written(tmp_path, FILE)]) == 130
     output = capsys.readouterr()
     assert output.out.startswith("PROVED soliton: ")
@@ -391,7 +393,7 @@ def test_problems_are_read_without_deciding(tmp_path: Path) -> None:
 def test_what_takes_long_is_announced_once(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(command, "QUIET", 0.0)
+    monkeypatch.setattr(command, "SECONDS_BEFORE_NOTICE", 0.0)
     words = ["prove", "--equation", "u_t + u_x", "--solution", "u = sin(x - t)", "--limit", "30"]
     assert main(words) == 0
     announced = "1 statement to be decided: at most 30 s more (Ctrl-C stops it)\n"

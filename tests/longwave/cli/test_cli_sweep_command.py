@@ -18,9 +18,7 @@ from longwave.support import slow_work
 TEXT = 'scene = "toda_soliton"\n[grid]\neps = [0.1, 0.2]\n'
 
 
-@pytest.mark.parametrize(
-    ("name", "told"), [("sw.toml", "end in .nc"), ("sw.nc", "which is another file")]
-)
+@pytest.mark.parametrize(("name", "told"), [("sw.toml", "end in .nc"), ("sw.nc", "another file")])
 def test_force_overwrites_nothing_but_results(
     name: str, told: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -40,7 +38,7 @@ def test_a_store_is_not_the_file_of_its_sweep(
     path, both = tmp_path / "sw.toml", str(tmp_path / "both.nc")
     path.write_text(TEXT, encoding="utf-8")
     assert sweep_and_print(str(path), "sweep", output=both, store=both) == 2
-    assert "--output must not be the --store, a folder, got" in capsys.readouterr().err
+    assert "--output must differ from the folder --store, got" in capsys.readouterr().err
     assert not Path(both).exists()
 
 
@@ -57,7 +55,7 @@ def test_a_disk_that_is_full_at_the_end_is_told_with_what_is_kept(
     for _ in ("run", "found again"):
         assert sweep_and_print("sw.toml", "longwave sweep", processes=1) == 1
         *_, told = capsys.readouterr().err.splitlines()
-        kept = "2 of 2 cells are kept; again goes on with the rest"
+        kept = "2 of 2 cells are saved; repeat the command for the rest"
         assert told == f"error: sw.nc: No space left on device ({kept})"
 
 
@@ -101,7 +99,7 @@ def test_a_sweep_that_takes_its_time_says_so(
 
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(slow_work, "EVERY", 0.0)
-    monkeypatch.setattr(sweep_command, "run_shown", nothing_yet)
+    monkeypatch.setattr(sweep_command, "run_with_progress", nothing_yet)
     path = tmp_path / "sw.toml"
     path.write_text(TEXT, encoding="utf-8")
     store = str(tmp_path / "store")
@@ -119,7 +117,7 @@ def test_what_the_store_says_is_told_in_lines(
     path.parent.mkdir(parents=True)
     path.write_bytes(b"damaged")
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(sweep_command, "run_shown", lambda *_: None)
+    monkeypatch.setattr(sweep_command, "run_with_progress", lambda *_: None)
     kept = str(store.folder)
     assert sweep_and_print("sw.toml", "longwave sweep", processes=1, store=kept) == 1
     told = f"{path} is damaged: it counts as missing, and is made anew"

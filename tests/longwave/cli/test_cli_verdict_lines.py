@@ -58,13 +58,13 @@ def test_the_others_are_decided_and_the_unreadable_are_never_true_or_false(
 def decided(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """The names of the statements that are decided, and not taken from a file."""
     names: list[str] = []
-    decide = statements.decided
+    decide = statements.decide_statements
 
     def counted(problems: Any, *args: Any, **options: Any) -> Any:
         names.extend(problem.statement.name for problem in problems)
         return decide(problems, *args, **options)
 
-    monkeypatch.setattr(statements, "decided", counted)
+    monkeypatch.setattr(statements, "decide_statements", counted)
     return names
 
 

@@ -105,7 +105,7 @@ LINES = [
     ("sweep chain.toml", "keys must be known ones, got"),
     ("sweep error_over", "sweep must be a TOML file or a shipped sweep, got 'error_over' ("),
     ("sweep sweep.toml --output x.csv", "--output must end in .nc, got 'x.csv'"),
-    ("sweep sweep.toml --output a.nc --store a.nc", "--output must not be the --store, a folder"),
+    ("sweep sweep.toml --output a.nc --store a.nc", "--output must differ from the folder --store"),
     ("plot chain.toml --output a.bmp", "output must be a path ending in .png, .pdf, .svg"),
     ("plot chain.toml --at eps", "--at must be NAME=VALUE, got 'eps' (such as eps=0.1)"),
     ("plot chain.toml --kind map", "'map' is not one of 'all', 'snapshots', 'space_time'"),
@@ -215,7 +215,7 @@ def test_a_wrong_file_is_told_in_one_line(
 def test_a_strain_that_no_run_has_is_told(kept: Path, folder: Path, capsys: Output) -> None:
     run = load_run(kept)
     for fault, told in (
-        ("nan", "got 1 of 2 snapshots that are not"),
+        ("nan", "got NaN or inf in 1 of 2 snapshots"),
         ("int", "got int64"),
         ("none", "got none"),
     ):
@@ -263,7 +263,7 @@ def test_a_full_disk_is_status_1_wherever_it_is_met(
 ) -> None:
     (folder / "run.nc").write_bytes(kept.read_bytes())
     monkeypatch.setattr(run_output, "save_run", full)
-    monkeypatch.setattr(run_store, "_kept", full)
+    monkeypatch.setattr(run_store, "_save", full)
     monkeypatch.setattr(atomic_file.Path, "write_bytes", full)
     monkeypatch.setattr(atomic_file.Path, "write_text", full)
     for line in (

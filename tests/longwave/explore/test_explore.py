@@ -18,7 +18,7 @@ import pytest
 
 from longwave.__main__ import main
 from longwave.explore import explore_server
-from longwave.explore.exploration import Scene, first_choices
+from longwave.explore.exploration import Scene, initial_choices
 from longwave.explore.exploration_run import Explorer
 from longwave.scenes.description.named_scenes import load_scene
 from longwave.support.request_limits import RequestLimits
@@ -91,7 +91,7 @@ def test_style_sheets_come_from_this_server_also_before_the_page_is_written() ->
 
     document = Document()
     with set_curdoc(document):
-        explore_server.keep_style_sheets_here(document)
+        explore_server.use_local_style_sheets(document)
         page = ExplorePage(IdleExplorer())
         page.view().server_doc(document)
         page.wave.value = "kink"
@@ -99,7 +99,7 @@ def test_style_sheets_come_from_this_server_also_before_the_page_is_written() ->
         sheet.url for root in document.roots for sheet in root.select({"type": ImportedStyleSheet})
     }
     assert sheets
-    assert all(sheet.startswith(explore_server.LOCAL) for sheet in sheets)
+    assert all(sheet.startswith(explore_server.LOCAL_STYLE_SHEETS) for sheet in sheets)
 
 
 @pytest.mark.slow
@@ -112,7 +112,7 @@ def test_another_lattice_is_begun_with_its_own_choices() -> None:
     assert len(page.setting.options) > 1
     for setting in page.setting.options.values():
         page.setting.value = setting
-        assert page.choices() == first_choices("kdv_soliton", setting)
+        assert page.choices() == initial_choices("kdv_soliton", setting)
 
 
 @dataclass
@@ -276,9 +276,9 @@ def test_so_many_pages_are_shown_and_kept_at_a_time(monkeypatch: pytest.MonkeyPa
     monkeypatch.setattr(explore_server, "MOST_SESSIONS", 3)
     asked: list[Explorer] = []
     told: list[str] = []
-    monkeypatch.setattr(ExplorePage, "turn_away", lambda _, line: told.append(line))
+    monkeypatch.setattr(ExplorePage, "refuse_with", lambda _, line: told.append(line))
     monkeypatch.setattr(Explorer, "start", lambda _: None)
-    monkeypatch.setattr(Explorer, "ask", lambda one, _: asked.append(one))
+    monkeypatch.setattr(Explorer, "submit", lambda one, _: asked.append(one))
     monkeypatch.setattr(pn.state, "add_periodic_callback", lambda *_: None)
     shown: list[Any] = []
     monkeypatch.setattr(pn.state, "onload", shown.append)
