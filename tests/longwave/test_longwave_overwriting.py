@@ -1,4 +1,4 @@
-"""Catches: a file that a command overwrites unasked, and what it cannot write told too late."""
+"""Catches: a file that a command overwrites without --force, or an unwritable one reported late."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -26,7 +26,7 @@ PATHS_READ = {
 
 
 def commands(group: click.Group, above: str = "") -> Iterator[tuple[str, click.Command]]:
-    """All commands of the tree with their words."""
+    """Yield all commands of the tree with their words."""
     for name, command in group.commands.items():
         yield f"{above}{name}", command
         if isinstance(command, click.Group):

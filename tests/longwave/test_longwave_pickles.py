@@ -1,4 +1,4 @@
-"""Catches: a public object that another process does not get, or gets as another one."""
+"""Catches: a public object that another process cannot unpickle, or unpickles as another one."""
 
 import copy
 import inspect
@@ -108,7 +108,7 @@ def kept_wave() -> Any:
 
 
 def user_form() -> ClosedForm:
-    """One that is in no catalogue."""
+    """Return a form that is in no catalogue."""
     kink = closed_form("kink")
     return ClosedForm(
         name="mine", title="mine", expression=kink.expression, equation=kink.equation,
@@ -214,7 +214,7 @@ sys.stdout.buffer.write(pickle.dumps(found))
 
 
 def same(left: Any, right: Any) -> bool:
-    """Equal, arrays bit by bit; records with arrays in them have no ``==`` of their own."""
+    """Whether two objects are equal, arrays bit by bit; records with arrays have no ``==``."""
     if isinstance(left, np.ndarray):
         return left.dtype == right.dtype and left.tobytes() == right.tobytes()
     if isinstance(left, tuple | list):
@@ -242,7 +242,7 @@ def test_every_public_class_has_an_instance_here() -> None:
 
 
 def test_instances_are_the_same_in_another_process() -> None:
-    """The same records, the same bits of what they are asked."""
+    """The records are equal, and their methods return the same bits."""
     made = {name: make() for name, (make, _) in MADE.items()}
     sent = []
     for name, record in made.items():
@@ -261,7 +261,7 @@ def test_instances_are_the_same_in_another_process() -> None:
         assert same(value, ask and ask(made[name])), name
 
 
-def test_what_the_house_has_once_is_had_once() -> None:
+def test_unique_objects_stay_unique_after_unpickling() -> None:
     forms = (*CATALOGUE, CATALOGUE, *SCHEMES, *OBSERVABLES.values())
     assert all(pickle.loads(pickle.dumps(noun)) is noun for noun in forms)
 

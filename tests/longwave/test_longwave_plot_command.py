@@ -1,4 +1,4 @@
-"""`longwave plot`: where the picture goes, wrong input, and what Ctrl-C leaves."""
+"""`longwave plot`: the output file, wrong input, and the picture after Ctrl-C."""
 
 import subprocess
 import sys

@@ -1,4 +1,4 @@
-"""The calls of a session: what they take and return, and how that is shown."""
+"""The functions of `longwave.session`: arguments, results, and how these are displayed."""
 
 import io
 import os
@@ -55,7 +55,7 @@ INSTEAD: Mapping[str, tuple[Callable[[], Any], str]] = {
 
 
 @pytest.mark.parametrize("kind", INSTEAD)
-def test_what_is_no_scene_is_told_what_to_call(kind: str) -> None:
+def test_an_argument_that_is_no_scene_names_the_right_function(kind: str) -> None:
     make, instead = INSTEAD[kind]
     with pytest.raises(ValueError, match=r"scene must be a scene, its name or its file") as told:
         longwave.run(make())
@@ -78,7 +78,7 @@ def test_a_sweep_of_a_scene_is_one_data_set(
     assert again.identical(found)
 
 
-def test_a_sweep_is_meant_by_tables_name_or_itself() -> None:
+def test_a_sweep_is_given_by_tables_name_or_object() -> None:
     tables = {"scene": "toda_soliton", "grid": {"eps": [0.1, 0.2]}}
     sweep = as_sweep(tables)
     assert isinstance(sweep, Sweep)
@@ -96,7 +96,7 @@ def test_a_sweep_is_meant_by_tables_name_or_itself() -> None:
         ("toda_solitn", {"eps": [0.1]}, "did you mean toda_soliton"),
     ],
 )
-def test_what_is_no_sweep_is_told(source: Any, grid: Any, told: str) -> None:
+def test_an_argument_that_is_no_sweep_is_an_error(source: Any, grid: Any, told: str) -> None:
     with pytest.raises(ValueError, match=told) as refused:
         as_sweep(source, grid)
     assert "\n" not in str(refused.value)
@@ -104,7 +104,7 @@ def test_what_is_no_sweep_is_told(source: Any, grid: Any, told: str) -> None:
 
 @pytest.mark.slow
 def test_a_script_without_a_guard_may_sweep(tmp_path: Path) -> None:
-    """Catches: worker processes that run the user's script again, and begin a sweep each."""
+    """Catches: worker processes that run the user's script again and start a sweep each."""
     script = tmp_path / "mine.py"
     script.write_text(
         "import longwave\nprint('once')\n"
@@ -188,12 +188,12 @@ def test_a_scene_takes_a_lattice_or_its_tables() -> None:
         SCENE.changed(lattice=3)
 
 
-def test_a_formula_that_nobody_can_read_is_not_shown() -> None:
+def test_a_very_long_formula_is_not_shown() -> None:
     assert longwave.closed_form("rogue_cn")._repr_latex_() is None
     assert longwave.closed_form("kink")._repr_latex_() is not None
 
 
-def test_a_line_of_progress_is_written_over_and_told_to_be_done(
+def test_a_progress_line_is_overwritten_and_ends_with_done(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(progress_line, "SILENT", 0.0)

@@ -1,4 +1,4 @@
-"""Catches: an array whose imaginary part or mask is dropped in silence; an error of many lines."""
+"""Catches: an array whose imaginary part or mask is dropped silently; an error of many lines."""
 
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -25,7 +25,7 @@ def ring(f: Any, v: Any) -> FieldRing:
 
 
 def row(values: Any) -> Any:
-    """The values as the only field of a chain; what is no array stays what it is."""
+    """Return the values as the only field of a chain; return anything but an array unchanged."""
     return values[np.newaxis] if isinstance(values, np.ndarray) else values
 
 

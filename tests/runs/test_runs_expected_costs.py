@@ -1,4 +1,4 @@
-"""Catches: a sweep that is begun though it takes days, or a cost that misses what a force takes."""
+"""Catches: a sweep that starts though it takes days, or an estimate without the cost of forces."""
 
 from pathlib import Path
 from typing import Any
@@ -45,7 +45,7 @@ def asked(folder: Path, **changes: Any) -> str:
         ({"step": 1e-3, "count": 100_000}, "asked, 100000 cells, estimated from"),
     ],
 )
-def test_a_sweep_that_takes_too_much_is_refused_before_it_begins(
+def test_an_expensive_sweep_is_refused_before_it_starts(
     changes: dict[str, Any],
     message: str,
     tmp_path: Path,
@@ -61,7 +61,7 @@ def test_a_sweep_that_takes_too_much_is_refused_before_it_begins(
     assert not list(tmp_path.rglob("*.h5"))
 
 
-def test_memory_is_that_of_all_cells_run_at_once(
+def test_memory_is_summed_over_concurrent_cells(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
@@ -71,7 +71,7 @@ def test_memory_is_that_of_all_cells_run_at_once(
 
 
 def costing(monkeypatch: pytest.MonkeyPatch, seconds: dict[float, float]) -> None:
-    """Let a cell cost what its K4 says."""
+    """Make the cost of a cell depend on its K4."""
     monkeypatch.setattr(
         sweep_cost,
         "expected_cell_cost",
@@ -83,9 +83,7 @@ def sweep(**grid: list[float]) -> Sweep:
     return sweep_of({"scene": "gardner_soliton", "grid": grid})
 
 
-def test_what_the_store_holds_costs_nothing(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_stored_cells_cost_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     costing(monkeypatch, {1.0: 3.0, 2.0: 50.0})
     asked = sweep(**{"constants.K4": [1.0, 2.0]})
     store = RunStore(tmp_path)
@@ -98,7 +96,7 @@ def test_what_the_store_holds_costs_nothing(
     assert rest.on_workers(2, share_memory=True).memory_bytes == 7.0
 
 
-def test_a_large_sweep_is_judged_by_some_of_its_cells(
+def test_a_large_sweep_is_estimated_from_a_sample(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(sweep_cost, "SAMPLING_SECONDS", 1e9)
@@ -113,7 +111,7 @@ def test_a_large_sweep_is_judged_by_some_of_its_cells(
     assert found.seconds == pytest.approx(4e5, rel=0.2)
 
 
-def test_an_exponential_force_is_known_to_cost_more_than_a_polynomial() -> None:
+def test_an_exponential_force_costs_more_than_a_polynomial() -> None:
     toda, alpha = (
         load_scene(name).changed(observables=["strain", "momentum"])  # on rings
         for name in ("toda_soliton", "alpha_fput_soliton")
@@ -126,7 +124,7 @@ def test_an_exponential_force_is_known_to_cost_more_than_a_polynomial() -> None:
     assert expected_cost(stiff).seconds > 10.0
 
 
-def test_a_cell_beyond_a_limit_is_tried_again_under_another(
+def test_a_cell_that_failed_at_a_limit_is_tried_again(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(sweep_cells, "keep_to_one_core", lambda: None)

@@ -1,4 +1,4 @@
-"""Catches: a file of a few bytes that takes the memory, or that names other files of its reader."""
+"""Catches: a file of a few bytes that fills the memory, or makes its reader open other files."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def a_fill_value_in_two_directions(file: Any, _: Path) -> None:
 
 
 def one_text_at_many_places(file: Any, path: Path) -> None:
-    """Each place is 16 bytes, which say where in the file its letters are."""
+    """Each reference has 16 bytes with the position of its letters in the file."""
     texts = file.create_dataset("a", 4000, TEXT, fillvalue="")
     texts[0] = 60_000 * "x"
     place = texts.id.get_offset()
@@ -104,7 +104,7 @@ NAMES = (
 
 
 def other_files_under_a_name(file: Any, path: Path) -> None:
-    """A name that switches nothing off: what is in other files is never read."""
+    """The name of a length must not disable the check: data in other files are never read."""
     other_files(file, path)
     file["a"].attrs["NAME"] = np.bytes_(NAMES[0])
 
@@ -130,7 +130,7 @@ def two_names(file: Any, _: Path) -> None:
 
 
 def texts_as_dimensions(file: Any, _: Path) -> None:
-    """The library reads it into the memory of one reference, and the process breaks off."""
+    """HDF5 would read it into the memory of one reference and crash the process."""
     file["a"] = [1.0]
     file["a"].attrs.create("DIMENSION_LIST", 1000 * ["x"], dtype=TEXT)
 
@@ -162,7 +162,7 @@ def half_precision(file: Any, _: Path) -> None:
 
 
 def _padded(file: Any, change: Callable[[Any], None]) -> None:
-    """An array of three numbers with dimension x, and the length of a dimension 10^9."""
+    """Write an array of three numbers with dimension x, and a dimension of length 10^9."""
     file.create_dataset("long", 10**9, "i1", chunks=(10**5,))
     file["long"].make_scale(NAMES[1])
     file["x"] = [1.0, 2.0, 3.0]
@@ -171,7 +171,7 @@ def _padded(file: Any, change: Callable[[Any], None]) -> None:
 
 
 def one_number_of_two_dimensions(file: Any, _: Path) -> None:
-    """Coordinates name their dimensions by numbers, of which the last in the file counts."""
+    """Coordinates name their dimensions by numbers; the last one in the file counts."""
 
     def change(file: Any) -> None:
         for name in ("long", "x"):
@@ -220,7 +220,7 @@ ATTACKS = [
 
 
 @pytest.mark.parametrize(("attack", "said"), ATTACKS, ids=[each.__name__ for each, _ in ATTACKS])
-def test_what_no_run_has_is_refused_before_it_is_read(
+def test_contents_that_no_run_has_are_refused_before_reading(
     attack: Callable[[Any, Path], None], said: str, tmp_path: Path
 ) -> None:
     path = tmp_path / "run.nc"
@@ -231,8 +231,8 @@ def test_what_no_run_has_is_refused_before_it_is_read(
         load_run(path)
 
 
-def test_many_texts_attributes_and_variables_of_ones_own_are_read(tmp_path: Path) -> None:
-    """More texts than the file could hold if each were all of it, empty ones, one that is long."""
+def test_many_texts_attributes_and_variables_are_accepted(tmp_path: Path) -> None:
+    """More texts than fit if each were as long as the file, some empty and one long."""
     texts = [f"text {number}" for number in range(5 * MAX_COMPRESSION)]
     made = xr.Dataset(
         {"texts": ("cell", texts), "square": (("x", "y"), [["a", ""], ["c", 1000 * "d"]])}
@@ -248,7 +248,7 @@ def test_many_texts_attributes_and_variables_of_ones_own_are_read(tmp_path: Path
 
 
 @pytest.mark.parametrize("attack", [a_fill_value, other_files, an_external_link, records])
-def test_packs_are_looked_through_as_well(
+def test_packs_are_checked_as_well(
     attack: Callable[[Any, Path], None], tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
     whole = tmp_path / PACKS / "a.h5"
@@ -267,7 +267,7 @@ def test_packs_are_looked_through_as_well(
 
 
 def test_the_length_of_a_dimension_may_be_large(tmp_path: Path) -> None:
-    """Such an array is written for its length and never filled: it counts for nothing."""
+    """An array that only stores a length is never read, so it does not count."""
     path = tmp_path / "run.nc"
     with h5py.File(path, "w") as file:
         file.create_dataset("x", 10**9, ">f4", chunks=(10**5,))
@@ -277,8 +277,8 @@ def test_the_length_of_a_dimension_may_be_large(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_a_pack_with_an_array_in_another_file_gives_none_of_it(name: bytes, tmp_path: Path) -> None:
-    """A pack is read without h5netcdf, so no name stands for a length there."""
+def test_a_pack_with_an_external_array_is_refused(name: bytes, tmp_path: Path) -> None:
+    """A pack is read without h5netcdf, so no array is exempt as a length."""
     path = tmp_path / "p.pack"
     write_pack(path, [CellRecord("k", DONE, run=xr.Dataset({"a": ("x", [1.0, 2.0])}))])
     secret = tmp_path / "secret"
@@ -296,8 +296,8 @@ def test_a_pack_with_an_array_in_another_file_gives_none_of_it(name: bytes, tmp_
         load_row(path, 0, 0)
 
 
-def test_groups_of_a_pack_that_share_their_arrays_are_refused_at_once(tmp_path: Path) -> None:
-    """Looked at one by one, 300 groups with 300 arrays took 15 s."""
+def test_groups_of_a_pack_with_shared_arrays_are_refused_at_once(tmp_path: Path) -> None:
+    """Checked one by one, 300 groups with 300 arrays took 15 s."""
     image = io.BytesIO()
     with h5py.File(image, "w") as file:
         first = file.create_group("0").create_group("arrays")
@@ -316,10 +316,10 @@ def _a_run(value: float) -> xr.Dataset:
 
 
 @pytest.mark.parametrize("kind", ["run", "pack"])
-def test_what_was_checked_is_read_when_the_name_leads_elsewhere_since(
+def test_the_checked_file_is_read_even_if_its_name_is_replaced(
     kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Catches: a file that is opened by name once to be checked and once to be read."""
+    """Catches: a file that is opened by name twice, once to check it and once to read it."""
     path, other = tmp_path / "mine", tmp_path / "other"
     for place, value in ((path, 1.0), (other, 2.0)):
         if kind == "run":
@@ -342,7 +342,7 @@ def test_what_was_checked_is_read_when_the_name_leads_elsewhere_since(
 def test_a_checked_pack_that_is_replaced_is_checked_again(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Also by one of the same size and time of change, which the writer of a file may choose."""
+    """Even if its size and modification time, which its writer can choose, are the same."""
     path, other = tmp_path / "mine", tmp_path / "other"
     for place, value in ((path, 1.0), (other, 2.0)):
         write_pack(place, [CellRecord("k", DONE, run=_a_run(value))])
@@ -358,8 +358,8 @@ def test_a_checked_pack_that_is_replaced_is_checked_again(
         load_row(path, 0, 0)
 
 
-def test_a_pack_that_is_young_is_not_remembered(tmp_path: Path) -> None:
-    """Within a tick of the clock it may change again and keep all its times."""
+def test_a_recently_changed_pack_is_checked_again(tmp_path: Path) -> None:
+    """Within a clock tick it may change again without a change of its times."""
     path = tmp_path / "mine"
     write_pack(path, [CellRecord("k", DONE, run=_a_run(1.0))])
     before = len(run_pack._remembered)
@@ -367,8 +367,8 @@ def test_a_pack_that_is_young_is_not_remembered(tmp_path: Path) -> None:
     assert len(run_pack._remembered) == before
 
 
-def test_a_link_in_a_store_leads_to_no_run_of_another_folder(tmp_path: Path) -> None:
-    """Catches: a store's file that is a link since it was found whole."""
+def test_a_link_in_a_store_is_not_followed_to_another_folder(tmp_path: Path) -> None:
+    """Catches: a store's file that was replaced by a link after it was checked."""
     save_run(_a_run(1.0), tmp_path / "mine.nc")
     (tmp_path / "key.nc").symlink_to(tmp_path / "mine.nc")
     assert load_run(tmp_path / "key.nc")["a"].values.tolist() == [1.0, 1.0]
@@ -377,9 +377,9 @@ def test_a_link_in_a_store_leads_to_no_run_of_another_folder(tmp_path: Path) -> 
 
 
 def _two_faces(image: bytes, group: str, name: str, secret: Path) -> tuple[bytes, bytes]:
-    """A file, and one that differs in 8 bytes: its array is a twin in another file.
+    """Return a file, and a copy that differs in 8 bytes: its array is one in another file.
 
-    The twin is there in both; the last name of the group, which led to it, is taken away.
+    Both versions have that second array; the group's last name, which led to it, is removed.
     """
     stream = io.BytesIO(image)
     with h5py.File(stream, "r+") as file:
@@ -403,10 +403,10 @@ def _write_into(path: Path, content: bytes) -> None:
 
 
 @pytest.mark.slow
-def test_a_run_that_is_written_into_after_its_check_gives_no_foreign_byte(
+def test_a_run_modified_after_its_check_yields_no_foreign_byte(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Catches: names that the library forgets, beside 36 MB of attributes, and reads again."""
+    """Catches: links that HDF5 drops from its cache, after 36 MB of attributes, and reads again."""
     path, secret, image = tmp_path / "run", tmp_path / "secret", io.BytesIO()
     secret.write_bytes(np.full(6, 666.0).tobytes())
     with h5py.File(image, "w") as file:
@@ -430,10 +430,10 @@ def test_a_run_that_is_written_into_after_its_check_gives_no_foreign_byte(
     assert load_run(path)["first"].values.tolist() == 6 * [1.0]
 
 
-def test_a_pack_that_is_written_into_after_its_check_gives_no_foreign_byte(
+def test_a_pack_modified_after_its_check_yields_no_foreign_byte(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Catches: a pack that was looked through before, and is not while it is changed."""
+    """Catches: a pack that was checked before and is modified while it is open."""
     path, secret = tmp_path / "pack", tmp_path / "secret"
     secret.write_bytes(np.full(2, 666.0).tobytes())
     image = pack_content([CellRecord("k", DONE, run=_a_run(1.0))])

@@ -1,4 +1,4 @@
-"""Catches: a request that is begun though it takes days or terabytes; Ctrl-C that is not heeded."""
+"""Catches: a request that starts though it takes days or terabytes; Ctrl-C without effect."""
 
 import random
 from pathlib import Path
@@ -48,7 +48,7 @@ USUAL: dict[str, Any] = {
         ({"K2": 1e40}, "sites cannot be told apart"),
     ],
 )
-def test_what_takes_too_much_is_refused_before_it_begins(
+def test_an_expensive_request_is_refused_before_it_starts(
     changes: dict[str, Any], message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     given = USUAL | changes
@@ -103,7 +103,7 @@ def test_ctrl_c_at_any_moment_is_one_line(command: str, tmp_path: Path, interrup
     assert len(told) == 1
 
 
-def test_a_derivation_of_hours_is_refused_before_it_begins(
+def test_a_derivation_of_hours_is_refused_before_it_starts(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     assert main(["derive", "dimer", "--order", "13"]) == 2

@@ -1,4 +1,4 @@
-"""Catches: a run lost at its end, a file that is overwritten unasked, other bits unnoticed."""
+"""Catches: a run lost at its end, a file overwritten without --force, different bits unnoticed."""
 
 import errno
 import os
@@ -67,7 +67,7 @@ def run_file(scene: Path, capsys: Output) -> Path:
         ("/proc/run.nc", [], "must lie in a folder that can be written, got /proc: "),
     ],
 )
-def test_what_cannot_or_may_not_be_written_is_refused_before_the_run(
+def test_an_unwritable_output_is_refused_before_the_run(
     run_file: Path, output: str, words: list[str], said: str, capsys: Output
 ) -> None:
     folder = run_file.parent
@@ -129,7 +129,7 @@ def test_a_store_that_is_full_at_the_end_loses_nothing(
     kept.parent.rmdir()
 
 
-def test_a_run_in_a_store_is_printed_alike_and_not_run_again(
+def test_a_stored_run_is_printed_the_same_and_not_run_again(
     scene: Path, capsys: Output, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     printed, told = [], ""
@@ -145,7 +145,7 @@ def test_a_run_in_a_store_is_printed_alike_and_not_run_again(
     assert compare_runs(load_run(kept), load_run("copy.nc")).is_same
 
 
-def test_a_run_is_made_again_from_its_file_to_the_same_bits(run_file: Path, capsys: Output) -> None:
+def test_a_run_repeated_from_its_file_has_the_same_bits(run_file: Path, capsys: Output) -> None:
     assert main(["run", "run.nc"]) == 0
     assert capsys.readouterr().out == (
         "run.nc: same bits: all 917 values, and what was chosen and estimated\n"
@@ -153,7 +153,7 @@ def test_a_run_is_made_again_from_its_file_to_the_same_bits(run_file: Path, caps
     )
 
 
-def test_what_is_not_the_same_is_told(run_file: Path, capsys: Output) -> None:
+def test_differences_of_a_repeated_run_are_printed(run_file: Path, capsys: Output) -> None:
     other = load_run(run_file)
     other["strain"][1, 7] += 2.0**-60
     other["error"][0] = -0.0
@@ -192,7 +192,7 @@ def test_bits_are_compared_and_not_values(run_file: Path) -> None:
         (["--engine", "stencil"], "--engine must not be given with a run"),
     ],
 )
-def test_a_run_is_repeated_as_it_was(
+def test_a_repetition_takes_no_other_options(
     run_file: Path, words: list[str], said: str, capsys: Output
 ) -> None:
     assert main(["run", "run.nc", *words]) == 2

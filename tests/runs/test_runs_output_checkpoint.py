@@ -1,4 +1,4 @@
-"""Catches: a run without a store that a kill costs more than its last seconds, or others' bits."""
+"""Catches: a kill that costs more than the last seconds of a run, or foreign checkpoints used."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ NAME = "stated window, refined"
 
 @pytest.fixture
 def kept(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
-    """All that is offered is kept, until the write of that number raises something instead."""
+    """Save every checkpoint, until the write with a given number raises an error."""
     told: dict[str, Any] = {"writes": 0, "at": 10**9, "raised": Killed}
     write = CheckpointFolder.write
 
@@ -41,7 +41,7 @@ def run(folder: Path, output: str = "run.nc", **changes: Any) -> int:
     return run_and_print(str(scene), "longwave run", output=str(folder / output))
 
 
-def test_a_run_is_gone_on_with_beside_its_output(
+def test_a_run_is_resumed_next_to_its_output(
     tmp_path: Path, kept: dict[str, Any], capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert run(tmp_path, "whole.nc") == 0
@@ -58,7 +58,7 @@ def test_a_run_is_gone_on_with_beside_its_output(
     assert {path.name for path in tmp_path.iterdir()} == {"scene.toml", "run.nc", "whole.nc"}
 
 
-def test_what_another_scene_left_is_not_used_and_what_is_no_checkpoint_stays(
+def test_checkpoints_of_another_scene_are_not_used_and_other_files_stay(
     tmp_path: Path, kept: dict[str, Any], capsys: pytest.CaptureFixture[str]
 ) -> None:
     kept["at"] = 5
@@ -75,7 +75,7 @@ def test_what_another_scene_left_is_not_used_and_what_is_no_checkpoint_stays(
     assert list(mine.parent.iterdir()) == [mine]
 
 
-def test_ctrl_c_says_what_goes_on(
+def test_ctrl_c_says_how_to_resume(
     tmp_path: Path, kept: dict[str, Any], capsys: pytest.CaptureFixture[str]
 ) -> None:
     kept.update(at=5, raised=KeyboardInterrupt)
@@ -86,10 +86,10 @@ def test_ctrl_c_says_what_goes_on(
 
 
 @pytest.mark.parametrize("taken", [True, False])
-def test_where_no_checkpoint_can_be_the_run_goes_on(
+def test_a_run_continues_without_a_checkpoint_folder(
     taken: bool, tmp_path: Path, kept: dict[str, Any], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """A file has its name, or the name is too long."""
+    """A file has the folder's name, or the name is too long."""
     name = "run.nc" if taken else "a" * 250 + ".nc"
     if taken:
         (tmp_path / "run.nc.checkpoint").write_text("mine", encoding="utf-8")

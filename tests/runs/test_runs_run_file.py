@@ -1,4 +1,4 @@
-"""Catches: a file that loses a bit, a type, a unit or the scene, and one that is no run."""
+"""Catches: a file that loses a bit, a type, a unit or the scene; a file that is no run."""
 
 import gc
 import subprocess
@@ -95,7 +95,7 @@ def test_plain_xarray_opens_it_with_units_and_names_on_everything(
         assert {"steps", "sites", "force_evaluations"} <= told.keys()
 
 
-def test_what_a_tolerance_chose_stands_beside_the_scene() -> None:
+def test_the_file_has_the_choices_made_for_a_tolerance() -> None:
     found = scene_run.run(CHOSEN)
     assert scene_of_run(found) == CHOSEN
     assert "step = " in found.attrs["plan"]
@@ -103,7 +103,7 @@ def test_what_a_tolerance_chose_stands_beside_the_scene() -> None:
 
 
 def test_numbers_beyond_32_bits_are_kept(tmp_path: Path) -> None:
-    """Of the steps of a long run, and of the sites that a wave has travelled."""
+    """Such as the steps of a long run, and the sites that a wave has travelled."""
     many = 2**31 + 1
     made = xr.Dataset({"n": ("site", np.array([many, -many]))}, attrs={"force_evaluations": many})
     save_run(made, tmp_path / "run.nc")
@@ -152,7 +152,7 @@ def test_any_data_are_read_back_to_the_bit(
         (xr.Dataset({"a": ("x", np.zeros(2, "f2"))}), "a must be of a type that NetCDF has"),
     ],
 )
-def test_what_no_file_can_hold_is_one_line_and_leaves_nothing(
+def test_data_without_a_netcdf_type_is_a_one_line_error(
     made: xr.Dataset, said: str, tmp_path: Path
 ) -> None:
     with pytest.raises(ValueError, match=rf"^{said}[^\n]*$"):
@@ -194,7 +194,7 @@ def test_nothing_is_overwritten_without_force(tmp_path: Path) -> None:
 
 
 def foreign(path: Path) -> None:
-    """A NetCDF-4 file of someone else, of a shape that is only claimed."""
+    """Write a NetCDF-4 file of another program, with a shape that is only claimed."""
     with h5netcdf.File(path, "w") as file:
         file.dimensions = {"x": 10**6, "y": 10**6}
         file.create_variable("a", ("x", "y"), "f8", chunks=(1000, 1000))
@@ -230,13 +230,15 @@ def foreign(path: Path) -> None:
     ],
     ids=["netCDF 3", "empty", "text", "folder", "broken", "huge", "attributes", "times"],
 )
-def test_what_is_no_run_is_one_line(make: Callable[[Path], Any], said: str, tmp_path: Path) -> None:
+def test_a_file_that_is_no_run_is_a_one_line_error(
+    make: Callable[[Path], Any], said: str, tmp_path: Path
+) -> None:
     make(tmp_path / "run.nc")
     with pytest.raises(ValueError, match=rf"^run must be [^\n]*{said}[^\n]*$"):
         load_run(tmp_path / "run.nc")
 
 
-def test_a_run_without_a_scene_is_one_line() -> None:
+def test_a_run_without_a_scene_is_a_one_line_error() -> None:
     with pytest.raises(ValueError, match=r"^run must have the attribute"):
         scene_of_run(xr.Dataset())
     with pytest.raises(ValueError, match=r"^run must be of a single scene, got the result of a sw"):
@@ -247,7 +249,7 @@ def test_a_run_without_a_scene_is_one_line() -> None:
     assert load_scene("rogue_cn_k_0.5").name in load_scene("rogue_cn_k_0.5").toml()
 
 
-def test_a_damaged_root_leaves_no_half_object(tmp_path: Path) -> None:
+def test_a_damaged_root_group_leaves_no_open_object(tmp_path: Path) -> None:
     path = tmp_path / "run.nc"
     save_run(xr.Dataset({"a": 1.0}), path)
     content = bytearray(path.read_bytes())
@@ -258,8 +260,8 @@ def test_a_damaged_root_leaves_no_half_object(tmp_path: Path) -> None:
     gc.collect()  # what is left behind tells of itself as a warning
 
 
-def test_no_view_of_an_image_is_given_out() -> None:
-    """A collector that closes the image under it has Python 3.13 say so, on the terminal."""
+def test_file_content_keeps_no_view_of_the_image() -> None:
+    """With one, Python 3.13 prints a warning when the garbage collector closes the image."""
     script = (
         "import gc, xarray as xr\n"
         "from longwave.runs.run_file import file_content\n"

@@ -1,4 +1,4 @@
-"""Catches: draws of another covariance, samples that move, an interval of something else."""
+"""Catches: samples with a wrong covariance, samples that change, intervals of the wrong number."""
 
 from pathlib import Path
 
@@ -64,7 +64,7 @@ def rows(samples: int, seed: int = 0) -> np.ndarray:
     return np.array(sampled_sweep("mode.toml", samples, seed).dimensions[0].rows)
 
 
-def test_draws_have_the_covariance_of_the_lattice_file() -> None:
+def test_samples_have_the_covariance_of_the_lattice_file() -> None:
     sweep = sampled_sweep("mode.toml", 4000)
     assert sweep.dimensions[0].fields == ("constants.K2", "constants.m")
     drawn = rows(4000)
@@ -74,7 +74,7 @@ def test_draws_have_the_covariance_of_the_lattice_file() -> None:
     assert not np.any(rows(50, seed=1) == drawn[:50])
 
 
-def test_what_the_scene_states_is_exact() -> None:
+def test_constants_stated_by_the_scene_are_exact() -> None:
     assert sampled_sweep("wave.toml", FEWEST_SAMPLES).dimensions[0].fields == ("constants.K2",)
 
 
@@ -104,7 +104,7 @@ def test_intervals_are_those_of_a_mode_in_closed_form(capsys: pytest.CaptureFixt
 
 
 @pytest.mark.slow
-def test_theory_that_misses_a_wave_is_a_part_of_its_interval(
+def test_the_error_of_theory_is_a_part_of_the_interval(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     assert main(["sweep", "wave.toml", "--samples", "39", "--processes", "1"]) == 0
@@ -119,10 +119,10 @@ def test_theory_that_misses_a_wave_is_a_part_of_its_interval(
     assert numerics == pytest.approx(found["error_estimate"].values.max() * 0.09, rel=0.05)
 
 
-def test_the_crest_is_that_of_the_last_time_about_the_background(
+def test_the_crest_is_measured_from_the_background_at_the_last_time(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """Of a wave that falls from 1.5 to 0.5 on a background of 2, theory 0.1 below at sample 3."""
+    """The wave falls from 1.5 to 0.5 on a background of 2; theory is 0.1 too low at sample 3."""
     sweep = sampled_sweep("wave.toml", FEWEST_SAMPLES)
     wave = np.zeros((FEWEST_SAMPLES, 2, 5))
     wave[:, 0, 1], wave[:, 1, 3] = 1.5, -0.5
@@ -146,7 +146,7 @@ def test_the_crest_is_that_of_the_last_time_about_the_background(
     assert crest.numerics == pytest.approx(4e-6 * 0.3**2)
 
 
-def test_an_interval_is_told_in_its_parts() -> None:
+def test_an_interval_is_printed_with_its_parts() -> None:
     samples = np.linspace(0.0, 2.0, 39)
     assert ObservedNumber("crest", samples).text() == "crest 1.0 +- 1 (data)"
     parts = ObservedNumber("crest", 1e-3 * samples + 1, 3e-4, 1e-8)
@@ -166,7 +166,7 @@ def test_an_interval_is_told_in_its_parts() -> None:
         (["none.toml", "--samples", "40"], "got none.toml"),
     ],
 )
-def test_what_has_no_samples_is_told_in_one_line(
+def test_a_scene_without_covariance_is_a_one_line_error(
     words: list[str], told: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["sweep", *words]) == 2

@@ -1,4 +1,4 @@
-"""Catches: a cell lost by merging or by the index, a pack opened for nothing, an index believed."""
+"""Catches: a cell lost by merging or by the index, a pack opened needlessly, a wrong index used."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ from longwave.support.sealed_file import read_sealed, write_sealed
 
 
 def a_run(number: int) -> xr.Dataset:
-    """A run, of three shapes in turn, with texts of different lengths and a NaN."""
+    """Return a run, of three layouts in turn, with texts of different lengths and a NaN."""
     size = (3, 700, 0)[number % 3]
     texts = ["é" * (1 + number % 4)] * 2
     values = np.full(size, number / 3.0)
@@ -67,7 +67,7 @@ def fill(folder: Path, packs: int, cells: int = 3, first: int = 0) -> None:
 
 
 def check(folder: Path, count: int) -> None:
-    """Every cell is there, as it was put in."""
+    """Check that every cell is stored and unchanged."""
     index = pack_index(folder)
     assert len(index) == count
     for record in records(0, count):
@@ -127,7 +127,7 @@ def test_with_an_index_only_new_packs_are_opened(
     check(tmp_path, len(before))
 
 
-def test_a_changed_pack_is_read_again_and_a_damaged_one_is_none(
+def test_a_changed_pack_is_read_again_and_a_damaged_one_is_ignored(
     tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
     fill(tmp_path, INDEXED_CHANGES)
@@ -139,8 +139,8 @@ def test_a_changed_pack_is_read_again_and_a_damaged_one_is_none(
     assert "damaged" in caplog.text
 
 
-def test_a_run_that_was_damaged_since_the_index_is_run_again(tmp_path: Path) -> None:
-    """As by a disk, which leaves the times of files as they were."""
+def test_a_run_damaged_after_indexing_is_run_again(tmp_path: Path) -> None:
+    """A disk error, for example, leaves the times of files unchanged."""
     fill(tmp_path, INDEXED_CHANGES)
     pack_index(tmp_path)
     run_pack._remembered.clear()
@@ -214,7 +214,7 @@ def _texts_for_numbers(file: Any) -> None:
         _texts_for_numbers,
     ],
 )
-def test_an_index_that_is_wrong_is_made_anew(
+def test_a_wrong_index_is_rebuilt(
     attack: Callable[[Any], None], tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
     fill(tmp_path, INDEXED_CHANGES, cells=2)
@@ -234,7 +234,7 @@ def test_an_index_that_is_wrong_is_made_anew(
 
 
 @pytest.mark.parametrize("column", ["error", "status", "message", "key"])
-def test_a_pack_with_a_shorter_column_is_none(column: str, tmp_path: Path) -> None:
+def test_a_pack_with_a_shorter_column_is_not_read(column: str, tmp_path: Path) -> None:
     image = io.BytesIO(pack_content(records(0, 3)))
     with h5py.File(image, "r+") as file:
         held = file["0"][column][()][:-1]
@@ -245,8 +245,10 @@ def test_a_pack_with_a_shorter_column_is_none(column: str, tmp_path: Path) -> No
     assert len(pack_index(tmp_path)) == 0
 
 
-def test_a_listing_that_is_old_ends(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """As on a network file system, where a pack that went is listed for a while."""
+def test_an_outdated_listing_ends_the_search(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A network file system may list a deleted pack for a while."""
     fill(tmp_path, 3)
     listed = store_packs._list_packs(tmp_path)
     files(tmp_path)[0].unlink()
@@ -254,7 +256,7 @@ def test_a_listing_that_is_old_ends(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     assert len(pack_index(tmp_path)) == 6
 
 
-def test_merged_packs_hold_what_they_held(tmp_path: Path) -> None:
+def test_merged_packs_have_the_same_runs(tmp_path: Path) -> None:
     fill(tmp_path, MERGED_COUNT + 5)
     merge_packs(tmp_path)
     left = files(tmp_path)
@@ -265,7 +267,9 @@ def test_merged_packs_hold_what_they_held(tmp_path: Path) -> None:
     assert [path.name for path in (tmp_path / PACKS).iterdir() if path.is_file()] == []
 
 
-def test_few_packs_and_large_ones_are_left(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_few_packs_and_large_packs_are_not_merged(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     fill(tmp_path, MERGED_COUNT - 1)
     before = files(tmp_path)
     merge_packs(tmp_path)
@@ -289,7 +293,7 @@ def test_a_damaged_pack_is_not_merged_and_not_removed(tmp_path: Path) -> None:
     assert len(pack_index(tmp_path)) == 3 * (MERGED_COUNT + 1)
 
 
-def test_a_place_that_was_read_before_a_merge_leads_to_the_run(tmp_path: Path) -> None:
+def test_a_location_from_before_a_merge_still_loads_the_run(tmp_path: Path) -> None:
     fill(tmp_path, MERGED_COUNT + 2)
     held = pack_index(tmp_path).get(f"{8:040x}")
     assert held is not None
@@ -327,10 +331,10 @@ def test_readers_miss_nothing_while_packs_are_merged(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_two_who_merge_at_once_lose_nothing(
+def test_two_concurrent_merges_lose_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """As where files have no locks: one finds packs gone, or what it merges was merged as well."""
+    """Without working locks, one finds packs gone, or merges the same ones."""
     monkeypatch.setattr(store_packs, "locked", lambda *_: nullcontext())
     merged = store_packs.merged_content
     depth: list[int] = []
@@ -361,8 +365,8 @@ def test_links_among_packs_are_not_followed(tmp_path: Path) -> None:
         new_pack(tmp_path / "linked")
 
 
-def test_a_pack_of_many_names_is_read_once(tmp_path: Path) -> None:
-    """Catches: as many packs as somebody makes hard links to one."""
+def test_a_pack_with_many_hard_links_is_read_once(tmp_path: Path) -> None:
+    """Catches: one reading for each hard link to a pack."""
     fill(tmp_path, 2)
     before = len(pack_index(tmp_path))
     first = files(tmp_path)[0]
@@ -373,8 +377,8 @@ def test_a_pack_of_many_names_is_read_once(tmp_path: Path) -> None:
     assert len(found) == before
 
 
-def test_an_index_that_does_not_fit_the_memory_is_made_anew(tmp_path: Path) -> None:
-    """Catches: a sparse file, which costs nothing, read as a whole."""
+def test_an_index_larger_than_the_memory_is_rebuilt(tmp_path: Path) -> None:
+    """Catches: a sparse file, which takes no space on the disk, read as a whole."""
     fill(tmp_path, 2)
     before = len(pack_index(tmp_path))
     with (tmp_path / PACKS / INDEX).open("wb") as stream:
@@ -382,7 +386,7 @@ def test_an_index_that_does_not_fit_the_memory_is_made_anew(tmp_path: Path) -> N
     assert len(pack_index(tmp_path)) == before
 
 
-def test_an_attempt_that_failed_is_behind_one_that_did_not(tmp_path: Path) -> None:
+def test_a_finished_attempt_takes_precedence_over_a_failed_one(tmp_path: Path) -> None:
     key = "a" * 40
     for status, run in (("failed", None), ("done", a_run(1)), ("failed", None), ("refused", None)):
         write_pack(new_pack(tmp_path), [CellRecord(key, status, status, run=run)])
@@ -409,10 +413,10 @@ SCENE = {
 
 
 @pytest.mark.slow
-def test_a_large_sweep_opens_no_file_that_is_not_there(
+def test_a_large_sweep_opens_no_missing_file(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Of 2000 cells 1990 are in the store: the rest is found by listings, and the data set."""
+    """Of 2000 cells 1990 are stored; the others are found to be missing from a listing."""
     heights = {"from": 0.5, "to": 1, "count": 2000}
     sweep, store = sweep_of({"scene": SCENE, "grid": {"parameters.A": heights}}), RunStore(tmp_path)
     run = xr.Dataset({"error": ("time", [0.0])})
@@ -443,7 +447,7 @@ def test_a_large_sweep_opens_no_file_that_is_not_there(
 
 
 @pytest.mark.slow
-def test_packs_are_merged_while_a_sweep_runs_if_that_can_be_written(
+def test_packs_are_merged_during_a_sweep_if_the_disk_allows(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     heights = {"from": 0.5, "to": 1, "count": 12}
@@ -467,8 +471,8 @@ def test_packs_are_merged_while_a_sweep_runs_if_that_can_be_written(
         assert len(pack_index(tmp_path / name)) == 12
 
 
-def test_packs_of_one_kind_become_one_group(tmp_path: Path) -> None:
-    """Though some have numbers that others do not."""
+def test_packs_of_equal_layout_become_one_group(tmp_path: Path) -> None:
+    """Even if only some have certain numbers."""
     run = xr.Dataset({"a": ("x", [1.0, 2.0])})
     for number in range(MERGED_COUNT):
         some = {"last_peak": 1.0} if number % 2 else {}

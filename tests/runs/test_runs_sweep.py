@@ -1,4 +1,4 @@
-"""Sweeps in one process: what is kept, resumed, recorded and given back."""
+"""Sweeps in one process: saving, resuming, recording of errors, and results."""
 
 import ctypes
 import errno
@@ -46,14 +46,15 @@ SMALL = {
 
 @pytest.fixture(autouse=True)
 def _cores() -> Iterator[None]:
-    """Cells keep their process to one core; here it is everybody's."""
+    """Keep cells from limiting this process to one core."""
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(cores, "_alone", False)
         yield
 
 
 class HereWorkers:
-    """Calls made at once, in this process; ``lose`` says for which cells the worker is lost."""
+    """Workers that run calls at once in this process; ``lose`` selects cells that lose their
+    worker."""
 
     count = 2
 
@@ -91,7 +92,7 @@ def store(tmp_path: Path) -> RunStore:
     return RunStore(tmp_path / "store")
 
 
-def test_a_sweep_gives_what_its_runs_give_to_the_bit(store: RunStore) -> None:
+def test_a_sweep_has_the_bits_of_its_runs(store: RunStore) -> None:
     sweep = small_sweep()
     state = run_sweep(sweep, store, HereWorkers())
     assert (state.done, state.stored, state.faults) == (4, 0, 0)
@@ -110,7 +111,7 @@ def test_a_sweep_gives_what_its_runs_give_to_the_bit(store: RunStore) -> None:
         assert float(row.eps) == (0.1, 0.2)[i]
 
 
-def test_attributes_come_back_as_they_were(store: RunStore) -> None:
+def test_attributes_are_restored(store: RunStore) -> None:
     sweep = small_sweep(eps=[0.1])
     run_sweep(sweep, store, HereWorkers())
     kept = cell_run(sweep, store, eps=0).attrs
@@ -121,9 +122,7 @@ def test_attributes_come_back_as_they_were(store: RunStore) -> None:
     }
 
 
-def test_fields_are_read_when_they_are_used(
-    store: RunStore, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_fields_are_read_lazily(store: RunStore, monkeypatch: pytest.MonkeyPatch) -> None:
     from longwave.runs import sweep_fields
 
     sweep = small_sweep()
@@ -179,8 +178,8 @@ KINDS: dict[str, tuple[dict[str, Any], str, list[float]]] = {
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_errors_of_cells_have_errors_of_their_own(kind: str, store: RunStore) -> None:
-    """They hold the error of a much finer run, and are to ``error`` as strains are to strains."""
+def test_errors_of_cells_have_their_own_error(kind: str, store: RunStore) -> None:
+    """They include the error of a much finer run, scaled to ``error`` as the strains are."""
     scene, field, values = KINDS[kind]
     sweep = sweep_of({"scene": scene, "grid": {field: values}})
     run_sweep(sweep, store, HereWorkers())
@@ -198,14 +197,14 @@ def test_errors_of_cells_have_errors_of_their_own(kind: str, store: RunStore) ->
     assert found.own_error.attrs["units"] == found.error.attrs["units"]
 
 
-def test_a_run_that_measured_none_has_no_error_of_its_own(store: RunStore) -> None:
+def test_a_run_without_a_measured_error_has_no_own_error(store: RunStore) -> None:
     run_sweep(small_sweep(eps=[0.1]), store, HereWorkers())
     record = pack_index(store.folder).table.record(0)
     assert record.numbers["error"] > 0.0
     assert np.isnan(record.numbers["own_error"])
 
 
-def test_what_is_there_is_not_run_again(store: RunStore) -> None:
+def test_stored_cells_are_not_run_again(store: RunStore) -> None:
     run_sweep(small_sweep(eps=[0.1, 0.2]), store, HereWorkers())
     store.keep(small_sweep(eps=[0.3]).scene(0), scene_run.run(small_sweep(eps=[0.3]).scene(0)))
     workers = HereWorkers()
@@ -218,7 +217,7 @@ def test_what_is_there_is_not_run_again(store: RunStore) -> None:
     assert again.cells == 0
 
 
-def test_the_share_that_is_done_and_the_seconds_left_are_shown(store: RunStore) -> None:
+def test_the_finished_share_and_the_seconds_left_are_reported(store: RunStore) -> None:
     sweep, shares, left = small_sweep(eps=[0.1, 0.2, 0.3, 0.4]), list[float](), list[float]()
     held = store.stored_runs()
     state = SweepState(len(sweep), expected=expected_sweep_cost(sweep, store, held).seconds_by_cell)
@@ -243,7 +242,7 @@ def test_cells_with_one_scene_are_run_once(store: RunStore) -> None:
 
 
 def test_a_run_is_read_though_an_attempt_failed_before(store: RunStore) -> None:
-    """As when a process is killed after a long run is in its file and before that is in a pack."""
+    """As if a process was killed after it saved a long run's file and before it wrote its pack."""
     sweep = small_sweep(eps=[0.1])
     key = store.key(sweep.scene(0))
     (store.folder / "packs").mkdir(parents=True)
@@ -256,8 +255,8 @@ def test_a_run_is_read_though_an_attempt_failed_before(store: RunStore) -> None:
     assert found.error.item() > 0
 
 
-def test_a_store_that_holds_all_is_not_written(store: RunStore) -> None:
-    """So one that cannot be written serves."""
+def test_a_complete_store_is_not_written(store: RunStore) -> None:
+    """So a read-only store works."""
     sweep = small_sweep()
     run_sweep(sweep, store, HereWorkers())
     before = store.folder.stat().st_mtime_ns
@@ -266,7 +265,7 @@ def test_a_store_that_holds_all_is_not_written(store: RunStore) -> None:
 
 
 @pytest.mark.parametrize("kind", ["grid", "list", "random"])
-def test_fields_that_are_called_as_numbers_of_cells_have_their_table(
+def test_swept_fields_named_like_numbers_of_cells_get_a_prefix(
     kind: str, store: RunStore, tmp_path: Path
 ) -> None:
     varied: dict[str, Any] = {"domain.sites": [1024, 2048], "domain.compared": [20, 30]}
@@ -281,13 +280,13 @@ def test_fields_that_are_called_as_numbers_of_cells_have_their_table(
     )
 
 
-def test_a_run_is_found_whoever_made_it(
+def test_a_run_is_found_by_the_command_and_by_the_store(
     store: RunStore,
     monkeypatch: pytest.MonkeyPatch,
     tmp_path: Path,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    """By the command and by the store, with all of its bits; a damaged pack is none."""
+    """Both return all of its bits; a damaged pack is ignored."""
     text = small_sweep(eps=[0.1]).scene(0).changed(name="small").toml()
     (tmp_path / "small.toml").write_text(text, encoding="utf-8")
     sweep = sweep_of({"scene": "small.toml", "grid": {"eps": [0.1, 0.2]}}, folder=tmp_path)
@@ -373,7 +372,7 @@ def test_fields_of_different_shapes_are_left_to_each_run(store: RunStore) -> Non
     assert cell_run(sweep, store, compared=1, snapshots=0).sizes["site"] == 61
 
 
-def test_fields_that_some_runs_have_not_are_left_to_each_run(store: RunStore) -> None:
+def test_fields_missing_in_some_runs_are_left_to_each_run(store: RunStore) -> None:
     sweep = small_sweep(observables=[["strain"], ["strain", "error_curve"]])
     run_sweep(sweep, store, HereWorkers())
     found = sweep_dataset(sweep, store).load()
@@ -382,8 +381,8 @@ def test_fields_that_some_runs_have_not_are_left_to_each_run(store: RunStore) ->
     assert "error_curve" in cell_run(sweep, store, observables=1)
 
 
-def test_a_worker_of_other_code_makes_no_runs(store: RunStore, tmp_path: Path) -> None:
-    """The key of a run that it made would be a lie; versions and folders that differ are told."""
+def test_a_worker_with_other_code_is_refused(store: RunStore, tmp_path: Path) -> None:
+    """The key of its runs would be wrong; the message names versions and folders that differ."""
     (cell,) = [Cell(0, "key", small_sweep(eps=[0.1]).scene(0))]
     run_cells([cell], tmp_path, "", None, process_code())
     here = dict(process_code())
@@ -393,7 +392,7 @@ def test_a_worker_of_other_code_makes_no_runs(store: RunStore, tmp_path: Path) -
     assert not list(tmp_path.rglob("*.h5"))
 
 
-def test_what_a_worker_raises_ends_the_sweep_in_a_line(store: RunStore) -> None:
+def test_an_error_of_a_worker_ends_the_sweep_in_one_line(store: RunStore) -> None:
     class Old(HereWorkers):
         def submit(self, job: Job) -> Call:
             return super().submit(replace(job, arguments=(*job.arguments, "more")))
@@ -402,7 +401,7 @@ def test_what_a_worker_raises_ends_the_sweep_in_a_line(store: RunStore) -> None:
         run_sweep(small_sweep(eps=[0.1]), store, Old())
 
 
-def test_lost_workers_cost_a_repeat(store: RunStore) -> None:
+def test_cells_of_lost_workers_are_run_again(store: RunStore) -> None:
     lost: list[float] = []
 
     def once(cells: list[Cell]) -> bool:
@@ -438,13 +437,15 @@ def test_a_cell_that_kills_its_workers_is_given_up(store: RunStore) -> None:
 def _run_long(
     scene: Any, progress: Any = None, announce: Callable[[float], None] | None = None
 ) -> xr.Dataset:
-    """The run, of which one with eps = 0.2 is announced as a long one."""
+    """Run a scene; announce one with eps = 0.2 as a long run."""
     if announce is not None:
         announce(100.0 if scene.eps == 0.2 else 1.0)
     return RUN(scene)
 
 
-def test_long_cells_are_runs_of_their_own(store: RunStore, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_long_cells_have_files_of_their_own(
+    store: RunStore, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(scene_run, "run", _run_long)
     sweep = small_sweep(eps=[0.1, 0.2])
     run_sweep(sweep, store, HereWorkers())
@@ -455,7 +456,7 @@ def test_long_cells_are_runs_of_their_own(store: RunStore, monkeypatch: pytest.M
     )
 
 
-def test_a_long_run_that_is_damaged_or_gone_is_made_anew(
+def test_a_long_run_that_is_damaged_or_missing_is_computed_again(
     store: RunStore, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(scene_run, "run", _run_long)
@@ -474,7 +475,7 @@ def test_a_long_run_that_is_damaged_or_gone_is_made_anew(
     assert bits(cell_run(sweep, store, eps=1)) == bits(scene_run.run(sweep.scene(1)))
 
 
-def test_a_long_run_that_has_no_place_of_its_own_goes_into_the_pack(
+def test_a_long_run_that_cannot_be_saved_goes_into_the_pack(
     store: RunStore, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def full(path: Path, run: xr.Dataset) -> Path:
@@ -487,7 +488,7 @@ def test_a_long_run_that_has_no_place_of_its_own_goes_into_the_pack(
     assert bits(cell_run(sweep, store, eps=0)) == bits(scene_run.run(sweep.scene(0)))
 
 
-def test_a_cell_that_changed_sources_would_run_is_tried_again(
+def test_a_cell_refused_for_changed_sources_is_tried_again(
     store: RunStore, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(scene_run, "run", _run_long)
@@ -502,7 +503,7 @@ def test_a_cell_that_changed_sources_would_run_is_tried_again(
     assert sweep_dataset(sweep, store).status.item() == "done"
 
 
-def test_a_pack_keeps_bits_and_kinds_apart(tmp_path: Path) -> None:
+def test_a_pack_keeps_bits_and_separates_layouts(tmp_path: Path) -> None:
     values = np.array([[np.nan, -0.0, 5e-324], [np.inf, 1 / 3, -np.inf]])
     runs = [
         xr.Dataset({"a": (("x", "y"), values * s)}, {"x": [1, 2]}, {"n": s, "t": "é", "l": [1, 2]})
@@ -539,8 +540,8 @@ def test_a_pack_keeps_a_number_that_only_some_of_its_cells_have(tmp_path: Path) 
     assert "last_delay" not in first
 
 
-def test_the_error_of_a_cell_is_the_largest_that_is_a_number() -> None:
-    """Of a run that blew up, or that has no wave at some times, the others are told."""
+def test_the_error_of_a_cell_is_the_largest_without_nan() -> None:
+    """A run that blew up, or has no wave at some times, has NaN there."""
     scene = load_scene("toda_soliton")
     for values, largest in (([np.nan, 0.5, 0.25], 0.5), ([0.125, np.nan], 0.125)):
         run = xr.Dataset({"error": ("time", values)}, attrs={"own_error": 0.0})
@@ -549,7 +550,7 @@ def test_the_error_of_a_cell_is_the_largest_that_is_a_number() -> None:
 
 
 def test_a_pack_without_a_number_is_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """One that was written before cells were told by it."""
+    """Such as a pack from before that number was introduced."""
     fewer = {name: told for name, told in run_pack.NUMBERS.items() if name != "own_error"}
     with monkeypatch.context() as before:
         before.setattr(run_pack, "NUMBERS", fewer)
@@ -559,7 +560,7 @@ def test_a_pack_without_a_number_is_read(tmp_path: Path, monkeypatch: pytest.Mon
     assert np.isnan(record.numbers.get("own_error", np.nan))
 
 
-def test_a_damaged_pack_counts_as_none(store: RunStore) -> None:
+def test_a_damaged_pack_is_ignored(store: RunStore) -> None:
     sweep = small_sweep(eps=[0.1])
     run_sweep(sweep, store, HereWorkers())
     (pack,) = (store.folder / "packs").rglob("*.h5")
@@ -583,8 +584,8 @@ def test_the_written_data_set_is_plain(store: RunStore, tmp_path: Path) -> None:
         assert read.error.attrs["long_name"]
 
 
-def test_names_of_what_is_compared_are_those_of_all_cells(store: RunStore) -> None:
-    """Texts have no NaN: to compare them with it raised an error."""
+def test_a_coordinate_of_texts_stays_a_coordinate(store: RunStore) -> None:
+    """Catches: texts compared as if they could be NaN, which raises an error."""
     tables = {"scene": "dimer_peregrine", "set": {"tolerance": 0.1}, "grid": {"eps": [0.2, 0.25]}}
     sweep = sweep_of(tables)
     run_sweep(sweep, store, HereWorkers())
@@ -597,15 +598,16 @@ def test_a_folder_among_the_packs_is_passed_over(store: RunStore) -> None:
     assert len(pack_index(store.folder)) == 0
 
 
-def test_nothing_is_left_beside_the_packs(store: RunStore) -> None:
+def test_no_other_file_is_left_in_the_store(store: RunStore) -> None:
     run_sweep(small_sweep(eps=[0.1]), store, HereWorkers())
     names = [path.name for path in store.folder.rglob("*") if path.is_file()]
     assert len(names) == 1
     assert names[0].endswith(".h5")
 
 
-def test_a_worker_that_ends_in_what_c_calls_says_nothing() -> None:
-    """As numba's compiler calls Python: an exception there is lost, and was told as a traceback."""
+def test_a_worker_stopped_inside_a_c_callback_prints_nothing() -> None:
+    """As in numba's compiler, which calls Python: the exception is discarded there with a
+    traceback."""
     called: list[int] = []
 
     def told_to_end() -> None:

@@ -1,4 +1,4 @@
-"""Sweeps over scenes that measure growth rates: their numbers, their faults and their pictures."""
+"""Sweeps over scenes that measure growth rates: numbers, errors and pictures."""
 
 import json
 from pathlib import Path
@@ -42,7 +42,7 @@ LATTICES: dict[str, Any] = {
 
 @pytest.fixture(scope="module")
 def swept(tmp_path_factory: pytest.TempPathFactory) -> tuple[xr.Dataset, Path]:
-    """The sweep's data set as it is written, and its folder."""
+    """Run the sweep; return its written data set and its folder."""
     folder = tmp_path_factory.mktemp("growth")
     tables = {"scene": GROWTH, "list": LATTICES, "grid": {"envelope.k": K, "eps": [0.1, 0.2]}}
     sweep, store = sweep_of(tables, "growth"), RunStore(folder / "store")
@@ -58,8 +58,10 @@ def swept(tmp_path_factory: pytest.TempPathFactory) -> tuple[xr.Dataset, Path]:
     return load_run(folder / "growth.nc"), folder
 
 
-def test_cells_tell_growth_from_none_and_from_no_run(swept: tuple[xr.Dataset, Path]) -> None:
-    """k = 0.5 is stable on both lattices; 3.5 is no wavenumber, and what is refused says so."""
+def test_cells_distinguish_growth_stability_and_missing_runs(
+    swept: tuple[xr.Dataset, Path],
+) -> None:
+    """k = 0.5 is stable on both lattices; 3.5 is no wavenumber, and its message says so."""
     data, _ = swept
     at = data.isel(eps=0)
     assert (at.status == [["done"] * 2] * 3 + [["refused"] * 2]).all()
@@ -82,7 +84,7 @@ def test_the_difference_falls_with_eps_squared(swept: tuple[xr.Dataset, Path]) -
     assert np.all((falls > 3.2) & (falls < 4.8))
 
 
-def test_the_picture_holds_cells_and_the_map_of_theory(swept: tuple[xr.Dataset, Path]) -> None:
+def test_the_picture_has_the_cells_and_the_map_of_theory(swept: tuple[xr.Dataset, Path]) -> None:
     data, folder = swept
     panels = growth_panels(data, 8)
     assert [panel.title for panel in panels] == ["fput", "klein_gordon"]
@@ -108,7 +110,7 @@ def test_the_picture_holds_cells_and_the_map_of_theory(swept: tuple[xr.Dataset, 
     assert one.get_axes()
 
 
-def test_growth_is_drawn_where_it_is_and_refused_elsewhere(
+def test_growth_is_drawn_for_growth_sweeps_only(
     swept: tuple[xr.Dataset, Path],
 ) -> None:
     data, _ = swept

@@ -37,7 +37,7 @@ def test_no_reader_gives_foreign_bytes(reader: str) -> None:
     assert sum(found.calls.values()) == CALLS
 
 
-OPENED = run_file._opened
+OPENED = run_file._open_stream
 PACK, SEALED = run_pack.open_pack, checkpoint.read_sealed
 CACHED, READ, READ_LINES = (
     kernel_folder.CacheFolder.read,

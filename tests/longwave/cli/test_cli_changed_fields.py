@@ -1,7 +1,7 @@
-"""`--set` and `--json` of scenes and sweeps: the same values reach every command, and are checked.
+"""`--set` and `--json` of scenes and sweeps: the same values reach every command and are checked.
 
-Catches: a field that is set and does not reach the run, a wrong one that is told after seconds of
-work, two values of which one is dropped, JSON that no other program reads.
+Catches: a set field that does not reach the run, a wrong one that is reported after seconds of
+work, two values of which one is dropped, JSON that no other program can read.
 """
 
 import json
@@ -26,7 +26,7 @@ SWEEP = 'scene = "chain.toml"\n[grid]\neps = [0.2, 0.25]\n'
 
 
 def strict(text: str) -> Any:
-    """What JSON says; NaN and Infinity, which Python writes and reads, are none."""
+    """Parse JSON; reject NaN and Infinity, which only Python's parser accepts."""
 
     def refused(constant: str) -> None:
         raise AssertionError(f"{constant} is no JSON")
@@ -43,7 +43,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.mark.usefixtures("folder")
-def test_what_is_set_is_run_and_told_as_json(capsys: Output) -> None:
+def test_set_values_are_run_and_printed_as_json(capsys: Output) -> None:
     words = ["run", "chain.toml", "--set", "eps=0.25,parameters.A=1.5", "--set", "times=[0, 5]"]
     assert main([*words, "--json", "--output", "run.nc"]) == 0
     told = strict(capsys.readouterr().out)
@@ -58,7 +58,7 @@ def test_what_is_set_is_run_and_told_as_json(capsys: Output) -> None:
 
 
 @pytest.mark.usefixtures("folder")
-def test_a_repetition_is_told_as_json(capsys: Output) -> None:
+def test_a_repeated_run_is_compared_as_json(capsys: Output) -> None:
     save_run(load_scene("chain.toml").run(), "run.nc")
     assert main(["run", "run.nc", "--json"]) == 0
     told = strict(capsys.readouterr().out)
@@ -66,7 +66,7 @@ def test_a_repetition_is_told_as_json(capsys: Output) -> None:
 
 
 @pytest.mark.usefixtures("folder")
-def test_a_sweep_takes_what_is_set_and_tells_its_cells_as_json(
+def test_a_sweep_takes_set_values_and_prints_its_cells_as_json(
     capsys: Output, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     sweep = load_sweep("sweep.toml", {"lattice.K4": 2, "parameters.A": 0.5})
@@ -81,7 +81,7 @@ def test_a_sweep_takes_what_is_set_and_tells_its_cells_as_json(
 
 
 @pytest.mark.usefixtures("folder")
-def test_pictures_films_and_rates_take_what_is_set(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_pictures_films_and_rates_take_set_values(monkeypatch: pytest.MonkeyPatch) -> None:
     met: list[Scene] = []
 
     def seen(scene: Scene, *_: object, **__: object) -> int:
@@ -96,7 +96,7 @@ def test_pictures_films_and_rates_take_what_is_set(monkeypatch: pytest.MonkeyPat
     assert [dict(scene.constants)["K4"] for scene in met] == [3, 3, 3]
 
 
-def test_a_scene_on_the_standard_input_and_a_wrong_one_that_is_set_right(
+def test_a_scene_on_standard_input_and_one_repaired_by_set(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     Path("wrong.toml").write_text(CHAIN.replace("eps = 0.2", "eps = 7"), encoding="utf-8")
@@ -134,7 +134,7 @@ WRONG = [
 
 @pytest.mark.usefixtures("folder")
 @pytest.mark.parametrize(("words", "message"), WRONG)
-def test_what_is_set_wrongly_is_told_in_one_line(
+def test_a_wrong_set_value_is_a_one_line_error(
     words: list[str], message: str, capsys: Output
 ) -> None:
     files = {"S": "chain.toml", "W": "sweep.toml", "R": "run.nc"}

@@ -1,4 +1,4 @@
-"""`longwave list`: every object is there, tables and JSON agree, text is printed as text."""
+"""`longwave list`: every object is listed, tables and JSON agree, texts are printed unchanged."""
 
 import json
 import subprocess
@@ -106,7 +106,7 @@ def test_a_scenes_markup_is_printed_as_text(tmp_path: Path, capsys: Output) -> N
     ],
 )
 def test_a_list_imports_no_more_than_it_shows(kind: str, unwanted: str) -> None:
-    """What the rest of the house needs takes seconds."""
+    """Importing the other rooms would take seconds."""
     code = (
         f"import sys; from longwave.cli.inventory import inventory; inventory([{kind!r}]);"
         f"sys.exit(' '.join(set(sys.modules) & set({unwanted.split()!r})) or 0)"

@@ -1,4 +1,4 @@
-"""`longwave run`, `plot` and `converge` of scenes that name a lattice."""
+"""`longwave run`, `plot` and `converge` of scenes on any lattice."""
 
 import json
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Catches: a limit that is stated, and that a formula, a file or a command goes past in silence."""
+"""Catches: a stated limit that a formula, a file or a command exceeds without an error."""
 
 import re
 from collections.abc import Iterator
@@ -99,7 +99,7 @@ TOO_LARGE = {
 
 
 def limited_commands(command: click.Command = longwave, above: str = "") -> Iterator[str]:
-    """The words of all commands that have a limit as an option."""
+    """Return the words of all commands that have limits as options."""
     if any({"--max-time", "--max-memory"} & {*parameter.opts} for parameter in command.params):
         yield above
     if isinstance(command, click.Group):
@@ -108,7 +108,7 @@ def limited_commands(command: click.Command = longwave, above: str = "") -> Iter
 
 
 def test_every_command_that_has_limits_is_tested() -> None:
-    """Catches: a command that is added with limits, and nothing that exceeds them."""
+    """Catches: a new command with limits and without an input that exceeds them."""
     assert {*limited_commands()} - OF_EACH == {*TOO_LONG} == {*TOO_LARGE}
 
 
@@ -117,7 +117,7 @@ NOTICES = re.compile(r".*\(Ctrl-C stops it\)|measuring \w+|not installed: .*")
 
 
 def without_notices(said: str) -> list[str]:
-    """The lines on stderr, but for those that are no errors."""
+    """Return the lines on stderr that are errors."""
     return [line for line in said.splitlines() if not NOTICES.fullmatch(line)]
 
 
@@ -126,7 +126,7 @@ BEFOREHAND = f"must take at most {TIME:g} s, got about"
 
 
 def check_ended(command: str, ended: Ended, line: str, *others: str) -> None:
-    """Check that a command ended in one line that tells the limit, and left no process."""
+    """Check that a command ended with one line that names the limit, and left no process."""
     said = without_notices(ended.errors)
     assert (ended.status, len(said)) == (2, 1), ended
     assert said[0].startswith(f"error: longwave {command} {line}") or any(
@@ -157,7 +157,7 @@ def test_a_command_ends_within_its_memory(command: str, tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_compiled_code_that_does_not_end_is_ended(tmp_path: Path) -> None:
-    """It keeps Python's lock, so that nothing in its process can end it."""
+    """Compiled code holds the GIL, so that nothing in its process can stop it."""
     words, function = TOO_LARGE["derive"]
     seconds = 2.0 * TIME  # in which it is reached
     ended = watched([*words.split(), "--max-time", f"{seconds}s"], tmp_path, f"time {function}")
@@ -166,7 +166,7 @@ def test_compiled_code_that_does_not_end_is_ended(tmp_path: Path) -> None:
 
 
 def write_fill_values(path: Path, sites: int) -> None:
-    """Write the file of a run that is small on the disk and large when it is read."""
+    """Write the file of a run that is small on the disk and large in memory."""
     run = xr.Dataset({"strain": (("time", "site"), np.zeros((2, 4)))}, {"site": np.arange(4)})
     save_run(run, path)
     with h5py.File(path, "r+") as file:

@@ -1,4 +1,4 @@
-"""`--export` and `verify recheck`: files, tables and exit status, systems of cardboard."""
+"""`--export` and `verify recheck`: files, tables and exit status, with mock systems."""
 
 import json
 from pathlib import Path
@@ -15,7 +15,7 @@ BOTH = ("--solution", "u = sinh(x + t)", "--solution", "v = cosh(x + t)")
 
 
 def cardboard(folder: Path, words: str) -> None:
-    """Programs that say what they are told."""
+    """Install mock programs that give prescribed answers."""
     for system in SYSTEMS.values():
         program = folder / system.program
         program.write_text(f"#!/bin/sh\n{words}\n")
@@ -44,7 +44,9 @@ def test_each_equation_has_its_script(tmp_path: Path) -> None:
     assert sorted(path.name for path in tmp_path.iterdir()) == ["s_1.gp", "s_2.gp"]
 
 
-def test_what_is_refuted_has_no_script(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_refuted_statement_has_no_script(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     file = tmp_path / "s.gp"
     wrong = [*TRANSPORT[:-1], "u = sin(x + c*t)"]
     assert main(["prove", *wrong, "--export", "pari", "--output", str(file)]) == 2
@@ -61,7 +63,7 @@ def test_a_script_needs_a_file(capsys: pytest.CaptureFixture[str]) -> None:
     ("words", "expected", "status"),
     [("echo accepted", "accepted", 0), ("echo rejected", "rejected", 1), ("", "no answer", 0)],
 )
-def test_the_table_says_what_the_systems_say(
+def test_the_table_has_the_answers_of_the_systems(
     words: str,
     expected: str,
     status: int,
@@ -79,7 +81,7 @@ def test_the_table_says_what_the_systems_say(
     assert [words for words in entry["premises"] if words.endswith("is not 0")]
 
 
-def test_accepted_is_told_with_its_premises(
+def test_an_accepted_script_names_its_premises(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     cardboard(tmp_path, "echo accepted")
@@ -95,7 +97,7 @@ def test_accepted_is_told_with_its_premises(
     )
 
 
-def test_what_is_not_installed_is_said_and_never_accepted(
+def test_a_missing_system_is_reported_and_never_accepts(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setenv("PATH", str(tmp_path))
@@ -106,7 +108,7 @@ def test_what_is_not_installed_is_said_and_never_accepted(
     assert "accepted" not in said.out
 
 
-def test_a_name_of_nothing_is_an_error_and_installs_nothing(
+def test_an_unknown_name_is_an_error_and_installs_nothing(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(recheck, "install_systems", lambda: pytest.fail("installed first"))

@@ -63,7 +63,7 @@ def written(folder: Path, text: str) -> str:
         (UNDECIDED, 1, "UNDECIDED"),
     ],
 )
-def test_the_exit_status_and_the_json_say_the_verdict(
+def test_exit_status_and_json_agree_with_the_verdict(
     words: list[str], status: int, verdict: str, capsys: Output
 ) -> None:
     assert main(["prove", *words, "--json"]) == status
@@ -76,7 +76,7 @@ def test_the_exit_status_and_the_json_say_the_verdict(
     assert "u_{x" in record["statement"]
 
 
-def test_in_words_a_refutation_has_its_point_and_what_holds(capsys: Output) -> None:
+def test_a_printed_refutation_has_its_witness_and_a_hint(capsys: Output) -> None:
     assert main(["prove", *STATED, MISPRINT]) == 1
     first, point, hint = capsys.readouterr().out.splitlines()
     assert first.startswith("REFUTED statement: residual ")
@@ -85,7 +85,7 @@ def test_in_words_a_refutation_has_its_point_and_what_holds(capsys: Output) -> N
     assert hint == f"    it holds with -4*k**2*t in the place of 4*k**2*t: {right}"
 
 
-def test_in_words_a_proof_has_its_scope_and_its_poles(capsys: Output) -> None:
+def test_a_printed_proof_has_its_scope_and_its_poles(capsys: Output) -> None:
     assert main(["prove", "--equation", "u_x*x + u", "--solution", "u = a/x"]) == 0
     assert capsys.readouterr().out.splitlines() == [
         "PROVED statement: for all real a, x, wherever the formulas are smooth",
@@ -116,7 +116,7 @@ def test_a_file_is_decided_in_order_and_compared_with_what_it_expects(
     assert "    expected was UNDECIDED\n" in capsys.readouterr().out
 
 
-def test_without_an_expectation_only_a_proof_is_well(tmp_path: Path, capsys: Output) -> None:
+def test_without_an_expectation_only_a_proof_has_status_0(tmp_path: Path, capsys: Output) -> None:
     assert main(["prove", written(tmp_path, FILE.replace('expect = "REFUTED"', ""))]) == 1
     capsys.readouterr()
 
@@ -176,7 +176,7 @@ def test_wrong_options_are_one_line_and_status_2(
     assert message in output.err
 
 
-def test_a_wrong_formula_is_a_line_and_a_picture(capsys: Output) -> None:
+def test_a_wrong_formula_is_printed_with_a_marker(capsys: Output) -> None:
     assert main(["prove", *STATED, "u = 2*k**2*sehc(k*x)"]) == 2
     output = capsys.readouterr()
     assert output.out == ""
@@ -261,7 +261,7 @@ def slow(_: Any, tell: Any) -> Any:
         time.sleep(0.01)
 
 
-def test_past_the_limit_it_is_undecided_and_says_how_far_it_came(
+def test_a_statement_past_its_limit_is_undecided_with_its_last_stage(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     def find_witness(*given: Any) -> Any:
@@ -281,7 +281,7 @@ def test_the_stages_are_functions_of_the_prover() -> None:
         assert hasattr(prover, name), name
 
 
-def test_a_process_that_does_not_listen_is_ended(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_unresponsive_process_is_stopped(monkeypatch: pytest.MonkeyPatch) -> None:
     def deaf(_: Any, tell: Any) -> Any:
         tell("equation 2 of 2")
         while True:
@@ -333,7 +333,7 @@ def test_a_refutation_stays_if_the_search_for_a_hint_hangs(monkeypatch: pytest.M
 
 
 def test_four_processes_decide_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Each waits until all have begun."""
+    """Each process waits until all have started."""
     whole, all_here = command.answer, get_context("fork").Barrier(4)
 
     def waiting(statement: Any, tell: Any) -> Any:
@@ -347,7 +347,7 @@ def test_four_processes_decide_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
     assert [verdicts[place].outcome for place in range(4)] == ["PROVED"] * 4
 
 
-def test_without_time_for_it_there_is_no_hint() -> None:
+def test_there_is_no_hint_without_time_for_it() -> None:
     given = [problem(KDV, MISPRINT)]
     (hinted,) = (verdict for _, verdict in decide_statements(given, 30.0))
     (bare,) = (verdict for _, verdict in decide_statements(given, 30.0, hinting=0.0))
@@ -371,8 +371,10 @@ def test_ctrl_c_prints_what_is_decided(
     assert output.err == "longwave prove: interrupted (after 1 of 3 statements)\n"
 
 
-def test_reading_is_shown_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The library's formulas take seconds to read: once nothing was to be seen of that."""
+def test_the_time_for_reading_is_announced_too(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The library's formulas take seconds to read, which once showed no progress."""
     shown: list[tuple[str, int]] = []
 
     def tracked(items: Iterable[Any], count: int, words: str) -> Iterator[Any]:
@@ -390,7 +392,7 @@ def test_problems_are_read_without_deciding(tmp_path: Path) -> None:
     assert [p.statement.name for p in problems] == ["soliton", "misprint", "mine 3"]
 
 
-def test_what_takes_long_is_announced_once(
+def test_long_work_is_announced_once(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(command, "SECONDS_BEFORE_NOTICE", 0.0)

@@ -1,4 +1,4 @@
-"""What ``longwave sweep`` overwrites, and what it says before it is done."""
+"""`longwave sweep`: which files it overwrites, and its messages during the run."""
 
 import errno
 import re
@@ -34,7 +34,7 @@ def test_force_overwrites_nothing_but_results(
 def test_a_store_is_not_the_file_of_its_sweep(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Else all was run before it could not be written."""
+    """Otherwise the error would come after all cells were run."""
     path, both = tmp_path / "sw.toml", str(tmp_path / "both.nc")
     path.write_text(TEXT, encoding="utf-8")
     assert sweep_and_print(str(path), "sweep", output=both, store=both) == 2
@@ -43,7 +43,7 @@ def test_a_store_is_not_the_file_of_its_sweep(
 
 
 @pytest.mark.slow
-def test_a_disk_that_is_full_at_the_end_is_told_with_what_is_kept(
+def test_a_full_disk_at_the_end_names_the_saved_cells(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     def full(*_: object) -> None:
@@ -60,7 +60,7 @@ def test_a_disk_that_is_full_at_the_end_is_told_with_what_is_kept(
 
 
 @pytest.mark.slow
-def test_one_damaged_pack_is_told_once_and_one_cell_as_one(
+def test_a_damaged_pack_is_reported_once_and_one_cell_in_the_singular(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
@@ -84,10 +84,10 @@ def test_a_sweep_is_no_scene(tmp_path: Path, capsys: pytest.CaptureFixture[str])
     assert capsys.readouterr().err == f"error: {path}: {told}\n"
 
 
-def test_a_sweep_that_takes_its_time_says_so(
+def test_a_slow_sweep_shows_its_progress(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Before a cell is done: the first worker alone takes seconds to start."""
+    """Progress is shown before the first cell is done, because a worker takes seconds to start."""
     said = ""
 
     def nothing_yet(*_: object) -> None:
@@ -107,10 +107,10 @@ def test_a_sweep_that_takes_its_time_says_so(
     assert re.search(r"sw, 2 cells: .*(left|so far) \(Ctrl-C stops it\)", said)
 
 
-def test_what_the_store_says_is_told_in_lines(
+def test_messages_of_the_store_are_printed_as_lines(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """A run of its own that was damaged, which a sweep looks for as well."""
+    """The sweep also finds a damaged run in a file of its own."""
     (tmp_path / "sw.toml").write_text(TEXT, encoding="utf-8")
     store = RunStore(tmp_path / "store")
     path = store.path(load_sweep(str(tmp_path / "sw.toml")).scene(0))

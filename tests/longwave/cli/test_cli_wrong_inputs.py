@@ -1,7 +1,7 @@
 """Sixty wrong inputs, at the command line and in files: one line with the remedy, no traceback.
 
-Catches: an input that ends in a traceback, in several lines, in status 0, or in a message without
-what may be written instead; one that is told only after something was loaded or run.
+Catches: an input that ends in a traceback, several lines, status 0, or a message without a remedy;
+an error that is reported only after something was loaded or run.
 """
 
 import errno
@@ -137,7 +137,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.fixture(scope="module")
 def kept(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A run's file."""
+    """Write the file of a run."""
     place = tmp_path_factory.mktemp("runs")
     (place / "chain.toml").write_text(CHAIN, encoding="utf-8")
     save_run(load_scene(place / "chain.toml").run(), place / "run.nc")
@@ -145,7 +145,7 @@ def kept(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.parametrize(("line", "message"), LINES)
-def test_a_wrong_input_is_told_in_one_line(
+def test_a_wrong_input_is_a_one_line_error(
     line: str, message: str, folder: Path, kept: Path, capsys: Output
 ) -> None:
     (folder / "run.nc").write_bytes(kept.read_bytes())
@@ -200,7 +200,7 @@ COMMANDS = {
 
 @pytest.mark.usefixtures("folder")
 @pytest.mark.parametrize(("name", "right", "wrong", "message"), CONTENTS)
-def test_a_wrong_file_is_told_in_one_line(
+def test_a_wrong_file_is_a_one_line_error(
     name: str, right: str, wrong: str, message: str, capsys: Output
 ) -> None:
     assert right in FILES[name]
@@ -212,7 +212,7 @@ def test_a_wrong_file_is_told_in_one_line(
     assert message in output.err
 
 
-def test_a_strain_that_no_run_has_is_told(kept: Path, folder: Path, capsys: Output) -> None:
+def test_an_impossible_strain_is_reported(kept: Path, folder: Path, capsys: Output) -> None:
     run = load_run(kept)
     for fault, told in (
         ("nan", "got NaN or inf in 1 of 2 snapshots"),
@@ -258,7 +258,7 @@ def full(*_: object, **__: object) -> None:
     raise OSError(errno.ENOSPC, "No space left on device", "there")
 
 
-def test_a_full_disk_is_status_1_wherever_it_is_met(
+def test_a_full_disk_has_status_1_at_every_write(
     folder: Path, kept: Path, monkeypatch: pytest.MonkeyPatch, capsys: Output
 ) -> None:
     (folder / "run.nc").write_bytes(kept.read_bytes())

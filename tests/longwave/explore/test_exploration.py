@@ -1,4 +1,4 @@
-"""What is behind the page of `longwave explore`, without a server: choices, scenes, runs, texts."""
+"""The explorer without its page and server: choices, scenes, runs, texts."""
 
 import multiprocessing
 import time
@@ -106,9 +106,7 @@ def test_sliders_stay_where_the_catalogue_admits_values(wave: str) -> None:
         ({"tolerance": "1e-30"}, "tolerance must satisfy tolerance >= 1e-11, got 1e-30 (rou"),
     ],
 )
-def test_what_is_typed_wrong_is_told_in_the_librarys_line(
-    changes: dict[str, object], line: str
-) -> None:
+def test_a_wrong_entry_shows_the_librarys_message(changes: dict[str, object], line: str) -> None:
     with pytest.raises(ValueError) as told:  # noqa: PT011  (the whole line is looked at)
         scene_of_choices(SOLITON.changed(**changes))
     assert str(told.value).startswith(line)
@@ -128,7 +126,7 @@ def test_what_is_typed_wrong_is_told_in_the_librarys_line(
         (LONG, "the run must take at most 10 s, got about "),
     ],
 )
-def test_what_cannot_be_run_is_told_in_one_line(choices: Choices, line: str) -> None:
+def test_a_scene_that_cannot_run_is_a_one_line_message(choices: Choices, line: str) -> None:
     begun = time.process_time()
     with pytest.raises(ValueError) as told:  # noqa: PT011  (the whole line is looked at)
         compare(scene_of_choices(choices))
@@ -137,7 +135,7 @@ def test_what_cannot_be_run_is_told_in_one_line(choices: Choices, line: str) -> 
     assert time.process_time() - begun < 30.0
 
 
-def test_what_a_page_may_take_can_be_said() -> None:
+def test_limits_of_the_page_can_be_set() -> None:
     limits = RequestLimits(1e8, 60.0)
     with pytest.raises(ValueError, match=r"must fit 100 MB, got about .* or raise --max-memory"):
         compare(scene_of_choices(SOLITON), limits=limits)
@@ -196,7 +194,7 @@ def read(html: str) -> Reader:
     return reader
 
 
-def test_the_texts_say_the_errors_with_their_own(found: Comparison) -> None:
+def test_the_texts_show_errors_and_the_runs_own_error(found: Comparison) -> None:
     shown = read(text.outcome_html(found)).texts
     assert "largest difference" in shown
     assert f"{found.errors.max():.3g} ε" in shown
@@ -206,7 +204,7 @@ def test_the_texts_say_the_errors_with_their_own(found: Comparison) -> None:
     assert read(text.wave_html(found)).tags.count("math") == 2
 
 
-def test_what_was_typed_is_no_html() -> None:
+def test_typed_text_is_escaped_in_html() -> None:
     hostile = "<script>alert(1)</script>"
     for html in (
         text.refusal_html(Refusal(hostile)),
@@ -230,7 +228,7 @@ def _empty(**changes: object) -> Comparison:
 
 
 def answered(explorer: Explorer) -> Answer:
-    """The last answer; the limit only ends a test that hangs."""
+    """Wait for the final answer; the time limit only ends a hanging test."""
     for _ in range(1200):
         answer = explorer.answer()
         if answer is not None and not isinstance(answer, float):
@@ -240,14 +238,14 @@ def answered(explorer: Explorer) -> Answer:
 
 
 def kill() -> None:
-    """Kill the process of the one explorer that there is."""
+    """Kill the only worker process of the explorer."""
     (process,) = multiprocessing.active_children()
     process.kill()
     process.join()
 
 
 @pytest.mark.slow
-def test_the_newest_choice_is_answered_and_a_process_that_ended_is_replaced(
+def test_the_newest_choice_is_answered_and_a_dead_process_is_replaced(
     found: Comparison,
 ) -> None:
     explorer = Explorer(PATIENT)
@@ -278,7 +276,7 @@ def test_the_newest_choice_is_answered_and_a_process_that_ended_is_replaced(
 
 
 @pytest.mark.slow
-def test_a_limit_below_what_a_process_takes_refuses_the_run_in_one_line(
+def test_a_memory_limit_below_that_of_the_process_is_a_one_line_refusal(
     capfd: pytest.CaptureFixture[str],
 ) -> None:
     explorer = Explorer(RequestLimits(99.0, 60.0))
