@@ -30,13 +30,14 @@ def _unless_elsewhere(look: hdf_contents._ByteCount, thing: Any) -> None:
         ARRAY(look, thing)
 
 
-ARRAY = hdf_contents._ByteCount.count_array
+COUNT = hdf_contents._ByteCount
+ARRAY = COUNT.count_array
 FAULTS = {
     "names": (
-        hdf_contents._ByteCount, "count_array", _unless_named, "in_another_file", "bytes of another", 60,
+        COUNT, "count_array", _unless_named, "in_another_file", "bytes of another", 60,
     ),
     "other files": (
-        hdf_contents._ByteCount, "count_array", _unless_elsewhere, "in_another_file", "bytes of another", 60,
+        COUNT, "count_array", _unless_elsewhere, "in_another_file", "bytes of another", 60,
     ),
     "links": (hdf_contents, "_check_new", lambda *_: None, "linked_often", r"\d s$", 2),
     "sizes": (hdf_contents, "BASE_BYTES", 10**9, "filled", r"\d MB$", 60),
