@@ -139,7 +139,7 @@ def _open_checked(stream: BinaryIO, size: int, resources: ExitStack) -> xr.Datas
     from xarray.backends import H5NetCDFStore
 
     file = resources.enter_context(h5py.File(stream))
-    check_contents(file, size)  # fails cleanly where h5netcdf leaves half an object
+    check_contents(file, size)  # before h5netcdf, which leaves an open object if it fails
     dataset = resources.enter_context(
         h5netcdf.File(file, "r", phony_dims="access", decode_vlen_strings=True)
     )
@@ -274,7 +274,7 @@ def _to_netcdf_types(run: xr.Dataset) -> xr.Dataset:
             parts = np.ascontiguousarray(values).view(values.real.dtype)
             dims, values = (*dims, COMPLEX_PARTS), parts.reshape(*values.shape, 2)
         elif values.dtype.kind == "O":
-            values = values.astype(str)  # as objects, xarray 2025.1 writes none
+            values = values.astype(str)  # xarray 2025.1 cannot write arrays of objects
         elif values.dtype == np.float16:
             raise ValueError(f"{name} must be of a type that NetCDF has, got float16 (use float32)")
         variables[name] = xr.Variable(dims, values, attributes)

@@ -356,7 +356,7 @@ def open_pack(path: Path, link_free: int = 1) -> Iterator[h5py.File]:
         is_checked = stamp in _remembered
         if not is_checked and not is_sealed(stream):
             LOG.warning(DAMAGED, path)
-            raise DamagedPackError(f"{path} is damaged")
+            raise DamagedPackError(f"{path} is damaged: its checksum is wrong")
         try:
             file = h5py.File(stream)
         except OSError as error:
@@ -429,7 +429,7 @@ def build_table(columns: Mapping[str, Any], numbers: Any) -> CellTable:
         if name in numbers
     }
     if any(column.shape != (count,) for column in (*plain.values(), *number_columns.values())):
-        raise ValueError("its columns differ in length")
+        raise ValueError("the columns differ in length")
     for name in ("key", "status"):
         plain[name].astype("U")  # raises if it is not ASCII
     return CellTable(**plain, numbers=number_columns)
@@ -442,7 +442,7 @@ def check_keys(group: Any, rows: Sequence[int], keys: Sequence[str]) -> None:
     """
     expected = [(row, key) for row, key in zip(rows, keys, strict=True) if key]
     if any(local_member(group, "key").asstr()[row] != key for row, key in expected):
-        raise ValueError("its runs changed since it was indexed")
+        raise ValueError("the pack's runs changed since it was indexed")
 
 
 def load_row(path: Path, group: int, row: int, key: str = "", link_free: int = 1) -> xr.Dataset:
@@ -469,5 +469,5 @@ def load_row(path: Path, group: int, row: int, key: str = "", link_free: int = 1
             )
         except Exception as error:  # see read_pack
             raise ValueError(
-                f"a pack must hold whole runs, got {path}: {reason_of(error)}"
+                f"pack must contain complete runs, got {path}: {reason_of(error)}"
             ) from None

@@ -131,7 +131,7 @@ def relocated_runs(runs: Sequence[PackedRun]) -> list[PackedRun]:
     for run in runs:
         entry = index.get(run.key)
         if entry is None or entry[1] is None:
-            raise ValueError(f"a pack must hold whole runs, got none: {run.path} is gone")
+            raise ValueError(f"pack must exist, got none: {run.path} is gone (run the sweep again)")
         relocated.append(entry[1])
     return relocated
 
@@ -265,7 +265,7 @@ def _read_index(folder: Path) -> dict[str, tuple[PackStamp, CellTable]]:
             table = build_table(columns, file["numbers"])
         ends = np.searchsorted(table.pack, np.arange(len(packs) + 1))
         if np.any(np.diff(table.pack) < 0) or ends[0] != 0 or ends[-1] != len(table):
-            raise ValueError("its rows do not match its packs")
+            raise ValueError("the rows do not match the packs")
     except Exception as error:  # see run_pack.read_pack
         LOG.warning("%s is not an index and is rebuilt (%s)", path, reason_of(error))
         return {}

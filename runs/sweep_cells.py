@@ -197,7 +197,7 @@ def run_cell(cell: Cell, store: RunStore | None = None) -> CellRecord:
         # `fetch` also raises ValueError if sources changed, which is no fault of the scene.
         sources_changed = in_own_file and not runs_its_sources()
         return CellRecord(cell.key, FAILED if sources_changed else REFUSED, _one_line(error))
-    except Exception as error:  # the sweep goes on, and the next attempt may succeed
+    except Exception as error:  # the sweep continues, and the next attempt may succeed
         return CellRecord(cell.key, FAILED, _one_line(f"{type(error).__name__}: {error}"))
     record = record_of(cell.key, cell.scene, run)
     return replace(record, run=None) if in_own_file else record

@@ -209,15 +209,13 @@ def sweep_of(
     for field in (*fixed, *swept):
         check_field(field, base_tables)
         if field in swept and field in (changes or {}):
-            raise ValueError(
-                f"--set must name what the sweep does not vary, got {field} (leave it)"
-            )
+            raise ValueError(f"--set must not name a swept field, got {field} (leave it out)")
     for index, field in enumerate(swept):
         others = {*swept[:index], *fixed}
         if field in others or any(
             _is_inside(*pair) for other in others for pair in [(other, field), (field, other)]
         ):
-            raise ValueError(f"{field} must vary in one place, got two (leave one out)")
+            raise ValueError(f"{field} must be given in one table, got it in two (leave one out)")
     cells = math.prod(dimension.size for dimension in dimensions)
     if cells > MOST_CELLS:
         raise ValueError(f"cells must be at most {MOST_CELLS}, got {cells} (take fewer values)")
@@ -259,19 +257,19 @@ def _flatten_tables(
 
 
 def _dimensions(document: Mapping[str, Any]) -> Iterator[SweptDimension]:
-    for field, given in _flatten_tables(table(document, "grid"), "grid"):
+    for field, values_given in _flatten_tables(table(document, "grid"), "grid"):
         values = (
-            _range_values(field, given)
-            if isinstance(given, Mapping)
-            else _listed_values(field, given)
+            _range_values(field, values_given)
+            if isinstance(values_given, Mapping)
+            else _listed_values(field, values_given)
         )
         _check_distinct(field, values)
         yield SweptDimension(field, (field,), tuple((value,) for value in values))
     columns = {
-        field: _range_values(field, given)
-        if isinstance(given, Mapping)
-        else _listed_values(field, given)
-        for field, given in _flatten_tables(table(document, "list"), "list")
+        field: _range_values(field, values_given)
+        if isinstance(values_given, Mapping)
+        else _listed_values(field, values_given)
+        for field, values_given in _flatten_tables(table(document, "list"), "list")
     }
     if columns:
         first, *others = columns
@@ -279,7 +277,7 @@ def _dimensions(document: Mapping[str, Any]) -> Iterator[SweptDimension]:
             if len(columns[field]) != len(columns[first]):
                 raise ValueError(
                     f"columns in [list] must have one length, got {len(columns[first])} of {first} "
-                    f"and {len(columns[field])} of {field} (they go together; or use [grid])"
+                    f"and {len(columns[field])} of {field} (they vary together; or use [grid])"
                 )
         yield SweptDimension(CASE, tuple(columns), tuple(zip(*columns.values(), strict=True)))
     if "random" in document:
@@ -401,7 +399,7 @@ def _draw(field: str, given: object, stream: Random) -> Any:
     refuse_unknown(given, DRAWN_KEYS, f" of {field}")
     if "choose" in given:
         if len(given) > 1:
-            raise ValueError(f"{field} must have choose alone, got other keys too (leave them out)")
+            raise ValueError(f"{field} must have only choose, got other keys too (leave them out)")
         choices = _listed_values(field, given["choose"])
         return choices[int(stream.random() * len(choices))]
     low, high, log = _range_ends(field, given)

@@ -109,7 +109,7 @@ def check_field(field: str, document: Document | None = None) -> None:
     """Raise ValueError for an unknown field; a key of a table in ``document`` is named in full."""
     top, _, key = field.partition(".")
     if top in PAIRS:
-        return  # a key of the table, or all of it
+        return  # these tables may have any key, and may be replaced as a whole
     if top in VARIED and (key in VARIED[top] if key else not VARIED[top]):
         return
     qualified = [

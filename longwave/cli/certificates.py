@@ -199,7 +199,8 @@ def run_limited(work: Callable[..., T], *arguments: object) -> T:
     if isinstance(call.error, CertificateError):
         raise call.error
     if call.error is not None:
-        raise CertificateError(f"it took more than {MOST_SECONDS} s or {MOST_MEMORY // 10**6} MB")
+        limits = f"{MOST_SECONDS} s or {MOST_MEMORY // 10**6} MB"
+        raise CertificateError(f"the check took more than {limits}")
     result: T = call.value
     return result
 

@@ -135,7 +135,7 @@ def fit(
         raise click.UsageError("--scene must be given with --free, got one of them alone")
     if scene is None or free is None:
         if len(points) > 1:
-            raise click.UsageError(f"FILE.csv must be one without --scene, got {len(points)}")
+            raise click.UsageError(f"FILE.csv must be one file without --scene, got {len(points)}")
         from longwave.cli.fit import fit_and_print
 
         return fit_and_print(points[0], fixed=named_values("--fix", fixed), **options)

@@ -121,7 +121,7 @@ def prove(files: tuple[str, ...], **options: Any) -> int:
     if any(stated) and (files or not all(stated)):
         missing = "no --solution" if stated[0] else "no --equation"
         got = f"{files[0]} as well" if files else missing
-        raise click.UsageError(f"--equation must be given with --solution alone, got {got}")
+        raise click.UsageError(f"--equation must be given with --solution and no file, got {got}")
     typed = ("parameters", "domain", "variables", "solve", "weak")
     _refuse_both(
         *((options[name], f"--{name}", files, "a FILE.toml") for name in typed),

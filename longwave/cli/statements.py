@@ -258,9 +258,6 @@ def _announce_rest(count: int, takes: str) -> None:
     give_notice(f"{count} statement{'' if count == 1 else 's'} to be decided", takes)
 
 
-# processes
-
-
 def decide_statements(
     problems: Sequence[StatedProblem],
     limit: float = DEFAULT_LIMIT,
@@ -311,12 +308,12 @@ def _verdict_of(statement: Statement, call: Call, limit: float) -> StatementVerd
     for message in (call.value, call.told):
         if isinstance(message, StatementVerdict):
             return message
-    late = isinstance(call.error, OutOfTime)
-    reason = f"no verdict within {limit:g} s" if late else str(call.error)
+    timed_out = isinstance(call.error, OutOfTime)
+    reason = f"no verdict within {limit:g} s" if timed_out else str(call.error)
     if not isinstance(call.error, OutOfTime | LostProcess):
         reason = f"the workers ended before it was decided ({type(call.error).__name__})"
     stage = call.told or FIRST_STAGE
-    return undecided(statement, f"{reason} (last stage: {stage})", limit if late else 0.0)
+    return undecided(statement, f"{reason} (last stage: {stage})", limit if timed_out else 0.0)
 
 
 def proof_digest() -> str:
@@ -355,7 +352,7 @@ def _decide_in_worker(
     except MemoryError:
         allowed = min(MOST_MEMORY, current_limits().memory_bytes)
         verdict = undecided(statement, f"no verdict within {allowed / 1e6:.0f} MB of memory")
-    except Exception as error:  # a crash of the prover is no verdict, and not the user's mistake
+    except Exception as error:  # a crash of the prover is neither a verdict nor a user's mistake
         message = f"{type(error).__name__}: {' '.join(str(error).split())}"
         verdict = undecided(statement, f"the prover failed ({message[:200]})")
     seconds_left = min(limit - (time.monotonic() - start), hinting)
@@ -377,9 +374,6 @@ def _current_step(trace: TracebackType | None) -> str:
         step = STAGES.get(trace.tb_frame.f_code.co_name, step)
         trace = trace.tb_next
     return f", {step}" if step else ""
-
-
-# what is printed
 
 
 def _print_decisions(decisions: Sequence[Decision], latex: bool) -> None:

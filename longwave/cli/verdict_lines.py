@@ -69,7 +69,7 @@ class VerdictLines:
             with self._path.open("rb") as stream:
                 stream.seek(-1, os.SEEK_END)
                 return stream.read() == b"\n"
-        except OSError:  # not there, or empty
+        except OSError:  # missing or empty
             return True
 
 

@@ -107,9 +107,11 @@ def _form_count(count: int) -> str:
 
 def _relative_effort(sampling: Sampling) -> float:
     """Return the work in units of the default: proportional to points and to squared digits."""
-    usual = Sampling()
+    default = Sampling()
     digit_work = sum(max(number, 30) ** 2 for number in sampling.digits)
-    return sampling.points / usual.points * digit_work / sum(number**2 for number in usual.digits)
+    return (
+        sampling.points / default.points * digit_work / sum(number**2 for number in default.digits)
+    )
 
 
 def sampling_of(

@@ -321,7 +321,7 @@ def _setting(wave: str, name: str | None) -> WaveSetting:
         if name in (None, setting.name):
             return setting
     known = one_of(name, [setting.name for setting in candidates])
-    raise ValueError(f"setting must be one of {wave}, got {shown(name)} ({known})")
+    raise ValueError(f"setting must be a lattice of {wave}, got {shown(name)} ({known})")
 
 
 def scene_of_choices(choices: Choices) -> Scene:
@@ -331,7 +331,7 @@ def scene_of_choices(choices: Choices) -> Scene:
     positive("eps", eps)
     begin, end = (finite(name, parsed_number(getattr(choices, name))) for name in ("begin", "end"))
     if end <= begin:
-        raise ValueError(f"end must satisfy end > begin = {begin:g}, got {end:g} (end later)")
+        raise ValueError(f"end must satisfy end > begin = {begin:g}, got {end:g} (increase end)")
     half_width = finite("half_width", parsed_number(choices.half_width))
     positive("half_width", half_width)
     times = [float(f"{begin + (end - begin) * i / (FRAMES - 1):.12g}") for i in range(FRAMES)]

@@ -274,7 +274,7 @@ class Explorer:
         try:
             answer: Answer = call.result()
         except LostProcess:
-            return Refusal("the run's process ended before the run (too little memory?)")
+            return Refusal("the worker process ended before its run (too little memory?)")
         except OutOfTime:
             duration_text = duration(DEADLINE * self.limits.seconds)
             return Refusal(f"the run was stopped after {duration_text} (a larger eps is faster)")

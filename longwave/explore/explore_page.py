@@ -408,8 +408,8 @@ def _has_dependent_bound(parameter: Any) -> bool:
     return any(bound and bound.value.free_symbols for bound in (parameter.lower, parameter.upper))
 
 
-def _html(words: str, **look: Any) -> Any:
-    return pn.pane.HTML(words, stylesheets=[PANE_STYLE], **look)
+def _html(words: str, **options: Any) -> Any:
+    return pn.pane.HTML(words, stylesheets=[PANE_STYLE], **options)
 
 
 def _group(title: str, parts: Iterable[Any]) -> Any:

@@ -160,7 +160,7 @@ def test_a_member_of_a_family_and_tables_are_bases() -> None:
         (_grid({"from": 0.1, "to": 1, "count": 10**7}), "count must be at most 1000000"),
         (
             {"scene": "toda_soliton", "set": {"eps": 0.1}, **_eps()},
-            "eps must vary in one place, got two",
+            "eps must be given in one table, got it in two",
         ),
         (
             {"scene": "toda_soliton", "list": {"eps": [0.1, 0.2], "order": ["leading"]}},

@@ -147,7 +147,7 @@ def test_a_scene_is_read_back_and_its_run_is_too(tmp_path: Path) -> None:
 
 
 def test_a_table_and_a_key_of_it_do_not_both_vary() -> None:
-    with pytest.raises(ValueError, match="constants must vary in one place, got two"):
+    with pytest.raises(ValueError, match="constants must be given in one table, got it in two"):
         sweep_of({"scene": GROWTH, "grid": {"constants.K4": [1, 2]}, "list": LATTICES})
 
 

@@ -123,7 +123,7 @@ WRONG = [
     (["plot", "R", "--set", "eps=0.1"], "--set must not be given with the file of a run"),
     (["animate", "R", "--set", "eps=0.1"], "--set must not be given with the file of a run"),
     (["converge", "S", "--set", "eps=1", "--eps", "1,2,3"], "eps must be given once"),
-    (["sweep", "W", "--set", "eps=0.1"], "--set must name what the sweep does not vary, got eps"),
+    (["sweep", "W", "--set", "eps=0.1"], "--set must not name a swept field, got eps"),
     (["derive", "--set", "K2=1,K2=2"], "--set must give K2 one value, got 1 and 2 (leave one"),
     (["derive", "--k2", "1", "--set", "K2=2"], "got --k2 1 and --set K2=2 (leave one out)"),
     (["derive", "--losses", "site=1,site=2"], "--losses must give site one value"),

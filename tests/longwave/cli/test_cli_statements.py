@@ -148,7 +148,10 @@ def test_the_latex_is_a_sentence_with_the_digest_of_the_certificate(
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["--equation", KDV], "--equation must be given with --solution alone, got no --solution"),
+        (
+            ["--equation", KDV],
+            "--equation must be given with --solution and no file, got no --solution",
+        ),
         (["--solution", SOLITON], "got no --equation"),
         ([*STATED, SOLITON, "a.toml"], "got a.toml as well"),
         (["a.toml", "kink"], "FILE must end in .toml, got kink (a closed form: longwave verify"),

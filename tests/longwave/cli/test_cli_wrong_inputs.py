@@ -60,7 +60,10 @@ LINES = [
     ("derive --map 3", "--map"),
     ("derive square --direction x", "direction"),
     ("derive --background 1/", "background"),
-    ("prove --equation u_t", "--equation must be given with --solution alone, got no --solution"),
+    (
+        "prove --equation u_t",
+        "--equation must be given with --solution and no file, got no --solution",
+    ),
     ("prove --equation u_t --solution u=1 --limit 0", "--limit must be 0.01 to 1e+06 seconds"),
     ("library nothing", "nothing"),
     ("check nowhere.json", "nowhere.json: No such file or directory"),

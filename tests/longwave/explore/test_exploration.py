@@ -101,7 +101,7 @@ def test_sliders_stay_where_the_catalogue_admits_values(wave: str) -> None:
         ({"eps": "small"}, "eps must be a number, got 'small' (such as 0.05)"),
         ({"eps": "-1"}, "eps must satisfy eps > 0, got -1 (such as 0.05)"),
         ({"eps": "nan"}, "eps must be finite, got nan (such as 0.05)"),
-        ({"end": "-3"}, "end must satisfy end > begin = 0, got -3 (end later)"),
+        ({"end": "-3"}, "end must satisfy end > begin = 0, got -3 (increase end)"),
         ({"half_width": "0"}, "half_width must satisfy half_width > 0, got 0 (such as 0.5)"),
         ({"tolerance": "1e-30"}, "tolerance must satisfy tolerance >= 1e-11, got 1e-30 (rou"),
     ],
@@ -267,7 +267,7 @@ def test_the_newest_choice_is_answered_and_a_dead_process_is_replaced(
         explorer.submit(scene_of_choices(SOLITON))
         kill()
         assert answered(explorer) == Refusal(
-            "the run's process ended before the run (too little memory?)"
+            "the worker process ended before its run (too little memory?)"
         )
         explorer.cancel()
         assert explorer.answer() is None
