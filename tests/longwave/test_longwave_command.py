@@ -282,8 +282,8 @@ def test_the_completion_script_uses_the_variable_that_is_read(shell: str, capsys
 )
 def test_words_and_names_are_completed(line: str, expected: list[str]) -> None:
     place = str(len(line.split()) - 1)
-    asked = {tree.COMPLETION: "bash_complete", "COMP_WORDS": line, "COMP_CWORD": place}
-    done = command(**asked)
+    requested = {tree.COMPLETION: "bash_complete", "COMP_WORDS": line, "COMP_CWORD": place}
+    done = command(**requested)
     assert [answer.partition(",")[2] for answer in done.stdout.split()] == expected
 
 

@@ -119,9 +119,9 @@ def user_form() -> ClosedForm:
 
 def wave(name: str, **parameters: float) -> Wave:
     form = closed_form(name, parameters)
-    made = Wave(form, mkdv_normal_form(2, form.equation.s), **parameters)
-    made.at(SITES, -50.0, 0.05)
-    return made
+    result = Wave(form, mkdv_normal_form(2, form.equation.s), **parameters)
+    result.at(SITES, -50.0, 0.05)
+    return result
 
 
 def shaken_chain() -> DrivenChain:
@@ -243,22 +243,22 @@ def test_every_public_class_has_an_instance_here() -> None:
 
 def test_instances_are_the_same_in_another_process() -> None:
     """The records are equal, and their methods return the same bits."""
-    made = {name: make() for name, (make, _) in MADE.items()}
+    result = {name: make() for name, (make, _) in MADE.items()}
     sent = []
-    for name, record in made.items():
+    for name, record in result.items():
         for module in (pickle, cloudpickle):
             text = module.dumps(record)
             assert len(text) < LARGEST, name
             sent.append((name, text, MADE[name][1]))
         assert same(copy.deepcopy(record), record), name
-    asked = pickle.dumps([(text, ask) for _, text, ask in sent])
+    requested = pickle.dumps([(text, ask) for _, text, ask in sent])
     command = [sys.executable, "-c", ANSWERS]
-    answer = subprocess.run(command, input=asked, capture_output=True, cwd=HOUSE, check=False)
+    answer = subprocess.run(command, input=requested, capture_output=True, cwd=HOUSE, check=False)
     assert answer.returncode == 0, answer.stderr.decode()
     for (name, _, ask), (found, value) in zip(sent, pickle.loads(answer.stdout), strict=True):
-        assert type(found) is type(made[name]), name
-        assert same(found, made[name]), name
-        assert same(value, ask and ask(made[name])), name
+        assert type(found) is type(result[name]), name
+        assert same(found, result[name]), name
+        assert same(value, ask and ask(result[name])), name
 
 
 def test_unique_objects_stay_unique_after_unpickling() -> None:

@@ -78,7 +78,7 @@ def test_wrong_input_is_one_line_and_status_2(
 
 
 @pytest.mark.parametrize(
-    ("stop", "drawable", "said"),
+    ("stop", "drawable", "printed_text"),
     [
         (UnfinishedRun(NOTHING), True, "what was run until then is in x.png"),
         (UnfinishedRun(NOTHING), False, "too little was run to be drawn"),
@@ -88,7 +88,7 @@ def test_wrong_input_is_one_line_and_status_2(
 def test_ctrl_c_draws_what_was_run(
     stop: BaseException,
     drawable: bool,
-    said: str,
+    printed_text: str,
     monkeypatch: pytest.MonkeyPatch,
     capsys: Output,
 ) -> None:
@@ -100,4 +100,4 @@ def test_ctrl_c_draws_what_was_run(
 
     monkeypatch.setattr(drawing, "plot", plot)
     assert main(["plot", "rogue_cn_k_0.5", "--output", "x.png"]) == 130
-    assert capsys.readouterr().err == f"longwave plot: interrupted ({said})\n"
+    assert capsys.readouterr().err == f"longwave plot: interrupted ({printed_text})\n"

@@ -101,9 +101,11 @@ def test_integers_are_numbers() -> None:
 
 @pytest.mark.parametrize("shape", [(8,), (2, 8), (1, 8, 2), (1, 0)])
 def test_a_state_of_another_shape_is_refused_in_one_line(shape: tuple[int, ...]) -> None:
-    with pytest.raises(ValueError, match=r"state.f must have the shape .fields, \*cells.") as told:
+    with pytest.raises(
+        ValueError, match=r"state.f must have the shape .fields, \*cells."
+    ) as message:
         integrate(CHAIN, State(0.0, np.zeros(shape), np.zeros(shape)), [1.0], 1e-3)
-    assert "\n" not in str(told.value)
+    assert "\n" not in str(message.value)
 
 
 def test_readings_of_another_shape_are_refused() -> None:

@@ -39,7 +39,7 @@ def scenes(count: int) -> list[Scene]:
 class Report:
     """Report of one process at its end."""
 
-    made: list[int]
+    computed: list[int]
     """Numbers of the runs that it computed."""
     messages: list[str]
     """Warnings of its store, and the error that ended it."""
@@ -69,17 +69,17 @@ class SharedStore:
             if forks[-1] == 0:
                 os.close(opened)
                 os.read(gate, 1)  # until all are there
-                said = self._want(number, first, content)
-                os.write(start, json.dumps(vars(said)).encode())
+                report = self._want(number, first, content)
+                os.write(start, json.dumps(vars(report)).encode())
                 os._exit(0)
             os.close(start)
             ends.append(end)
         os.close(opened)
         os.close(gate)
-        said = [Report(**json.loads(_all_of(end))) for end in ends]
+        reports = [Report(**json.loads(_all_of(end))) for end in ends]
         for fork in forks:
             os.waitpid(fork, 0)
-        return said
+        return reports
 
     def _want(self, number: int, first: xr.Dataset, content: bytes) -> Report:
         """Fetch all runs, and write a new file into the folder after each of them."""
@@ -89,7 +89,7 @@ class SharedStore:
         LOG.addHandler(handler)
 
         def counted(scene: Scene, *rest: Any) -> xr.Dataset:
-            report.made.append(requested.index(scene))
+            report.computed.append(requested.index(scene))
             return run(scene, *rest) if self.real else first
 
         scene_run.run = counted
@@ -116,5 +116,6 @@ def _all_of(end: int) -> bytes:
 if __name__ == "__main__":
     for line in sys.stdin:
         print(
-            json.dumps([vars(said) for said in SharedStore(**json.loads(line)).ask()]), flush=True
+            json.dumps([vars(message) for message in SharedStore(**json.loads(line)).ask()]),
+            flush=True,
         )

@@ -31,7 +31,7 @@ lattice.K4 = {{ from = 1, to = 2, count = {count} }}
 """
 
 
-def asked(folder: Path, **changes: Any) -> str:
+def requested(folder: Path, **changes: Any) -> str:
     path = folder / "asked.toml"
     path.write_text(SWEEP.format(**({"step": 0.5, "sites": 4096, "count": 3} | changes)))
     return str(path)
@@ -53,7 +53,7 @@ def test_an_expensive_sweep_is_refused_before_it_starts(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    assert main(["sweep", asked(tmp_path, **changes), "--processes", "1"]) == 2
+    assert main(["sweep", requested(tmp_path, **changes), "--processes", "1"]) == 2
     error = capsys.readouterr().err
     assert error.count("\n") == 1
     assert message in error
@@ -65,7 +65,7 @@ def test_memory_is_summed_over_concurrent_cells(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    words = ["sweep", asked(tmp_path), "--max-memory", "700M", "--processes", "3"]
+    words = ["sweep", requested(tmp_path), "--max-memory", "700M", "--processes", "3"]
     assert main(words) == 2
     assert "must fit 700 MB, got about 9" in capsys.readouterr().err
 
@@ -85,13 +85,13 @@ def sweep(**grid: list[float]) -> Sweep:
 
 def test_stored_cells_cost_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     costing(monkeypatch, {1.0: 3.0, 2.0: 50.0})
-    asked = sweep(**{"constants.K4": [1.0, 2.0]})
+    requested = sweep(**{"constants.K4": [1.0, 2.0]})
     store = RunStore(tmp_path)
-    whole = expected_sweep_cost(asked, store, ())
+    whole = expected_sweep_cost(requested, store, ())
     assert (whole.sampled, whole.missing, whole.seconds) == (2, 2, 53.0)
     assert whole.on_workers(2, share_memory=True) == ExpectedCost(28.0, 14.0)
     assert whole.on_workers(2, share_memory=False) == ExpectedCost(28.0, 7.0)
-    rest = expected_sweep_cost(asked, store, {store.key(asked.scene(1))})
+    rest = expected_sweep_cost(requested, store, {store.key(requested.scene(1))})
     assert (rest.missing, rest.seconds) == (1, 3.0)
     assert rest.on_workers(2, share_memory=True).memory_bytes == 7.0
 

@@ -54,9 +54,9 @@ def ask() -> Iterator[Ask]:
 def check_shared(ask: Ask, folder: Path, runs: int, locks: tuple[str, ...], **options: Any) -> None:
     """Check that nothing is lost, truncated, left behind, or computed more often than reported."""
     reports = ask(SharedStore(str(folder), runs, list(locks), **options))
-    made = Counter(number for report in reports for number in report.made)
-    assert made.keys() == {*range(runs)}
-    assert max(made.values()) <= (1 if {*locks} == {WORK} else len(locks))
+    counts = Counter(number for report in reports for number in report.computed)
+    assert counts.keys() == {*range(runs)}
+    assert max(counts.values()) <= (1 if {*locks} == {WORK} else len(locks))
     for report, kind in zip(reports, locks, strict=True):
         assert len(report.messages) <= (kind != WORK), report.messages
         assert all("files cannot be locked there" in message for message in report.messages)

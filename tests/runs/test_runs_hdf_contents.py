@@ -36,9 +36,9 @@ def one_text_at_many_places(file: Any, path: Path) -> None:
     texts[0] = 60_000 * "x"
     place = texts.id.get_offset()
     file.close()
-    held = path.read_bytes()
-    same = 4000 * held[place : place + 16]
-    path.write_bytes(held[:place] + same + held[place + len(same) :])
+    stored_values = path.read_bytes()
+    same = 4000 * stored_values[place : place + 16]
+    path.write_bytes(stored_values[:place] + same + stored_values[place + len(same) :])
 
 
 def one_chunk(file: Any, _: Path) -> None:
@@ -46,11 +46,11 @@ def one_chunk(file: Any, _: Path) -> None:
 
 
 def filters_upon_filters(file: Any, _: Path) -> None:
-    made = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
-    made.set_chunk((1000,))
-    made.set_deflate(9)
-    made.set_deflate(9)
-    h5py.h5d.create(file.id, b"a", h5py.h5t.NATIVE_DOUBLE, h5py.h5s.create_simple((1000,)), made)
+    result = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+    result.set_chunk((1000,))
+    result.set_deflate(9)
+    result.set_deflate(9)
+    h5py.h5d.create(file.id, b"a", h5py.h5t.NATIVE_DOUBLE, h5py.h5s.create_simple((1000,)), result)
 
 
 def other_files(file: Any, path: Path) -> None:
@@ -141,9 +141,9 @@ def dimensions_of_another_array(file: Any, _: Path) -> None:
     file["a"] = np.zeros((1, 1, 1))
     for place in range(3):
         file["a"].dims[place].attach_scale(file["x"])
-    kept = file["a"].attrs["DIMENSION_LIST"]
+    saved = file["a"].attrs["DIMENSION_LIST"]
     file["b"] = [1.0]
-    file["b"].attrs.create("DIMENSION_LIST", kept, dtype=h5py.vlen_dtype(h5py.ref_dtype))
+    file["b"].attrs.create("DIMENSION_LIST", saved, dtype=h5py.vlen_dtype(h5py.ref_dtype))
 
 
 def numbers_as_references(file: Any, _: Path) -> None:
@@ -219,32 +219,32 @@ ATTACKS = [
 ]
 
 
-@pytest.mark.parametrize(("attack", "said"), ATTACKS, ids=[each.__name__ for each, _ in ATTACKS])
+@pytest.mark.parametrize(("attack", "message"), ATTACKS, ids=[each.__name__ for each, _ in ATTACKS])
 def test_contents_that_no_run_has_are_refused_before_reading(
-    attack: Callable[[Any, Path], None], said: str, tmp_path: Path
+    attack: Callable[[Any, Path], None], message: str, tmp_path: Path
 ) -> None:
     path = tmp_path / "run.nc"
     with h5py.File(path, "w") as file:
         attack(file, path)
     assert path.stat().st_size < 350_000
-    with pytest.raises(ValueError, match=rf"^run must be a whole NetCDF-4 [^\n]*{said}[^\n]*$"):
+    with pytest.raises(ValueError, match=rf"^run must be a whole NetCDF-4 [^\n]*{message}[^\n]*$"):
         load_run(path)
 
 
 def test_many_texts_attributes_and_variables_are_accepted(tmp_path: Path) -> None:
     """More texts than fit if each were as long as the file, some empty and one long."""
     texts = [f"text {number}" for number in range(5 * MAX_COMPRESSION)]
-    made = xr.Dataset(
+    result = xr.Dataset(
         {"texts": ("cell", texts), "square": (("x", "y"), [["a", ""], ["c", 1000 * "d"]])}
         | {f"v{number}": ("x", [1.0, 2.0], {"units": "1", "empty": ""}) for number in range(40)},
         attrs={"long": 10**5 * "x", "none": "", "list": [1, "a"]},
     )
-    save_run(made, tmp_path / "run.nc")
+    save_run(result, tmp_path / "run.nc")
     found = load_run(tmp_path / "run.nc")
-    assert found.attrs == made.attrs
+    assert found.attrs == result.attrs
     assert found["texts"].values.tolist() == texts
-    assert found["square"].values.tolist() == made["square"].values.tolist()
-    assert found["v39"].attrs == made["v39"].attrs
+    assert found["square"].values.tolist() == result["square"].values.tolist()
+    assert found["v39"].attrs == result["v39"].attrs
 
 
 @pytest.mark.parametrize("attack", [a_fill_value, other_files, an_external_link, records])
@@ -288,9 +288,9 @@ def test_a_pack_with_an_external_array_is_refused(name: bytes, tmp_path: Path) -
         [group] = file.values()
         attributes = dict(group["arrays/a"].attrs)
         del group["arrays/a"]
-        made = group["arrays"].create_dataset("a", (1, 2), "f8", external=[(str(secret), 0, 16)])
-        made.attrs.update(attributes)
-        made.attrs["NAME"] = np.bytes_(name)
+        result = group["arrays"].create_dataset("a", (1, 2), "f8", external=[(str(secret), 0, 16)])
+        result.attrs.update(attributes)
+        result.attrs["NAME"] = np.bytes_(name)
     write_sealed(path, image.getvalue())
     with pytest.raises(ValueError, match="in another file"):
         load_row(path, 0, 0)
@@ -388,13 +388,15 @@ def _two_faces(image: bytes, group: str, name: str, secret: Path) -> tuple[bytes
         twin = file[group].create_dataset("zzz", array.shape, "f8", external=places)
         twin.attrs.update(array.attrs)
         here, there = (h5py.h5o.get_info(one.id).addr for one in (array, twin))
-    held = bytearray(stream.getvalue())
-    node = held.rindex(b"SNOD", 0, held.index(there.to_bytes(8, "little"), held.index(b"SNOD")))
-    held[node + 6] -= 1
-    good = bytes(held)
-    place = held.index(here.to_bytes(8, "little"), node)
-    held[place : place + 8] = there.to_bytes(8, "little")
-    return good, bytes(held)
+    stored_values = bytearray(stream.getvalue())
+    node = stored_values.rindex(
+        b"SNOD", 0, stored_values.index(there.to_bytes(8, "little"), stored_values.index(b"SNOD"))
+    )
+    stored_values[node + 6] -= 1
+    good = bytes(stored_values)
+    place = stored_values.index(here.to_bytes(8, "little"), node)
+    stored_values[place : place + 8] = there.to_bytes(8, "little")
+    return good, bytes(stored_values)
 
 
 def _write_into(path: Path, content: bytes) -> None:

@@ -97,10 +97,10 @@ def test_ctrl_c_at_any_moment_is_one_line(command: str, tmp_path: Path, interrup
     if done.status == 0 and done.seconds < 1.0:
         return  # it had done its work, and was ending
     assert done.status == 130, done.errors
-    told = [line for line in done.errors.splitlines() if "interrupted" in line]
+    output = [line for line in done.errors.splitlines() if "interrupted" in line]
     others = [line for line in done.errors.splitlines() if "(Ctrl-C stops it)" not in line]
-    assert [line for line in others if not line.startswith("measuring ")] == told
-    assert len(told) == 1
+    assert [line for line in others if not line.startswith("measuring ")] == output
+    assert len(output) == 1
 
 
 def test_a_derivation_of_hours_is_refused_before_it_starts(

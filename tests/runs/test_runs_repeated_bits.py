@@ -60,8 +60,8 @@ def test_an_empty_kernel_cache_gives_the_same_bits(name: str, tmp_path: Path) ->
     else:
         scene = scene.changed(eps=0.1, half_width=3.0, slow_times=[-0.3, 0])
     (tmp_path / "scene.toml").write_text(scene.toml(), "utf-8")
-    made = python("-m", "longwave", "run", str(tmp_path / "scene.toml"), "--output", output)
-    assert made.returncode == 0, made.stderr
+    result = python("-m", "longwave", "run", str(tmp_path / "scene.toml"), "--output", output)
+    assert result.returncode == 0, result.stderr
     first = (
         "import sys; from longwave.__main__ import main; "
         "main(['run', 'soliton_dn_k_0.7']); sys.exit(main(['run', sys.argv[1]]))"
@@ -99,8 +99,8 @@ def chain_scenes(draw: st.DrawFn) -> Scene:
         "tolerance": draw(st.floats(1e-10, 1.0)),
         "engine": draw(st.sampled_from(["", "stencil", "spectral"])),
     }
-    kept = [name for name, entry in OBSERVABLES.items() if entry.seen != "refinement"]
-    given["observables"] = draw(st.lists(st.sampled_from(kept), unique=True))
+    saved = [name for name, entry in OBSERVABLES.items() if entry.seen != "refinement"]
+    given["observables"] = draw(st.lists(st.sampled_from(saved), unique=True))
     return Scene.of(**given)
 
 

@@ -86,13 +86,13 @@ def test_plain_xarray_opens_it_with_units_and_names_on_everything(
             assert len(variable.attrs["long_name"]) > 2, name
             floats = variable.dtype.kind == "f"
             assert np.array_equal(variable.values, run[name].values, equal_nan=floats), name
-        told = found.attrs
+        output = found.attrs
         for package in ("longwave ", "numba ", "llvmlite ", "h5netcdf ", "Python "):
-            assert package in told["versions"]
-        assert "solutions/forms " in told["code"]
-        assert told["platform"]
-        assert told["seconds"] > 0
-        assert {"steps", "sites", "force_evaluations"} <= told.keys()
+            assert package in output["versions"]
+        assert "solutions/forms " in output["code"]
+        assert output["platform"]
+        assert output["seconds"] > 0
+        assert {"steps", "sites", "force_evaluations"} <= output.keys()
 
 
 def test_the_file_has_the_choices_made_for_a_tolerance() -> None:
@@ -105,9 +105,11 @@ def test_the_file_has_the_choices_made_for_a_tolerance() -> None:
 def test_numbers_beyond_32_bits_are_kept(tmp_path: Path) -> None:
     """Such as the steps of a long run, and the sites that a wave has travelled."""
     many = 2**31 + 1
-    made = xr.Dataset({"n": ("site", np.array([many, -many]))}, attrs={"force_evaluations": many})
-    save_run(made, tmp_path / "run.nc")
-    same_bits(load_run(tmp_path / "run.nc"), made)
+    created = xr.Dataset(
+        {"n": ("site", np.array([many, -many]))}, attrs={"force_evaluations": many}
+    )
+    save_run(created, tmp_path / "run.nc")
+    same_bits(load_run(tmp_path / "run.nc"), created)
 
 
 NUMBERS = st.sampled_from(["f8", "f4", "c16", "c8", "i8", "i4", "i2", "u8", "u1", "?"])
@@ -139,24 +141,24 @@ def test_any_data_are_read_back_to_the_bit(
         )
         for kind in data.draw(st.lists(NUMBERS, unique=True, max_size=3))
     }
-    made = xr.Dataset(variables, attrs=data.draw(attributes))
+    created = xr.Dataset(variables, attrs=data.draw(attributes))
     path = tmp_path_factory.getbasetemp() / "any.nc"
-    save_run(made, path)
-    same_bits(load_run(path), made)
+    save_run(created, path)
+    same_bits(load_run(path), created)
 
 
 @pytest.mark.parametrize(
-    ("made", "said"),
+    ("created", "message"),
     [
         (xr.Dataset(attrs={"what": object()}), "attributes must be texts, numbers or lists"),
         (xr.Dataset({"a": ("x", np.zeros(2, "f2"))}), "a must be of a type that NetCDF has"),
     ],
 )
 def test_data_without_a_netcdf_type_is_a_one_line_error(
-    made: xr.Dataset, said: str, tmp_path: Path
+    created: xr.Dataset, message: str, tmp_path: Path
 ) -> None:
-    with pytest.raises(ValueError, match=rf"^{said}[^\n]*$"):
-        save_run(made, tmp_path / "run.nc")
+    with pytest.raises(ValueError, match=rf"^{message}[^\n]*$"):
+        save_run(created, tmp_path / "run.nc")
     assert list(tmp_path.iterdir()) == []
 
 
@@ -201,7 +203,7 @@ def foreign(path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("make", "said"),
+    ("make", "message"),
     [
         (
             lambda path: xr.Dataset().to_netcdf(path, engine="scipy"),
@@ -231,10 +233,10 @@ def foreign(path: Path) -> None:
     ids=["netCDF 3", "empty", "text", "folder", "broken", "huge", "attributes", "times"],
 )
 def test_a_file_that_is_no_run_is_a_one_line_error(
-    make: Callable[[Path], Any], said: str, tmp_path: Path
+    make: Callable[[Path], Any], message: str, tmp_path: Path
 ) -> None:
     make(tmp_path / "run.nc")
-    with pytest.raises(ValueError, match=rf"^run must be [^\n]*{said}[^\n]*$"):
+    with pytest.raises(ValueError, match=rf"^run must be [^\n]*{message}[^\n]*$"):
         load_run(tmp_path / "run.nc")
 
 

@@ -81,7 +81,7 @@ def test_constants_stated_by_the_scene_are_exact() -> None:
 def test_intervals_are_those_of_a_mode_in_closed_form(capsys: pytest.CaptureFixture[str]) -> None:
     words = ["sweep", "mode.toml", "--samples", "39", "--seed", "3", "--processes", "1"]
     assert main(words) == 0
-    told = capsys.readouterr().out
+    message = capsys.readouterr().out
     K2, m = rows(39, seed=3).T
     rate = np.sqrt(K2 / m * (2 - np.sqrt(2)))
     found = load_run("mode_samples.nc")
@@ -92,11 +92,11 @@ def test_intervals_are_those_of_a_mode_in_closed_form(capsys: pytest.CaptureFixt
     ends = np.sort(0.2 * rate * np.sin(2.0 * rate))
     half = (ends[-1] - ends[0]) / 2
     line = f"cell 1: largest velocity {ends[19]:.4f} +- {half:.2g} (data) +- "
-    assert line in told
-    assert "(reduction)" not in told
-    assert told.count("(numerics)") == 4
+    assert line in message
+    assert "(reduction)" not in message
+    assert message.count("(numerics)") == 4
     energy = np.sort(0.5 * K2 * 0.04 * (2 - np.sqrt(2)) * 2)
-    assert f"mode energy 1 {energy[19]:.4f} +- {(energy[-1] - energy[0]) / 2:.2g} (data)" in told
+    assert f"mode energy 1 {energy[19]:.4f} +- {(energy[-1] - energy[0]) / 2:.2g} (data)" in message
     again = found.attrs["sweep"]
     assert main(words) == 0
     assert "were run now" not in capsys.readouterr().out
@@ -158,7 +158,7 @@ def test_an_interval_is_printed_with_its_parts() -> None:
 
 
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "message"),
     [
         (["mode.toml", "--samples", "38"], "samples must be 39 to 1000000, got 38"),
         (["mode.toml", "--seed", "1"], "--seed must be given with --samples, got 1"),
@@ -167,11 +167,11 @@ def test_an_interval_is_printed_with_its_parts() -> None:
     ],
 )
 def test_a_scene_without_covariance_is_a_one_line_error(
-    words: list[str], told: str, capsys: pytest.CaptureFixture[str]
+    words: list[str], message: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["sweep", *words]) == 2
     error = capsys.readouterr().err
-    assert told in error
+    assert message in error
     assert error.count("\n") == 1
     assert not list(Path().glob("*.nc"))
 

@@ -36,14 +36,14 @@ def store(tmp_path: Path) -> RunStore:
 @pytest.fixture
 def runs_made(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """Return the list to which the names of scenes are appended when they are run."""
-    made: list[str] = []
+    result: list[str] = []
 
     def run(scene: Any, *rest: Any) -> xr.Dataset:
-        made.append(scene.name)
+        result.append(scene.name)
         return RUN(scene, *rest)
 
     monkeypatch.setattr(scene_run, "run", run)
-    return made
+    return result
 
 
 def test_a_scene_is_run_once(store: RunStore, runs_made: list[str]) -> None:
@@ -103,11 +103,11 @@ def test_a_user_defined_wave_has_no_key(store: RunStore) -> None:
 def test_a_changed_formula_kernel_engine_or_package_makes_another_key(
     name: str, before: str, after: str, store: RunStore, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    key, made = store.key(SMALL), dict(provenance())
-    assert before in made[name]
-    made[name] = made[name].replace(before, after)
+    key, result = store.key(SMALL), dict(provenance())
+    assert before in result[name]
+    result[name] = result[name].replace(before, after)
     with monkeypatch.context() as changed:
-        changed.setattr("longwave.support.provenance.provenance", lambda: made)
+        changed.setattr("longwave.support.provenance.provenance", lambda: result)
         code_digest.cache_clear()
         assert store.key(SMALL) != key
     code_digest.cache_clear()
@@ -115,10 +115,10 @@ def test_a_changed_formula_kernel_engine_or_package_makes_another_key(
 
 
 def test_code_that_draws_or_prints_does_not_change_the_key() -> None:
-    told = {part.split()[0] for part in provenance()["code"].split(", ")}
-    assert {"solutions/forms", "lattice/kernels", "lattice/spectral", "scenes"} <= told
+    output = {part.split()[0] for part in provenance()["code"].split(", ")}
+    assert {"solutions/forms", "lattice/kernels", "lattice/spectral", "scenes"} <= output
     assert not [
-        name for name in told if name.startswith(("reports", "docs", "longwave/cli", "runs"))
+        name for name in output if name.startswith(("reports", "docs", "longwave/cli", "runs"))
     ]
 
 
@@ -126,10 +126,10 @@ def test_a_damaged_file_is_computed_again_with_a_warning(
     store: RunStore, runs_made: list[str], caplog: pytest.LogCaptureFixture
 ) -> None:
     path = store.fetch(SMALL)
-    held = path.read_bytes()
-    flipped = bytearray(held)
-    flipped[len(held) // 2] ^= 1
-    for broken in (b"", held[: len(held) // 2], held[:-1], held + b"\n", flipped):
+    stored = path.read_bytes()
+    flipped = bytearray(stored)
+    flipped[len(stored) // 2] ^= 1
+    for broken in (b"", stored[: len(stored) // 2], stored[:-1], stored + b"\n", flipped):
         path.write_bytes(broken)
         caplog.clear()
         assert store.find(SMALL) is None
@@ -266,9 +266,9 @@ RunStore(sys.argv[1]).fetch(SMALL)
 def test_processes_on_one_store_run_a_scene_once(store: RunStore) -> None:
     command = [sys.executable, "-c", FETCH, str(store.folder)]
     started = [subprocess.Popen(command, stdout=subprocess.PIPE, text=True) for _ in range(3)]
-    said = [process.communicate(timeout=600)[0] for process in started]
+    message = [process.communicate(timeout=600)[0] for process in started]
     assert [process.returncode for process in started] == [0, 0, 0]
-    assert sorted(said) == ["", "", "made\n"]
+    assert sorted(message) == ["", "", "made\n"]
     assert store.find(SMALL) is not None
     assert not list(store.folder.rglob("*.lock"))
 

@@ -71,9 +71,9 @@ def check(folder: Path, count: int) -> None:
     index = pack_index(folder)
     assert len(index) == count
     for record in records(0, count):
-        held = index.get(record.key)
-        assert held is not None
-        found, place = held
+        stored_values = index.get(record.key)
+        assert stored_values is not None
+        found, place = stored_values
         assert (found.status, found.message) == (record.status, record.message)
         for name in ("error", "last_peak"):
             assert found.numbers.get(name, np.nan) == pytest.approx(
@@ -132,10 +132,10 @@ def test_a_changed_pack_is_read_again_and_a_damaged_one_is_ignored(
 ) -> None:
     fill(tmp_path, INDEXED_CHANGES)
     pack_index(tmp_path)
-    path, held = files(tmp_path)[0], len(pack_index(tmp_path))
+    path, stored_values = files(tmp_path)[0], len(pack_index(tmp_path))
     content = path.read_bytes()
     path.write_bytes(content[:-90] + bytes([content[-90] ^ 1]) + content[-89:])
-    assert len(pack_index(tmp_path)) == held - 3
+    assert len(pack_index(tmp_path)) == stored_values - 3
     assert "damaged" in caplog.text
 
 
@@ -144,17 +144,17 @@ def test_a_run_damaged_after_indexing_is_run_again(tmp_path: Path) -> None:
     fill(tmp_path, INDEXED_CHANGES)
     pack_index(tmp_path)
     run_pack._remembered.clear()
-    held = pack_index(tmp_path).get(f"{0:040x}")
-    assert held is not None
-    assert held[1] is not None
-    path = held[1].path
-    told, content = path.stat(), path.read_bytes()
+    stored_values = pack_index(tmp_path).get(f"{0:040x}")
+    assert stored_values is not None
+    assert stored_values[1] is not None
+    path = stored_values[1].path
+    output, content = path.stat(), path.read_bytes()
     path.write_bytes(content[:-90] + bytes([content[-90] ^ 1]) + content[-89:])
-    os.utime(path, ns=(told.st_atime_ns, told.st_mtime_ns))
-    assert pack_index(tmp_path).settles(held[0].key)
+    os.utime(path, ns=(output.st_atime_ns, output.st_mtime_ns))
+    assert pack_index(tmp_path).settles(stored_values[0].key)
     with pytest.raises(ValueError, match="damaged"):
-        held[1].load()
-    assert not pack_index(tmp_path).settles(held[0].key)
+        stored_values[1].load()
+    assert not pack_index(tmp_path).settles(stored_values[0].key)
 
 
 def _other_length(file: Any) -> None:
@@ -237,10 +237,10 @@ def test_a_wrong_index_is_rebuilt(
 def test_a_pack_with_a_shorter_column_is_not_read(column: str, tmp_path: Path) -> None:
     image = io.BytesIO(pack_content(records(0, 3)))
     with h5py.File(image, "r+") as file:
-        held = file["0"][column][()][:-1]
+        stored_values = file["0"][column][()][:-1]
         del file["0"][column]
         kind = {} if column == "error" else {"dtype": h5py.string_dtype()}
-        file["0"].create_dataset(column, data=held, **kind)
+        file["0"].create_dataset(column, data=stored_values, **kind)
     write_sealed(new_pack(tmp_path), image.getvalue())
     assert len(pack_index(tmp_path)) == 0
 
@@ -295,9 +295,9 @@ def test_a_damaged_pack_is_not_merged_and_not_removed(tmp_path: Path) -> None:
 
 def test_a_location_from_before_a_merge_still_loads_the_run(tmp_path: Path) -> None:
     fill(tmp_path, MERGED_COUNT + 2)
-    held = pack_index(tmp_path).get(f"{8:040x}")
-    assert held is not None
-    place = held[1]
+    stored_values = pack_index(tmp_path).get(f"{8:040x}")
+    assert stored_values is not None
+    place = stored_values[1]
     assert place is not None
     merge_packs(tmp_path)
     assert not place.path.exists()
@@ -390,9 +390,9 @@ def test_a_finished_attempt_takes_precedence_over_a_failed_one(tmp_path: Path) -
     key = "a" * 40
     for status, run in (("failed", None), ("done", a_run(1)), ("failed", None), ("refused", None)):
         write_pack(new_pack(tmp_path), [CellRecord(key, status, status, run=run)])
-        held = pack_index(tmp_path).get(key)
-        assert held is not None
-        assert held[0].status == (
+        stored_values = pack_index(tmp_path).get(key)
+        assert stored_values is not None
+        assert stored_values[0].status == (
             "failed"
             if run is None and status == "failed" and not pack_index(tmp_path).settles(key)
             else "done"

@@ -114,10 +114,10 @@ def test_a_sweep_has_the_bits_of_its_runs(store: RunStore) -> None:
 def test_attributes_are_restored(store: RunStore) -> None:
     sweep = small_sweep(eps=[0.1])
     run_sweep(sweep, store, HereWorkers())
-    kept = cell_run(sweep, store, eps=0).attrs
+    saved_item = cell_run(sweep, store, eps=0).attrs
     run = scene_run.run(sweep.scene(0)).attrs
     timed = {"seconds", "planning_seconds"}
-    assert {k: v for k, v in kept.items() if k not in timed} == {
+    assert {k: v for k, v in saved_item.items() if k not in timed} == {
         k: v for k, v in run.items() if k not in timed
     }
 
@@ -188,12 +188,12 @@ def test_errors_of_cells_have_their_own_error(kind: str, store: RunStore) -> Non
     assert 0.0 < finer < 0.1 * own
     assert abs(coarse - fine) <= own
     measured = [found[name][0, -1] for name in ("time_step_error", "domain_error") if name in found]
-    told = float(2.0 * sum(measured) if measured else found.error_estimate[0])
+    output = float(2.0 * sum(measured) if measured else found.error_estimate[0])
     seen = {} if scene is LATTICE else {"observables": ["strain"]}
     run = scene_run.run(sweep_of({"scene": scene | seen, "grid": {field: values}}).scene(0))
     apart = float(abs(run.strain - run.analytic).max())
     unit = scene["eps"] ** (2 if scene is LATTICE else 1)
-    assert own / coarse == pytest.approx(unit * told / apart, rel=0.01)
+    assert own / coarse == pytest.approx(unit * output / apart, rel=0.01)
     assert found.own_error.attrs["units"] == found.error.attrs["units"]
 
 
@@ -219,9 +219,13 @@ def test_stored_cells_are_not_run_again(store: RunStore) -> None:
 
 def test_the_finished_share_and_the_seconds_left_are_reported(store: RunStore) -> None:
     sweep, shares, left = small_sweep(eps=[0.1, 0.2, 0.3, 0.4]), list[float](), list[float]()
-    held = store.stored_runs()
-    state = SweepState(len(sweep), expected=expected_sweep_cost(sweep, store, held).seconds_by_cell)
-    run_with_progress(sweep, store, HereWorkers(), state, held, (shares.append, left.append))
+    stored_values = store.stored_runs()
+    state = SweepState(
+        len(sweep), expected=expected_sweep_cost(sweep, store, stored_values).seconds_by_cell
+    )
+    run_with_progress(
+        sweep, store, HereWorkers(), state, stored_values, (shares.append, left.append)
+    )
     assert shares[-1] == 1.0
     assert shares == sorted(shares)
     assert left[-1] == 0.0
@@ -295,15 +299,15 @@ def test_a_run_is_found_by_the_command_and_by_the_store(
     run_sweep(sweep, store, HereWorkers())
     monkeypatch.setattr(scene_run, "run", None)
     monkeypatch.setattr(scene_command, "record_scene", None)
-    path, kept = str(tmp_path / "small.toml"), str(store.folder)
-    assert run_and_print(path, "longwave run", store=kept) == 0
-    told = capsys.readouterr()
-    held = pack_index(store.folder).get(store.key(scene))
-    assert held is not None
-    assert held[1] is not None
-    pack = held[1].path
-    assert told.err == f"small: found in {pack}, not run again\n"
-    assert "10 steps, 1024 sites" in told.out
+    path, saved_item = str(tmp_path / "small.toml"), str(store.folder)
+    assert run_and_print(path, "longwave run", store=saved_item) == 0
+    output = capsys.readouterr()
+    stored_values = pack_index(store.folder).get(store.key(scene))
+    assert stored_values is not None
+    assert stored_values[1] is not None
+    pack = stored_values[1].path
+    assert output.err == f"small: found in {pack}, not run again\n"
+    assert "10 steps, 1024 sites" in output.out
     assert store.find(scene) is None
     assert bits(store.run(scene)) == whole
     path = store.fetch(scene)
@@ -321,10 +325,10 @@ RUN = scene_run.run
 def test_a_cell_that_fails_is_recorded_and_the_others_go_on(
     store: RunStore, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def run(scene: Any, **told: Any) -> xr.Dataset:
+    def run(scene: Any, **output: Any) -> xr.Dataset:
         if scene.eps == 0.4:
             raise MemoryError("no room")
-        return RUN(scene, **told)
+        return RUN(scene, **output)
 
     monkeypatch.setattr(scene_run, "run", run)
     sweep = small_sweep(eps=[0.1, -1, 0.4, 0.2], **{"parameters.A": [1, -2]})
@@ -551,7 +555,7 @@ def test_the_error_of_a_cell_is_the_largest_without_nan() -> None:
 
 def test_a_pack_without_a_number_is_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Such as a pack from before that number was introduced."""
-    fewer = {name: told for name, told in run_pack.NUMBERS.items() if name != "own_error"}
+    fewer = {name: output for name, output in run_pack.NUMBERS.items() if name != "own_error"}
     with monkeypatch.context() as before:
         before.setattr(run_pack, "NUMBERS", fewer)
         write_pack(tmp_path / "a.h5", [CellRecord("k", "done", "", {"error": 0.5})])

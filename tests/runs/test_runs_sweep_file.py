@@ -14,12 +14,12 @@ def test_a_grid_combines_every_value_with_every_other() -> None:
     assert [d.name for d in sweep.dimensions] == ["eps", "kappa"]
     assert sweep.shape == (2, 3)
     base = load_scene("toda_soliton")
-    wanted = [
+    expected = [
         base.changed(eps=eps, parameters={"kappa": kappa})
         for eps in (0.1, 0.2)
         for kappa in (0.5, 1.0, 1.5)
     ]
-    assert [sweep.scene(cell) for cell in range(len(sweep))] == wanted
+    assert [sweep.scene(cell) for cell in range(len(sweep))] == expected
 
 
 def test_columns_of_a_list_vary_together_and_with_the_grid() -> None:
@@ -107,14 +107,14 @@ def test_a_member_of_a_family_and_tables_are_bases() -> None:
         "parameters": {"kappa": 1},
     }
     found = sweep_of({"scene": tables, **_eps()}).scene(0)
-    wanted = load_scene("toda_soliton").changed(
+    expected = load_scene("toda_soliton").changed(
         name="scene", title="", slow_times=[0, 1], order="leading"
     )
-    assert found == wanted
+    assert found == expected
 
 
 @pytest.mark.parametrize(
-    ("document", "told"),
+    ("document", "message"),
     [
         ({"scene": "nope", **_eps()}, "scene must be a TOML file or a shipped scene, got 'nope'"),
         ({"scene": 3, **_eps()}, "scene must be a name, a file or a table, got 3"),
@@ -186,8 +186,10 @@ def test_a_member_of_a_family_and_tables_are_bases() -> None:
         ),
     ],
 )
-def test_a_file_that_is_no_sweep_is_a_one_line_error(document: dict[str, Any], told: str) -> None:
-    with pytest.raises(ValueError, match=told) as caught:
+def test_a_file_that_is_no_sweep_is_a_one_line_error(
+    document: dict[str, Any], message: str
+) -> None:
+    with pytest.raises(ValueError, match=message) as caught:
         sweep_of(document)
     assert "\n" not in str(caught.value)
 

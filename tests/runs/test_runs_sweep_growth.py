@@ -125,10 +125,10 @@ def test_growth_is_drawn_for_growth_sweeps_only(
 
 
 @pytest.mark.parametrize(
-    "told", ["{}", "[]", "nope", json.dumps({"scene": GROWTH | {"wave": "kdv_soliton"}})]
+    "output", ["{}", "[]", "nope", json.dumps({"scene": GROWTH | {"wave": "kdv_soliton"}})]
 )
-def test_a_file_without_its_scene_has_no_map(told: str, swept: tuple[xr.Dataset, Path]) -> None:
-    data = swept[0].assign_attrs(sweep=told)
+def test_a_file_without_its_scene_has_no_map(output: str, swept: tuple[xr.Dataset, Path]) -> None:
+    data = swept[0].assign_attrs(sweep=output)
     assert [panel.theory for panel in growth_panels(data, 8)] == [None, None]
     assert plot(data, kind="growth_map").get_axes()
 

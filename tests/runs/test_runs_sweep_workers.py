@@ -49,14 +49,16 @@ def children(process: int, named: str = "") -> list[int]:
 
 
 @pytest.mark.parametrize(
-    ("processes", "scheduler", "told"),
+    ("processes", "scheduler", "message"),
     [
         (0, None, "--processes must be 1 to 1024, got 0"),
         (2, "tcp://127.0.0.1:1", "--processes must not be given with --scheduler, got 2"),
     ],
 )
-def test_impossible_workers_are_refused(processes: int, scheduler: str | None, told: str) -> None:
-    with pytest.raises(ValueError, match=told), sweep_workers(processes, scheduler):
+def test_impossible_workers_are_refused(
+    processes: int, scheduler: str | None, message: str
+) -> None:
+    with pytest.raises(ValueError, match=message), sweep_workers(processes, scheduler):
         pass
 
 
@@ -88,8 +90,8 @@ def test_cells_of_a_killed_process_are_run_again(
 
     sweep = soliton_sweep(24)
     for cell in (0, 11, 23):
-        wanted = scene_run.run(sweep.scene(cell)).strain.values
-        np.testing.assert_array_equal(plain[cell], wanted)
+        expected = scene_run.run(sweep.scene(cell)).strain.values
+        np.testing.assert_array_equal(plain[cell], expected)
 
 
 @pytest.mark.slow
@@ -165,11 +167,11 @@ def test_workers_without_the_stores_folder_send_their_packs(
 ) -> None:
     """Workers with and without the folder give the same runs, even if they start late."""
     caplog.set_level("INFO", "longwave.store")
-    kept: list[bytes] = []
+    saved: list[bytes] = []
     keep = sweep.write_sealed
 
     def counted(path: Path, pack: bytes, **options: Any) -> None:
-        kept.append(pack)
+        saved.append(pack)
         keep(path, pack, **options)
 
     monkeypatch.setattr(sweep, "write_sealed", counted)
@@ -180,7 +182,7 @@ def test_workers_without_the_stores_folder_send_their_packs(
             store = RunStore(folder)
             state = run_sweep(soliton_sweep(3), store, workers)
             assert (state.done, state.faults) == (3, 0)
-            assert bool(kept) == sent
+            assert bool(saved) == sent
             assert set(sweep_dataset(soliton_sweep(3), store).status.values) == {"done"}
     assert not (Path(__file__).parents[2] / "unseen").exists()
 
@@ -193,8 +195,8 @@ def test_a_lost_scheduler_ends_the_sweep_in_one_line(scheduler: str, tmp_path: P
 
     from distributed import Client
 
-    told = pytest.raises(ValueError, match=r"^workers must run cells, .* \(check that the")
-    with dask_worker(scheduler), sweep_workers(None, scheduler) as workers, told:
+    message = pytest.raises(ValueError, match=r"^workers must run cells, .* \(check that the")
+    with dask_worker(scheduler), sweep_workers(None, scheduler) as workers, message:
         run_sweep(soliton_sweep(24), RunStore(tmp_path), workers, shut)
     assert list((tmp_path / "packs").iterdir())
 
@@ -209,16 +211,16 @@ NONE = "import sys; sys.modules['longwave.runs'] = None\n"
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("site", "told"), [(ANOTHER, "with versions: ducc0 0, here ducc0"), (NONE, "longwave.runs")]
+    ("site", "message"), [(ANOTHER, "with versions: ducc0 0, here ducc0"), (NONE, "longwave.runs")]
 )
 def test_workers_with_another_longwave_or_none_are_refused(
-    site: str, told: str, scheduler: str, tmp_path: Path
+    site: str, message: str, scheduler: str, tmp_path: Path
 ) -> None:
     (tmp_path / "sitecustomize.py").write_text(site)
     path = os.pathsep.join([str(tmp_path), os.environ.get("PYTHONPATH", "")])
     with dask_worker(scheduler, PYTHONPATH=path):
         wait_for_worker(scheduler)
-        with pytest.raises(ValueError, match=rf"^[^\n]*{told}[^\n]*\(install [^\n]*$"):
+        with pytest.raises(ValueError, match=rf"^[^\n]*{message}[^\n]*\(install [^\n]*$"):
             sweep_workers(None, scheduler).__enter__()
 
 
@@ -265,12 +267,12 @@ def test_ctrl_c_keeps_what_is_done_and_ends_the_workers(
         time.sleep(0.1)
     workers = children(running.pid)
     running.send_signal(number)
-    told = running.communicate()[1].splitlines()
+    message = running.communicate()[1].splitlines()
     stop.cancel()
     assert running.returncode == status
-    assert "interrupted" in told[-1]
+    assert "interrupted" in message[-1]
     assert not list((tmp_path / "mine.store").glob(".*.sweep"))
-    assert "of 5000 cells are kept" in told[-1]
+    assert "of 5000 cells are kept" in message[-1]
     deadline = time.monotonic() + 120
     while any(Path(f"/proc/{worker}").exists() for worker in workers):
         assert time.monotonic() < deadline

@@ -31,8 +31,8 @@ def ratios(
     state = SweepState(len(taken), expected={number: expected[number] for number in looked_at})
     for first, end in pairwise((0, *ends)):
         seconds = sum(taken[first:end]) + (0.0 if first else LOADING)
-        made = Batch([DONE] * (end - first), seconds, seconds, seconds)
-        state.count(Batch(**vars(made) | {"expected": sum(expected[first:end])}), end)
+        result = Batch([DONE] * (end - first), seconds, seconds, seconds)
+        state.count(Batch(**vars(result) | {"expected": sum(expected[first:end])}), end)
         left = sum(taken[end:])
         if first and left > 0.1 * sum(taken):
             yield state.seconds_left / left

@@ -66,11 +66,13 @@ CLOCKS = ("seconds", "planning_seconds")
 
 def bits(run: xr.Dataset) -> dict[str, object]:
     """Return the contents of a run, each array as type and bytes, without the measured seconds."""
-    held: dict[str, object] = {
+    stored: dict[str, object] = {
         name: (variable.dims, variable.dtype.str, np.ascontiguousarray(variable.values).tobytes())
         for name, variable in run.variables.items()
     }
-    return held | {f"@{name}": repr(told) for name, told in run.attrs.items() if name not in CLOCKS}
+    return stored | {
+        f"@{name}": repr(message) for name, message in run.attrs.items() if name not in CLOCKS
+    }
 
 
 class Killed(BaseException):

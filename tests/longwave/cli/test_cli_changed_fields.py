@@ -46,13 +46,13 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def test_set_values_are_run_and_printed_as_json(capsys: Output) -> None:
     words = ["run", "chain.toml", "--set", "eps=0.25,parameters.A=1.5", "--set", "times=[0, 5]"]
     assert main([*words, "--json", "--output", "run.nc"]) == 0
-    told = strict(capsys.readouterr().out)
-    assert (told["scene"]["eps"], told["scene"]["parameters"]) == (0.25, {"A": 1.5})
-    assert told["times"] == [0.0, 5.0]
-    assert len(told["variables"]["error"]["values"]) == 2
-    assert told["attributes"]["error_estimate"] <= 1e-3
-    kept = scene_of_run(load_run("run.nc"))
-    assert kept.changed(name="chain") == changed_scene(
+    report = strict(capsys.readouterr().out)
+    assert (report["scene"]["eps"], report["scene"]["parameters"]) == (0.25, {"A": 1.5})
+    assert report["times"] == [0.0, 5.0]
+    assert len(report["variables"]["error"]["values"]) == 2
+    assert report["attributes"]["error_estimate"] <= 1e-3
+    saved = scene_of_run(load_run("run.nc"))
+    assert saved.changed(name="chain") == changed_scene(
         "chain.toml", {"eps": 0.25, "parameters.A": 1.5, "times": [0, 5]}
     ).changed(name="chain")
 
@@ -61,8 +61,8 @@ def test_set_values_are_run_and_printed_as_json(capsys: Output) -> None:
 def test_a_repeated_run_is_compared_as_json(capsys: Output) -> None:
     save_run(load_scene("chain.toml").run(), "run.nc")
     assert main(["run", "run.nc", "--json"]) == 0
-    told = strict(capsys.readouterr().out)
-    assert (told["run"], told["same_bits"]) == ("run.nc", True)
+    report = strict(capsys.readouterr().out)
+    assert (report["run"], report["same_bits"]) == ("run.nc", True)
 
 
 @pytest.mark.usefixtures("folder")
@@ -74,10 +74,10 @@ def test_a_sweep_takes_set_values_and_prints_its_cells_as_json(
     monkeypatch.setattr(longwave.cli.sweep_command, "run_with_progress", lambda *_: None)
     words = ["sweep", "sweep.toml", "--set", "parameters.A=0.5", "--processes", "1", "--json"]
     assert main(words) == 1
-    told = strict(capsys.readouterr().out)
-    assert [cell["set"] for cell in told["cells"]] == [{"eps": 0.2}, {"eps": 0.25}]
-    assert {cell["status"] for cell in told["cells"]} == {"missing"}
-    assert told["cells"][0]["error"] is None
+    report = strict(capsys.readouterr().out)
+    assert [cell["set"] for cell in report["cells"]] == [{"eps": 0.2}, {"eps": 0.25}]
+    assert {cell["status"] for cell in report["cells"]} == {"missing"}
+    assert report["cells"][0]["error"] is None
 
 
 @pytest.mark.usefixtures("folder")

@@ -116,9 +116,9 @@ NOTICES = re.compile(r".*\(Ctrl-C stops it\)|measuring \w+|not installed: .*")
 """Lines that tell what a command is at."""
 
 
-def without_notices(said: str) -> list[str]:
+def without_notices(message: str) -> list[str]:
     """Return the lines on stderr that are errors."""
-    return [line for line in said.splitlines() if not NOTICES.fullmatch(line)]
+    return [line for line in message.splitlines() if not NOTICES.fullmatch(line)]
 
 
 BEFOREHAND = f"must take at most {TIME:g} s, got about"
@@ -127,10 +127,10 @@ BEFOREHAND = f"must take at most {TIME:g} s, got about"
 
 def check_ended(command: str, ended: Ended, line: str, *others: str) -> None:
     """Check that a command ended with one line that names the limit, and left no process."""
-    said = without_notices(ended.errors)
-    assert (ended.status, len(said)) == (2, 1), ended
-    assert said[0].startswith(f"error: longwave {command} {line}") or any(
-        other in said[0] for other in others
+    message = without_notices(ended.errors)
+    assert (ended.status, len(message)) == (2, 1), ended
+    assert message[0].startswith(f"error: longwave {command} {line}") or any(
+        other in message[0] for other in others
     )
     assert not ended.left
 
@@ -172,11 +172,13 @@ def write_fill_values(path: Path, sites: int) -> None:
     with h5py.File(path, "r+") as file:
         attributes = dict(file["strain"].attrs)
         for name, shape in (("strain", (2, sites)), ("site", (sites,))):
-            kept = {key: file[name].attrs[key] for key in ("_Netcdf4Dimid",) if key in attributes}
+            saved = {key: file[name].attrs[key] for key in ("_Netcdf4Dimid",) if key in attributes}
             kind = file[name].dtype
             del file[name]
-            made = file.create_dataset(name, shape, kind, chunks=(*shape[:-1], 10**5), fillvalue=1)
-            made.attrs.update(kept)
+            result = file.create_dataset(
+                name, shape, kind, chunks=(*shape[:-1], 10**5), fillvalue=1
+            )
+            result.attrs.update(saved)
         file["site"].make_scale("site")
         file["strain"].dims[0].attach_scale(file["time"])
         file["strain"].dims[1].attach_scale(file["site"])
@@ -191,7 +193,7 @@ def test_a_file_of_fill_values_is_read_within_the_memory_that_is_stated(
 ) -> None:
     write_fill_values(tmp_path / "run.nc", 40_000_000)
     ended = watched([command, "run.nc", "--max-memory", "320M"], tmp_path)
-    said = without_notices(ended.errors)
-    assert (ended.status, len(said)) == (2, 1), ended
-    assert "memory" in said[0]
+    message = without_notices(ended.errors)
+    assert (ended.status, len(message)) == (2, 1), ended
+    assert "memory" in message[0]
     assert ended.memory < MEMORY + BESIDE

@@ -30,9 +30,9 @@ def test_a_proof_of_a_form_is_written_as_a_script(system: str, tmp_path: Path) -
 
 
 def test_a_certificate_is_written_as_a_script(tmp_path: Path) -> None:
-    kept, file = tmp_path / "c.json", tmp_path / "c.gp"
-    assert main(["prove", *TRANSPORT, "--output", str(kept)]) == 0
-    words = ["check", str(kept), "--export", "pari", "--output", str(file)]
+    saved, file = tmp_path / "c.json", tmp_path / "c.gp"
+    assert main(["prove", *TRANSPORT, "--output", str(saved)]) == 0
+    words = ["check", str(saved), "--export", "pari", "--output", str(file)]
     assert main(words) == 0
     assert file.read_text().endswith("print(answer(e)))\n")
 
@@ -87,9 +87,9 @@ def test_an_accepted_script_names_its_premises(
     cardboard(tmp_path, "echo accepted")
     monkeypatch.setenv("PATH", f"{tmp_path}:/usr/bin:/bin")
     assert main(["verify", "recheck", "--only", "kink"]) == 0
-    said = " ".join(capsys.readouterr().out.split())
-    assert "A > 0; a > 0; c > 0; 1 more" in said
-    assert "accepted means proved if the premises hold" in said
+    message = " ".join(capsys.readouterr().out.split())
+    assert "A > 0; a > 0; c > 0; 1 more" in message
+    assert "accepted means proved if the premises hold" in message
     file = str(tmp_path / "kink.v")
     assert main(["verify", "--only", "kink", "--export", "coq", "--output", file]) == 0
     assert (
@@ -103,9 +103,9 @@ def test_a_missing_system_is_reported_and_never_accepts(
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.setenv("LONGWAVE_NO_APT", "1")
     assert main(["verify", "recheck", "--only", "kink"]) == 0
-    said = capsys.readouterr()
-    assert "not installed: pari-gp, maxima, coq" in said.err
-    assert "accepted" not in said.out
+    message = capsys.readouterr()
+    assert "not installed: pari-gp, maxima, coq" in message.err
+    assert "accepted" not in message.out
 
 
 def test_an_unknown_name_is_an_error_and_installs_nothing(

@@ -122,21 +122,24 @@ def test_without_an_expectation_only_a_proof_has_status_0(tmp_path: Path, capsys
 
 
 def test_certificates_are_written_and_can_be_checked(tmp_path: Path, capsys: Output) -> None:
-    kept = tmp_path / "c.json"
-    assert main(["prove", written(tmp_path, FILE), "--output", str(kept)]) == 0
-    assert [check_certificate(c) != "" for c in json.loads(kept.read_text("utf-8"))] == [True, True]
+    saved = tmp_path / "c.json"
+    assert main(["prove", written(tmp_path, FILE), "--output", str(saved)]) == 0
+    assert [check_certificate(c) != "" for c in json.loads(saved.read_text("utf-8"))] == [
+        True,
+        True,
+    ]
     capsys.readouterr()
-    assert main(["check", str(kept)]) == 0
+    assert main(["check", str(saved)]) == 0
     assert capsys.readouterr().out.count(": accepted\n") == 2
 
 
 def test_the_latex_is_a_sentence_with_the_digest_of_the_certificate(
     tmp_path: Path, capsys: Output
 ) -> None:
-    kept = tmp_path / "c.json"
-    assert main(["prove", *STATED, SOLITON, "--latex", "--output", str(kept)]) == 0
+    saved = tmp_path / "c.json"
+    assert main(["prove", *STATED, SOLITON, "--latex", "--output", str(saved)]) == 0
     sentence = capsys.readouterr().out
-    (certificate,) = json.loads(kept.read_text("utf-8"))
+    (certificate,) = json.loads(saved.read_text("utf-8"))
     assert f"certificate \\texttt{{{certificate['digest'][:16]}}}" in sentence
     assert "\\[ u_{t} + 6 u u_{x} + u_{xxx} = 0 \\]" in sentence
     assert main(["prove", *STATED, MISPRINT, "--latex"]) == 1

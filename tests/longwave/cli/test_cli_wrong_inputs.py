@@ -139,7 +139,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.fixture(scope="module")
-def kept(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def saved(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Write the file of a run."""
     place = tmp_path_factory.mktemp("runs")
     (place / "chain.toml").write_text(CHAIN, encoding="utf-8")
@@ -149,9 +149,9 @@ def kept(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.mark.parametrize(("line", "message"), LINES)
 def test_a_wrong_input_is_a_one_line_error(
-    line: str, message: str, folder: Path, kept: Path, capsys: Output
+    line: str, message: str, folder: Path, saved: Path, capsys: Output
 ) -> None:
-    (folder / "run.nc").write_bytes(kept.read_bytes())
+    (folder / "run.nc").write_bytes(saved.read_bytes())
     before = sorted(folder.iterdir())
     assert main(line.split()) in (1, 2)
     output = capsys.readouterr()
@@ -215,8 +215,8 @@ def test_a_wrong_file_is_a_one_line_error(
     assert message in output.err
 
 
-def test_an_impossible_strain_is_reported(kept: Path, folder: Path, capsys: Output) -> None:
-    run = load_run(kept)
+def test_an_impossible_strain_is_reported(saved: Path, folder: Path, capsys: Output) -> None:
+    run = load_run(saved)
     for fault, told in (
         ("nan", "got NaN or inf in 1 of 2 snapshots"),
         ("int", "got int64"),
@@ -262,9 +262,9 @@ def full(*_: object, **__: object) -> None:
 
 
 def test_a_full_disk_has_status_1_at_every_write(
-    folder: Path, kept: Path, monkeypatch: pytest.MonkeyPatch, capsys: Output
+    folder: Path, saved: Path, monkeypatch: pytest.MonkeyPatch, capsys: Output
 ) -> None:
-    (folder / "run.nc").write_bytes(kept.read_bytes())
+    (folder / "run.nc").write_bytes(saved.read_bytes())
     monkeypatch.setattr(run_output, "save_run", full)
     monkeypatch.setattr(run_store, "_save", full)
     monkeypatch.setattr(atomic_file.Path, "write_bytes", full)

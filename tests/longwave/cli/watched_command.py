@@ -58,8 +58,8 @@ def watched(words: list[str], folder: Path, hostile: str = "") -> Ended:
             with suppress(ProcessLookupError):
                 os.killpg(running.pid, 9)
             running.wait()
-        said = [(stream.seek(0), stream.read())[1] for stream in (out, errors)]
-    return Ended(running.returncode, *said, seconds, memory, left)
+        outputs = [(stream.seek(0), stream.read())[1] for stream in (out, errors)]
+    return Ended(running.returncode, *outputs, seconds, memory, left)
 
 
 def _left(processes: Iterable[int]) -> tuple[int, ...]:

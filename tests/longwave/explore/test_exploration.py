@@ -107,10 +107,10 @@ def test_sliders_stay_where_the_catalogue_admits_values(wave: str) -> None:
     ],
 )
 def test_a_wrong_entry_shows_the_librarys_message(changes: dict[str, object], line: str) -> None:
-    with pytest.raises(ValueError) as told:  # noqa: PT011  (the whole line is looked at)
+    with pytest.raises(ValueError) as message:  # noqa: PT011  (the whole line is looked at)
         scene_of_choices(SOLITON.changed(**changes))
-    assert str(told.value).startswith(line)
-    assert "\n" not in str(told.value)
+    assert str(message.value).startswith(line)
+    assert "\n" not in str(message.value)
 
 
 @pytest.mark.parametrize(
@@ -128,10 +128,10 @@ def test_a_wrong_entry_shows_the_librarys_message(changes: dict[str, object], li
 )
 def test_a_scene_that_cannot_run_is_a_one_line_message(choices: Choices, line: str) -> None:
     begun = time.process_time()
-    with pytest.raises(ValueError) as told:  # noqa: PT011  (the whole line is looked at)
+    with pytest.raises(ValueError) as message:  # noqa: PT011  (the whole line is looked at)
         compare(scene_of_choices(choices))
-    assert str(told.value).startswith(line)
-    assert "\n" not in str(told.value)
+    assert str(message.value).startswith(line)
+    assert "\n" not in str(message.value)
     assert time.process_time() - begun < 30.0
 
 

@@ -272,11 +272,11 @@ def test_the_number_of_pages_and_sessions_is_limited(monkeypatch: pytest.MonkeyP
 
     monkeypatch.setattr(explore_server, "MOST_PAGES", 1)
     monkeypatch.setattr(explore_server, "MOST_SESSIONS", 3)
-    asked: list[Explorer] = []
-    told: list[str] = []
-    monkeypatch.setattr(ExplorePage, "refuse_with", lambda _, line: told.append(line))
+    requests: list[Explorer] = []
+    output: list[str] = []
+    monkeypatch.setattr(ExplorePage, "refuse_with", lambda _, line: output.append(line))
     monkeypatch.setattr(Explorer, "start", lambda _: None)
-    monkeypatch.setattr(Explorer, "submit", lambda one, _: asked.append(one))
+    monkeypatch.setattr(Explorer, "submit", lambda one, _: requests.append(one))
     monkeypatch.setattr(pn.state, "add_periodic_callback", lambda *_: None)
     shown: list[Any] = []
     monkeypatch.setattr(pn.state, "onload", shown.append)
@@ -284,11 +284,11 @@ def test_the_number_of_pages_and_sessions_is_limited(monkeypatch: pytest.MonkeyP
     for _ in range(4):
         with set_curdoc(Document()):
             views.append(pages.open())
-    assert (len(shown), asked) == (3, [])
+    assert (len(shown), requests) == (3, [])
     for begin in shown:
         begin()
-    assert len(asked) == 1
-    assert told == 2 * [explore_server.TOO_MANY]
+    assert len(requests) == 1
+    assert output == 2 * [explore_server.TOO_MANY]
     assert isinstance(views[-1], pn.pane.HTML)
     pages.close()
 
@@ -298,7 +298,7 @@ class Opened:
     """A page in the browser, and every address that it requested."""
 
     page: Any
-    asked: list[str]
+    requests: list[str]
     errors: list[str]
 
     def finished(self) -> None:
@@ -337,9 +337,11 @@ def opened(served: Served) -> Iterator[Opened]:
         browser = tool.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
         page = browser.new_page(viewport={"width": 1400, "height": 2200})
         found = Opened(page, [], [])
-        page.on("request", lambda request: found.asked.append(request.url))
+        page.on("request", lambda request: found.requests.append(request.url))
         page.on("pageerror", lambda error: found.errors.append(str(error)))
-        page.on("console", lambda said: said.type == "error" and found.errors.append(said.text))
+        page.on(
+            "console", lambda message: message.type == "error" and found.errors.append(message.text)
+        )
         page.goto(served.address, timeout=PATIENCE)
         found.finished()
         yield found
@@ -452,7 +454,7 @@ def test_on_a_phone_the_controls_are_a_drawer_and_nothing_is_wider_than_the_scre
 def test_no_request_leaves_this_machine(opened: Opened, served: Served) -> None:
     outside = [
         address
-        for address in opened.asked
+        for address in opened.requests
         if not address.startswith((served.root, "data:", "blob:"))
     ]
     assert outside == []
@@ -467,7 +469,7 @@ def test_ctrl_c_ends_the_server_in_one_line(served: Served) -> None:
     out, err = served.process.communicate(timeout=600)
     taken = time.monotonic() - begun
     passing = ("Refusing websocket connection", "so far (Ctrl-C stops it)")
-    told = [line for line in err.splitlines() if not any(text in line for text in passing)]
-    assert (out, told) == ("", ["longwave explore: interrupted"])
+    output = [line for line in err.splitlines() if not any(text in line for text in passing)]
+    assert (out, output) == ("", ["longwave explore: interrupted"])
     assert served.process.returncode == 130
     assert taken < 30.0, "main returns after 0.05 s, even with the machine overloaded six times"
