@@ -94,7 +94,7 @@ def bookkeeping(count: int) -> None:
         write_sweep(sweep, store, Path(folder) / "out.nc")
         written = time.process_time() - again
         again = time.process_time()
-        found = run_sweep(sweep, store, LocalWorkers(1)).found
+        found = run_sweep(sweep, store, LocalWorkers(1)).stored
         resumed = time.process_time() - again
     own = state.processor_seconds
     there = state.worker_seconds - own
@@ -200,18 +200,18 @@ def million(count: int) -> None:
         told(f"{len(sweep)} cells made", begun, files())
         for what in ("first look, all packs read", "look by the index"):
             begun = time.perf_counter()
-            held = store.held()
+            stored_keys = store.stored_runs()
             told(what, begun, files())
         for what in ("resume", "again"):
             begun = time.perf_counter()
             workers = LocalWorkers(os.cpu_count() or 1, use_one_thread)
             try:
-                done = run_sweep(sweep, store, workers, held=held).done
+                done = run_sweep(sweep, store, workers, stored_keys=stored_keys).done
             finally:
                 workers.stop()
             told(f"{what}: {done} run", begun, files())
-            held = store.held()
-        del held
+            stored_keys = store.stored_runs()
+        del stored_keys
         begun = time.perf_counter()
         write_sweep(sweep, store, Path(folder) / "out.nc")
         told("data set", begun, files())

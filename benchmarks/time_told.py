@@ -69,13 +69,13 @@ def sweep_told(name: str) -> dict[str, object]:
     with tempfile.TemporaryDirectory() as folder:
         store = RunStore(Path(folder))
         expected = expected_sweep_cost(sweep, store, ())
-        first = expected.by(1, together=True).seconds
+        first = expected.on_workers(1, share_memory=True).seconds
         begun = time.perf_counter()
 
         def tell(state: SweepState) -> None:
             told.append((time.perf_counter() - begun, state.seconds_left))
 
-        state = SweepState(len(sweep), expected=expected.each)
+        state = SweepState(len(sweep), expected=expected.seconds_by_cell)
         run_sweep(sweep, store, workers, tell, state)
         workers.stop()
         whole = time.perf_counter() - begun

@@ -1,7 +1,7 @@
 """longwave: derive the long-wave limit of a lattice, check its solutions, test them on the lattice.
 
-What a user needs is here under one name: lattices and their reductions, closed forms and proofs,
-scenes, runs and pictures. Each is imported when it is first used, so `import longwave` is quick.
+The main names of all rooms are available here: lattices and their reductions, closed forms and
+proofs, scenes, runs and pictures. Each is imported on first use, so `import longwave` is quick.
 
 >>> import longwave
 >>> longwave.mkdv_normal_form(4, 1).s
@@ -14,7 +14,7 @@ from longwave.support.lazy_exports import lazy_exports
 
 __version__: str
 
-_NOUNS = {
+_PUBLIC_NAMES = {
     "longwave.derive": "LATTICES Bond Lattice NormalForm Reduction Scaling SlowVariable Stencil "
     "envelope find_scaling mkdv_normal_form reduce",
     "longwave.solutions": "CATALOGUE ClosedForm Equation Parameter Wave closed_form",
@@ -30,15 +30,15 @@ _NOUNS = {
     "longwave.scenes.observed.view": "relative_sup_error",
 }
 
-__all__ = ["__version__", *sorted(" ".join(_NOUNS.values()).split())]
+__all__ = ["__version__", *sorted(" ".join(_PUBLIC_NAMES.values()).split())]
 
-_noun, __dir__ = lazy_exports(__name__, _NOUNS)
+_import_name, __dir__ = lazy_exports(__name__, _PUBLIC_NAMES)
 
 
 def __getattr__(name: str) -> Any:
-    """Import the noun from its room, or look the version up."""
+    """Import a public name from its room, or look up the version."""
     if name == "__version__":
         from importlib.metadata import version
 
         return version("longwave")
-    return _noun(name)
+    return _import_name(name)

@@ -1,4 +1,4 @@
-"""The command `longwave`: its words, and what their completion asks for."""
+"""Entry point of the command `longwave`, including shell completion."""
 
 import os
 import sys
@@ -13,7 +13,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _main(argv: Sequence[str] | None) -> int:
-    from click.shell_completion import shell_complete  # imported where Ctrl-C is told already
+    from click.shell_completion import shell_complete  # imported late: Ctrl-C is handled by then
 
     from longwave.cli.command_tree import COMPLETION, longwave
     from longwave.support.command_line import run_words

@@ -1,4 +1,4 @@
-"""The convergence of a scene as a session in Python has it: it can be drawn."""
+"""The result of `longwave.converge`: a convergence study with a method that draws it."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from longwave.support.console import picture_path
 
 
 class Convergence(SceneConvergence):
-    """The errors of a scene at several eps and their rate, which can be drawn."""
+    """Errors of a scene at several eps and their fitted rate, with a plot."""
 
     def plot(self, output: str | Path | None = None) -> ShownFigure:
         """Draw the errors over eps; write the figure to ``output`` (PNG, PDF, SVG) if given."""

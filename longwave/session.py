@@ -1,7 +1,7 @@
-"""The long calls of a session in Python or a notebook, which show how far they are.
+"""Functions for interactive sessions: run, sweep, fit, converge, plot and film with a progress bar.
 
-The rooms' own functions are silent; these show a bar on a terminal and a line in a notebook, with
-the time that is left, unless they are given a ``progress`` of your own.
+The functions of the other rooms print nothing. These show a bar in a terminal or a line in a
+notebook, with the remaining time, unless they are given a ``progress`` callback.
 """
 
 from __future__ import annotations
@@ -26,37 +26,40 @@ if TYPE_CHECKING:
     from longwave.scenes.fits.sensor_records import SensorRecord
     from longwave.solutions import ClosedForm
 
-Told = Callable[[float], object]
-"""Told the share of the work that is done, 0 .. 1, or the seconds that it is expected to take."""
+ProgressCallback = Callable[[float], object]
+"""Callback for the finished share of the work, 0 to 1, or for the expected seconds."""
 
 
 @contextmanager
-def shown_progress(
-    name: str, progress: Told | None, announce: Told | None
+def display_progress(
+    name: str, progress: ProgressCallback | None, announce: ProgressCallback | None
 ) -> Iterator[tuple[Any, Any]]:
-    """A user's own progress, or the bar or line of `support.console`."""
+    """Yield the user's callbacks, or those of the progress display of `support.console`."""
     if progress is not None or announce is not None:
         yield progress, announce
         return
     from longwave.support.console import progress_bar
 
-    with progress_bar(name, name, clock=perf_counter) as told:
-        yield told
+    with progress_bar(name, name, clock=perf_counter) as callbacks:
+        yield callbacks
 
 
-def _named(source: object) -> str:
-    """How what is worked on is called beside the progress."""
+def _label(source: object) -> str:
+    """Return the label shown next to the progress bar: the name of a scene, sweep or file."""
     name = getattr(source, "name", source) if not isinstance(source, Path) else source.name
     return Path(name).name if isinstance(name, str) else "run"
 
 
 def run(
-    scene: Scene | str | Path, progress: Told | None = None, announce: Told | None = None
+    scene: Scene | str | Path,
+    progress: ProgressCallback | None = None,
+    announce: ProgressCallback | None = None,
 ) -> xr.Dataset:
-    """Run any scene, given as such, by its name or by its TOML file; `scenes.run` says more.
+    """Run any scene, given as a Scene, by name or by its TOML file; see `scenes.run`.
 
-    One entry for all of them: a wave on any lattice, an envelope, disorder, losses, a chain on a
-    bench, the growth of a perturbed plane wave. What is no scene is told what to call instead.
+    This is the entry for all kinds: a wave on a lattice, an envelope, disorder, losses, a chain on
+    a bench, the growth of a perturbed plane wave. Raises ValueError with the function to call
+    instead if ``scene`` is something else.
 
     >>> import longwave
     >>> longwave.run("toda_soliton").sizes["time"]
@@ -65,21 +68,21 @@ def run(
     from longwave.scenes.engines import scene_run
 
     try:
-        with shown_progress(_named(scene), progress, announce) as told:
-            return scene_run.run(scene, *told)
+        with display_progress(_label(scene), progress, announce) as callbacks:
+            return scene_run.run(scene, *callbacks)
     except ValueError:
         _refuse_sweep(scene)
         raise
 
 
 def _refuse_sweep(scene: object) -> None:
-    """Raise ValueError for the name of a shipped sweep, which is no scene's."""
+    """Raise ValueError if ``scene`` is the name of a shipped sweep."""
     from longwave.runs.sweep_file import shipped_sweeps
 
     if str(scene) in shipped_sweeps():
         raise ValueError(
-            f"scene must be a scene, its name or its file, got the sweep {scene} (longwave.sweep "
-            "runs it)"
+            f"scene must be a scene, its name or its file, got the sweep {scene} (use "
+            "longwave.sweep)"
         ) from None
 
 
@@ -87,13 +90,16 @@ def resume(
     run: xr.Dataset,
     at: float | None = None,
     snapshots: Sequence[float] | None = None,
-    progress: Told | None = None,
+    progress: ProgressCallback | None = None,
     wave: ClosedForm | None = None,
 ) -> xr.Dataset:
-    """Go on with a run from one of its snapshots, to the same bits: `scenes.resume` says more."""
+    """Continue a run from one of its snapshots, with the bits of an uninterrupted run.
+
+    See `scenes.resume` for the arguments.
+    """
     from longwave.scenes.engines import scene_run
 
-    with shown_progress("run", progress, None) as (share, _):
+    with display_progress("run", progress, None) as (share, _):
         return scene_run.resume(run, at, snapshots, share, wave)
 
 
@@ -103,46 +109,47 @@ def sweep(
     *,
     store: str | Path | None = None,
     processes: int | None = None,
-    progress: Told | None = None,
+    progress: ProgressCallback | None = None,
 ) -> xr.Dataset:
     """Run a scene for many values; return one data set with the swept dimensions.
 
-    ``source`` is a sweep, its name, its TOML file or what that holds; with a ``grid``, the values
-    of each field by its name in a scene's file, it is a scene. Runs go into the folder ``store``,
-    by default NAME.store here, where the fields of the data set are read when they are used and a
-    call that was stopped is gone on with. ``processes``: as many as there are cores unless given.
+    ``source`` is a sweep: a Sweep, its name, its TOML file or that file's tables. With a ``grid``,
+    which maps names of fields to values, it is a scene. Runs are saved in the folder ``store``, by
+    default NAME.store in the working directory. Fields of the data set are read from there on
+    demand, and an interrupted call is resumed. ``processes`` is the number of workers, by default
+    one for each core.
 
-    Raises ValueError in one line for what is no sweep, and for one beyond the limits.
+    Raises ValueError in one line if ``source`` is no sweep, or if it exceeds the limits.
     """
     from longwave.runs.run_store import RunStore
-    from longwave.runs.sweep import SweepState, run_shown
+    from longwave.runs.sweep import SweepState, run_with_progress
     from longwave.runs.sweep_cost import expected_sweep_cost
     from longwave.runs.sweep_dataset import sweep_dataset
     from longwave.runs.sweep_workers import sweep_workers
     from longwave.support.request_limits import check_request
 
-    found = as_sweep(source, grid)
-    kept = RunStore(Path(store or f"{found.name}.store"))
-    held = kept.held()
+    plan = as_sweep(source, grid)
+    run_store = RunStore(Path(store or f"{plan.name}.store"))
+    stored_keys = run_store.stored_runs()
     with (
         sweep_workers(processes, None) as workers,
-        shown_progress(found.name, progress, None) as told,
+        display_progress(plan.name, progress, None) as callbacks,
     ):
-        expected = expected_sweep_cost(found, kept, held)
-        cost = expected.by(workers.count, together=True)
-        check_request(found.name, cost, "take fewer or cheaper cells")
-        if told[1] is not None:
-            told[1](cost.seconds)
-        state = SweepState(len(found), workers.count, expected=expected.each)
-        run_shown(found, kept, workers, state, held, told)
-    return sweep_dataset(found, kept)
+        expected = expected_sweep_cost(plan, run_store, stored_keys)
+        cost = expected.on_workers(workers.count, share_memory=True)
+        check_request(plan.name, cost, "take fewer or cheaper cells")
+        if callbacks[1] is not None:
+            callbacks[1](cost.seconds)
+        state = SweepState(len(plan), workers.count, expected=expected.seconds_by_cell)
+        run_with_progress(plan, run_store, workers, state, stored_keys, callbacks)
+    return sweep_dataset(plan, run_store)
 
 
 def as_sweep(
     source: Sweep | Scene | str | Path | Mapping[str, Any],
     grid: Mapping[str, Sequence[Any]] | None = None,
 ) -> Sweep:
-    """The sweep that is meant; ValueError in one line for what is none.
+    """Return the Sweep that ``source`` and ``grid`` describe; raise ValueError in one line if none.
 
     >>> as_sweep("toda_soliton", {"eps": [0.1, 0.2], "parameters.kappa": [1]})
     <Sweep of toda_soliton: 2 eps x 1 kappa = 2 cells>
@@ -157,14 +164,14 @@ def as_sweep(
 
     if grid is not None and not isinstance(source, Sweep | Mapping):
         scene = source if isinstance(source, Scene) else load_scene(source)
-        values = {name: _plain_list(name, given) for name, given in grid.items()}
+        values = {name: _plain_list(name, sequence) for name, sequence in grid.items()}
         tables = {"title": scene.title, "scene": tomllib.loads(scene.toml()), "grid": values}
-        made = sweep_of(tables, scene.name)
-        return replace(made, base=scene.name)
+        built = sweep_of(tables, scene.name)
+        return replace(built, base=scene.name)
     if grid is not None:
         raise ValueError(
-            f"grid must be given with a scene, got it with {shown(source)} (which says itself what "
-            "varies)"
+            f"grid must be given with a scene, got it with {shown(source)} (leave it out: the "
+            "source states what varies)"
         )
     if isinstance(source, Sweep):
         return source
@@ -179,24 +186,24 @@ def as_sweep(
 
 
 def _plain_list(name: str, given: Any) -> list[Any]:
-    """The values as a list of Python's; ValueError for what is none."""
+    """Convert the values of a field to a list of Python objects; raise ValueError if impossible."""
     from longwave.support.user_files import shown
 
-    found = given.tolist() if hasattr(given, "tolist") else given
-    if isinstance(found, str) or not isinstance(found, Sequence) or not found:
+    values = given.tolist() if hasattr(given, "tolist") else given
+    if isinstance(values, str) or not isinstance(values, Sequence) or not values:
         raise ValueError(
             f"{name} in grid must be a list of values, got {shown(given)} (such as [0.1, 0.2])"
         )
-    return list(found)
+    return list(values)
 
 
 def fit_scene(
     scene: str | Path | Scene, records: Sequence[str | Path | SensorRecord], free: Sequence[str]
 ) -> SceneFit:
-    """Fit constants and losses of a scene to records of its sensors: `scenes.fits.scene_fit`."""
+    """Fit constants and losses of a scene to its sensors' records; see `scenes.fits.scene_fit`."""
     from longwave.scenes.fits import scene_fit
 
-    with shown_progress(f"fit of {_named(scene)}", None, None):
+    with display_progress(f"fit of {_label(scene)}", None, None):
         return scene_fit.fit_scene(scene, records, free)
 
 
@@ -204,11 +211,11 @@ def converge(
     scene: Scene | str | Path,
     eps: Sequence[float] = (),
     tolerance: float | None = None,
-    progress: Told | None = None,
+    progress: ProgressCallback | None = None,
 ) -> Convergence:
-    """Run a scene at several eps and fit the rate at which lattice and wave come together.
+    """Run a scene at several eps and fit the rate at which the lattice approaches the wave.
 
-    Without ``eps`` at four values about the scene's own. Raises ValueError in one line as
+    By default ``eps`` has four values about the scene's own. Raises ValueError in one line as
     `scenes.convergence.scene_convergence` does.
     """
     from longwave.drawn_convergence import Convergence
@@ -216,28 +223,28 @@ def converge(
     from longwave.scenes.description.named_scenes import load_scene
     from longwave.scenes.description.scene import Scene
 
-    asked = scene if isinstance(scene, Scene) else load_scene(scene)
+    base = scene if isinstance(scene, Scene) else load_scene(scene)
     if tolerance is not None:
-        asked = asked.with_tolerance(tolerance)
-    with shown_progress(asked.name, progress, None) as (share, tell):
-        found = scene_convergence(asked, eps, share, tell or (lambda _: None))
-    return Convergence(**vars(found))
+        base = base.with_tolerance(tolerance)
+    with display_progress(base.name, progress, None) as (share, tell):
+        study = scene_convergence(base, eps, share, tell or (lambda _: None))
+    return Convergence(**vars(study))
 
 
 def plot(
     source: Source | SceneConvergence,
     output: str | Path | None = None,
     kind: str = "all",
-    progress: Told | None = None,
-    announce: Told | None = None,
+    progress: ProgressCallback | None = None,
+    announce: ProgressCallback | None = None,
     at: Mapping[str, Any] | None = None,
     variable: str = "error",
     columns: int = 2,
 ) -> ShownFigure:
-    """Draw a run, a scene, which is run first, a sweep or a convergence: `reports` says how.
+    """Draw a run, a scene (which is run first), a sweep or a convergence; see `reports`.
 
-    The figure shows itself in a notebook, and is written to ``output`` (PNG, PDF or SVG) if given.
-    It is as wide as so many ``columns`` of a journal, 1 or 2.
+    The figure is displayed in a notebook, and written to ``output`` (PNG, PDF or SVG) if given. Its
+    width is that of 1 or 2 ``columns`` of a journal.
     """
     from longwave.drawn_convergence import Convergence
     from longwave.reports.pictures import plotting
@@ -245,8 +252,8 @@ def plot(
 
     if isinstance(source, SceneConvergence):
         return Convergence(**vars(source)).plot(output)
-    with shown_progress(_named(source), progress, announce) as told:
-        return plotting.plot(source, output, kind, *told, at, variable, columns)
+    with display_progress(_label(source), progress, announce) as callbacks:
+        return plotting.plot(source, output, kind, *callbacks, at, variable, columns)
 
 
 def animate(
@@ -256,25 +263,25 @@ def animate(
     fps: float = 25.0,
     dpi: float = 110.0,
     times: tuple[float, float] | None = None,
-    progress: Told | None = None,
-    announce: Told | None = None,
+    progress: ProgressCallback | None = None,
+    announce: ProgressCallback | None = None,
 ) -> ShownFilm:
-    """Make a film of a run, or of a scene, which is run first: `reports` says how.
+    """Make a film of a run or of a scene (which is run first); see `reports`.
 
-    It shows itself in a notebook, and is written to ``output``, MP4 or GIF by its suffix; without
-    one it is held in memory.
+    The film is displayed in a notebook. It is written to ``output``, MP4 or GIF by its suffix, or
+    else kept in memory.
     """
     from longwave.reports.pictures import animation
     from longwave.reports.pictures.film_files import has_ffmpeg
     from longwave.reports.pictures.shown import ShownFilm
 
     with (
-        shown_progress(_named(source), progress, announce) as told,
-        tempfile.TemporaryDirectory() as work,
+        display_progress(_label(source), progress, announce) as callbacks,
+        tempfile.TemporaryDirectory() as folder,
     ):
         suffix = ".mp4" if has_ffmpeg() else ".gif"
-        path = Path(work) / f"film{suffix}" if output is None else Path(output)
-        frames = animation.animate(source, path, duration, fps, dpi, times, *told)
+        path = Path(folder) / f"film{suffix}" if output is None else Path(output)
+        frames = animation.animate(source, path, duration, fps, dpi, times, *callbacks)
         if output is not None:
             return ShownFilm(frames, path)
         return ShownFilm(frames, None, path.read_bytes(), suffix)

@@ -1,4 +1,4 @@
-"""Runs: made at the command line, kept as files.
+"""Runs saved as NetCDF-4 files, stores of runs, and sweeps.
 
 >>> from longwave.runs import load_run, open_run, save_run
 """

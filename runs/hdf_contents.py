@@ -1,10 +1,10 @@
-"""Files in HDF5 are looked through before anything in them is read: what they may hold and claim.
+"""Checks of an HDF5 file before it is read: which objects it has, and how many bytes it claims.
 
-A file of some bytes may claim arrays of any size, for what was never written reads as its fill
-value; a text may stand at a million places and be kept once. It may name other files, whose bytes
-then come as its own. So every object of a run's file or a pack is looked at first: links of the
-file into itself alone, numbers and texts, in chunks as they are written here, and in all no more
-bytes than a file of its size can hold.
+A file of a few bytes can claim arrays of any size, because values that were never written read as
+the fill value. A text can be stored once and referenced a million times. A file can also refer to
+other files, whose bytes would then be read as its own. So every object of a run's file or a pack is
+checked first: only hard links within the file, only numbers and texts, only the filters that are
+written here, and in total no more bytes than a file of this size can hold.
 """
 
 from __future__ import annotations
@@ -15,213 +15,228 @@ from typing import Any
 
 import numpy as np
 
-MOST_SHRUNK = 1100
-"""Bytes that one byte of a file can hold at most, compressed."""
+MAX_COMPRESSION = 1100
+"""Largest number of bytes in memory that one compressed byte of a file can yield."""
 
-SMALL = 10**6
-"""Bytes that any file may hold."""
+BASE_BYTES = 10**6
+"""Bytes in memory that a file of any size may claim."""
 
-UNREAD = b"This is a netCDF dimension but not a netCDF variable."
-"""In the name of an array that is there for its length, as h5netcdf asks for it."""
+LENGTH_ONLY = b"This is a netCDF dimension but not a netCDF variable."
+"""Text that h5netcdf puts into the name of an array that only stores the length of a dimension."""
 
 DEFLATE, SHUFFLE, CHECKSUM = 1, 2, 3
-"""Filters of the library's own; each once, as two that shrink would shrink by their product."""
+"""HDF5's built-in filters. Each may be applied once: compressing twice multiplies the ratios."""
 
-SINGLE = 4
-"""Bytes of the shortest floating-point number that NetCDF has; pandas warns of shorter ones."""
+LEAST_FLOAT_BYTES = 4
+"""Bytes of NetCDF's shortest floating-point type. Pandas warns about shorter ones."""
 
-OBJECT, COPIES = 64, 8
-"""Bytes that a text in memory takes beside its letters, and those that a letter takes while the
-libraries make texts (5.8 were measured); in a file that was written here each letter is there."""
+TEXT_BYTES, LETTER_BYTES = 64, 8
+"""Bytes that a text takes in memory: an overhead for each text, and 8 for each letter while the
+libraries build it (5.8 were measured)."""
 
 
 def check_contents(file: Any, size: int, deepest: int = 0) -> None:
-    """Look through an open file of ``size`` bytes with groups nested ``deepest`` deep.
+    """Check every object of an open HDF5 file; groups may be nested ``deepest`` levels deep.
 
-    Raises ValueError for what no run's file or pack has, and one that would take more bytes than
-    such a file can hold. Without groups it is read by h5netcdf, which leaves arrays alone that are
-    there for their length. What was looked at stays in memory while the file is open, and is not
-    read again: somebody may write into the file meanwhile.
+    ``size`` is the size of the file in bytes. Raises ValueError for anything that no run's file or
+    pack contains, and for a file that claims more bytes than its size allows. With ``deepest`` 0
+    the file will be read by h5netcdf, which never reads arrays that only store the length of a
+    dimension; these are not counted. The checked structure is cached until the file is closed, so
+    that a concurrent write cannot change it.
     """
-    _keep_structure(file)
-    look = _Look(size, leaves_lengths=deepest == 0)
-    for thing in _things(file["/"], deepest, set()):
-        look.attributes(thing)
-        look.array(thing)
+    _cache_structure(file)
+    counter = _ByteCount(size, skips_lengths=deepest == 0)
+    for member in _members(file["/"], deepest, set()):
+        counter.count_attributes(member)
+        counter.count_array(member)
 
 
-def _keep_structure(file: Any) -> None:
-    """Have the library keep what it reads of objects and links, and read none of it again."""
+def _cache_structure(file: Any) -> None:
+    """Make HDF5 cache object headers and links while the file is open: none is read twice."""
     plan = file.id.get_mdc_config()
     plan.evictions_enabled = False
-    plan.incr_mode = plan.flash_incr_mode = plan.decr_mode = 0  # as it must be then
+    plan.incr_mode = plan.flash_incr_mode = plan.decr_mode = (
+        0  # HDF5 requires this without evictions
+    )
     file.id.set_mdc_config(plan)
 
 
-def own(parent: Any, name: str) -> Any:
-    """What has that name in an open file that was looked through when it was opened before.
+def local_member(parent: Any, name: str) -> Any:
+    """Return the named member of a group in a file that `check_contents` has accepted.
 
-    Raises ValueError if it stands in another file: that is asked of the open object, which is what
-    is read, as the file may have been written into since.
+    Raises ValueError if the member is stored in another file. The opened object itself is checked,
+    because the file may have been modified since.
     """
     import h5py
 
-    thing = parent[name]
-    files = [h5py.h5o.get_info(one.id).fileno for one in (parent, thing)]
-    if files[0] != files[1] or (isinstance(thing, h5py.Dataset) and _is_elsewhere(thing)):
-        raise ValueError(f"{name} is in other files")
-    return thing
+    member = parent[name]
+    file_numbers = [h5py.h5o.get_info(item.id).fileno for item in (parent, member)]
+    if file_numbers[0] != file_numbers[1] or (
+        isinstance(member, h5py.Dataset) and _is_external(member)
+    ):
+        raise ValueError(f"{name} is stored in another file")
+    return member
 
 
-def _is_elsewhere(array: Any) -> bool:
-    """Whether an array is made of others, or its bytes stand in another file."""
+def _is_external(array: Any) -> bool:
+    """Whether an array is a virtual dataset, or its bytes are stored in another file."""
     return bool(array.id.get_create_plist().get_external_count() or array.is_virtual)
 
 
-def _things(group: Any, deepest: int, seen: set[Any]) -> Iterator[Any]:
-    """The group and all that is in it, by links that lead into the file itself, each once.
+def _members(group: Any, deepest: int, addresses: set[Any]) -> Iterator[Any]:
+    """Yield the group and all members below it, following hard links only.
 
-    ``seen`` are the addresses of the objects met before.
+    ``addresses`` collects the objects met so far. Raises ValueError if one is met twice.
     """
     import h5py
 
-    _check_new(group, seen)
+    _check_new(group, addresses)
     yield group
     for name in group:
         link = group.get(name, getclass=True, getlink=True)
         if link is not h5py.HardLink:
             raise ValueError(f"{name} is a link ({link.__name__})")
-        thing = group[name]
-        if isinstance(thing, h5py.Group):
+        member = group[name]
+        if isinstance(member, h5py.Group):
             if deepest == 0:
-                raise ValueError(f"{name} is a group in which nothing may be")
-            yield from _things(thing, deepest - 1, seen)
-        elif isinstance(thing, h5py.Dataset):
-            _check_new(thing, seen)
-            yield thing
+                raise ValueError(f"{name} is a group, nested deeper than any in a run or pack")
+            yield from _members(member, deepest - 1, addresses)
+        elif isinstance(member, h5py.Dataset):
+            _check_new(member, addresses)
+            yield member
         else:
-            raise ValueError(f"{name} is no array")
+            raise ValueError(f"{name} is neither an array nor a group")
 
 
-def _check_new(thing: Any, seen: set[Any]) -> None:
-    """Note an object's address; ValueError for one that was seen, by another hard link."""
+def _check_new(item: Any, addresses: set[Any]) -> None:
+    """Record an object's address; raise ValueError if another hard link led to it before."""
     from h5py import h5o
 
-    address = h5o.get_info(thing.id).addr
-    if address in seen:
-        raise ValueError(f"{thing.name} has another name")
-    seen.add(address)
+    address = h5o.get_info(item.id).addr
+    if address in addresses:
+        raise ValueError(f"{item.name} is linked under two names")
+    addresses.add(address)
 
 
-class _Look:
-    """Counts the bytes that a file's arrays and attributes take in memory."""
+class _ByteCount:
+    """Running total of the bytes that a file's arrays and attributes take in memory."""
 
-    def __init__(self, size: int, leaves_lengths: bool) -> None:
-        self.size, self.total, self._leaves_lengths = size, 0, leaves_lengths
-        self.most = SMALL + MOST_SHRUNK * size
+    def __init__(self, size: int, skips_lengths: bool) -> None:
+        self.size, self.total, self._skips_lengths = size, 0, skips_lengths
+        self.allowed = BASE_BYTES + MAX_COMPRESSION * size
 
     def count(self, more: int) -> None:
-        """Count them; ValueError if there are more than the file can hold."""
+        """Add bytes to the total; raise ValueError if it exceeds what the file can hold."""
         self.total += more
-        if self.total > self.most:
-            raise ValueError(f"{self.total:.3g} bytes are claimed to be in {self.size}")
+        if self.total > self.allowed:
+            raise ValueError(f"{self.total:.3g} bytes are claimed by a file of {self.size}")
 
-    def attributes(self, thing: Any) -> None:
-        """Those of an array or group, texts as long as they are."""
+    def count_attributes(self, item: Any) -> None:
+        """Count the attributes of an array or group; texts count by their length."""
         from h5py import h5a, h5s, h5t
 
         plain = (h5t.INTEGER, h5t.FLOAT, h5t.STRING, h5t.ENUM, h5t.REFERENCE)
-        for name in thing.attrs:
-            held = h5a.open(thing.id, name.encode())
-            if held.get_space().get_simple_extent_type() == h5s.NULL:
+        for name in item.attrs:
+            attribute = h5a.open(item.id, name.encode())
+            if attribute.get_space().get_simple_extent_type() == h5s.NULL:
                 continue
-            kind, places = held.get_type(), prod(held.shape)
-            of = kind.get_class()
-            if not _is_of_scales(name, kind, held.shape, getattr(thing, "shape", None)):
-                raise ValueError(f"{name} of {thing.name} is not what says which dimensions it has")
-            if of == h5t.STRING and kind.is_variable_str():
-                self._may_read(name, places)
-                self._letters(np.asarray(thing.attrs[name], object).ravel())
-            elif of in plain or (of == h5t.COMPOUND and not _has_lists(kind)):
-                self.count(places * kind.get_size())
-            elif of == h5t.VLEN and kind.get_super().get_class() == h5t.REFERENCE and places <= 32:
-                self.count(self.size)  # which dimensions an array has
+            type_, count = attribute.get_type(), prod(attribute.shape)
+            type_class = type_.get_class()
+            if not _is_valid_scale_attribute(
+                name, type_, attribute.shape, getattr(item, "shape", None)
+            ):
+                raise ValueError(f"{name} of {item.name} does not describe its dimensions")
+            if type_class == h5t.STRING and type_.is_variable_str():
+                self._check_text_count(name, count)
+                self._count_letters(np.asarray(item.attrs[name], object).ravel())
+            elif type_class in plain or (
+                type_class == h5t.COMPOUND and not _has_variable_length(type_)
+            ):
+                self.count(count * type_.get_size())
+            elif (
+                type_class == h5t.VLEN
+                and type_.get_super().get_class() == h5t.REFERENCE
+                and count <= 32
+            ):
+                self.count(self.size)  # references to an array's dimensions
             else:
-                raise ValueError(f"{name} is of lists")
+                raise ValueError(f"attribute {name} has values of variable length")
 
-    def array(self, thing: Any) -> None:
-        """An array; a group has none."""
+    def count_array(self, item: Any) -> None:
+        """Check an array's type, storage and filters, and count its bytes; ignore groups."""
         import h5py
 
-        if not isinstance(thing, h5py.Dataset):
+        if not isinstance(item, h5py.Dataset):
             return
-        layout, kind = thing.id.get_create_plist(), thing.id.get_type()
-        if _is_elsewhere(thing):
-            raise ValueError(f"{thing.name} is in other files")
-        filters = sorted(layout.get_filter(place)[0] for place in range(layout.get_nfilters()))
+        layout, type_ = item.id.get_create_plist(), item.id.get_type()
+        if _is_external(item):
+            raise ValueError(f"{item.name} is stored in another file")
+        filters = sorted(
+            layout.get_filter(position)[0] for position in range(layout.get_nfilters())
+        )
         if not {*filters} <= {DEFLATE, SHUFFLE, CHECKSUM} or len({*filters}) < len(filters):
-            raise ValueError(f"{thing.name} is packed by filters {filters}")
-        of, h5t = kind.get_class(), h5py.h5t
-        if of not in (h5t.INTEGER, h5t.FLOAT, h5t.STRING, h5t.ENUM):
-            raise ValueError(f"{thing.name} is of no numbers and no texts")
-        if of == h5t.FLOAT and kind.get_size() < SINGLE:
-            raise ValueError(f"{thing.name} is of numbers of {kind.get_size()} bytes")
-        if self._leaves_lengths and of != h5t.STRING and _is_unread(thing):
+            raise ValueError(f"{item.name} has filters {filters}, which no run or pack has")
+        type_class, h5t = type_.get_class(), h5py.h5t
+        if type_class not in (h5t.INTEGER, h5t.FLOAT, h5t.STRING, h5t.ENUM):
+            raise ValueError(f"{item.name} holds neither numbers nor texts")
+        if type_class == h5t.FLOAT and type_.get_size() < LEAST_FLOAT_BYTES:
+            raise ValueError(f"{item.name} has floats of {type_.get_size()} bytes, too short")
+        if self._skips_lengths and type_class != h5t.STRING and _is_length_only(item):
             return
-        places = prod(thing.shape or ())
-        self.count(max(places, prod(thing.chunks or (0,))) * kind.get_size())
-        if of == h5t.STRING and kind.is_variable_str():
-            self._texts(thing, places)
+        count = prod(item.shape or ())
+        self.count(max(count, prod(item.chunks or (0,))) * type_.get_size())
+        if type_class == h5t.STRING and type_.is_variable_str():
+            self._count_texts(item, count)
 
-    def _texts(self, thing: Any, places: int) -> None:
-        """Texts, read so many at a time as the file could hold if each were all of it."""
-        if thing.ndim != 1:
-            self._may_read(thing.name, places)
-            self._letters(np.asarray(thing[()], object).ravel())
+    def _count_texts(self, array: Any, count: int) -> None:
+        """Count an array of texts in blocks that fit even if each text is as long as the file."""
+        if array.ndim != 1:
+            self._check_text_count(array.name, count)
+            self._count_letters(np.asarray(array[()], object).ravel())
             return
-        step = max(1, self.most // self.size)
-        for begin in range(0, places, step):
-            self._letters(thing[begin : begin + step])
+        step = max(1, self.allowed // self.size)
+        for begin in range(0, count, step):
+            self._count_letters(array[begin : begin + step])
 
-    def _may_read(self, name: str, places: int) -> None:
-        """ValueError for more texts than the file could hold if each were all of it."""
-        if places * self.size > self.most:
-            raise ValueError(f"{name} has {places} texts")
+    def _check_text_count(self, name: str, count: int) -> None:
+        """Raise ValueError if this many texts would be too large, were each as long as the file."""
+        if count * self.size > self.allowed:
+            raise ValueError(f"{name} claims {count} texts in a file of {self.size} bytes")
 
-    def _letters(self, texts: Iterable[Any]) -> None:
-        self.count(sum(OBJECT + COPIES * len(text) for text in texts))
+    def _count_letters(self, texts: Iterable[Any]) -> None:
+        self.count(sum(TEXT_BYTES + LETTER_BYTES * len(text) for text in texts))
 
 
-def _is_of_scales(
-    name: str, kind: Any, shape: tuple[int, ...], extent: tuple[int, ...] | None
+def _is_valid_scale_attribute(
+    name: str, type_: Any, shape: tuple[int, ...], array_shape: tuple[int, ...] | None
 ) -> bool:
-    """Whether an attribute that the library takes for an array's dimensions is what it expects.
+    """Whether an attribute that describes an array's dimensions has the type that HDF5 expects.
 
-    It reads these without a look at their kind, into as much memory as they should take.
+    HDF5 reads these without checking their type, into a buffer of the expected size.
     """
     from h5py import h5t
 
-    if extent is None or name not in ("DIMENSION_LIST", "REFERENCE_LIST", "CLASS", "NAME"):
+    if array_shape is None or name not in ("DIMENSION_LIST", "REFERENCE_LIST", "CLASS", "NAME"):
         return True
     if name == "DIMENSION_LIST":
-        is_list = kind.get_class() == h5t.VLEN and kind.get_super().get_class() == h5t.REFERENCE
-        return is_list and shape == (len(extent),)
+        is_list = type_.get_class() == h5t.VLEN and type_.get_super().get_class() == h5t.REFERENCE
+        return is_list and shape == (len(array_shape),)
     if name == "REFERENCE_LIST":
-        if kind.get_class() != h5t.COMPOUND or len(shape) != 1 or kind.get_nmembers() != 2:
+        if type_.get_class() != h5t.COMPOUND or len(shape) != 1 or type_.get_nmembers() != 2:
             return False
-        parts = [kind.get_member_class(place) for place in range(2)]
-        return parts == [h5t.REFERENCE, h5t.INTEGER] and kind.get_size() <= 16
-    return kind.get_class() == h5t.STRING and not kind.is_variable_str() and shape == ()
+        classes = [type_.get_member_class(position) for position in range(2)]
+        return classes == [h5t.REFERENCE, h5t.INTEGER] and type_.get_size() <= 16
+    return type_.get_class() == h5t.STRING and not type_.is_variable_str() and shape == ()
 
 
-def _is_unread(thing: Any) -> bool:
-    """Whether h5netcdf takes an array for the length of a dimension, and nothing more."""
-    name = thing.attrs.get("NAME")
-    return thing.is_scale and isinstance(name, bytes | np.bytes_) and UNREAD in bytes(name)
+def _is_length_only(array: Any) -> bool:
+    """Whether h5netcdf treats an array as the length of a dimension, without values."""
+    name = array.attrs.get("NAME")
+    return array.is_scale and isinstance(name, bytes | np.bytes_) and LENGTH_ONLY in bytes(name)
 
 
-def _has_lists(kind: Any) -> bool:
-    """Whether parts of a record have no size of their own."""
+def _has_variable_length(type_: Any) -> bool:
+    """Whether a compound type contains lists or strings of variable length."""
     from h5py import h5t
 
-    return kind.detect_class(h5t.VLEN) or kind.detect_class(h5t.STRING)
+    return type_.detect_class(h5t.VLEN) or type_.detect_class(h5t.STRING)

@@ -1,7 +1,8 @@
-"""A run's own error: how far it may be from the infinite lattice, in the units of what it measures.
+"""A run's own numerical error: how far it may be from the exact motion of the infinite lattice.
 
-With a tolerance it is the estimate, the same at all times; with a stated step twice what half the
-step and twice the sites change, at the snapshots, if the scene asks for that.
+With a tolerance this is the run's error estimate, the same at all times. With a stated step it is
+twice the change of the solution at half the step and twice the sites, at each snapshot, if the
+scene measures that.
 """
 
 from __future__ import annotations
@@ -22,29 +23,36 @@ if TYPE_CHECKING:
 
 
 def scaled_own_error(run: Labelled) -> NDArray[np.float64] | None:
-    """The run's own error at each snapshot, in units of eps or of its power that errors are told
-    in; None if the run did not measure it."""
+    """Return the run's own error at each snapshot, shape (time,), or None if it was not measured.
+
+    The unit is eps, or the power of eps in which the run reports its errors.
+    """
     estimate = run.attrs.get("error_estimate")
     if estimate is not None:
         return np.full(run.sizes.get("time", 0), float(estimate))
     return measured_error(run)
 
 
-def own_error_at(run: Labelled, scene: Scene, name: str, place: int) -> float:
-    """The run's own error in units of its variable ``name``, ``error``, ``error_curve`` or
-    ``error_curve_far_field``, and at that place of it; NaN where it was not measured."""
-    own, held = scaled_own_error(run), run.variables
-    if own is None:
+def own_error_at(run: Labelled, scene: Scene, name: str, index: int) -> float:
+    """Return the run's own error in units of its variable ``name`` at index ``index``.
+
+    ``name`` is ``error``, ``error_curve`` or ``error_curve_far_field``. Returns NaN where the error
+    was not measured.
+    """
+    errors, variables = scaled_own_error(run), run.variables
+    if errors is None:
         return math.nan
-    if name == "error" and "sup_error" in held:
-        relative, apart = (float(held[part].values[place]) for part in ("error", "sup_error"))
-        return float(own[place]) * relative / apart if apart > 0.0 else math.nan
-    unit = scene.eps ** run.attrs.get("power", 1)
+    if name == "error" and "sup_error" in variables:
+        relative, distance = (
+            float(variables[part].values[index]) for part in ("error", "sup_error")
+        )
+        return float(errors[index]) * relative / distance if distance > 0.0 else math.nan
+    scale = scene.eps ** run.attrs.get("power", 1)
     if name == "error":
-        wave, background = (held[part].values[place] for part in ("analytic", "background"))
-        return float(own[place]) * unit / (float(np.max(np.abs(wave - background))) or math.nan)
-    t = float(held["curve_time"].values[place])
-    here = own if "error_estimate" in run.attrs else own[held["time"].values == t]
-    if not here.size:
+        wave, background = (variables[part].values[index] for part in ("analytic", "background"))
+        return float(errors[index]) * scale / (float(np.max(np.abs(wave - background))) or math.nan)
+    t = float(variables["curve_time"].values[index])
+    at_time = errors if "error_estimate" in run.attrs else errors[variables["time"].values == t]
+    if not at_time.size:
         return math.nan
-    return float(here[0]) * unit / (wave_size(scene, t, name.endswith("far_field")) or math.nan)
+    return float(at_time[0]) * scale / (wave_size(scene, t, name.endswith("far_field")) or math.nan)

@@ -1,8 +1,8 @@
-"""A run made again from its own file, and whether it has the same bits.
+"""Comparison of a run with its repetition from the same file, bit by bit.
 
-Nothing that a run chooses depends on how fast the machine is: the search for its step and domain
-goes by errors and counted work, and estimated seconds are of constants. So the same code, packages
-and processor give the same bits; `provenance` says where those differ.
+Nothing that a run chooses depends on the speed of the machine: the search for step and domain uses
+errors and counted work, and estimated seconds use constants. So the same code, packages and
+processor give the same bits; `provenance` shows where these differ.
 """
 
 from __future__ import annotations
@@ -20,13 +20,16 @@ if TYPE_CHECKING:
     import xarray as xr
 
 TIMED = ("seconds", "planning_seconds")
-"""Attributes that no two runs share."""
+"""Attributes that differ between any two runs."""
 
 
 @dataclass(frozen=True)
-class Repetition:
-    """What is not the same in two runs of a scene, one line each: nothing if they have the same
-    bits. ``origins`` says what of their code, packages and machines differs."""
+class RunComparison:
+    """Differences between two runs of one scene, one line each; empty if they have the same bits.
+
+    ``origins`` lists the differences of their code, packages and machines, ``values`` counts the
+    compared numbers.
+    """
 
     differences: tuple[str, ...]
     origins: tuple[str, ...]
@@ -34,11 +37,11 @@ class Repetition:
 
     @property
     def is_same(self) -> bool:
-        """Whether all values and all that was told of them are the same, bit by bit."""
+        """Whether all values and attributes are the same, bit by bit."""
         return not self.differences
 
     def lines(self) -> Iterator[str]:
-        """What is to be told."""
+        """Yield the lines of the report."""
         if self.is_same:
             yield f"same bits: all {self.values} values, and what was chosen and estimated"
         else:
@@ -49,45 +52,49 @@ class Repetition:
             yield "code, packages and machine are the same"
 
 
-def compare_runs(kept: xr.Dataset, made: xr.Dataset) -> Repetition:
-    """What differs in two runs of one scene, but for the time that they took."""
-    names = [str(name) for name in dict.fromkeys((*kept.variables, *made.variables))]
-    found = [line for name in names if (line := _variable_line(name, kept, made))]
-    told = dict.fromkeys((*kept.attrs, *made.attrs))
-    for name in (name for name in told if name not in (*TIMED, *PROVENANCE)):
-        one, other = (run.attrs.get(name, "nothing") for run in (kept, made))
-        if repr(one) != repr(other):
-            found.append(f"{name}: {other}, was {one}")
+def compare_runs(stored: xr.Dataset, repeated: xr.Dataset) -> RunComparison:
+    """Compare two runs of one scene, except for the time that they took."""
+    names = [str(name) for name in dict.fromkeys((*stored.variables, *repeated.variables))]
+    differences = [line for name in names if (line := _variable_line(name, stored, repeated))]
+    attributes = dict.fromkeys((*stored.attrs, *repeated.attrs))
+    for name in (name for name in attributes if name not in (*TIMED, *PROVENANCE)):
+        old, new = (run.attrs.get(name, "nothing") for run in (stored, repeated))
+        if repr(old) != repr(new):
+            differences.append(f"{name}: {new}, was {old}")
     origins = tuple(
         line
         for name in PROVENANCE
-        for line in changed_parts(name, *(str(run.attrs.get(name, "")) for run in (kept, made)))
+        for line in changed_parts(
+            name, *(str(run.attrs.get(name, "")) for run in (stored, repeated))
+        )
     )
-    return Repetition(tuple(found), origins, sum(v.size for v in made.variables.values()))
+    return RunComparison(
+        tuple(differences), origins, sum(v.size for v in repeated.variables.values())
+    )
 
 
-def _variable_line(name: str, kept: xr.Dataset, made: xr.Dataset) -> str:
-    """How far a variable is from what it was; nothing if it is not."""
-    for run, word in ((kept, "is new"), (made, "is missing")):
+def _variable_line(name: str, stored: xr.Dataset, repeated: xr.Dataset) -> str:
+    """Return one line on how a variable differs between two runs; empty if it does not."""
+    for run, word in ((stored, "is new"), (repeated, "is missing")):
         if name not in run.variables:
             return f"{name} {word}"
-    one, other = (run.variables[name].values for run in (kept, made))
-    if one.shape != other.shape or one.dtype != other.dtype:
-        return f"{name}: {other.dtype} {other.shape}, was {one.dtype} {one.shape}"
-    if one.tobytes() == other.tobytes():
+    old, new = (run.variables[name].values for run in (stored, repeated))
+    if old.shape != new.shape or old.dtype != new.dtype:
+        return f"{name}: {new.dtype} {new.shape}, was {old.dtype} {old.shape}"
+    if old.tobytes() == new.tobytes():
         return ""
-    return f"{name}: {_distance(one, other)}"
+    return f"{name}: {_distance(old, new)}"
 
 
-def _distance(one: NDArray[np.generic], other: NDArray[np.generic]) -> str:
-    """How many values differ, and by how much at most."""
-    size = one.dtype.itemsize
-    bits = [np.ascontiguousarray(values).view(f"V{size}").ravel() for values in (one, other)]
+def _distance(old: NDArray[np.generic], new: NDArray[np.generic]) -> str:
+    """Return how many values differ, and by how much at most."""
+    size = old.dtype.itemsize
+    bits = [np.ascontiguousarray(values).view(f"V{size}").ravel() for values in (old, new)]
     count = int(np.count_nonzero(bits[0] != bits[1]))
-    line = f"{count} of {one.size} values differ"
-    if one.dtype.kind not in "fc":
+    line = f"{count} of {old.size} values differ"
+    if old.dtype.kind not in "fc":
         return line
     with np.errstate(all="ignore"):
-        apart = np.nanmax(np.abs(np.subtract(other, one)), initial=0.0)
-        largest = np.nanmax(np.abs(one), initial=0.0)
-    return f"{line}, by at most {apart:.2g} where they reach {largest:.2g}"
+        distance = np.nanmax(np.abs(np.subtract(new, old)), initial=0.0)
+        largest = np.nanmax(np.abs(old), initial=0.0)
+    return f"{line}, by at most {distance:.2g} where they reach {largest:.2g}"

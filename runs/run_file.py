@@ -1,10 +1,10 @@
-"""Runs as files: NetCDF-4 that `xarray.open_dataset` opens, and that reads back bit by bit.
+"""Runs as NetCDF-4 files, which `xarray.open_dataset` opens and which read back bit by bit.
 
-A file holds what a run's data set holds: variables with dimensions, coordinates, units and long
-names, and as attributes the scene as TOML, the cost, the estimated error, and what made it. What
-NetCDF has no type for is written as what it has: a complex variable gets the dimension
-``real_imag``, an attribute that is a truth value or a list is JSON, and ``json_attributes`` names
-those.
+A file holds the run's data set: variables with dimensions, coordinates, units and long names. Its
+attributes hold the scene as TOML, the cost, the estimated error, and the versions that made it.
+Values without a NetCDF type are converted: a complex variable gets the extra dimension
+``real_imag``, and an attribute that is a boolean or a list is stored as JSON; ``json_attributes``
+lists those.
 """
 
 from __future__ import annotations
@@ -30,14 +30,14 @@ if TYPE_CHECKING:
     from longwave.scenes.description.scene import Scene
     from longwave.support.labelled_arrays import Labelled
 
-PARTS = "real_imag"
-"""The last dimension of what is complex."""
+COMPLEX_PARTS = "real_imag"
+"""Last dimension of a complex variable in a file: real and imaginary part."""
 
 SWEPT = "sweep"
-"""The attribute of the result of a sweep that runs have not."""
+"""Attribute by which the result of a sweep differs from a run."""
 
-TEXTS = "json_attributes"
-"""The attribute that lists those that are JSON."""
+JSON_ATTRIBUTES = "json_attributes"
+"""Attribute that lists the attributes stored as JSON."""
 
 COMPRESSION = {"zlib": True, "complevel": 4, "shuffle": True}
 
@@ -45,34 +45,35 @@ SIGNATURES = {b"\x89HDF\r\n\x1a\n": "NetCDF-4", b"CDF": "netCDF 3"}
 
 
 def save_run(run: xr.Dataset, path: str | Path, force: bool = True) -> None:
-    """Write a run as NetCDF-4, whole or not at all; without ``force`` no file is overwritten.
+    """Write a run as NetCDF-4, completely or not at all; without ``force`` no file is overwritten.
 
-    Raises OSError that names the file if it cannot be written, and ValueError for what no file can
-    hold.
+    Raises OSError, naming the file, if it cannot be written, and ValueError for a run with a type
+    that NetCDF does not have.
     """
     content = file_content(run)
     write_atomically(Path(path), lambda draft: draft.write_bytes(content), force)
 
 
 def file_content(run: xr.Dataset) -> bytes:
-    """The bytes of a run's file. They are made in memory: a full disk then breaks no library."""
+    """Return the bytes of a run's file. They are built in memory, so that a full disk cannot break
+    HDF5."""
     import h5netcdf  # type: ignore[import-untyped]
     from xarray.backends import H5NetCDFStore
 
-    kept = _encoded(run)
+    encoded = _to_netcdf_types(run)
     image = BytesIO()
     with h5netcdf.File(image, "w") as file:
-        kept.dump_to_store(H5NetCDFStore(file), encoding=_encoding(kept))
+        encoded.dump_to_store(H5NetCDFStore(file), encoding=_storage_options(encoded))
     return image.getvalue()
 
 
 def load_run(path: str | Path, follow: bool = True) -> xr.Dataset:
-    """Read a run back into memory.
+    """Read a run into memory.
 
-    A name that nobody has typed, as in a store, is not one to ``follow``: neither it nor its folder
-    may be a link, and the file must be sealed.
-    Raises OSError if there is none, ValueError in one line if the file is no run, damaged or of an
-    older kind, and MemoryError for what does not fit.
+    ``follow`` says whether symbolic links are followed; a file in a store is read without: neither
+    it nor its folder may be a link, and its checksum must be right. Raises OSError if there is no
+    file, ValueError in one line if the file is no run, damaged or of an older format, and
+    MemoryError if the run does not fit.
     """
     with open_run(path, follow) as run:
         try:
@@ -80,227 +81,241 @@ def load_run(path: str | Path, follow: bool = True) -> xr.Dataset:
         except MemoryError:
             raise
         except Exception as error:  # what the library raises for a damaged file is not documented
-            raise _damaged(path, error) from None
+            raise _damage_error(path, error) from None
 
 
 def open_run(path: str | Path, follow: bool = True) -> xr.Dataset:
-    """A run whose values are read when they are asked for; to be closed. Raises as `load_run`.
+    """Open a run whose values are read on demand; the caller must close it. Raises as `load_run`.
 
-    The file is opened once: what is checked is what is read, also where its name leads to another
-    file since.
+    The file is opened once, so that the checked bytes are the bytes that are read, even if its name
+    is replaced meanwhile.
     """
     path = Path(path)
-    with ExitStack() as opened:
-        stream = opened.enter_context(_opened(path, follow))
+    with ExitStack() as resources:
+        stream = resources.enter_context(_open_stream(path, follow))
         if not follow:
             _check_seal(path, stream)
         size = _checked_size(path, stream)
         try:
-            run = _looked_through(stream, size, opened)
+            run = _open_checked(stream, size, resources)
             _check_coordinates(run)
-            run = _decoded(run)
+            run = _from_netcdf_types(run)
         except MemoryError:
             raise
         except Exception as error:  # see load_run
-            raise _damaged(path, error) from None
-        run.set_close(opened.pop_all().close)
+            raise _damage_error(path, error) from None
+        run.set_close(resources.pop_all().close)
         return run
 
 
-def _opened(path: Path, follow: bool) -> BinaryIO:
-    """Open a file to be read; ValueError for what is none, without waiting for a pipe."""
+def _open_stream(path: Path, follow: bool) -> BinaryIO:
+    """Open a regular file for reading; raise ValueError for anything else, without blocking on a
+    pipe."""
     if not follow:
         from longwave.support.sealed_file import open_plain
 
         return open(open_plain(path, untyped=2), "rb")
-    number = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
-    if not stat.S_ISREG(os.fstat(number).st_mode):
-        os.close(number)
-        raise ValueError(f"run must be a file, got {path}, which is none ({REMEDY})")
-    return open(number, "rb")
+    descriptor = os.open(
+        path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
+    )
+    if not stat.S_ISREG(os.fstat(descriptor).st_mode):
+        os.close(descriptor)
+        raise ValueError(f"run must be a regular file, got {path} ({HOW_TO_WRITE})")
+    return open(descriptor, "rb")
 
 
 def _check_seal(path: Path, stream: BinaryIO) -> None:
-    """Raise ValueError for an open file that is not as it was written."""
+    """Raise ValueError if an open file's checksum is wrong."""
     from longwave.support.sealed_file import is_sealed
 
     if not is_sealed(stream):
-        raise ValueError(f"run must be as it was written, got {path}, damaged (try again)")
+        raise ValueError(f"run must have the right checksum, got {path}, damaged (try again)")
 
 
-def _looked_through(stream: BinaryIO, size: int, opened: ExitStack) -> xr.Dataset:
-    """The dataset of an open file whose contents were looked at; ``opened`` closes its parts."""
+def _open_checked(stream: BinaryIO, size: int, resources: ExitStack) -> xr.Dataset:
+    """Return the dataset of an open file after `check_contents`; ``resources`` closes it."""
     import h5netcdf
     import h5py
     import xarray as xr
     from xarray.backends import H5NetCDFStore
 
-    file = opened.enter_context(h5py.File(stream))
-    check_contents(file, size)  # fails cleanly where h5netcdf leaves half an object
-    held = opened.enter_context(
+    file = resources.enter_context(h5py.File(stream))
+    check_contents(file, size)  # before h5netcdf, which leaves an open object if it fails
+    dataset = resources.enter_context(
         h5netcdf.File(file, "r", phony_dims="access", decode_vlen_strings=True)
     )
-    _check_shapes(held, file)
-    return xr.open_dataset(H5NetCDFStore(held), decode_times=False, mask_and_scale=False)
+    _check_shapes(dataset, file)
+    return xr.open_dataset(H5NetCDFStore(dataset), decode_times=False, mask_and_scale=False)
 
 
-def _check_shapes(held: Any, file: Any) -> None:
-    """Refuse an array that is shorter than its dimensions: h5netcdf fills it up to any length."""
-    for name, variable in held.variables.items():
+def _check_shapes(dataset: Any, file: Any) -> None:
+    """Raise ValueError for an array shorter than its dimensions: h5netcdf would fill it to any
+    length."""
+    for name, variable in dataset.variables.items():
         if variable.shape != file[name].shape:
             raise ValueError(
-                f"{name} has the shape {file[name].shape}, its dimensions {variable.shape}"
+                f"{name} has shape {file[name].shape}, but its dimensions have {variable.shape}"
             )
 
 
 def scene_of_run(run: Labelled) -> Scene:
-    """The scene that a run was asked for; ValueError in one line if it carries none."""
+    """Return the scene from which a run was computed; raise ValueError in one line without one."""
     if SWEPT in run.attrs:
         raise ValueError(
-            "run must be one of one scene, got the result of a sweep (longwave sweep goes on with "
+            "run must be of a single scene, got the result of a sweep (longwave sweep continues "
             "it, longwave plot draws it)"
         )
     from longwave.scenes.description.named_scenes import scene_of_toml
 
     text = run.attrs.get("scene")
     if not isinstance(text, str):
-        raise ValueError("run must carry the scene that it was made from, got none (run it anew)")
+        raise ValueError('run must have the attribute "scene", got none (run its scene again)')
     return scene_of_toml(text)
 
 
 def strain_fault(run: Labelled) -> str:
-    """What is wrong with the strain of a run's file, in words; empty if nothing is.
+    """Return a message if the strain in a run's file cannot be used, else an empty string.
 
     >>> import xarray as xr
     >>> strain_fault(xr.Dataset({"strain": (("time", "site"), np.zeros((2, 3), dtype=int))}))
-    'strain must be floating-point numbers, got int64 (no run writes that; run the scene again)'
+    'strain must be floating-point numbers, got int64 (run the scene again)'
     """
     if "site" not in run.sizes or SWEPT in run.attrs:
         return ""
     if "strain" not in run.variables:
-        return 'strain must be there for snapshots and spectra, got none (observables = ["strain"])'
+        return (
+            'strain must be stored for snapshots and spectra, got none (observables = ["strain"])'
+        )
     strain = run.variables["strain"]
     if strain.dtype.kind != "f":
-        return (
-            f"strain must be floating-point numbers, got {strain.dtype} (no run writes that; run "
-            "the scene again)"
-        )
+        return f"strain must be floating-point numbers, got {strain.dtype} (run the scene again)"
     finite = np.isfinite(strain.values).reshape(len(strain), -1).all(axis=1)
     if finite.all():
         return ""
     return (
-        f"strain must be finite, got {np.count_nonzero(~finite)} of {len(strain)} snapshots "
-        "that are not (run the scene again)"
+        f"strain must be finite, got NaN or inf in {np.count_nonzero(~finite)} of {len(strain)} "
+        "snapshots (run the scene again)"
     )
 
 
 def is_run_file(path: Path) -> bool:
-    """Whether a file begins as runs do, older ones as well; what is no file does not."""
+    """Whether a file starts with the signature of a run, current or older; False if there is no
+    file."""
     try:
-        with _opened(path, follow=True) as stream:
-            return _kind(stream) is not None
+        with _open_stream(path, follow=True) as stream:
+            return _file_kind(stream) is not None
     except ValueError:
         return False
 
 
-def _kind(stream: BinaryIO) -> str | None:
-    """What a file is by its beginning; None for what is no run."""
+def _file_kind(stream: BinaryIO) -> str | None:
+    """Return the format of a file by its first bytes; None if it is not a run."""
     stream.seek(0)
-    begun = stream.read(8)
+    beginning = stream.read(8)
     stream.seek(0)
-    return next((kind for sign, kind in SIGNATURES.items() if begun.startswith(sign)), None)
+    return next(
+        (kind for signature, kind in SIGNATURES.items() if beginning.startswith(signature)), None
+    )
 
 
 def names_a_run(source: str | Path) -> bool:
-    """Whether what is to be run is the file of a run, and no scene."""
+    """Whether a command's argument names the file of a run rather than a scene."""
     path = Path(source)
     return path.suffix == ".nc" or (path.is_file() and is_run_file(path))
 
 
-REMEDY = "write it with `longwave run SCENE --output run.nc`"
+HOW_TO_WRITE = "write it with `longwave run SCENE --output run.nc`"
 
 
 def _checked_size(path: Path, stream: BinaryIO) -> int:
-    """The size of an open file that begins as NetCDF-4 does."""
-    kind = _kind(stream) or "no run"
+    """Return the size of an open file; raise ValueError unless it is NetCDF-4."""
+    kind = _file_kind(stream) or "no run"
     if kind != "NetCDF-4":
-        remedy = REMEDY if kind == "no run" else "of an earlier longwave; run its scene again"
+        remedy = HOW_TO_WRITE if kind == "no run" else "of an earlier longwave; run its scene again"
         raise ValueError(f"run must be a NetCDF-4 file, got {path}, which is {kind} ({remedy})")
     return os.fstat(stream.fileno()).st_size
 
 
 def _check_coordinates(run: xr.Dataset) -> None:
-    """Refuse times and places that are no numbers: a run has none."""
+    """Raise ValueError for a coordinate that is not finite, which no run has."""
     for name, values in run.coords.items():
         if values.dtype.kind == "f" and not np.all(np.isfinite(values)):
             raise ValueError(f"{name} is not finite")
 
 
-def _damaged(path: str | Path, error: Exception) -> ValueError:
+def _damage_error(path: str | Path, error: Exception) -> ValueError:
     return ValueError(
-        f"run must be a whole NetCDF-4 file, got {path}: {reason_of(error)} ({REMEDY})"
+        f"run must be a whole NetCDF-4 file, got {path}: {reason_of(error)} ({HOW_TO_WRITE})"
     )
 
 
-def _encoding(run: xr.Dataset) -> dict[str, dict[str, Any]]:
-    """How each variable is stored: numbers compressed, no value standing for a missing one."""
-    found: dict[str, dict[str, Any]] = {}
+def _storage_options(run: xr.Dataset) -> dict[str, dict[str, Any]]:
+    """Return each variable's encoding: arrays of numbers compressed, no fill value."""
+    options: dict[str, dict[str, Any]] = {}
     for name, variable in run.variables.items():
-        packed = variable.ndim > 0 and variable.size > 0 and variable.dtype.kind not in "OUST"
-        found[str(name)] = {"_FillValue": None} | (COMPRESSION if packed else {})
-    return found
+        is_compressed = (
+            variable.ndim > 0 and variable.size > 0 and variable.dtype.kind not in "OUST"
+        )
+        options[str(name)] = {"_FillValue": None} | (COMPRESSION if is_compressed else {})
+    return options
 
 
-def _encoded(run: xr.Dataset) -> xr.Dataset:
-    """The run in the types that NetCDF has."""
+def _to_netcdf_types(run: xr.Dataset) -> xr.Dataset:
+    """Return the run with all values and attributes converted to types that NetCDF has."""
     import xarray as xr
 
     variables = {}
     for name, variable in run.variables.items():
-        dims, values, attributes = variable.dims, variable.values, _plain(variable.attrs)
+        dims, values, attributes = (
+            variable.dims,
+            variable.values,
+            _to_netcdf_attributes(variable.attrs),
+        )
         if values.dtype.kind == "c":
             parts = np.ascontiguousarray(values).view(values.real.dtype)
-            dims, values = (*dims, PARTS), parts.reshape(*values.shape, 2)
+            dims, values = (*dims, COMPLEX_PARTS), parts.reshape(*values.shape, 2)
         elif values.dtype.kind == "O":
-            values = values.astype(str)  # as objects, xarray 2025.1 writes none
+            values = values.astype(str)  # xarray 2025.1 cannot write arrays of objects
         elif values.dtype == np.float16:
             raise ValueError(f"{name} must be of a type that NetCDF has, got float16 (use float32)")
         variables[name] = xr.Variable(dims, values, attributes)
     coordinates = {name: variables.pop(name) for name in run.coords}
-    return xr.Dataset(variables, coordinates, _plain(run.attrs))
+    return xr.Dataset(variables, coordinates, _to_netcdf_attributes(run.attrs))
 
 
-def _decoded(run: xr.Dataset) -> xr.Dataset:
-    """What `_encoded` was given."""
+def _from_netcdf_types(run: xr.Dataset) -> xr.Dataset:
+    """Return the run with its original types; the inverse of `_to_netcdf_types`."""
     import xarray as xr
 
-    found = run
+    restored = run
     for name, variable in run.variables.items():
-        if variable.dims[-1:] == (PARTS,):
+        if variable.dims[-1:] == (COMPLEX_PARTS,):
             values = np.ascontiguousarray(variable.values)
-            whole = values.view(np.result_type(values.dtype, np.complex64))[..., 0]
-            found = found.assign({name: xr.Variable(variable.dims[:-1], whole, variable.attrs)})
-    for variable in found.variables.values():
-        variable.attrs = _restored(variable.attrs)
-    found.attrs = _restored(run.attrs)
-    if found is not run:
-        found.set_close(run.close)
-    return found
+            complex_values = values.view(np.result_type(values.dtype, np.complex64))[..., 0]
+            restored = restored.assign(
+                {name: xr.Variable(variable.dims[:-1], complex_values, variable.attrs)}
+            )
+    for variable in restored.variables.values():
+        variable.attrs = _from_netcdf_attributes(variable.attrs)
+    restored.attrs = _from_netcdf_attributes(run.attrs)
+    if restored is not run:
+        restored.set_close(run.close)
+    return restored
 
 
-def _plain(attributes: Mapping[Any, Any]) -> dict[str, Any]:
-    """Attributes as texts and numbers of 64 bits, what is neither as JSON."""
-    found, texts = {}, []
+def _to_netcdf_attributes(attributes: Mapping[Any, Any]) -> dict[str, Any]:
+    """Convert attributes to texts and 64-bit numbers; all other values become JSON."""
+    converted, json_names = {}, []
     for name, value in attributes.items():
         item = value.item() if isinstance(value, np.generic) else value
-        if not _is_plain(item):
-            texts.append(str(name))
+        if not _is_netcdf_value(item):
+            json_names.append(str(name))
             item = json.dumps(item, default=as_json)
-        found[str(name)] = item
-    return found | ({TEXTS: json.dumps(texts)} if texts else {})
+        converted[str(name)] = item
+    return converted | ({JSON_ATTRIBUTES: json.dumps(json_names)} if json_names else {})
 
 
-def _is_plain(value: object) -> bool:
+def _is_netcdf_value(value: object) -> bool:
     if isinstance(value, str):
         return "\0" not in value and not any("\ud800" <= sign <= "\udfff" for sign in value)
     if isinstance(value, bool):
@@ -309,26 +324,28 @@ def _is_plain(value: object) -> bool:
 
 
 def as_json(value: object) -> object:
-    """What JSON has of a complex number, an array or one of NumPy's numbers: the same value."""
+    """Convert a complex number, an array or a NumPy scalar to a value that JSON has."""
     if isinstance(value, complex):
         return {"real": value.real, "imag": value.imag}
     if isinstance(value, np.ndarray | np.generic):
         return value.tolist()
     raise ValueError(
-        f"an attribute must be a text, a number or a list, got {type(value).__name__} (leave it)"
+        f"attributes must be texts, numbers or lists, got {type(value).__name__} (leave it out)"
     )
 
 
-def _restored(attributes: Mapping[Any, Any]) -> dict[str, Any]:
-    """What `_plain` was given."""
-    found = {
+def _from_netcdf_attributes(attributes: Mapping[Any, Any]) -> dict[str, Any]:
+    """Return the original attributes; the inverse of `_to_netcdf_attributes`."""
+    restored = {
         str(name): value.item() if isinstance(value, np.generic) else value
         for name, value in attributes.items()
     }
-    for name in json.loads(found.pop(TEXTS, "[]")):
-        found[name] = json.loads(found[name], object_hook=_complex)
-    return found
+    for name in json.loads(restored.pop(JSON_ATTRIBUTES, "[]")):
+        restored[name] = json.loads(restored[name], object_hook=_to_complex)
+    return restored
 
 
-def _complex(found: dict[str, Any]) -> object:
-    return complex(found["real"], found["imag"]) if found.keys() == {"real", "imag"} else found
+def _to_complex(entries: dict[str, Any]) -> object:
+    return (
+        complex(entries["real"], entries["imag"]) if entries.keys() == {"real", "imag"} else entries
+    )

@@ -1,6 +1,6 @@
-"""The file that a run is written to: looked at before, checkpoints beside it until it is there.
+"""The output file of `longwave run`: checks before the run, checkpoints next to it during the run.
 
-A finished run that cannot be written where it was asked for is kept elsewhere.
+A finished run that cannot be written to its output is saved in a spare folder instead.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from longwave.runs.run_file import is_run_file, save_run
-from longwave.runs.run_store import UnkeptRunError, run_key, runs_its_sources
+from longwave.runs.run_store import UnsavedRunError, run_key, runs_its_sources
 from longwave.support.checkpoint import LEAST, SHARE, CheckpointFolder, checkpoints_in, run_stamp
 from longwave.support.command_line import BROKEN, fail, one_line
 from longwave.support.console import check_output
@@ -25,29 +25,29 @@ if TYPE_CHECKING:
 
     from longwave.scenes.description.scene import Scene
 
-SUFFIX = ".checkpoint"
-"""After the name of the file: the folder beside it."""
+FOLDER_SUFFIX = ".checkpoint"
+"""Suffix of the checkpoint folder, appended to the name of the output file."""
 
 PACE = LEAST, SHARE
-"""Least seconds between two checkpoints, and the most of the time that they take."""
+"""Least seconds between two checkpoints, and the largest share of the run time they may take."""
 
 
 def check_run_output(output: str | None, force: bool) -> None:
-    """Raise ValueError, before the run, if it can or may not be written there.
+    """Raise ValueError, before the run, if its output cannot or may not be written.
 
-    Not even ``force`` overwrites what is no run.
+    Even ``force`` does not overwrite a file that is not a run.
     """
     check_output(output, suffixes=(".nc",), force=force)
     if output is not None and Path(output).exists() and not is_run_file(Path(output)):
         raise ValueError(
-            f"--output must name a run, got {output}, which is another file (name a new one)"
+            f"--output must name a new file or a run, got {output}, another file (name a new one)"
         )
 
 
 def save_anywhere(run: xr.Dataset, output: str, force: bool) -> int:
-    """Write a run; where that fails, keep it in a folder that is named in one line on stderr.
+    """Write a run to ``output``; if that fails, save it in a spare folder and name that on stderr.
 
-    Returns the exit status: 0, or ``BROKEN`` if it is not where it was asked for.
+    Returns the exit status: 0, or ``BROKEN`` if the run was not written to ``output``.
     """
     try:
         save_run(run, output, force)
@@ -57,23 +57,23 @@ def save_anywhere(run: xr.Dataset, output: str, force: bool) -> int:
 
 
 def fail_or_save_elsewhere(error: ValueError | OSError) -> int:
-    """Tell an error; a finished run that a store could not write is kept elsewhere."""
-    if isinstance(error, UnkeptRunError):
+    """Print an error, save the finished run if a store could not, and return the exit status."""
+    if isinstance(error, UnsavedRunError):
         return _save_elsewhere(error.run, str(error.filename), error)
     return fail(error)
 
 
 def _save_elsewhere(run: xr.Dataset, output: str, error: OSError) -> int:
-    """Keep a run that could not be written; tell why, and where it is now."""
+    """Save a run that could not be written in a spare folder; print the reason and its new path."""
     reason = f"{output}: {error.strerror or error}"
-    kept = _kept_elsewhere(run, Path(output).name)
-    where = "it fits nowhere else either" if kept is None else f"the run is kept in {kept}"
+    saved = _save_in_spare_folder(run, Path(output).name)
+    where = "no other folder takes it" if saved is None else f"the run is saved in {saved}"
     fail(f"{reason} ({where})")
     return BROKEN
 
 
-def _kept_elsewhere(run: xr.Dataset, name: str) -> Path | None:
-    """The run's file in a new folder: of temporary files, of the user, or the working one."""
+def _save_in_spare_folder(run: xr.Dataset, name: str) -> Path | None:
+    """Write the run to a new folder: temporary, home or working directory. None if all fail."""
     for base in (None, Path.home, Path.cwd):
         with suppress(OSError, RuntimeError):
             folder = Path(tempfile.mkdtemp(prefix="longwave-", dir=base and base()))
@@ -86,8 +86,8 @@ def _kept_elsewhere(run: xr.Dataset, name: str) -> Path | None:
     return None
 
 
-class _Lines(logging.Handler):
-    """Each record in one line on the standard error, a warning once."""
+class _StderrLines(logging.Handler):
+    """Log handler that prints each record in one line on stderr, and each warning once."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -103,8 +103,8 @@ class _Lines(logging.Handler):
 
 @contextmanager
 def store_messages() -> Iterator[None]:
-    """Tell on the standard error what a store says while the body runs."""
-    handler, level = _Lines(), LOG.level
+    """Print the log messages of stores on stderr within the context."""
+    handler, level = _StderrLines(), LOG.level
     LOG.addHandler(handler)
     LOG.setLevel(logging.INFO)
     try:
@@ -117,9 +117,10 @@ def store_messages() -> Iterator[None]:
 class OutputCheckpoint:
     """Checkpoints of a run in the folder ``OUTPUT.checkpoint``; none without an output.
 
-    One that was killed is gone on with and ends with the same bits; what another scene, other code
-    or another machine left there is not used. Where sources changed since the process began, of
-    which nobody knows what it runs, nothing is kept. A ``store`` has checkpoints of its own.
+    An interrupted run is resumed from them and ends with the same bits. Checkpoints of another
+    scene, other code or another machine are not used. None are written if the sources changed after
+    the process started, because its code is then unknown. With a ``store``, which has checkpoints
+    of its own, this writes none.
     """
 
     def __init__(self, output: str | None, store: str | None = None) -> None:
@@ -127,43 +128,46 @@ class OutputCheckpoint:
         self._folder: CheckpointFolder | None = None
 
     @property
-    def _place(self) -> Path:
-        return Path(f"{self._output}{SUFFIX}")
+    def _folder_path(self) -> Path:
+        return Path(f"{self._output}{FOLDER_SUFFIX}")
 
     @contextmanager
-    def kept(self, scene: Scene) -> Iterator[None]:
-        """Have the loops of the scene's run in the body kept."""
+    def checkpointed(self, scene: Scene) -> Iterator[None]:
+        """Write checkpoints of the scene's run within the context."""
         if self._output is None or self._store is not None or not runs_its_sources():
             yield
             return
-        self._folder = CheckpointFolder(self._place, run_stamp(run_key(scene)), *PACE)
+        self._folder = CheckpointFolder(self._folder_path, run_stamp(run_key(scene)), *PACE)
         with store_messages(), checkpoints_in(self._folder):
             self._folder.tell(scene.name)
             yield
 
-    def left(self, count: str = "", written: bool = False) -> str:
-        """What Ctrl-C leaves, in words: what can be gone on with, and else the ``count`` of what is
-        ``written`` to the output."""
+    def interrupt_message(self, count: str = "", written: bool = False) -> str:
+        """Return the message for Ctrl-C: how to resume, or ``count``, the amount of work done.
+
+        ``written`` says whether partial results are in the output file.
+        """
         if self._store is not None:
-            return _kept_in(self._store)
+            return _checkpoint_message(self._store)
         if self._folder is None or not self._folder.is_begun:
             return count
         if written:
-            return f"{count}; the same command with --force goes on"
-        return _kept_in(str(self._place))
+            return f"{count}; repeat the command with --force to resume"
+        return _checkpoint_message(str(self._folder_path))
 
-    def settle(self, made: Callable[[], xr.Dataset], force: bool) -> int:
-        """Write what is ``made`` of the run to the output, if there is one, and remove them.
+    def settle(self, build: Callable[[], xr.Dataset], force: bool) -> int:
+        """Write the run that ``build`` returns to the output, if there is one, and remove the
+        checkpoints.
 
-        This comes before the run is printed: nobody may read that. Returns the exit status, as
-        `save_anywhere` does; without an output nothing is made.
+        Call this before printing the run: printing may fail if nobody reads. Returns the exit
+        status, as `save_anywhere` does. Without an output, ``build`` is not called.
         """
-        status = 0 if self._output is None else save_anywhere(made(), self._output, force)
+        status = 0 if self._output is None else save_anywhere(build(), self._output, force)
         if status == 0 and self._folder is not None:
             self._folder.clear()
         return status
 
 
-def _kept_in(folder: str) -> str:
-    """What Ctrl-C leaves in a folder, in words."""
-    return f"what was done is kept in {folder}; the same command goes on"
+def _checkpoint_message(folder: str) -> str:
+    """Return the message that names the folder from which an interrupted command is resumed."""
+    return f"progress is saved in {folder}; repeat the command to resume"

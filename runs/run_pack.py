@@ -1,10 +1,9 @@
-"""A pack: the runs of a sweep's small cells, many to a file.
+"""A pack: many runs of small sweep cells in one HDF5 file.
 
-A file for every small run would cost as much as the run: HDF5 is a file's open and close, and a
-flush to the disk. In a pack, runs whose arrays have the same names and shapes are stacked along
-their first axis, a group for each kind; what did not come to a run has a group without arrays. The
-file ends with its checksum, as a store's other files do. Where a store's packs lie, and what they
-hold together, is in `runs.store_packs`.
+Opening, closing and flushing a file for each small run would take as long as the run. In a pack,
+runs whose arrays have the same names and shapes are stacked along a new first axis, one group for
+each layout. Cells without a run are in a group without arrays. The file ends with its checksum, as
+other files of a store do. `runs.store_packs` manages the packs of a store.
 """
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
-from longwave.runs.hdf_contents import check_contents, own
+from longwave.runs.hdf_contents import check_contents, local_member
 from longwave.runs.run_file import as_json
 from longwave.support.sealed_file import (
     DAMAGED,
@@ -41,11 +40,11 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 DONE, BLOWN_UP, REFUSED, FAILED = "done", "blown up", "refused", "failed"
-"""How a cell ended: as asked, before its last time, with a scene that is not admissible, and by
-what another attempt may not meet (no memory, a worker that was killed)."""
+"""How a cell ended: completed; stopped by a blow-up; scene not admissible; or failed for a reason
+that another attempt may not meet (no memory, worker killed)."""
 
-SETTLED = (DONE, BLOWN_UP, REFUSED)
-"""Cells that another attempt would find as they are."""
+FINAL = (DONE, BLOWN_UP, REFUSED)
+"""Statuses that another attempt would only repeat."""
 
 OPTIONAL: Mapping[str, tuple[str, str]] = {
     "last_peak": ("1", "largest force at the end, 1 at the start"),
@@ -57,7 +56,7 @@ OPTIONAL: Mapping[str, tuple[str, str]] = {
     "carrier_k": ("1/site", "wavenumber of the carrier on the ring"),
     "perturbation_kappa": ("1/X", "wavenumber of the perturbation, in X"),
 }
-"""What is told of cells only where some have it: unit and meaning."""
+"""Unit and meaning of the numbers that only some cells have."""
 
 NUMBERS: Mapping[str, tuple[str, str]] = {
     "error": ("1", "largest relative sup error against the wave"),
@@ -70,26 +69,27 @@ NUMBERS: Mapping[str, tuple[str, str]] = {
     "planning_seconds": ("s", "seconds of the search for it"),
     **OPTIONAL,
 }
-"""What a cell is told by: unit and meaning."""
+"""Unit and meaning of every number that is recorded for a cell."""
 
 RATES: Mapping[str, tuple[str, str]] = {
     "error": ("1", "growth rate off theory, over the largest"),
     "error_estimate": ("1", "estimated error of the rate by the run's steps, over the largest"),
 }
-"""What numbers of a cell mean that measures a growth rate: the largest is that in theory."""
+"""Unit and meaning of the numbers that differ for cells measuring a growth rate; "the largest" is
+the largest rate in theory."""
 
 TEXTS = ("key", "status", "message", "attributes")
 
-COMPRESSED = 4096
-"""Bytes of a run's array from which on it is compressed, a chunk for each run: with the level and
-bytes shuffled, a snapshot of 3000 sites takes 0.7 ms and shrinks by a tenth to a half."""
+LEAST_COMPRESSED = 4096
+"""Bytes from which a run's array is compressed, one chunk for each run. With the level below and
+shuffled bytes, a snapshot of 3000 sites takes 0.7 ms and shrinks by a tenth to a half."""
 
-LEVEL = 1
+COMPRESSION_LEVEL = 1
 
 
 @dataclass(frozen=True)
 class CellRecord:
-    """A cell: the key of its scene, how it ended, in numbers and with its run if there is one."""
+    """One cell of a sweep: key of its scene, status, message, numbers, and the run, if any."""
 
     key: str
     status: str
@@ -100,10 +100,10 @@ class CellRecord:
 
 @dataclass(frozen=True)
 class CellTable:
-    """Cells in columns: key, how each ended, its numbers, and where its run is.
+    """Cells as columns: key, status, message, numbers, and the location of each run.
 
-    ``pack`` is a number of the pack, ``group`` and ``row`` a place in it; ``row`` is -1 where there
-    is no run.
+    ``pack`` is the index of the pack, ``group`` and ``row`` the position in it; ``row`` is -1 if
+    there is no run.
     """
 
     key: NDArray[Any]
@@ -117,19 +117,21 @@ class CellTable:
     def __len__(self) -> int:
         return len(self.key)
 
-    def taken(self, chosen: NDArray[Any]) -> CellTable:
-        """The cells at these places, or where it is true."""
-        columns = {name: getattr(self, name)[chosen] for name in PLAIN}
-        return CellTable(**columns, numbers={n: held[chosen] for n, held in self.numbers.items()})
+    def select(self, cells: NDArray[Any]) -> CellTable:
+        """Return the cells at these indices, or where the mask is true."""
+        columns = {name: getattr(self, name)[cells] for name in COLUMN_TYPES}
+        return CellTable(
+            **columns, numbers={name: column[cells] for name, column in self.numbers.items()}
+        )
 
-    def record(self, place: int) -> CellRecord:
-        """One of the cells, without its run."""
-        numbers = {name: float(held[place]) for name, held in self.numbers.items()}
-        key, status = (held[place].decode() for held in (self.key, self.status))
-        return CellRecord(key, status, self.message[place], numbers)
+    def record(self, row: int) -> CellRecord:
+        """Return one cell, without its run."""
+        numbers = {name: float(column[row]) for name, column in self.numbers.items()}
+        key, status = (column[row].decode() for column in (self.key, self.status))
+        return CellRecord(key, status, self.message[row], numbers)
 
 
-PLAIN: Mapping[str, type | str] = {
+COLUMN_TYPES: Mapping[str, type | str] = {
     "key": "S40",
     "status": "S9",
     "message": object,
@@ -137,36 +139,41 @@ PLAIN: Mapping[str, type | str] = {
     "group": np.int32,
     "row": np.int32,
 }
-"""The columns of a table beside its numbers: what their values are."""
+"""Types of a table's columns, except for its numbers."""
 
 
-def joined_tables(tables: Sequence[CellTable]) -> CellTable:
-    """The cells of all tables; numbers that some do not have are NaN there."""
+def concatenate_tables(tables: Sequence[CellTable]) -> CellTable:
+    """Concatenate tables; numbers that a table does not have become NaN."""
     columns = {
-        name: np.concatenate([np.empty(0, kind), *(getattr(one, name) for one in tables)])
-        for name, kind in PLAIN.items()
+        name: np.concatenate([np.empty(0, type_), *(getattr(table, name) for table in tables)])
+        for name, type_ in COLUMN_TYPES.items()
     }
-    return CellTable(**columns, numbers=_joined_numbers([(t.numbers, len(t)) for t in tables]))
+    return CellTable(
+        **columns, numbers=_concatenate_numbers([(table.numbers, len(table)) for table in tables])
+    )
 
 
-def _joined_numbers(
+def _concatenate_numbers(
     parts: Sequence[tuple[Mapping[str, NDArray[np.float64]], int]],
 ) -> dict[str, NDArray[np.float64]]:
-    """Columns one after the other, each part with its length; NaN where one has no such column."""
+    """Concatenate columns of numbers; each part has its columns and length, a missing one gives
+    NaN."""
     names = {name for numbers, _ in parts for name in numbers}
     return {
-        name: np.concatenate([held.get(name, np.full(size, np.nan)) for held, size in parts])
+        name: np.concatenate(
+            [columns.get(name, np.full(length, np.nan)) for columns, length in parts]
+        )
         for name in NUMBERS
         if name in names
     }
 
 
 @dataclass(frozen=True)
-class _Stack:
-    """Cells whose runs have arrays of the same names, shapes and attributes, as a group holds them.
+class _RunStack:
+    """Cells whose runs have arrays of the same names, shapes and attributes: one group of a pack.
 
-    ``arrays`` are of all runs, the cells along the first axis, each with the attributes that it has
-    in the file.
+    ``arrays`` holds the values of all runs, with the cells along the first axis, and the array's
+    attributes in the file.
     """
 
     texts: Mapping[str, Sequence[str]]
@@ -174,22 +181,22 @@ class _Stack:
     arrays: Mapping[str, tuple[NDArray[Any], Mapping[str, Any]]]
 
     @staticmethod
-    def of(alike: Sequence[CellRecord]) -> _Stack:
-        """The cells of one `_kind`."""
-        attributes = [{} if one.run is None else one.run.attrs for one in alike]
+    def of(records: Sequence[CellRecord]) -> _RunStack:
+        """Stack the cells, whose runs have the same `_run_layout`."""
+        attributes = [{} if record.run is None else record.run.attrs for record in records]
         texts = {
-            "key": [one.key for one in alike],
-            "status": [one.status for one in alike],
-            "message": [one.message for one in alike],
-            "attributes": [json.dumps(told, default=as_json) for told in attributes],
+            "key": [record.key for record in records],
+            "status": [record.status for record in records],
+            "message": [record.message for record in records],
+            "attributes": [json.dumps(attrs, default=as_json) for attrs in attributes],
         }
         numbers = {
-            name: np.array([float(one.numbers.get(name, np.nan)) for one in alike])
+            name: np.array([float(record.numbers.get(name, np.nan)) for record in records])
             for name in NUMBERS
-            if name not in OPTIONAL or any(name in one.numbers for one in alike)
+            if name not in OPTIONAL or any(name in record.numbers for record in records)
         }
         arrays = {}
-        runs = [one.run for one in alike if one.run is not None]
+        runs = [record.run for record in records if record.run is not None]
         for label, variable in runs[0].variables.items() if runs else ():
             values = np.stack([np.asarray(run.variables[label].values) for run in runs])
             if values.dtype.kind == "U":
@@ -202,180 +209,198 @@ class _Stack:
                     "attributes": json.dumps(variable.attrs, default=as_json),
                 },
             )
-        return _Stack(texts, numbers, arrays)
+        return _RunStack(texts, numbers, arrays)
 
     @staticmethod
-    def read(group: Any) -> _Stack:
-        """What a group of a pack holds."""
-        inner = own(group, "arrays")
-        arrays = {name: own(inner, name) for name in inner}
-        return _Stack(
-            {name: list(own(group, name).asstr()[()]) for name in TEXTS},
-            {name: own(group, name)[()] for name in NUMBERS if name in group},
-            {name: (held[()], dict(held.attrs)) for name, held in arrays.items()},
+    def read(group: Any) -> _RunStack:
+        """Read a stack from a group of a pack."""
+        inner = local_member(group, "arrays")
+        arrays = {name: local_member(inner, name) for name in inner}
+        return _RunStack(
+            {name: list(local_member(group, name).asstr()[()]) for name in TEXTS},
+            {name: local_member(group, name)[()] for name in NUMBERS if name in group},
+            {name: (array[()], dict(array.attrs)) for name, array in arrays.items()},
         )
 
     @property
-    def kind(self) -> str:
-        """What stacks that are joined have in common."""
-        found = [
-            (name, values.shape[1:], "S" if values.dtype.kind == "S" else values.dtype.str, told)
-            for name, (values, told) in sorted(self.arrays.items())
+    def layout(self) -> str:
+        """Text that is equal for stacks that can be concatenated."""
+        parts = [
+            (name, values.shape[1:], "S" if values.dtype.kind == "S" else values.dtype.str, attrs)
+            for name, (values, attrs) in sorted(self.arrays.items())
         ]
-        return repr(found)
+        return repr(parts)
 
     def write(self, group: Any) -> None:
-        """Write it into an empty group."""
+        """Write the stack into an empty group."""
         import h5py
 
-        for name, lines in self.texts.items():
-            group.create_dataset(name, data=np.array(lines, object), dtype=h5py.string_dtype())
+        for name, texts in self.texts.items():
+            group.create_dataset(name, data=np.array(texts, object), dtype=h5py.string_dtype())
         for name, column in self.numbers.items():
             group.create_dataset(name, data=column)
         arrays = group.create_group("arrays")
-        for name, (values, told) in self.arrays.items():
-            packing: dict[str, Any] = {}
-            if values[0].nbytes >= COMPRESSED:
-                packing = {"compression": LEVEL, "shuffle": True, "chunks": (1, *values.shape[1:])}
-            arrays.create_dataset(name, data=values, **packing).attrs.update(told)
+        for name, (values, attrs) in self.arrays.items():
+            options: dict[str, Any] = {}
+            if values[0].nbytes >= LEAST_COMPRESSED:
+                options = {
+                    "compression": COMPRESSION_LEVEL,
+                    "shuffle": True,
+                    "chunks": (1, *values.shape[1:]),
+                }
+            arrays.create_dataset(name, data=values, **options).attrs.update(attrs)
 
 
-def _joined(alike: Sequence[_Stack]) -> _Stack:
-    """The cells of stacks of one kind."""
-    texts = {name: [line for one in alike for line in one.texts[name]] for name in TEXTS}
-    numbers = _joined_numbers([(one.numbers, len(one.texts["key"])) for one in alike])
+def _concatenate_stacks(stacks: Sequence[_RunStack]) -> _RunStack:
+    """Concatenate stacks of equal layout."""
+    texts = {name: [text for stack in stacks for text in stack.texts[name]] for name in TEXTS}
+    numbers = _concatenate_numbers([(stack.numbers, len(stack.texts["key"])) for stack in stacks])
     arrays = {
-        name: (np.concatenate([one.arrays[name][0] for one in alike]), told)
-        for name, (_, told) in alike[0].arrays.items()
+        name: (np.concatenate([stack.arrays[name][0] for stack in stacks]), attrs)
+        for name, (_, attrs) in stacks[0].arrays.items()
     }
-    return _Stack(texts, numbers, arrays)
+    return _RunStack(texts, numbers, arrays)
 
 
-def values_of(held: Any) -> Any:
-    """What was put in: texts are held as bytes."""
-    return np.char.decode(held, "utf-8") if held.dtype.kind == "S" else held
+def decoded_values(stored: Any) -> Any:
+    """Return an array with its texts decoded; a pack stores them as UTF-8 bytes."""
+    return np.char.decode(stored, "utf-8") if stored.dtype.kind == "S" else stored
 
 
 def write_pack(path: Path, records: Iterable[CellRecord]) -> None:
-    """Write the records to a new file, whole or not at all. Raises OSError that names it."""
+    """Write the records to a new file, completely or not at all. Raises OSError with its name."""
     write_sealed(path, pack_content(records), force=False)
 
 
 def pack_content(records: Iterable[CellRecord]) -> bytes:
-    """The bytes of a pack's file, without its seal."""
-    kinds: dict[str, list[CellRecord]] = defaultdict(list)
+    """Return the bytes of a pack's file, without its checksum."""
+    layouts: dict[str, list[CellRecord]] = defaultdict(list)
     for record in records:
-        kinds[_kind(record.run)].append(record)
-    return _content(map(_Stack.of, kinds.values()))
+        layouts[_run_layout(record.run)].append(record)
+    return _pack_bytes(map(_RunStack.of, layouts.values()))
 
 
 def merged_content(packs: Iterable[tuple[Path, int]]) -> bytes:
-    """The bytes of a pack of all that these packs hold, each with what `open_pack` takes.
+    """Return the bytes of one pack with all cells of these packs.
 
-    Raises as that does.
+    Each pack is given by the arguments ``path`` and ``link_free`` of `open_pack`, whose errors it
+    raises.
     """
-    kinds: dict[str, list[_Stack]] = defaultdict(list)
-    for path, untyped in packs:
-        with open_pack(path, untyped) as file:
+    layouts: dict[str, list[_RunStack]] = defaultdict(list)
+    for path, link_free in packs:
+        with open_pack(path, link_free) as file:
             for name in file:
-                stack = _Stack.read(own(file, name))
-                kinds[stack.kind].append(stack)
-    return _content(map(_joined, kinds.values()))
+                stack = _RunStack.read(local_member(file, name))
+                layouts[stack.layout].append(stack)
+    return _pack_bytes(map(_concatenate_stacks, layouts.values()))
 
 
-def _content(stacks: Iterable[_Stack]) -> bytes:
+def _pack_bytes(stacks: Iterable[_RunStack]) -> bytes:
     import h5py
 
-    image = BytesIO()  # a full disk breaks no library then
+    image = BytesIO()  # in memory, so that a full disk cannot break HDF5
     with h5py.File(image, "w") as file:
         for number, stack in enumerate(stacks):
             stack.write(file.create_group(str(number)))
     return image.getvalue()
 
 
-def _kind(run: xr.Dataset | None) -> str:
-    """What runs that are stacked have in common."""
+def _run_layout(run: xr.Dataset | None) -> str:
+    """Return a text that is equal for runs that can be stacked."""
     if run is None:
         return ""
     variables = run.variables.items()
-    return repr([(n, v.dims, v.shape, v.dtype.str, n in run.coords, v.attrs) for n, v in variables])
+    return repr(
+        [
+            (
+                name,
+                variable.dims,
+                variable.shape,
+                variable.dtype.str,
+                name in run.coords,
+                variable.attrs,
+            )
+            for name, variable in variables
+        ]
+    )
 
 
-YOUNG = 2 * 10**9
-"""Nanoseconds in which a file may change again without a later time of change (a clock's tick, or
-the second of some file systems): one that is younger is looked through at each opening."""
+RECENT_NS = 2 * 10**9
+"""Nanoseconds within which a file may change again without a new change time (a clock tick, or one
+second on some file systems). A more recent file is checked at each opening."""
 
-MOST_CHECKED = 4096
-"""Packs of which it is remembered that they were looked through."""
+MOST_REMEMBERED = 4096
+"""Largest number of checked packs that are remembered."""
 
-_checked: dict[tuple[int, ...], None] = {}
-"""Those packs, by file, size and times; the time of change is nobody's to choose."""
+_remembered: dict[tuple[int, ...], None] = {}
+"""Packs that were checked, by device, inode, size and times; users cannot set the change time."""
 
 
 class DamagedPackError(ValueError):
-    """A pack whose bytes are not those that were written, which the log was told."""
+    """A pack whose checksum is wrong; a warning was logged."""
 
 
 @contextmanager
-def open_pack(path: Path, untyped: int = 1) -> Iterator[h5py.File]:
-    """A pack, open to be read, whose bytes were looked through by this process.
+def open_pack(path: Path, link_free: int = 1) -> Iterator[h5py.File]:
+    """Open a pack for reading, after its checksum and contents were checked once by this process.
 
-    None of the last ``untyped`` names of its path may be a link.
-
-    The file is opened once: what is checked is what is read. Raises FileNotFoundError where none
-    is, as when it was merged since, DamagedPackError, and ValueError for what is no pack.
+    The last ``link_free`` components of its path must not be links. The file is opened once, so
+    that the checked bytes are the bytes that are read. Raises FileNotFoundError if there is no such
+    pack, as after a merge; DamagedPackError; and ValueError if the file is not a pack.
     """
     import h5py
 
-    with _plain_pack(path, untyped) as stream:
+    with _open_unlinked(path, link_free) as stream:
         state = os.fstat(stream.fileno())
         stamp = state.st_dev, state.st_ino, state.st_size, state.st_mtime_ns, state.st_ctime_ns
-        checked = stamp in _checked
-        if not checked and not is_sealed(stream):
+        is_checked = stamp in _remembered
+        if not is_checked and not is_sealed(stream):
             LOG.warning(DAMAGED, path)
-            raise DamagedPackError(f"{path} is damaged")
+            raise DamagedPackError(f"{path} is damaged: its checksum is wrong")
         try:
             file = h5py.File(stream)
         except OSError as error:
-            raise ValueError(f"{path} is no pack ({reason_of(error)})") from None
+            raise ValueError(f"{path} is not a pack ({reason_of(error)})") from None
         with file:
-            if not checked:
+            if not is_checked:
                 check_contents(file, state.st_size, deepest=2)
-                if time.time_ns() - state.st_ctime_ns > YOUNG:
-                    _checked[stamp] = None
-                    for old in [*_checked][: max(0, len(_checked) - MOST_CHECKED)]:
-                        del _checked[old]
+                if time.time_ns() - state.st_ctime_ns > RECENT_NS:
+                    _remembered[stamp] = None
+                    for old in [*_remembered][: max(0, len(_remembered) - MOST_REMEMBERED)]:
+                        del _remembered[old]
             yield file
 
 
-def _plain_pack(path: Path, untyped: int) -> BinaryIO:
-    """The open file; DamagedPackError for a link or what is no file."""
+def _open_unlinked(path: Path, link_free: int) -> BinaryIO:
+    """Open a regular file; raise DamagedPackError for a link or anything else."""
     try:
-        return open(open_plain(path, untyped=untyped), "rb")
+        return open(open_plain(path, untyped=link_free), "rb")
     except FileNotFoundError:
         raise
     except OSError as error:
         if error.errno not in NO_FILE:
             raise
         LOG.warning(LINKED, path)
-        raise DamagedPackError(f"{path} is a link, or no file") from None
+        raise DamagedPackError(f"{path} is a link, or not a regular file") from None
 
 
-def read_pack(path: Path, untyped: int = 1) -> CellTable:
-    """What a pack holds, its runs left on the disk. Raises as `open_pack`."""
+def read_pack(path: Path, link_free: int = 1) -> CellTable:
+    """Return the table of a pack's cells, without loading runs. Raises as `open_pack`."""
     try:
-        with open_pack(path, untyped) as file:
-            return joined_tables([_table(int(name), own(file, name)) for name in file])
+        with open_pack(path, link_free) as file:
+            return concatenate_tables(
+                [_group_table(int(name), local_member(file, name)) for name in file]
+            )
     except (FileNotFoundError, DamagedPackError):
         raise
     except Exception as error:  # what the library raises for such a file is not documented
-        raise ValueError(f"{path} is no pack ({reason_of(error)})") from None
+        raise ValueError(f"{path} is not a pack ({reason_of(error)})") from None
 
 
-def is_pack(path: Path, untyped: int = 1) -> bool:
-    """Whether a pack can be read; FileNotFoundError where none is."""
+def is_pack(path: Path, link_free: int = 1) -> bool:
+    """Whether a pack can be read. Raises FileNotFoundError if there is no file."""
     try:
-        read_pack(path, untyped)
+        read_pack(path, link_free)
     except FileNotFoundError:
         raise
     except (ValueError, OSError):
@@ -383,60 +408,66 @@ def is_pack(path: Path, untyped: int = 1) -> bool:
     return True
 
 
-def _table(number: int, group: Any) -> CellTable:
-    columns = {name: own(group, name).asstr()[()] for name in TEXTS[:3]}
+def _group_table(number: int, group: Any) -> CellTable:
+    columns = {name: local_member(group, name).asstr()[()] for name in TEXTS[:3]}
     count = len(columns["key"])
-    rows = np.arange(count) if len(own(group, "arrays")) else np.full(count, -1)
+    rows = np.arange(count) if len(local_member(group, "arrays")) else np.full(count, -1)
     columns |= {"pack": np.zeros(count), "group": np.full(count, number), "row": rows}
-    return checked_table(columns, group)
+    return build_table(columns, group)
 
 
-def checked_table(columns: Mapping[str, Any], numbers: Any) -> CellTable:
-    """The table of columns, and of those of ``numbers``, that a file holds.
+def build_table(columns: Mapping[str, Any], numbers: Any) -> CellTable:
+    """Build a table from a file's ``columns`` and from the known columns of the group ``numbers``.
 
-    Raises ValueError unless all are of one length and of what they should be.
+    Raises ValueError unless all have one length and the right type.
     """
     count = len(columns["key"])
-    made = {name: np.asarray(columns[name]).astype(kind) for name, kind in PLAIN.items()}
-    held = {n: np.asarray(own(numbers, n)[()]).astype(np.float64) for n in NUMBERS if n in numbers}
-    if any(column.shape != (count,) for column in (*made.values(), *held.values())):
-        raise ValueError("its columns differ in length")
+    plain = {name: np.asarray(columns[name]).astype(type_) for name, type_ in COLUMN_TYPES.items()}
+    number_columns = {
+        name: np.asarray(local_member(numbers, name)[()]).astype(np.float64)
+        for name in NUMBERS
+        if name in numbers
+    }
+    if any(column.shape != (count,) for column in (*plain.values(), *number_columns.values())):
+        raise ValueError("the columns differ in length")
     for name in ("key", "status"):
-        made[name].astype("U")  # which must be letters
-    return CellTable(**made, numbers=held)
+        plain[name].astype("U")  # raises if it is not ASCII
+    return CellTable(**plain, numbers=number_columns)
 
 
 def check_keys(group: Any, rows: Sequence[int], keys: Sequence[str]) -> None:
-    """Raise ValueError if rows of a pack's group are not those of these keys.
+    """Raise ValueError if the given rows of a pack's group do not have these keys.
 
-    The pack may be another one than when it was indexed. An empty key is any.
+    The pack may have been replaced since it was indexed. An empty key matches any row.
     """
-    asked = [(row, key) for row, key in zip(rows, keys, strict=True) if key]
-    if any(own(group, "key").asstr()[row] != key for row, key in asked):
-        raise ValueError("it holds other runs than it did")
+    expected = [(row, key) for row, key in zip(rows, keys, strict=True) if key]
+    if any(local_member(group, "key").asstr()[row] != key for row, key in expected):
+        raise ValueError("the pack's runs changed since it was indexed")
 
 
-def load_row(path: Path, group: int, row: int, key: str = "", untyped: int = 1) -> xr.Dataset:
-    """One of a pack's runs, which has the ``key`` if there is one, with the bits that it had.
+def load_row(path: Path, group: int, row: int, key: str = "", link_free: int = 1) -> xr.Dataset:
+    """Load one run of a pack, bit by bit as it was saved; a nonempty ``key`` must be the row's.
 
     Raises as `open_pack`.
     """
     import xarray as xr
 
-    with open_pack(path, untyped) as file:
+    with open_pack(path, link_free) as file:
         try:
-            held_group = own(file, str(group))
-            check_keys(held_group, [row], [key])
+            pack_group = local_member(file, str(group))
+            check_keys(pack_group, [row], [key])
             data: dict[str, Any] = {}
             coordinates: dict[str, Any] = {}
-            inner = own(held_group, "arrays")
+            inner = local_member(pack_group, "arrays")
             for name in inner:
-                held = own(inner, name)
-                found = data if not held.attrs["coordinate"] else coordinates
-                texts = json.loads(held.attrs["attributes"])
-                found[name] = (json.loads(held.attrs["dims"]), values_of(held[row]), texts)
-            return xr.Dataset(data, coordinates, json.loads(own(held_group, "attributes")[row]))
+                array = local_member(inner, name)
+                target = data if not array.attrs["coordinate"] else coordinates
+                attrs = json.loads(array.attrs["attributes"])
+                target[name] = (json.loads(array.attrs["dims"]), decoded_values(array[row]), attrs)
+            return xr.Dataset(
+                data, coordinates, json.loads(local_member(pack_group, "attributes")[row])
+            )
         except Exception as error:  # see read_pack
             raise ValueError(
-                f"a pack must hold whole runs, got {path}: {reason_of(error)}"
+                f"pack must contain complete runs, got {path}: {reason_of(error)}"
             ) from None

@@ -1,13 +1,13 @@
-"""A store of runs: a folder in which each scene's run lies under a key of all that it follows from.
+"""A store of runs: a folder with one file for each scene, named by the key of the run.
 
-The key is a digest of the scene and of what computes it: the formulas of the waves, the kernels,
-the engines, and the packages whose numbers end up in a run. What is drawn or printed of it does not
-count. So a scene is run once, and again only when something that matters has changed.
+The key is a digest of the scene and of the code that computes it: formulas of the waves, kernels,
+engines, and the versions of packages that affect the numbers. Code that only draws or prints does
+not count. So a scene is run once, and again only after a relevant change.
 
-A run's file is NetCDF-4, sealed (`support.sealed_file`): one that was damaged is made anew. Small
-runs of sweeps lie many to a file (`runs.store_packs`), and are found there as well. Whoever makes a
-run holds its lock; a process that is killed lets go of it. Whoever else writes there may
-leave links instead: none that lies in the store is followed.
+A run's file is NetCDF-4 with a checksum (`support.sealed_file`); a damaged file is computed again.
+Small runs of sweeps are stored in packs (`runs.store_packs`), which are searched as well. A process
+that computes a run holds its lock, which is released if the process is killed. Links inside the
+store are never followed, because others may have put them there.
 """
 
 from __future__ import annotations
@@ -33,14 +33,14 @@ if TYPE_CHECKING:
     from longwave.lattice.trial import Progress
     from longwave.scenes.description.scene import Scene
 
-UNMOVED = ("xarray", "h5netcdf")
-"""Packages whose version does not move a run's bits."""
+IRRELEVANT_PACKAGES = ("xarray", "h5netcdf")
+"""Packages whose version does not affect the bits of a run."""
 
-WAITING = "%s: another process is making this run, which is waited for"
+WAITING = "%s: waiting for another process that computes this run"
 
 
-class UnkeptRunError(OSError):
-    """A finished run that could not be written: ``run`` holds it."""
+class UnsavedRunError(OSError):
+    """A finished run could not be written to a store; the attribute ``run`` holds it."""
 
     def __init__(self, error: OSError, run: xr.Dataset) -> None:
         super().__init__(error.errno, error.strerror or str(error), error.filename)
@@ -48,11 +48,11 @@ class UnkeptRunError(OSError):
 
 
 class RunStore:
-    """The runs in a folder, which is made when the first of them is kept.
+    """Runs in a folder, which is created when the first run is saved.
 
-    What happens on the way is told to the logger ``longwave.store``: damage as a warning, waiting
-    for another process and going on with an unfinished run as information. ``least`` are the
-    seconds between two checkpoints of a run, ``share`` the most of its time that they take.
+    Events are sent to the logger ``longwave.store``: damage as a warning; waiting for another
+    process and resuming an unfinished run as information. ``least`` is the least number of seconds
+    between two checkpoints of a run, ``share`` the largest share of its time that they take.
     """
 
     def __init__(self, folder: str | Path, least: float = LEAST, share: float = SHARE) -> None:
@@ -60,25 +60,25 @@ class RunStore:
         self._pace = least, share
 
     def key(self, scene: Scene) -> str:
-        """`run_key` of the scene."""
+        """Return the key of the scene's run, see `run_key`."""
         return run_key(scene)
 
     def path(self, scene: Scene) -> Path:
-        """Where the scene's run is, or would be."""
+        """Return the path of the scene's file, whether it exists or not."""
         return self.file_of(self.key(scene))
 
     def file_of(self, key: str) -> Path:
-        """Where the run of that key is, or would be."""
+        """Return the path of the file with this key, whether it exists or not."""
         return self.folder / key[:2] / f"{key}.nc"
 
     def find(self, scene: Scene) -> Path | None:
-        """The file of the scene's run; None if there is none of its own, or only a damaged one."""
+        """Return the file of the scene's run; None if it has no own file or a damaged one."""
         path = self.path(scene)
         return path if is_whole(path) else None
 
-    def held(self) -> HeldRuns:
-        """What the store holds now, of which many keys are asked."""
-        return HeldRuns(self)
+    def stored_runs(self) -> StoredRuns:
+        """Return a snapshot of the store's contents, for asking about many keys."""
+        return StoredRuns(self)
 
     def run(
         self,
@@ -86,35 +86,36 @@ class RunStore:
         progress: Progress | None = None,
         announce: Announce | None = None,
     ) -> xr.Dataset:
-        """The scene's run, of a file of its own or of a sweep's pack, or made as by `fetch`."""
+        """Return the scene's stored run, from its file or a pack; compute it as `fetch` does if
+        needed."""
         from longwave.runs.run_file import load_run
 
-        found = self._told_place(scene)
-        if isinstance(found, PackedRun):
-            return found.load()
-        return load_run(found or self._made(scene, progress, announce), follow=False)
+        location = self._find_and_log(scene)
+        if isinstance(location, PackedRun):
+            return location.load()
+        return load_run(location or self._compute(scene, progress, announce), follow=False)
 
-    def _told_place(self, scene: Scene) -> Path | PackedRun | None:
-        """Where the scene's run is, which is told."""
-        path = self.path(scene)
-        found = path if is_whole(path) else self._packed(path.stem)
-        if found is not None:
-            place = found if isinstance(found, Path) else found.path
-            LOG.info("%s: found in %s, not run again", scene.name, place)
-        return found
+    def _find_and_log(self, scene: Scene) -> Path | PackedRun | None:
+        """Return the location of the scene's run and log it; None if the store does not have it."""
+        file = self.path(scene)
+        location = file if is_whole(file) else self._find_packed(file.stem)
+        if location is not None:
+            path = location if isinstance(location, Path) else location.path
+            LOG.info("%s: found in %s, not run again", scene.name, path)
+        return location
 
-    def _packed(self, key: str) -> PackedRun | None:
-        held = pack_index(self.folder).get(key)
-        return None if held is None else held[1]
+    def _find_packed(self, key: str) -> PackedRun | None:
+        entry = pack_index(self.folder).get(key)
+        return None if entry is None else entry[1]
 
     def keep(self, scene: Scene, run: xr.Dataset) -> Path:
-        """Put the run of a scene that was made elsewhere into the store; return its file.
+        """Save a run that was computed elsewhere under its scene's key; return its file.
 
-        Raises ValueError for an unfinished run and OSError where it cannot be written.
+        Raises ValueError for an unfinished run, and OSError if it cannot be written.
         """
         path = self.path(scene)
-        with self._alone(path):
-            return _kept(path, run)
+        with self._locked(path):
+            return _save(path, run)
 
     def fetch(
         self,
@@ -122,24 +123,25 @@ class RunStore:
         progress: Progress | None = None,
         announce: Announce | None = None,
     ) -> Path:
-        """The file of the scene's run, which is made if there is none; one in a sweep's pack gets
-        a file.
+        """Return the file of the scene's run, which is computed first if the store does not have
+        it.
 
-        If another process is making it, that is waited for; one that was begun is gone on with, and
-        ends with the bits of one that was not interrupted. ``progress`` and ``announce`` are as in
-        `scene_run.run`. Raises what that raises; OSError before the run if the store cannot be
-        written; UnkeptRunError, which holds the run, if it could not be written after it.
+        A run that lies in a pack is copied to a file of its own. If another process is computing
+        the run, this waits for it. An interrupted run is resumed and ends with the same bits as one
+        without interruption. ``progress`` and ``announce`` are those of `scene_run.run`, whose
+        errors this raises. Raises OSError before the run if the store cannot be written, and
+        UnsavedRunError, which holds the run, if the finished run cannot be written.
         """
-        found = self._told_place(scene)
-        if isinstance(found, PackedRun):
-            return self.keep(scene, found.load())
-        return found or self._made(scene, progress, announce)
+        location = self._find_and_log(scene)
+        if isinstance(location, PackedRun):
+            return self.keep(scene, location.load())
+        return location or self._compute(scene, progress, announce)
 
-    def _made(self, scene: Scene, progress: Progress | None, announce: Announce | None) -> Path:
+    def _compute(self, scene: Scene, progress: Progress | None, announce: Announce | None) -> Path:
         from longwave.scenes.engines import scene_run
 
         path = self.path(scene)
-        with self._alone(path):
+        with self._locked(path):
             if is_whole(path):
                 return path
             check_sources()
@@ -149,16 +151,16 @@ class RunStore:
             with checkpoints_in(checkpoint):
                 run = scene_run.run(scene, progress, announce)
             try:
-                if not is_whole(path):  # where locks do nothing, another may have made it
-                    _kept(path, run)
+                if not is_whole(path):  # without working locks, another process may have saved it
+                    _save(path, run)
             except OSError as error:
-                raise UnkeptRunError(error, run) from error
+                raise UnsavedRunError(error, run) from error
             checkpoint.clear()
             return path
 
     @contextmanager
-    def _alone(self, path: Path) -> Iterator[None]:
-        """Be the only one who makes the run of that file; drafts of killed processes go."""
+    def _locked(self, path: Path) -> Iterator[None]:
+        """Hold the lock of that run's file; remove drafts left by killed processes."""
         path.parent.mkdir(parents=True, exist_ok=True)
         check_no_link(path.parent)
         with locked(path.with_suffix(".lock"), lambda: LOG.info(WAITING, path)):
@@ -166,11 +168,11 @@ class RunStore:
             yield
 
 
-class HeldRuns(Container[str]):
-    """What a store held when it was asked: its packs, and by one listing the files of runs.
+class StoredRuns(Container[str]):
+    """Snapshot of a store's contents: its packs, and the keys of runs with a file of their own.
 
-    ``key in held`` says whether its cell is not run again: for there is its run, in a pack or a
-    whole file, or it has none.
+    ``key in stored_runs`` is true if the cell need not be run: its run is in a pack or an undamaged
+    file, or its scene was refused.
     """
 
     def __init__(self, store: RunStore) -> None:
@@ -179,7 +181,7 @@ class HeldRuns(Container[str]):
         self._files = frozenset(path.stem for path in store.folder.glob("??/*.nc"))
 
     def file(self, key: str) -> Path | None:
-        """The run's own file; None if there is none, or only a damaged one."""
+        """Return the run's own file; None if there is none or it is damaged."""
         path = self._store.file_of(key)
         return path if key in self._files and is_whole(path) else None
 
@@ -188,26 +190,26 @@ class HeldRuns(Container[str]):
 
 
 def run_key(scene: Scene) -> str:
-    """The key of a scene's run, 40 hexadecimal digits; equal scenes have equal keys.
+    """Return the key of a scene's run, 40 hexadecimal digits; equal scenes have equal keys.
 
-    Raises ValueError for a scene with a wave of one's own, of which only the name is known.
+    Raises ValueError for a scene with a user-defined wave, because only its name is known.
     """
     if not isinstance(scene.wave, str):
         raise ValueError(
-            f"wave must be a shipped one for its run to be kept in a store, got one of your "
-            f"own, {scene.wave.name} (run it and save it)"
+            f"wave must be a shipped one for a run in a store, got your own wave "
+            f"{scene.wave.name} (use longwave.run and save_run)"
         )
-    asked = json.dumps(_canonical(json.loads(scene.json())), sort_keys=True)
-    text = f"{type(scene).__name__}\n{asked}\n{code_that_matters()}"
+    fields = json.dumps(_canonical(json.loads(scene.json())), sort_keys=True)
+    text = f"{type(scene).__name__}\n{fields}\n{code_digest()}"
     return hashlib.sha256(text.encode()).hexdigest()[:40]
 
 
-def _kept(path: Path, run: xr.Dataset) -> Path:
+def _save(path: Path, run: xr.Dataset) -> Path:
     from longwave.runs.run_file import file_content
 
     if "unfinished" in run.attrs:
         raise ValueError(
-            f"run must have come to its end to be kept in a store, got one that did not "
+            f"run must be finished to be saved in a store, got an unfinished one "
             f"({run.attrs['unfinished']})"
         )
     write_sealed(path, file_content(run))
@@ -215,7 +217,7 @@ def _kept(path: Path, run: xr.Dataset) -> Path:
 
 
 def _canonical(value: Any) -> Any:
-    """The same for values that are equal: 1, 1.0 and True; 0.0 and -0.0.
+    """Return a value that is the same for equal values: 1, 1.0 and True; 0.0 and -0.0.
 
     >>> _canonical([1, -0.0, "a", {"k": 2.5}])
     [1.0, 0.0, 'a', {'k': 2.5}]
@@ -230,31 +232,33 @@ def _canonical(value: Any) -> Any:
 
 
 @lru_cache
-def code_that_matters() -> str:
-    """The digest of the sources and the versions that a run's numbers follow from."""
+def code_digest() -> str:
+    """Return the digest of the sources and package versions that affect a run's numbers."""
     from longwave.support.provenance import provenance
 
-    made = provenance()
-    versions = [text for text in made["versions"].split(", ") if not text.startswith(UNMOVED)]
-    return hashlib.sha256("\n".join([made["code"], *versions]).encode()).hexdigest()
+    origin = provenance()
+    versions = [
+        text for text in origin["versions"].split(", ") if not text.startswith(IRRELEVANT_PACKAGES)
+    ]
+    return hashlib.sha256("\n".join([origin["code"], *versions]).encode()).hexdigest()
 
 
 @lru_cache
 def runs_its_sources() -> bool:
-    """Whether what is in memory is what the files say."""
+    """Whether the modules in memory are those in the source files."""
     from longwave.support.compiled.source_digest import runs_as_written
     from longwave.support.provenance import code_files
 
     files = code_files()
-    stems = [".".join(("longwave", *file.with_suffix("").parts)) for file in files]
-    names = [stem.removesuffix(".__init__") for stem in stems]
-    return runs_as_written(tuple(zip(names, files.values(), strict=True)))
+    module_names = [".".join(("longwave", *file.with_suffix("").parts)) for file in files]
+    import_names = [stem.removesuffix(".__init__") for stem in module_names]
+    return runs_as_written(tuple(zip(import_names, files.values(), strict=True)))
 
 
 def check_sources() -> None:
-    """Raise ValueError if what is in memory may not be what the files say: no run is kept then."""
+    """Raise ValueError if the sources changed since they were loaded: no run may be saved then."""
     if not runs_its_sources():
         raise ValueError(
-            "sources must be what this process runs for its runs to be kept in a store, got some "
-            "that changed since it began (start it again)"
+            "sources must not change while a process saves runs in a store, got some that changed "
+            "since it started (start it again)"
         )

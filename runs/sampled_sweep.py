@@ -1,8 +1,8 @@
-"""A scene at constants drawn from their covariance, and its observables with their intervals.
+"""A scene at constants sampled from their covariance, and its observables with intervals.
 
-An observable's interval has three parts: what the errors of the measured constants leave open (the
-quantiles of the samples), by how much theory misses the lattice where a wave is compared, and how
-far the runs themselves may be off.
+An observable's interval has three parts: the uncertainty of the measured constants (quantiles of
+the samples), the deviation of theory from the lattice where a wave is compared, and the error of
+the runs themselves.
 """
 
 from __future__ import annotations
@@ -34,58 +34,61 @@ if TYPE_CHECKING:
 
     from longwave.runs.run_store import RunStore
 
-ENDS = ((1 - LEVEL) / 2, 0.5, (1 + LEVEL) / 2)
-"""The quantiles that are told: the ends of the interval, and the median between them."""
+QUANTILES = ((1 - LEVEL) / 2, 0.5, (1 + LEVEL) / 2)
+"""Reported quantiles: lower end of the interval, median, upper end."""
 
-FEWEST = 39
-"""Samples: the least and the largest of so many are the ends of a 95 % interval."""
+FEWEST_SAMPLES = 39
+"""Least number of samples: the smallest and largest of 39 are the ends of a 95 % interval."""
 
-APART = ("slow_time", "error", "sup_error", "error_far_field", "time_step_error", "domain_error")
-"""Numbers of a run in time that are parts of an interval, and have none themselves."""
+EXCLUDED = ("slow_time", "error", "sup_error", "error_far_field", "time_step_error", "domain_error")
+"""Variables of a run that are parts of an interval and get no interval of their own."""
 
 
 def sampled_sweep(source: str | Path | Scene, samples: int, seed: int = 0) -> Sweep:
-    """The scene at constants drawn from the covariance in its lattice file, as if errors were
-    normal; those that the scene states otherwise are exact.
+    """Return a sweep over constants sampled from the covariance in the scene's lattice file.
 
-    With more samples the first ones stay what they are. Raises ValueError in one line for a scene
-    without such constants, and for too few samples.
+    Errors are taken to be normal. Constants that the scene overrides are exact. A larger number of
+    samples starts with the same ones. Raises ValueError in one line for a scene without such
+    constants, or with too few samples.
     """
     scene = source if isinstance(source, Scene) else load_scene(source)
     count = whole("samples", samples, 1)
-    if not FEWEST <= count <= MOST_CELLS:
+    if not FEWEST_SAMPLES <= count <= MOST_CELLS:
         raise ValueError(
-            f"samples must be {FEWEST} to {MOST_CELLS}, got {count} ({FEWEST} are the fewest that "
-            "have a 95 % interval)"
+            f"samples must be {FEWEST_SAMPLES} to {MOST_CELLS}, got {count} ({FEWEST_SAMPLES} are "
+            "the fewest that have a 95 % interval)"
         )
     if isinstance(seed, bool) or not isinstance(seed, int):
         raise ValueError(f"seed must be a whole number, got {shown(seed)} (such as 1)")
     measured = scene.symbolic_lattice.measured or Measured.of({}, {})
     stated = dict(scene.constants)
-    moving = {
-        name: place
-        for place, (name, value) in enumerate(measured.values)
+    varied = {
+        name: index
+        for index, (name, value) in enumerate(measured.values)
         if measured.deviations[name] and number_value(name, stated[name]) == value
     }
-    if not moving:
+    if not varied:
         raise ValueError(
             f"scene must take constants with a covariance from its lattice file, got {scene.name} "
             "(`longwave fit` writes such a file; a [covariance] may be added to any)"
         )
-    rows = tuple(tuple(s[at] for at in moving.values()) for s in measured.samples(count, seed))
-    drawn = SweptDimension(SAMPLE, tuple(f"constants.{name}" for name in moving), rows)
-    title = f"{scene.title or scene.name}: {count} samples of {', '.join(moving)}"
+    rows = tuple(
+        tuple(sample[index] for index in varied.values())
+        for sample in measured.samples(count, seed)
+    )
+    dimension = SweptDimension(SAMPLE, tuple(f"constants.{name}" for name in varied), rows)
+    title = f"{scene.title or scene.name}: {count} samples of {', '.join(varied)}"
     return Sweep(
-        f"{scene.name}_samples", scene.name, tomllib.loads(scene.toml()), (drawn,), title=title
+        f"{scene.name}_samples", scene.name, tomllib.loads(scene.toml()), (dimension,), title=title
     )
 
 
 @dataclass(frozen=True)
-class Observed:
-    """A number that is seen of a scene, at all samples (NaN where there is no run).
+class ObservedNumber:
+    """An observable number of a scene at all samples; NaN for a sample without a run.
 
-    ``reduction`` is the largest amount by which theory misses it on the lattice, ``numerics`` the
-    largest estimated error of a run; NaN where no wave is compared, or nothing was measured.
+    ``reduction`` is the largest deviation of theory from the lattice, ``numerics`` the largest
+    estimated error of a run. They are NaN where no wave is compared, or no error was measured.
     """
 
     name: str
@@ -95,95 +98,104 @@ class Observed:
 
     @property
     def ends(self) -> tuple[float, float, float]:
-        """The lower end of the interval, the median, and the upper end."""
-        low, middle, high = _quantiles(self.samples)
-        return float(low), float(middle), float(high)
+        """Lower end of the interval, median, upper end."""
+        low, median, high = _quantiles(self.samples)
+        return float(low), float(median), float(high)
 
     def text(self) -> str:
-        """The median with the parts of its interval."""
-        low, middle, high = self.ends
-        half = (high - low) / 2
-        size = max(part for part in (half, self.reduction, self.numerics) if part == part)
-        parts = [f"{self.name} {rounded(middle, size)} +- {half:.2g} (data)"]
+        """Return the median with the parts of its interval, as one line."""
+        low, median, high = self.ends
+        half_width = (high - low) / 2
+        largest = max(
+            value for value in (half_width, self.reduction, self.numerics) if value == value
+        )
+        texts = [f"{self.name} {rounded(median, largest)} +- {half_width:.2g} (data)"]
         for name in ("reduction", "numerics"):
-            part = getattr(self, name)
-            parts += [f"+- {part:.2g} ({name})"] if part == part else []
-        return " ".join(parts)
+            value = getattr(self, name)
+            texts += [f"+- {value:.2g} ({name})"] if value == value else []
+        return " ".join(texts)
 
 
 def _quantiles(samples: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The ends and the median along the first axis, of the samples that have a run.
+    """Return lower end, median and upper end along the first axis, ignoring samples without a run.
 
-    By order statistics: a new draw lies between the ends in 95 % of all cases, few samples or many.
+    They are order statistics: a new sample lies between the ends in 95 % of all cases, whether
+    there are few samples or many.
     """
     if not np.isfinite(samples).any():
-        return np.full((len(ENDS), *samples.shape[1:]), math.nan)
-    return np.asarray(np.nanquantile(samples, ENDS, axis=0, method="weibull"))
+        return np.full((len(QUANTILES), *samples.shape[1:]), math.nan)
+    return np.asarray(np.nanquantile(samples, QUANTILES, axis=0, method="weibull"))
 
 
-def observed(sweep: Sweep, store: RunStore, found: xr.Dataset) -> Iterator[Observed]:
-    """What is seen of a sampled scene, from its data set with the runs' fields.
+def observed_numbers(
+    sweep: Sweep, store: RunStore, dataset: xr.Dataset
+) -> Iterator[ObservedNumber]:
+    """Yield the observable numbers of a sampled scene from its data set with the runs' fields.
 
-    Of a wave its crest at the end, of a sensor its largest reading, of all else in time the value
-    at the end.
+    A wave gives its crest at the last time, a sensor its largest reading, and any other variable
+    over time its last value.
     """
     from longwave.runs.sweep_dataset import cell_run
 
-    done = np.flatnonzero(found["status"].values == "done")
+    done = np.flatnonzero(dataset["status"].values == "done")
     if not done.size:
         return
     scene, run = sweep.scene(0), cell_run(sweep, store, sample=int(done[0]))
-    estimates = found["error_estimate"].values[done] * scene.eps ** run.attrs.get("power", 1)
+    estimates = dataset["error_estimate"].values[done] * scene.eps ** run.attrs.get("power", 1)
     numerics = float(np.max(estimates))
-    if {"strain", "analytic", "background"} <= set(found):
-        last = found.isel(time=-1)
-        own, theory = (
-            np.asarray(np.abs(last[name] - last["background"])).reshape(found.sizes[SAMPLE], -1)
+    if {"strain", "analytic", "background"} <= set(dataset):
+        last = dataset.isel(time=-1)
+        lattice, theory = (
+            np.asarray(np.abs(last[name] - last["background"])).reshape(dataset.sizes[SAMPLE], -1)
             for name in ("strain", "analytic")
         )
-        own, theory = own.max(axis=1), theory.max(axis=1)
-        yield Observed("crest", own, float(np.nanmax(np.abs(own - theory))), numerics)
-    known = numerics if scene.bench else math.nan
-    for name in map(str, found.data_vars):
+        lattice, theory = lattice.max(axis=1), theory.max(axis=1)
+        yield ObservedNumber("crest", lattice, float(np.nanmax(np.abs(lattice - theory))), numerics)
+    numerics_or_nan = numerics if scene.bench else math.nan
+    for name in map(str, dataset.data_vars):
         if name.endswith(OF_MEANS):
             continue
-        values, over = found[name], found[name].dims[1:]
+        values, inner_dims = dataset[name], dataset[name].dims[1:]
         if name.startswith("sensor_"):
-            for place, site in enumerate(found["sensor"].values):
-                read = np.abs(values.isel(sensor=place).values).reshape(values.shape[0], -1)
-                what = f"cell {site}: largest {name.removeprefix('sensor_')}"
-                yield Observed(what, read.max(axis=1), numerics=known)
-        elif over == ("time",) and name.removeprefix("run_") not in APART:
-            yield Observed(name.replace("_", " "), values.values[:, -1], numerics=known)
-        elif over == ("time", "mode"):
-            for place, mode in enumerate(found["mode"].values):
-                what = f"{name.replace('_', ' ')} {mode}"
-                yield Observed(what, values.values[:, -1, place], numerics=known)
+            for index, site in enumerate(dataset["sensor"].values):
+                readings = np.abs(values.isel(sensor=index).values).reshape(values.shape[0], -1)
+                label = f"cell {site}: largest {name.removeprefix('sensor_')}"
+                yield ObservedNumber(label, readings.max(axis=1), numerics=numerics_or_nan)
+        elif inner_dims == ("time",) and name.removeprefix("run_") not in EXCLUDED:
+            yield ObservedNumber(
+                name.replace("_", " "), values.values[:, -1], numerics=numerics_or_nan
+            )
+        elif inner_dims == ("time", "mode"):
+            for index, mode in enumerate(dataset["mode"].values):
+                label = f"{name.replace('_', ' ')} {mode}"
+                yield ObservedNumber(label, values.values[:, -1, index], numerics=numerics_or_nan)
 
 
 def write_samples(
     sweep: Sweep, store: RunStore, path: str | Path
-) -> tuple[xr.Dataset, list[Observed]]:
-    """Write the data set of a sampled scene as NetCDF-4; return it, and what is seen.
+) -> tuple[xr.Dataset, list[ObservedNumber]]:
+    """Write the data set of a sampled scene as NetCDF-4; return it and the observable numbers.
 
-    A run's variable has its interval at each of its places: ``strain_interval(quantile, ...)``.
-    Raises OSError that names the file.
+    Each variable of the runs gets its interval at every index: ``strain_interval(quantile, ...)``.
+    Raises OSError, naming the file.
     """
     from longwave.runs.sweep_dataset import sweep_dataset
 
-    found = sweep_dataset(sweep, store)
-    seen = list(observed(sweep, store, found))
-    added: dict[str, Any] = {}
-    for name, values in found.data_vars.items():
+    dataset = sweep_dataset(sweep, store)
+    numbers = list(observed_numbers(sweep, store, dataset))
+    intervals: dict[str, Any] = {}
+    for name, values in dataset.data_vars.items():
         if values.dims[:1] == (SAMPLE,) and values.ndim > 1 and values.dtype.kind == "f":
-            told = {**values.attrs, "comment": f"of {SAMPLE}s, at the quantiles"}
-            added[f"{name}_interval"] = (
+            attrs = {**values.attrs, "comment": f"of {SAMPLE}s, at the quantiles"}
+            intervals[f"{name}_interval"] = (
                 ("quantile", *values.dims[1:]),
                 _quantiles(values.values),
-                told,
+                attrs,
             )
-    held = {name: values for name, values in found.data_vars.items() if values.dims == (SAMPLE,)}
-    made = found[list(held)].assign_coords(quantile=list(ENDS)).assign(added)
-    content = file_content(made)
+    cell_numbers = {
+        name: values for name, values in dataset.data_vars.items() if values.dims == (SAMPLE,)
+    }
+    result = dataset[list(cell_numbers)].assign_coords(quantile=list(QUANTILES)).assign(intervals)
+    content = file_content(result)
     write_atomically(Path(path), lambda draft: draft.write_bytes(content))
-    return made, seen
+    return result, numbers

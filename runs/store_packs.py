@@ -1,8 +1,8 @@
-"""The packs of a store: what they hold together, by key, and how many small ones become few.
+"""The packs of a store as one table by key, its index file, and the merging of small packs.
 
-An index beside the packs holds their tables: at the next start only packs that are new are opened.
-It is made of the packs alone, and again whenever it is not there. Packs of a few cells are merged
-while a sweep runs, so that a million cells leave some hundred files.
+The index file holds the tables of all packs, so that only new packs are opened at the next start.
+It is derived from the packs alone and rebuilt if it is missing. Packs of a few cells are merged
+while a sweep runs, so that a million cells end in a few hundred files.
 """
 
 from __future__ import annotations
@@ -24,15 +24,15 @@ import numpy as np
 
 from longwave.runs.hdf_contents import check_contents
 from longwave.runs.run_pack import (
-    PLAIN,
+    COLUMN_TYPES,
+    FINAL,
     REFUSED,
-    SETTLED,
     CellRecord,
     CellTable,
     DamagedPackError,
-    checked_table,
+    build_table,
+    concatenate_tables,
     is_pack,
-    joined_tables,
     load_row,
     merged_content,
     read_pack,
@@ -47,40 +47,40 @@ if TYPE_CHECKING:
     import xarray as xr
 
 PACKS, SUFFIX, INDEX, LOCK = "packs", ".h5", "index", "merge.lock"
-"""The folder of a store for packs, their suffix, and the files beside them."""
+"""Folder of a store's packs, suffix of a pack, and names of the index and the lock."""
 
-WORTH_AN_INDEX = 16
-"""New packs from which on the index is written anew: they are read in some 50 ms."""
+INDEXED_CHANGES = 16
+"""Number of added or removed packs that triggers a new index; reading 16 packs takes 50 ms."""
 
-FAN, ABOUT, LARGEST = 32, 8, 2**25
-"""Packs that are merged when there are so many that differ by less than a factor ``ABOUT``, which
-one pack of them is beyond; and the bytes of the largest that come of it. From some 15 kB on a byte
-is written again three times at most."""
+MERGED_COUNT, SIZE_RATIO, MOST_BYTES = 32, 8, 2**25
+"""Merging rules: packs are merged once 32 of them have sizes within a factor of 8, and no merged
+pack exceeds 2**25 bytes. Beyond about 15 kB each byte is rewritten at most three times."""
 
 
 class PackStamp(NamedTuple):
-    """By what a pack that changed is known; none does that was left alone."""
+    """Size and modification time of a pack, by which a changed pack is recognised."""
 
     size: int
     changed: int
 
 
 def new_pack(folder: Path) -> Path:
-    """A name for a further pack of the store in that folder; OSError if a link is there.
+    """Return a new path for a pack of the store in ``folder``, and create its parent folder.
 
-    Packs lie in 256 folders by the first letters of their names.
+    Packs are spread over 256 subfolders by the first letters of their names. Raises OSError if one
+    of the folders is a link.
     """
     name = uuid.uuid4().hex
-    place = folder / PACKS / name[:2]
+    subfolder = folder / PACKS / name[:2]
     check_no_link(folder / PACKS)
-    place.mkdir(parents=True, exist_ok=True)
-    check_no_link(place)
-    return place / f"{name}{SUFFIX}"
+    subfolder.mkdir(parents=True, exist_ok=True)
+    check_no_link(subfolder)
+    return subfolder / f"{name}{SUFFIX}"
 
 
 @dataclass(frozen=True)
 class PackedRun:
-    """Where a run is: the store's folder, the pack in it, its group and row there, and the key."""
+    """Location of a run: the store's folder, the pack, group and row in it, and the run's key."""
 
     folder: Path
     pack: str
@@ -90,31 +90,31 @@ class PackedRun:
 
     @property
     def path(self) -> Path:
-        """The pack's file."""
+        """Path of the pack."""
         return self.folder / PACKS / self.pack
 
     @property
-    def untyped(self) -> int:
-        """How many of the last names of its path nobody has typed."""
-        return untyped_names(self.pack)
+    def link_free(self) -> int:
+        """Number of last components of the path that must not be links."""
+        return link_free_parts(self.pack)
 
     def load(self) -> xr.Dataset:
-        """The run, with the bits that it had; ValueError where its pack holds none there."""
+        """Load the run, bit by bit as it was saved; raise ValueError if its pack lacks it."""
         try:
-            return self._row()
+            return self._load_row()
         except FileNotFoundError:
-            (place,) = moved([self])
-            return place._row()
+            (location,) = relocated_runs([self])
+            return location._load_row()
         except ValueError:
-            forget_index(self.folder)
+            delete_index(self.folder)
             raise
 
-    def _row(self) -> xr.Dataset:
-        return load_row(self.path, self.group, self.row, self.key, self.untyped)
+    def _load_row(self) -> xr.Dataset:
+        return load_row(self.path, self.group, self.row, self.key, self.link_free)
 
 
-def untyped_names(pack: str) -> int:
-    """How many of the last names of a pack's path nobody has typed: all within the store.
+def link_free_parts(pack: str) -> int:
+    """Return how many last components of a pack's path lie inside the store and must not be links.
 
     >>> untyped_names("ab/p.h5")
     3
@@ -122,98 +122,107 @@ def untyped_names(pack: str) -> int:
     return 2 + pack.count("/")
 
 
-def moved(places: Sequence[PackedRun]) -> list[PackedRun]:
-    """Where runs of one store are whose packs were merged since; ValueError where there is none."""
-    index, found = pack_index(places[0].folder), []
-    for place in places:
-        held = index.get(place.key)
-        if held is None or held[1] is None:
-            raise ValueError(f"a pack must hold whole runs, got none: {place.path} is gone")
-        found.append(held[1])
-    return found
+def relocated_runs(runs: Sequence[PackedRun]) -> list[PackedRun]:
+    """Return the current locations of runs whose packs have been merged, all of one store.
+
+    Raises ValueError if a run is gone.
+    """
+    index, relocated = pack_index(runs[0].folder), []
+    for run in runs:
+        entry = index.get(run.key)
+        if entry is None or entry[1] is None:
+            raise ValueError(f"pack must exist, got none: {run.path} is gone (run the sweep again)")
+        relocated.append(entry[1])
+    return relocated
 
 
 class PackIndex:
-    """What a store's packs hold, by key; of several attempts one that settled it with its run.
+    """Index of a store's packs by key; of several attempts at a cell it keeps a final one with a
+    run.
 
-    ``table`` has a row for each key, sorted by it; ``packs`` are their names by the numbers there.
+    ``table`` has one row for each key and is sorted by key; ``packs`` are the names to which the
+    numbers in its column ``pack`` refer.
     """
 
     def __init__(self, folder: Path, packs: Sequence[str], table: CellTable) -> None:
         self.folder, self.packs = folder, packs
-        settled = np.isin(table.status, [status.encode() for status in SETTLED])
-        rank = np.where(table.row >= 0, 0, np.where(settled, 1, 2))
+        is_final = np.isin(table.status, [status.encode() for status in FINAL])
+        rank = np.where(table.row >= 0, 0, np.where(is_final, 1, 2))
         order = np.lexsort((rank, table.key))
         _, first = np.unique(table.key[order], return_index=True)
-        self.table = table.taken(order[first])
+        self.table = table.select(order[first])
         refused = self.table.status == REFUSED.encode()
-        self._settled = refused | (settled[order[first]] & (self.table.row >= 0))
+        self._settled = refused | (is_final[order[first]] & (self.table.row >= 0))
 
     def __len__(self) -> int:
         return len(self.table)
 
     def row(self, key: str) -> int | None:
-        """The row of a key in the table; None if no pack has it."""
-        asked = key.encode()
-        place = int(np.searchsorted(self.table.key, asked))
-        found = place < len(self.table) and self.table.key[place] == asked
-        return place if found else None
+        """Return the row of a key in the table; None if no pack has it."""
+        encoded = key.encode()
+        position = int(np.searchsorted(self.table.key, encoded))
+        is_present = position < len(self.table) and self.table.key[position] == encoded
+        return position if is_present else None
 
     def settles(self, key: str) -> bool:
-        """Whether a cell is not run again: there is its run, or that it has none."""
+        """Whether a cell need not be run: its run is stored, or its scene was refused."""
         row = self.row(key)
         return row is not None and bool(self._settled[row])
 
-    def place(self, row: int) -> PackedRun | None:
-        """Where the run of a row in the table is."""
+    def location(self, row: int) -> PackedRun | None:
+        """Return the location of the run in a row of the table; None if the cell has no run."""
         table = self.table
         if table.row[row] < 0:
             return None
-        held = int(table.group[row]), int(table.row[row]), table.key[row].decode()
-        return PackedRun(self.folder, self.packs[table.pack[row]], *held)
+        position = int(table.group[row]), int(table.row[row]), table.key[row].decode()
+        return PackedRun(self.folder, self.packs[table.pack[row]], *position)
 
     def get(self, key: str) -> tuple[CellRecord, PackedRun | None] | None:
-        """The cell of a key, and where its run is if there is one."""
+        """Return the cell of a key and the location of its run, if there is one."""
         row = self.row(key)
-        return None if row is None else (self.table.record(row), self.place(row))
+        return None if row is None else (self.table.record(row), self.location(row))
 
 
 def pack_index(folder: Path) -> PackIndex:
-    """What the packs of the store in that folder hold; damaged ones count as missing.
+    """Return the index of all packs of the store in ``folder``; damaged packs are left out.
 
-    The index there is brought up to date if many packs are new.
+    The index file is rewritten if many packs are new.
     """
-    known = _kept_index(folder)
-    old = len(known)
-    bad, gone = set[tuple[str, PackStamp]](), set[tuple[str, PackStamp]]()
+    entries = _read_index(folder)
+    indexed_count = len(entries)
+    unreadable, vanished = set[tuple[str, PackStamp]](), set[tuple[str, PackStamp]]()
     while True:
-        here = _packs(folder)
-        for name, stamp in here.items():
-            if known.get(name, (None,))[0] != stamp and (name, stamp) not in bad:
+        listed = _list_packs(folder)
+        for name, stamp in listed.items():
+            if entries.get(name, (None,))[0] != stamp and (name, stamp) not in unreadable:
                 try:
-                    known[name] = stamp, read_pack(folder / PACKS / name, untyped_names(name))
-                except FileNotFoundError:  # it was merged in between, into one to be listed
-                    if (name, stamp) not in gone:
-                        gone.add((name, stamp))
+                    entries[name] = stamp, read_pack(folder / PACKS / name, link_free_parts(name))
+                except FileNotFoundError:  # merged meanwhile: list again to find the merged pack
+                    if (name, stamp) not in vanished:
+                        vanished.add((name, stamp))
                         break
-                    bad.add((name, stamp))  # and is listed again: the listing is an old one
+                    unreadable.add((name, stamp))  # listed a second time: the listing is outdated
                 except DamagedPackError:
-                    bad.add((name, stamp))
+                    unreadable.add((name, stamp))
                 except (ValueError, OSError) as error:
-                    LOG.warning("%s: it counts as missing", error)
-                    bad.add((name, stamp))
+                    LOG.warning("%s: its runs count as missing", error)
+                    unreadable.add((name, stamp))
         else:
             break
-    known = {name: held for name, held in known.items() if name in here and held[0] == here[name]}
-    names = list(known)
+    entries = {
+        name: entry
+        for name, entry in entries.items()
+        if name in listed and entry[0] == listed[name]
+    }
+    names = list(entries)
     tables = [
         replace(table, pack=np.full(len(table), number, np.int32))
-        for number, (_, table) in enumerate(known.values())
+        for number, (_, table) in enumerate(entries.values())
     ]
-    table = joined_tables(tables)
-    if abs(len(known) - old) >= WORTH_AN_INDEX:
-        with suppress(OSError):  # one that may only be read serves as well
-            stamps = [(name, *stamp) for name, (stamp, _) in known.items()]
+    table = concatenate_tables(tables)
+    if abs(len(entries) - indexed_count) >= INDEXED_CHANGES:
+        with suppress(OSError):  # a read-only store works without an index
+            stamps = [(name, *stamp) for name, (stamp, _) in entries.items()]
             write_sealed(folder / PACKS / INDEX, _index_content(stamps, table), durable=False)
     return PackIndex(folder, names, table)
 
@@ -225,17 +234,17 @@ def _index_content(stamps: Sequence[tuple[str, int, int]], table: CellTable) -> 
     with h5py.File(image, "w") as file:
         kind = h5py.string_dtype()
         file.create_dataset("packs", data=np.array([json.dumps(stamps)], object), dtype=kind)
-        for name in PLAIN:
-            told = {"dtype": kind} if name == "message" else {}
-            file.create_dataset(name, data=getattr(table, name), **told)
+        for name in COLUMN_TYPES:
+            options = {"dtype": kind} if name == "message" else {}
+            file.create_dataset(name, data=getattr(table, name), **options)
         numbers = file.create_group("numbers")
         for name, column in table.numbers.items():
             numbers.create_dataset(name, data=column)
     return image.getvalue()
 
 
-def _kept_index(folder: Path) -> dict[str, tuple[PackStamp, CellTable]]:
-    """The packs and their tables as they were when the index was written; nothing without one."""
+def _read_index(folder: Path) -> dict[str, tuple[PackStamp, CellTable]]:
+    """Return the packs recorded in the index file, with stamp and table; empty without an index."""
     import h5py
 
     path = folder / PACKS / INDEX
@@ -251,89 +260,91 @@ def _kept_index(folder: Path) -> dict[str, tuple[PackStamp, CellTable]]:
             ]
             columns = {
                 name: file[name].asstr()[()] if kind is object else file[name][()]
-                for name, kind in PLAIN.items()
+                for name, kind in COLUMN_TYPES.items()
             }
-            table = checked_table(columns, file["numbers"])
+            table = build_table(columns, file["numbers"])
         ends = np.searchsorted(table.pack, np.arange(len(packs) + 1))
         if np.any(np.diff(table.pack) < 0) or ends[0] != 0 or ends[-1] != len(table):
-            raise ValueError("its rows are of other packs")
+            raise ValueError("the rows do not match the packs")
     except Exception as error:  # see run_pack.read_pack
-        LOG.warning("%s is no index: it is made anew (%s)", path, reason_of(error))
+        LOG.warning("%s is not an index and is rebuilt (%s)", path, reason_of(error))
         return {}
     parts = (np.arange(*pair) for pair in pairwise(ends))
     return {
-        name: (stamp, table.taken(part)) for (name, stamp), part in zip(packs, parts, strict=True)
+        name: (stamp, table.select(part)) for (name, stamp), part in zip(packs, parts, strict=True)
     }
 
 
-def forget_index(folder: Path) -> None:
-    """Have all packs looked at when the store is opened next."""
+def delete_index(folder: Path) -> None:
+    """Delete the index file, so that all packs are read when the store is opened next."""
     with suppress(OSError):
         (folder / PACKS / INDEX).unlink()
 
 
-def _packs(folder: Path) -> dict[str, PackStamp]:
-    """The packs there by name, sorted, without following links; one of many names has one."""
-    found: dict[str, PackStamp] = {}
-    packs = folder / PACKS
-    if not_stale(packs.is_symlink):
-        return found
-    _list(packs, "", found, set())
-    return dict(sorted(found.items()))
+def _list_packs(folder: Path) -> dict[str, PackStamp]:
+    """Return the packs in the folder, sorted by name; ignore links and repeated hard links."""
+    listed: dict[str, PackStamp] = {}
+    pack_folder = folder / PACKS
+    if not_stale(pack_folder.is_symlink):
+        return listed
+    _list_folder(pack_folder, "", listed, set())
+    return dict(sorted(listed.items()))
 
 
-def _list(
-    folder: Path, inside: str, found: dict[str, PackStamp], seen: set[tuple[int, int]]
+def _list_folder(
+    folder: Path, prefix: str, listed: dict[str, PackStamp], known_files: set[tuple[int, int]]
 ) -> None:
-    """Add the packs of a folder; ``seen`` are files of several names."""
+    """Add the packs of a folder to ``listed``; ``known_files`` are files with more hard links."""
     with suppress(FileNotFoundError, NotADirectoryError), os.scandir(folder) as entries:
         for entry in entries:
             if entry.name.startswith(".") or entry.is_symlink():
                 continue
             if entry.is_dir():
-                if not inside and len(entry.name) == 2:
-                    _list(folder / entry.name, f"{entry.name}/", found, seen)
+                if not prefix and len(entry.name) == 2:
+                    _list_folder(folder / entry.name, f"{entry.name}/", listed, known_files)
             elif entry.name.endswith(SUFFIX):
                 with suppress(FileNotFoundError):
-                    told = not_stale(partial(entry.stat, follow_symlinks=False))
-                    if told.st_nlink > 1:  # hard links cost nothing, and reading each does
-                        if (told.st_dev, told.st_ino) in seen:
+                    status = not_stale(partial(entry.stat, follow_symlinks=False))
+                    if status.st_nlink > 1:  # many hard links to one large pack are read once
+                        if (status.st_dev, status.st_ino) in known_files:
                             continue
-                        seen.add((told.st_dev, told.st_ino))
-                    found[inside + entry.name] = PackStamp(told.st_size, told.st_mtime_ns)
+                        known_files.add((status.st_dev, status.st_ino))
+                    listed[prefix + entry.name] = PackStamp(status.st_size, status.st_mtime_ns)
 
 
 def merge_packs(folder: Path) -> None:
-    """Merge packs of about one size where there are many; what they hold is always in one of them.
+    """Merge packs of similar size where there are many. Every cell is in some pack at all times.
 
-    Whoever has read which packs there are finds some gone, and looks again. Raises OSError where
-    nothing can be written.
+    A process that has listed the packs before may find some gone, and must list them again. Raises
+    OSError if nothing can be written.
     """
     with locked(folder / PACKS / LOCK):
-        held = ((size, name) for name, (size, _) in _packs(folder).items() if size < LARGEST / 2)
-        for alike in _alike(sorted(held)):
-            for names in _parts(alike):
+        sizes = (
+            (size, name) for name, (size, _) in _list_packs(folder).items() if size < MOST_BYTES / 2
+        )
+        for similar in _similar_packs(sorted(sizes)):
+            for names in _size_limited_parts(similar):
                 _merge(folder, names)
 
 
-def _alike(packs: Sequence[tuple[int, str]]) -> Iterator[Sequence[tuple[int, str]]]:
-    """Packs of about one size, of those sorted by it, where there are as many as are merged."""
+def _similar_packs(packs: Sequence[tuple[int, str]]) -> Iterator[Sequence[tuple[int, str]]]:
+    """Yield groups of packs of similar size, large enough to merge; ``packs`` is sorted by size."""
     begin = 0
     while begin < len(packs):
-        end = bisect(packs, (ABOUT * packs[begin][0], ""))
-        if end - begin >= FAN:
+        end = bisect(packs, (SIZE_RATIO * packs[begin][0], ""))
+        if end - begin >= MERGED_COUNT:
             yield packs[begin:end]
             begin = end
         else:
             begin += 1
 
 
-def _parts(alike: Sequence[tuple[int, str]]) -> Iterator[list[str]]:
-    """The packs in parts of no more than the largest size, each of several."""
+def _size_limited_parts(packs: Sequence[tuple[int, str]]) -> Iterator[list[str]]:
+    """Yield the packs in parts of several packs, each part at most the largest size."""
     part: list[str] = []
     total = 0
-    for size, name in alike:
-        if total + size > LARGEST:
+    for size, name in packs:
+        if total + size > MOST_BYTES:
             if len(part) > 1:
                 yield part
             part, total = [], 0
@@ -344,14 +355,16 @@ def _parts(alike: Sequence[tuple[int, str]]) -> Iterator[list[str]]:
 
 
 def _merge(folder: Path, names: Sequence[str]) -> None:
-    """Write one pack of these, and remove them when it is on the disk; damaged ones stay."""
-    paths = {folder / PACKS / name: untyped_names(name) for name in names}
+    """Write these packs as one, then delete them; leave damaged ones alone."""
+    paths = {folder / PACKS / name: link_free_parts(name) for name in names}
     try:
-        whole = [(path, untyped) for path, untyped in paths.items() if is_pack(path, untyped)]
-        content = merged_content(whole)
-    except FileNotFoundError:  # another process merged it, where files have no locks
+        intact = [
+            (path, link_free) for path, link_free in paths.items() if is_pack(path, link_free)
+        ]
+        content = merged_content(intact)
+    except FileNotFoundError:  # without working locks, another process may have merged it
         return
     write_sealed(new_pack(folder), content, force=False)
-    for path, _ in whole:
+    for path, _ in intact:
         with suppress(OSError):
             path.unlink()

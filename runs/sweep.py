@@ -1,4 +1,4 @@
-"""Running a sweep: batches of its cells to workers, packs of what is done into a store."""
+"""Running a sweep: batches of cells go to workers, packs of finished cells into a store."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING
 
 from longwave.runs.run_pack import FAILED, REFUSED, CellRecord, write_pack
 from longwave.runs.run_store import RunStore
-from longwave.runs.store_packs import FAN, PACKS, merge_packs, new_pack
+from longwave.runs.store_packs import MERGED_COUNT, PACKS, merge_packs, new_pack
 from longwave.runs.sweep_cells import Batch, Cell, run_cells
-from longwave.runs.sweep_workers import code_here
+from longwave.runs.sweep_workers import process_code
 from longwave.support.atomic_file import write_atomically
 from longwave.support.command_line import one_line
 from longwave.support.processes import Call, Job, LostProcess, Workers, in_turn
@@ -24,37 +24,38 @@ from longwave.support.sealed_file import write_sealed
 if TYPE_CHECKING:
     from longwave.runs.sweep_file import Sweep
 
-LEAST_SECONDS, MOST_SECONDS = 0.3, 3.0
-"""Seconds of a batch: its pack costs 10 ms. Towards the end they are short, so that all workers
-are done together."""
+LEAST_BATCH_SECONDS, MOST_BATCH_SECONDS = 0.3, 3.0
+"""Least and largest duration of a batch, whose pack costs 10 ms. Batches are short towards the end,
+so that all workers finish together."""
 
-SHARE = 4
-"""A worker's next batch is at most this part of what there is left for it."""
+BATCH_SHARE = 4
+"""A worker's next batch is at most a quarter of its share of the remaining work."""
 
-AHEAD = 2
-"""Batches that a worker has, with the one that it is doing: it never waits for the next."""
+MOST_QUEUED = 2
+"""Batches assigned to a worker, including the current one, so that it never waits for the next."""
 
-LATE = 5
-"""Batches of each worker by which the pace is told. What they held counts as so many of the cells
-that were looked at beforehand, where the cells that are left are judged by those among them."""
+RECENT_BATCHES = 5
+"""Batches of each worker that determine the recent pace. In the estimate of the remaining time they
+weigh as much as this many of the cells whose cost was estimated beforehand."""
 
-MOST_LOSSES = 3
-"""Workers that a cell may lose, alone, before it is taken to be why."""
+MOST_LOST_WORKERS = 3
+"""Workers that a cell, run alone, may lose before it is recorded as failed."""
 
-Tell = Callable[["SweepState"], None]
+SweepProgress = Callable[["SweepState"], None]
 
 
 @dataclass
 class SweepState:
-    """How far a sweep is: cells in all, found as settled, done now, and those with a fault.
+    """Progress of a sweep: numbers of cells in all, stored before, done now, and with a fault.
 
-    ``seconds``, ``processor_seconds``: of the cells themselves; ``worker_seconds`` of the processor
-    with all that the workers did. ``first_fault`` is what the first cell with a fault was told.
+    ``seconds`` and ``processor_seconds`` sum over the cells; ``worker_seconds`` is the processor
+    time of the workers, overhead included. ``first_fault`` is the message of the first cell with a
+    fault.
     """
 
     cells: int
     workers: int = 1
-    found: int = 0
+    stored: int = 0
     done: int = 0
     faults: int = 0
     seconds: float = 0.0
@@ -62,45 +63,51 @@ class SweepState:
     worker_seconds: float = 0.0
     first_fault: str = ""
     pace: float = 0.0
-    """Seconds of a cell, of late."""
+    """Recent seconds for one cell."""
     expected: Mapping[int, float] = field(default_factory=dict)
-    """Seconds that cells were estimated to take, of those looked at by number (`SweepCost`)."""
-    beyond: int = 0
-    """The number after that of the last cell that was done."""
+    """Estimated seconds by cell number, for the cells whose cost was estimated (`SweepCost`)."""
+    next_number: int = 0
+    """Number after the last cell that was done."""
     batches: int = 0
-    late: tuple[float, float, float] = 0.0, 0.0, 0.0
-    """Cells, seconds expected and taken in batches of late, after each worker's first, which loads
-    code."""
+    recent: tuple[float, float, float] = 0.0, 0.0, 0.0
+    """Cells, estimated seconds and measured seconds of recent batches, without each worker's first
+    batch, which loads code."""
 
     @property
     def seconds_left(self) -> float:
-        """An estimate by what cells took beside what was expected of them; 0 before there are any.
+        """Estimated seconds left, from measured against expected costs; 0 before any cell is done.
 
-        Where nothing was expected it is by the cells that were done of late.
+        Without expected costs, the recent pace is used.
         """
-        left = self.cells - self.found - self.done
-        cells, expected, taken = self.late
+        cells_left = self.cells - self.stored - self.done
+        cells, expected, taken = self.recent
         if not expected:
-            return left * self.pace / self.workers
-        ahead = [seconds for number, seconds in self.expected.items() if number >= self.beyond]
-        each = (sum(ahead) + LATE * expected / cells) / (len(ahead) + LATE)
-        return left * each * taken / expected / self.workers
+            return cells_left * self.pace / self.workers
+        expected_ahead = [
+            seconds for number, seconds in self.expected.items() if number >= self.next_number
+        ]
+        mean_expected = (sum(expected_ahead) + RECENT_BATCHES * expected / cells) / (
+            len(expected_ahead) + RECENT_BATCHES
+        )
+        return cells_left * mean_expected * taken / expected / self.workers
 
-    def count(self, batch: Batch, beyond: int) -> None:
-        """Take in what a worker did of the cells before the number ``beyond``."""
+    def count(self, batch: Batch, next_number: int) -> None:
+        """Add a finished batch of cells, all with numbers below ``next_number``."""
         self.done += len(batch.statuses)
         self.faults += sum(status in (REFUSED, FAILED) for status in batch.statuses)
         self.seconds += batch.seconds
         self.processor_seconds += batch.processor_seconds
         self.worker_seconds += batch.whole_processor_seconds
         self.first_fault = self.first_fault or batch.first_fault
-        self.beyond = max(self.beyond, beyond)
+        self.next_number = max(self.next_number, next_number)
         self.batches += 1
         if self.batches > self.workers:
-            kept = 1.0 - 1.0 / (LATE * self.workers)
-            new = len(batch.statuses), batch.expected, batch.seconds
-            cells, expected, taken = (kept * a + b for a, b in zip(self.late, new, strict=True))
-            self.late = cells, expected, taken
+            weight = 1.0 - 1.0 / (RECENT_BATCHES * self.workers)
+            latest = len(batch.statuses), batch.expected, batch.seconds
+            cells, expected, taken = (
+                weight * old + new for old, new in zip(self.recent, latest, strict=True)
+            )
+            self.recent = cells, expected, taken
         mean = batch.seconds / len(batch.statuses)
         self.pace = 0.5 * (self.pace + mean) if self.pace else mean
 
@@ -109,73 +116,77 @@ def run_sweep(
     sweep: Sweep,
     store: RunStore,
     workers: Workers,
-    progress: Tell = lambda _: None,
+    progress: SweepProgress = lambda _: None,
     state: SweepState | None = None,
-    held: Container[str] | None = None,
+    stored_keys: Container[str] | None = None,
 ) -> SweepState:
-    """Run what the store does not hold of a sweep; all that comes to an end is in the store.
+    """Run the cells of a sweep that the store does not have, and save their runs in the store.
 
-    Cells with a fault are recorded and the sweep goes on; they are run again only if they may
-    succeed then. The limits that hold here hold for each cell. ``progress`` is told now and then
-    how far it is, in the ``state`` that is returned. ``held`` is `RunStore.held`, if that was asked
-    already. Raises OSError if the store cannot be written, and passes on Ctrl-C; what was
-    done is kept then, too.
+    Cells with a fault are recorded and the sweep continues; they are run again only if they may
+    succeed then. The current request limits apply to each cell. ``progress`` is called after each
+    batch with the ``state``, which is returned. ``stored_keys`` is `RunStore.stored_runs`, if the
+    caller has it already. Raises OSError if the store cannot be written, and passes on Ctrl-C;
+    finished cells are saved in both cases.
     """
     state = SweepState(len(sweep), workers.count) if state is None else state
-    missing = _missing(sweep, store, store.held() if held is None else held, state)
+    missing = _missing_cells(
+        sweep, store, store.stored_runs() if stored_keys is None else stored_keys, state
+    )
     first = next(missing, None)
-    if first is not None:  # a store that holds all of it need not be writable
+    if first is not None:  # a complete store need not be writable
         (store.folder / PACKS).mkdir(parents=True, exist_ok=True)
-        with _token(store.folder) as token:
-            march = _March(store, workers, state, progress, token)
-            march.run(chain([first], missing))
+        with _store_token(store.folder) as token:
+            dispatch = _Dispatch(store, workers, state, progress, token)
+            dispatch.run(chain([first], missing))
     return state
 
 
-def run_shown(
+def run_with_progress(
     sweep: Sweep,
     store: RunStore,
     workers: Workers,
     state: SweepState,
-    held: Container[str],
-    shown: tuple[Callable[[float], object], Callable[[float], object] | None],
+    stored_keys: Container[str],
+    displays: tuple[Callable[[float], object], Callable[[float], object] | None],
 ) -> None:
-    """`run_sweep`, of which the share that is done and the seconds that are left are ``shown``."""
-    advance, tell = shown
+    """Run a sweep and report its progress; arguments as in `run_sweep`.
+
+    ``displays`` is called with the finished share and, unless None, with the seconds left.
+    """
+    advance, show_seconds_left = displays
 
     def show(state: SweepState) -> None:
-        advance((state.found + state.done) / state.cells)
-        if tell is not None and any(state.late):
-            tell(state.seconds_left)
+        advance((state.stored + state.done) / state.cells)
+        if show_seconds_left is not None and any(state.recent):
+            show_seconds_left(state.seconds_left)
 
-    run_sweep(sweep, store, workers, show, state, held)
+    run_sweep(sweep, store, workers, show, state, stored_keys)
 
 
-def _missing(
-    sweep: Sweep, store: RunStore, held: Container[str], state: SweepState
+def _missing_cells(
+    sweep: Sweep, store: RunStore, stored_keys: Container[str], state: SweepState
 ) -> Iterator[Cell]:
-    """The cells that the store does not hold, as they are asked for; of cells with one scene the
-    first."""
-    given: set[str] = set()
+    """Yield the cells that the store does not have, in order; cells with equal scenes only once."""
+    requested: set[str] = set()
     for number in range(len(sweep)):
         try:
             scene = sweep.scene(number)
         except ValueError as error:
             state.first_fault = state.first_fault or str(error)
             state.faults += 1
-            state.found += 1
+            state.stored += 1
             continue
         key = store.key(scene)
-        if key in given or key in held:
-            state.found += 1
+        if key in requested or key in stored_keys:
+            state.stored += 1
         else:
-            given.add(key)
+            requested.add(key)
             yield Cell(number, key, scene)
 
 
 @contextmanager
-def _token(folder: Path) -> Iterator[str]:
-    """A file by which workers see whether the store's folder is theirs, too."""
+def _store_token(folder: Path) -> Iterator[str]:
+    """Create a temporary file in the store's folder, by which workers see whether they share it."""
     name = f".{uuid.uuid4().hex}.sweep"
     write_atomically(folder / name, lambda draft: draft.write_bytes(b""), durable=False)
     try:
@@ -185,23 +196,23 @@ def _token(folder: Path) -> Iterator[str]:
 
 
 @dataclass
-class _March:
-    """The cells on their way through the workers."""
+class _Dispatch:
+    """Dispatch of a sweep's cells to the workers, and collection of the results."""
 
     store: RunStore
     workers: Workers
     state: SweepState
-    progress: Tell
+    progress: SweepProgress
     token: str
     sent: int = 0
-    """Cells that workers have."""
+    """Number of cells that workers are processing."""
     unmerged: int = 0
-    """Packs that were written since packs were merged."""
+    """Number of packs written since the last merge."""
 
     def run(self, missing: Iterator[Cell]) -> None:
-        """Run the cells in batches, and at last those that lost a worker, each alone."""
+        """Run the cells in batches; then run each cell of a batch that lost its worker alone."""
         suspects: list[Cell] = []
-        for cells, call in in_turn(self._batches(missing), self.workers, ahead=AHEAD):
+        for cells, call in in_turn(self._batches(missing), self.workers, ahead=MOST_QUEUED):
             if not self._take(cells, call):
                 suspects += cells
         for cell in suspects:
@@ -214,24 +225,24 @@ class _March:
     def _batch(self, cells: tuple[Cell, ...]) -> tuple[tuple[Cell, ...], Job]:
         self.sent += len(cells)
         folder = self.store.folder.absolute()
-        return cells, Job(run_cells, (cells, folder, self.token, current_limits(), code_here()))
+        return cells, Job(run_cells, (cells, folder, self.token, current_limits(), process_code()))
 
     def _size(self) -> int:
-        """Cells of the next batch."""
+        """Return the number of cells in the next batch."""
         pace = self.state.pace
         if not pace:
             return 1
-        unsent = self.state.cells - self.state.found - self.state.done - self.sent
-        fair = unsent * pace / (SHARE * self.workers.count)
-        return max(1, int(min(max(fair, LEAST_SECONDS), MOST_SECONDS) / pace))
+        unsent = self.state.cells - self.state.stored - self.state.done - self.sent
+        equal_share = unsent * pace / (BATCH_SHARE * self.workers.count)
+        return max(1, int(min(max(equal_share, LEAST_BATCH_SECONDS), MOST_BATCH_SECONDS) / pace))
 
     def _take(self, cells: tuple[Cell, ...], call: Call) -> bool:
-        """Take in what a batch came to; whether it did not lose its worker."""
+        """Save the results of a batch; return False if its worker was lost."""
         self.sent -= len(cells)
         try:
             batch = call.result()
             if not isinstance(batch, Batch):
-                raise TypeError(f"a batch must have come of them, got {type(batch).__name__}")
+                raise TypeError(f"a worker must return a Batch, got {type(batch).__name__}")
         except LostProcess:
             return False
         except (ValueError, OSError):
@@ -239,13 +250,13 @@ class _March:
         except Exception as error:
             raise ValueError(
                 f"workers must run cells, got {type(error).__name__}: {one_line(error)[:200]} "
-                "(a cluster needs its scheduler, and everywhere the longwave of this machine)"
+                "(check that the scheduler runs and that workers have this longwave)"
             ) from error
         if batch.pack is not None:
             write_sealed(new_pack(self.store.folder), batch.pack, force=False)
         self.unmerged += 1
-        if self.unmerged >= FAN:
-            with suppress(OSError):  # such as a full disk: they serve as they are
+        if self.unmerged >= MERGED_COUNT:
+            with suppress(OSError):  # such as a full disk: unmerged packs work as well
                 merge_packs(self.store.folder)
             self.unmerged = 0
         self.state.count(batch, cells[-1].number + 1)
@@ -253,11 +264,11 @@ class _March:
         return True
 
     def _run_alone(self, cell: Cell) -> None:
-        """Run a cell that may be why its worker was lost, some times, and give it up then."""
-        for _ in range(MOST_LOSSES):
+        """Run a suspect cell alone; record it as failed if it loses its worker several times."""
+        for _ in range(MOST_LOST_WORKERS):
             ((cells, call),) = in_turn([self._batch((cell,))], self.workers)
             if self._take(cells, call):
                 return
-        told = f"its worker process ended {MOST_LOSSES} times (killed, or out of memory)"
-        write_pack(new_pack(self.store.folder), [CellRecord(cell.key, FAILED, told)])
-        self.state.count(Batch([FAILED], 0.0, 0.0, 0.0, told), cell.number + 1)
+        message = f"its worker process ended {MOST_LOST_WORKERS} times (killed, or out of memory)"
+        write_pack(new_pack(self.store.folder), [CellRecord(cell.key, FAILED, message)])
+        self.state.count(Batch([FAILED], 0.0, 0.0, 0.0, message), cell.number + 1)

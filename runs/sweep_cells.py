@@ -1,4 +1,4 @@
-"""The cells of a sweep in a worker process: run one after the other, and packed."""
+"""Running a batch of sweep cells in a worker process, and packing the results."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from longwave.runs.run_pack import (
     pack_content,
     write_pack,
 )
-from longwave.runs.run_store import RunStore, UnkeptRunError, runs_its_sources
+from longwave.runs.run_store import RunStore, UnsavedRunError, runs_its_sources
 from longwave.runs.store_packs import new_pack
 from longwave.runs.sweep_cost import expected_cell_cost
 from longwave.runs.sweep_workers import check_code
@@ -45,16 +45,16 @@ if TYPE_CHECKING:
 
     from longwave.scenes.description.scene import Scene
 
-MOST_JUDGED = 5
-"""Cells of a batch by which it is told what was expected of it: that takes 5 ms of a cell."""
+MOST_ESTIMATED = 5
+"""Cells of a batch whose expected cost is estimated, which takes 5 ms for each."""
 
-LONG = 10.0
-"""Seconds from which on a cell is a run of its own in the store, with checkpoints."""
+LEAST_FILE_SECONDS = 10.0
+"""Expected seconds from which a cell's run gets its own file in the store, with checkpoints."""
 
 
 @dataclass(frozen=True)
 class Cell:
-    """A cell to be run: its number in the sweep, its scene and that scene's key."""
+    """One cell to run: its number in the sweep, its scene and the scene's key."""
 
     number: int
     key: str
@@ -63,9 +63,10 @@ class Cell:
 
 @dataclass(frozen=True)
 class Batch:
-    """What a worker did: how the cells ended, and how long they took themselves.
+    """Results of a batch: the status of each cell and the times summed over the cells.
 
-    ``pack`` is the content of the pack of their runs where the worker does not see the store.
+    ``pack`` is the content of a pack with the runs, if the worker does not share the store's
+    folder.
     """
 
     statuses: Sequence[str]
@@ -75,11 +76,11 @@ class Batch:
     first_fault: str = ""
     pack: bytes | None = None
     expected: float = 0.0
-    """Seconds that the cells were estimated to take."""
+    """Estimated seconds of the cells."""
 
 
-class StoppedWorker(BaseException):
-    """The worker is to end; what catches every Exception does not catch this."""
+class WorkerStopped(BaseException):
+    """A worker was asked to stop. Not an Exception, so that no general handler catches it."""
 
 
 def run_cells(
@@ -91,42 +92,43 @@ def run_cells(
 ) -> Batch:
     """Run the cells one after the other and write one pack of them into the store ``folder``.
 
-    What a cell raises is its record, as is that it would take more than the ``limits``. A worker
-    that is told to end packs what it has. ``token`` is the name of a file by which a worker on
-    another machine knows the store. Raises ValueError if it has not the ``code`` of the keys.
+    An error of a cell, or an excess over the ``limits``, becomes its record. A worker that is asked
+    to stop packs the finished cells. ``token`` is the name of a file by which a worker on another
+    machine recognises the store. Raises ValueError if the worker's code is not the ``code`` of the
+    keys.
     """
     if code is not None:
         check_code(code)
     keep_to_one_core()
-    begun = process_time()
+    start = process_time()
     store = RunStore(folder) if not_stale((folder / token).is_file) else None
-    found: list[CellRecord] = []
+    records: list[CellRecord] = []
     seconds = processor = expected = 0.0
     pack = None
-    judged = Random(cells[0].number).sample(cells, min(MOST_JUDGED, len(cells)))
+    estimated = Random(cells[0].number).sample(cells, min(MOST_ESTIMATED, len(cells)))
     try:
-        with _ending(), _limited(limits):
+        with _stop_on_sigterm(), _limited(limits):
             for cell in cells:
-                clock, spent = perf_counter(), process_time()
-                if cell in judged:
-                    expected += _expected_seconds(cell) * len(cells) / len(judged)
-                found.append(run_cell(cell, store))
-                seconds += perf_counter() - clock
-                processor += process_time() - spent
+                wall_start, processor_start = perf_counter(), process_time()
+                if cell in estimated:
+                    expected += _expected_seconds(cell) * len(cells) / len(estimated)
+                records.append(run_cell(cell, store))
+                seconds += perf_counter() - wall_start
+                processor += process_time() - processor_start
     finally:
-        if found:
+        if records:
             if store is not None:
-                write_pack(new_pack(folder), found)
+                write_pack(new_pack(folder), records)
             else:
-                pack = pack_content(found)
-    statuses = [record.status for record in found]
-    faults = (record.message for record in found if record.status in (REFUSED, FAILED))
-    whole = process_time() - begun
-    return Batch(statuses, seconds, processor, whole, next(faults, ""), pack, expected)
+                pack = pack_content(records)
+    statuses = [record.status for record in records]
+    faults = (record.message for record in records if record.status in (REFUSED, FAILED))
+    total_processor = process_time() - start
+    return Batch(statuses, seconds, processor, total_processor, next(faults, ""), pack, expected)
 
 
 def _expected_seconds(cell: Cell) -> float:
-    """What `expected_sweep_cost` counts for it; what it derives for that is kept for the run."""
+    """Estimate the seconds of a cell; equations derived for this are cached for its run."""
     try:
         return expected_cell_cost(cell.scene).seconds
     except ValueError:
@@ -140,86 +142,89 @@ def _limited(limits: RequestLimits | None) -> AbstractContextManager[object]:
 
 
 @contextmanager
-def _ending() -> Iterator[None]:
-    """Raise StoppedWorker in the body when the process is told to end.
+def _stop_on_sigterm() -> Iterator[None]:
+    """Raise WorkerStopped within the context when the process receives SIGTERM.
 
-    Where it is raised in what is called from C, as numba compiles, it is lost without a word: the
-    process is killed a moment later.
+    If it is raised in a callback from C, such as numba's compiler, Python discards it silently; the
+    process is then killed shortly after.
     """
     if threading.current_thread() is not threading.main_thread():
         yield
         return
 
     def stop(*_: object) -> None:
-        raise StoppedWorker
+        raise WorkerStopped
 
-    before, hook = signal.signal(signal.SIGTERM, stop), sys.unraisablehook
-    sys.unraisablehook = lambda lost: None if lost.exc_type is StoppedWorker else hook(lost)
+    previous, hook = signal.signal(signal.SIGTERM, stop), sys.unraisablehook
+    sys.unraisablehook = lambda unraisable: (
+        None if unraisable.exc_type is WorkerStopped else hook(unraisable)
+    )
     try:
         yield
     finally:
-        signal.signal(signal.SIGTERM, before)
+        signal.signal(signal.SIGTERM, previous)
         sys.unraisablehook = hook
 
 
 def run_cell(cell: Cell, store: RunStore | None = None) -> CellRecord:
-    """Run one cell; what it raises is told in its record.
+    """Run one cell; an error becomes its record.
 
-    What is expected to take long is kept in the ``store`` instead of the record; in both if it
-    cannot be written there as a file of its own.
+    A run that is expected to take long is saved in the ``store`` and left out of the record. If it
+    cannot be saved there, the record has it.
     """
 
     from longwave.runs.run_file import load_run
     from longwave.scenes.engines import scene_run
 
-    alone = False
+    in_own_file = False
 
-    def told(seconds: float) -> None:
-        if store is not None and seconds >= LONG:
+    def check_duration(seconds: float) -> None:
+        if store is not None and seconds >= LEAST_FILE_SECONDS:
             raise Cancelled
 
     try:
         try:
-            run = scene_run.run(cell.scene, announce=told)
+            run = scene_run.run(cell.scene, announce=check_duration)
         except Cancelled:
             assert store is not None
-            alone = True
+            in_own_file = True
             run = load_run(store.fetch(cell.scene), follow=False)
-    except UnkeptRunError as error:
-        run, alone = error.run, False
-    except OverBudgetError as error:  # the next attempt may be allowed more
-        return CellRecord(cell.key, FAILED, _line(error))
+    except UnsavedRunError as error:
+        run, in_own_file = error.run, False
+    except OverBudgetError as error:  # the next attempt may have higher limits
+        return CellRecord(cell.key, FAILED, _one_line(error))
     except ValueError as error:
-        changed = alone and not runs_its_sources()  # which the store refuses, and not the scene
-        return CellRecord(cell.key, FAILED if changed else REFUSED, _line(error))
-    except Exception as error:  # the sweep goes on, and the next attempt may succeed
-        return CellRecord(cell.key, FAILED, _line(f"{type(error).__name__}: {error}"))
+        # `fetch` also raises ValueError if sources changed, which is no fault of the scene.
+        sources_changed = in_own_file and not runs_its_sources()
+        return CellRecord(cell.key, FAILED if sources_changed else REFUSED, _one_line(error))
+    except Exception as error:  # the sweep continues, and the next attempt may succeed
+        return CellRecord(cell.key, FAILED, _one_line(f"{type(error).__name__}: {error}"))
     record = record_of(cell.key, cell.scene, run)
-    return replace(record, run=None) if alone else record
+    return replace(record, run=None) if in_own_file else record
 
 
 def record_of(key: str, scene: Scene, run: xr.Dataset) -> CellRecord:
-    """The record of the scene's run, which came to an end."""
-    blown = str(run.attrs.get("blow_up", ""))
-    return CellRecord(key, BLOWN_UP if blown else DONE, blown, numbers_of(scene, run), run)
+    """Return the record of a scene's finished run."""
+    blow_up = str(run.attrs.get("blow_up", ""))
+    return CellRecord(key, BLOWN_UP if blow_up else DONE, blow_up, numbers_of(scene, run), run)
 
 
 def numbers_of(scene: Scene, run: xr.Dataset) -> Mapping[str, float]:
-    """What a cell is told by: attributes of its run, and its largest error with its own error."""
-    found = {name: run.attrs[name] for name in NUMBERS if name in run.attrs}
-    found |= {name: run.variables[name].values for name in OPTIONAL if name in run.variables}
+    """Return a cell's numbers: attributes of its run, its largest error and the run's own error."""
+    numbers = {name: run.attrs[name] for name in NUMBERS if name in run.attrs}
+    numbers |= {name: run.variables[name].values for name in OPTIONAL if name in run.variables}
     for name in ("error", "error_curve"):
         if name in run.variables:
             values = np.asarray(run.variables[name].values, dtype=np.float64)
             if values.size and not np.all(np.isnan(values)):
-                place = int(np.nanargmax(values))
-                found["error"] = float(values[place])
-                if "own_error" not in found:
-                    found["own_error"] = own_error_at(run, scene, name, place)
+                index = int(np.nanargmax(values))
+                numbers["error"] = float(values[index])
+                if "own_error" not in numbers:
+                    numbers["own_error"] = own_error_at(run, scene, name, index)
                 break
-    return {name: float(value) for name, value in found.items()}
+    return {name: float(value) for name, value in numbers.items()}
 
 
-def _line(error: object) -> str:
-    """The error in one line of at most 500 characters."""
+def _one_line(error: object) -> str:
+    """Return the error message in one line of at most 500 characters."""
     return " ".join(str(error).split())[:500]

@@ -1,4 +1,4 @@
-"""What a sweep is expected to cost: what its store does not hold of it, by all cells or by some."""
+"""Expected cost of the cells that a sweep's store does not have, estimated from all or a sample."""
 
 from __future__ import annotations
 
@@ -16,91 +16,93 @@ if TYPE_CHECKING:
     from longwave.runs.sweep_file import Sweep
     from longwave.scenes.description.scene import Scene
 
-MOST_LOOKED_AT, FEWEST = 200, 5
-"""Cells that are looked at, of sweeps with more. Costs that differ by a factor of 100 are met to
-about 20 % then."""
+MOST_SAMPLED, FEWEST_SAMPLED = 200, 5
+"""Largest and least number of cells whose cost is estimated. With 200, costs that differ by a
+factor of 100 are estimated to about 20 %."""
 
-LOOKING_SECONDS, LOOKING_SHARE, MOST_LOOKING_SECONDS = 0.2, 0.01, 3.0
-"""Seconds of the processor that looking at cells may always take after the first, as a share of the
-sweep, and at most. A cell takes 30 ms where an equation is derived anew."""
+SAMPLING_SECONDS, SAMPLING_SHARE, MOST_SAMPLING_SECONDS = 0.2, 0.01, 3.0
+"""Limits on the processor time for these estimates, not counting the first: seconds always allowed,
+share of the sweep's expected time, and the largest number of seconds. A cell takes 30 ms if an
+equation must be derived."""
 
 
 @dataclass(frozen=True)
 class SweepCost:
-    """The cells looked at, the missing ones among them, and the cost of all that are missing.
+    """Expected cost of a sweep: cells in all, cells missing in the store, sampled costs, memory.
 
-    ``seconds`` are those of one worker, ``each`` those of the cells looked at by their numbers, 0
-    where nothing is to be run.
+    ``missing`` is extrapolated from the sample. ``seconds_by_cell`` has the seconds of the sampled
+    cells by number, 0 for a cell that need not be run.
     """
 
     cells: int
     missing: int
-    each: Mapping[int, float]
+    seconds_by_cell: Mapping[int, float]
     memory_bytes: float
 
     @property
-    def looked_at(self) -> int:
-        """Cells."""
-        return len(self.each)
+    def sampled(self) -> int:
+        """Number of sampled cells."""
+        return len(self.seconds_by_cell)
 
     @property
     def seconds(self) -> float:
-        """Of all that are missing."""
-        return sum(self.each.values()) * self.cells / len(self.each)
+        """Expected seconds of all missing cells on one worker."""
+        return sum(self.seconds_by_cell.values()) * self.cells / len(self.seconds_by_cell)
 
     @property
-    def words(self) -> str:
-        """How many cells there are, and by how many of them all are judged."""
-        by = "" if self.looked_at == self.cells else f", judged by {self.looked_at} of them"
-        return f"{self.cells} cells{by}"
+    def description(self) -> str:
+        """Number of cells, and the size of the sample if not all were estimated."""
+        suffix = "" if self.sampled == self.cells else f", estimated from {self.sampled} of them"
+        return f"{self.cells} cells{suffix}"
 
-    def by(self, workers: int, together: bool) -> ExpectedCost:
-        """The cost with so many workers; of memory that of all ``together`` on this machine."""
-        held = min(workers, self.missing) if together else 1
-        begun = WORKER_SECONDS if self.missing else 0.0
-        return ExpectedCost(begun + self.seconds / workers, self.memory_bytes * held)
+    def on_workers(self, workers: int, share_memory: bool) -> ExpectedCost:
+        """Return the cost on several workers; with ``share_memory`` their memory is added up."""
+        concurrent = min(workers, self.missing) if share_memory else 1
+        startup = WORKER_SECONDS if self.missing else 0.0
+        return ExpectedCost(startup + self.seconds / workers, self.memory_bytes * concurrent)
 
 
 CELL_SECONDS = 0.05
-"""Of a cell of a sweep, whatever it holds: its derivation, plan, data set, its place in a pack."""
+"""Overhead of a sweep cell in seconds: derivation, plan, data set, place in a pack."""
 
 WORKER_SECONDS = 1.5
-"""Of a worker, before its first cell."""
+"""Seconds that a worker needs before its first cell."""
 
 
 def expected_cell_cost(scene: Scene) -> ExpectedCost:
-    """The cost of a run as one of many in a process: what that does once is left out."""
-    found = expected_cost(scene)
-    return replace(found, seconds=CELL_SECONDS + max(0.0, found.seconds - found.once))
+    """Return the cost of a run in a process with many, without costs that occur only once."""
+    cost = expected_cost(scene)
+    return replace(cost, seconds=CELL_SECONDS + max(0.0, cost.seconds - cost.once))
 
 
-def expected_sweep_cost(sweep: Sweep, store: RunStore, held: Container[str]) -> SweepCost:
-    """What the sweep is expected to cost beside the keys that are ``held`` by the store.
+def expected_sweep_cost(sweep: Sweep, store: RunStore, stored_keys: Container[str]) -> SweepCost:
+    """Estimate the cost of the cells whose keys are not in ``stored_keys``.
 
-    Cells are taken in a random order, always the same. One that is inadmissible costs nothing.
+    Cells are sampled in a random order that is always the same. A cell with an inadmissible scene
+    costs nothing.
     """
-    order = Random(0).sample(range(len(sweep)), min(MOST_LOOKED_AT, len(sweep)))
-    begun = process_time()
+    order = Random(0).sample(range(len(sweep)), min(MOST_SAMPLED, len(sweep)))
+    start = process_time()
     memory, missing = 0.0, 0
-    each: dict[int, float] = {}
-    given: set[str] = set()
+    seconds: dict[int, float] = {}
+    requested: set[str] = set()
     for number in order:
-        share = LOOKING_SHARE * sum(each.values()) * len(sweep) / max(1, len(each))
-        allowed = min(max(LOOKING_SECONDS, share), MOST_LOOKING_SECONDS)
-        if len(each) >= FEWEST and process_time() - begun > allowed:
+        share = SAMPLING_SHARE * sum(seconds.values()) * len(sweep) / max(1, len(seconds))
+        allowed = min(max(SAMPLING_SECONDS, share), MOST_SAMPLING_SECONDS)
+        if len(seconds) >= FEWEST_SAMPLED and process_time() - start > allowed:
             break
-        each[number] = 0.0
-        begun = process_time() if len(each) == 2 else begun
+        seconds[number] = 0.0
+        start = process_time() if len(seconds) == 2 else start
         try:
             scene = sweep.scene(number)
             key = store.key(scene)
-            if key in given or key in held:
+            if key in requested or key in stored_keys:
                 continue
-            given.add(key)
+            requested.add(key)
             cost = expected_cell_cost(scene)
         except ValueError:
             continue
         missing += 1
-        each[number] = cost.seconds
+        seconds[number] = cost.seconds
         memory = max(memory, cost.memory_bytes)
-    return SweepCost(len(sweep), round(len(sweep) / len(each) * missing), each, memory)
+    return SweepCost(len(sweep), round(len(sweep) / len(seconds) * missing), seconds, memory)

@@ -1,4 +1,4 @@
-"""A sweep's results: one data set with the swept dimensions, its fields read when they are used."""
+"""A sweep's results as one data set over the swept dimensions; fields are read lazily."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ import numpy as np
 import xarray as xr
 
 from longwave.runs.run_file import SWEPT, file_content, load_run
-from longwave.runs.run_pack import NUMBERS, OPTIONAL, RATES, REFUSED, SETTLED, CellRecord
+from longwave.runs.run_pack import FINAL, NUMBERS, OPTIONAL, RATES, REFUSED, CellRecord
 from longwave.runs.run_store import RunStore
 from longwave.runs.store_packs import PackedRun
 from longwave.runs.sweep_cells import record_of
-from longwave.runs.sweep_fields import Place, swept_fields
-from longwave.runs.sweep_file import CASE, SAMPLE, TAKEN, Sweep
+from longwave.runs.sweep_fields import RunLocation, swept_fields
+from longwave.runs.sweep_file import CASE, RESERVED_NAMES, SAMPLE, Sweep
 from longwave.support.atomic_file import write_atomically
 
 if TYPE_CHECKING:
@@ -25,18 +25,19 @@ if TYPE_CHECKING:
     from longwave.scenes.description.scene import Scene
 
 MISSING = "missing"
-"""The status of a cell that was not run yet."""
+"""Status of a cell that has not been run."""
 
 
-class _Cells:
-    """What a store holds of some cells of a sweep.
+class _StoredCells:
+    """Contents of a store for some cells of a sweep.
 
-    ``rows`` are those in the table of the store's packs, -1 where no pack has the run; ``others``
-    have a record and, if there is one, a file; the rest is missing.
+    ``_rows`` are rows in the table of the store's packs, -1 if no pack has the run. ``_others`` has
+    the record, and the file if there is one, of other cells that were run. All remaining cells are
+    missing.
     """
 
     def __init__(self, sweep: Sweep, numbers: Sequence[int], store: RunStore) -> None:
-        self._store, self._held = store, store.held()
+        self._store, self._stored = store, store.stored_runs()
         self._keys = np.full(len(numbers), "", object)
         self._rows = np.full(len(numbers), -1)
         self._others: dict[int, tuple[CellRecord, Path | None]] = {}
@@ -46,82 +47,85 @@ class _Cells:
             except ValueError as error:
                 self._others[cell] = CellRecord("", REFUSED, " ".join(str(error).split())), None
             else:
-                self._look(cell, scene)
+                self._find(cell, scene)
 
-    def _look(self, cell: int, scene: Scene) -> None:
-        """Find the run of a cell, or what it came to."""
+    def _find(self, cell: int, scene: Scene) -> None:
+        """Find the run or the record of a cell."""
         self._keys[cell] = key = self._store.key(scene)
-        packs = self._held.packs
+        packs = self._stored.packs
         row = packs.row(key)
         if row is not None and packs.table.row[row] >= 0:
             self._rows[cell] = row
             return
         record = None if row is None else packs.table.record(row)
-        path = self._held.file(key)
-        if path is not None and (record is None or record.status not in SETTLED):
+        path = self._stored.file(key)
+        if path is not None and (record is None or record.status not in FINAL):
             record = record_of(key, scene, load_run(path, follow=False))
         if record is not None:
             self._others[cell] = record, path
 
-    def texts(self) -> Iterator[tuple[str, NDArray[Any]]]:
-        """How the cells ended, what is told of that, and their keys."""
-        inside, table = self._rows >= 0, self._held.packs.table
-        rows = self._rows[inside]
+    def text_columns(self) -> Iterator[tuple[str, NDArray[Any]]]:
+        """Yield the columns status, message and key."""
+        is_packed, table = self._rows >= 0, self._stored.packs.table
+        rows = self._rows[is_packed]
         status, message = (np.full(len(self._rows), text, object) for text in (MISSING, ""))
-        status[inside] = table.status[rows].astype("U9")
-        message[inside] = table.message[rows]
+        status[is_packed] = table.status[rows].astype("U9")
+        message[is_packed] = table.message[rows]
         for cell, (record, _) in self._others.items():
             status[cell], message[cell] = record.status, record.message
         yield from {"status": status, "message": message, "key": self._keys}.items()
 
     def numbers(self) -> Mapping[str, NDArray[np.float64]]:
-        """The columns of `NUMBERS`, NaN where a cell has none."""
+        """Return the columns of `NUMBERS`, NaN for a cell without the number."""
         columns = {name: np.full(len(self._rows), np.nan) for name in NUMBERS}
-        inside = self._rows >= 0
-        for name, column in self._held.packs.table.numbers.items():
-            columns[name][inside] = column[self._rows[inside]]
+        is_packed = self._rows >= 0
+        for name, column in self._stored.packs.table.numbers.items():
+            columns[name][is_packed] = column[self._rows[is_packed]]
         for cell, (record, _) in self._others.items():
             for name, value in record.numbers.items():
                 columns[name][cell] = value
         return columns
 
-    def places(self) -> Mapping[int, Place]:
-        """Where the runs are of the cells that have one."""
+    def locations(self) -> Mapping[int, RunLocation]:
+        """Return the location of the run of each cell that has one."""
         files = {cell: path for cell, (_, path) in self._others.items() if path is not None}
         packed = {
-            int(cell): self._held.packs.place(self._rows[cell])
+            int(cell): self._stored.packs.location(self._rows[cell])
             for cell in np.flatnonzero(self._rows >= 0)
         }
-        return files | {cell: place for cell, place in packed.items() if place is not None}
+        return files | {cell: location for cell, location in packed.items() if location is not None}
 
 
 def sweep_dataset(sweep: Sweep, store: RunStore, fields: bool = True) -> xr.Dataset:
-    """The sweep as one data set.
+    """Return the results of a sweep as one data set.
 
-    Its dimensions are the swept ones; a list has ``case``, a random sample ``sample``, along which
-    the fields are coordinates. Variables: ``status`` of each cell (done, blown up, refused, failed,
-    missing), ``message``, ``key`` and the numbers of `runs.run_pack.NUMBERS`. With ``fields`` also
-    those of the runs that have one shape in all cells, which are read from the store when they are
-    used; NaN, or 0, where there is no run. `cell_run` reads the whole run of one cell.
+    The dimensions are the swept ones; a list has the dimension ``case`` and a random sample
+    ``sample``, along which the swept fields are coordinates. Variables: ``status`` of each cell
+    (done, blown up, refused, failed, missing), ``message``, ``key`` and the numbers of
+    `runs.run_pack.NUMBERS`. With ``fields``, the data set also has those variables of the runs that
+    have the same shape in all cells; they are read from the store on demand and are NaN, or 0 for
+    integers, where there is no run. `cell_run` loads the whole run of one cell.
     """
-    cells = _Cells(sweep, range(len(sweep)), store)
-    names, shape = tuple(d.name for d in sweep.dimensions), sweep.shape
+    cells = _StoredCells(sweep, range(len(sweep)), store)
+    names, shape = tuple(dimension.name for dimension in sweep.dimensions), sweep.shape
     data: dict[str, Any] = {
-        name: (names, column.reshape(shape), told)
-        for name, column, told in _number_columns(cells.numbers())
+        name: (names, column.reshape(shape), attrs)
+        for name, column, attrs in _number_columns(cells.numbers())
     }
-    data |= {name: (names, texts.reshape(shape)) for name, texts in cells.texts()}
+    data |= {name: (names, texts.reshape(shape)) for name, texts in cells.text_columns()}
     coordinates: dict[str, Any] = {}
     swept = [field for dimension in sweep.dimensions for field in dimension.fields]
     for dimension in sweep.dimensions:
         columns = zip(*dimension.rows, strict=True)
         for field, column in zip(dimension.fields, columns, strict=True):
-            alone = dimension.name not in (CASE, SAMPLE)
-            name = dimension.name if alone else _short(field, swept)
-            coordinates[name] = (dimension.name, _values(column), {"field": field})
+            has_own_name = dimension.name not in (CASE, SAMPLE)
+            name = dimension.name if has_own_name else _short_name(field, swept)
+            coordinates[name] = (dimension.name, _coordinate_values(column), {"field": field})
     if fields:
-        taken = {*names, *data, *coordinates}
-        for name, variable, is_coordinate in swept_fields(names, shape, cells.places(), taken):
+        reserved = {*names, *data, *coordinates}
+        for name, variable, is_coordinate in swept_fields(
+            names, shape, cells.locations(), reserved
+        ):
             (coordinates if is_coordinate else data)[name] = variable
     attributes = {
         "title": sweep.title or sweep.name,
@@ -134,23 +138,23 @@ def sweep_dataset(sweep: Sweep, store: RunStore, fields: bool = True) -> xr.Data
 def _number_columns(
     columns: Mapping[str, NDArray[np.float64]],
 ) -> Iterator[tuple[str, NDArray[np.float64], dict[str, str]]]:
-    """The numbers of all cells: name, values, and what they are."""
-    judged = np.isfinite(columns["error"])
-    of_rates = judged.any() and np.isfinite(columns["growth_rate"][judged]).all()
+    """Yield name, values and attributes of each number of the cells."""
+    has_error = np.isfinite(columns["error"])
+    of_rates = has_error.any() and np.isfinite(columns["growth_rate"][has_error]).all()
     for name, (unit, meaning) in ({**NUMBERS, **RATES} if of_rates else NUMBERS).items():
         if not (name in OPTIONAL and np.isnan(columns[name]).all()):
             yield name, columns[name], {"long_name": meaning, "units": unit}
 
 
-def _short(field: str, fields: Sequence[str]) -> str:
-    """The last part of a field's name, where no other field has it."""
+def _short_name(field: str, fields: Sequence[str]) -> str:
+    """Return the last part of a field's dotted name, if that is unique and not reserved."""
     last = field.rpartition(".")[2]
-    alike = [other for other in fields if other.rpartition(".")[2] == last]
-    return last if len(alike) == 1 and last not in TAKEN else field.replace(".", "_")
+    homonyms = [other for other in fields if other.rpartition(".")[2] == last]
+    return last if len(homonyms) == 1 and last not in RESERVED_NAMES else field.replace(".", "_")
 
 
-def _values(column: Sequence[Any]) -> NDArray[Any]:
-    """Numbers where all are, else texts; a list stands as JSON."""
+def _coordinate_values(column: Sequence[Any]) -> NDArray[Any]:
+    """Return numbers as an array of numbers; any other values as texts, lists as JSON."""
     if all(isinstance(value, int | float) and not isinstance(value, bool) for value in column):
         return np.array(column)
     texts = [value if isinstance(value, str) else json.dumps(value) for value in column]
@@ -158,34 +162,34 @@ def _values(column: Sequence[Any]) -> NDArray[Any]:
 
 
 def cell_run(sweep: Sweep, store: RunStore, **indices: int) -> xr.Dataset:
-    """The run of the cell with these indices along the swept dimensions.
+    """Return the run of the cell with these indices along the swept dimensions.
 
-    Raises ValueError in one line for indices that are none, and where there is no run.
+    Raises ValueError in one line for wrong indices, and for a cell without a run.
     """
     names = [dimension.name for dimension in sweep.dimensions]
     if set(indices) != set(names):
         raise ValueError(
-            f"indices must be of {', '.join(names)}, got {', '.join(indices) or 'none'}"
+            f"indices must name {', '.join(names)}, got {', '.join(indices) or 'none'}"
         )
     try:
         number = int(np.ravel_multi_index([indices[name] for name in names], sweep.shape))
     except ValueError:
         sizes = " x ".join(map(str, sweep.shape))
         raise ValueError(f"indices must lie in {sizes} cells, got {indices}") from None
-    cell = _Cells(sweep, [number], store)
-    place = cell.places().get(0)
-    if place is None:
-        (_, status), (_, message), _ = cell.texts()
+    cell = _StoredCells(sweep, [number], store)
+    location = cell.locations().get(0)
+    if location is None:
+        (_, status), (_, message), _ = cell.text_columns()
         raise ValueError(f"cell {indices} must have a run, got none: {message[0] or status[0]}")
-    return place.load() if isinstance(place, PackedRun) else load_run(place, follow=False)
+    return location.load() if isinstance(location, PackedRun) else load_run(location, follow=False)
 
 
 def write_sweep(sweep: Sweep, store: RunStore, path: str | Path, force: bool = True) -> xr.Dataset:
     """Write the sweep's data set, without the runs' fields, as NetCDF-4; return it.
 
-    Raises OSError that names the file.
+    Raises OSError, naming the file.
     """
-    found = sweep_dataset(sweep, store, fields=False)
-    content = file_content(found)
+    dataset = sweep_dataset(sweep, store, fields=False)
+    content = file_content(dataset)
     write_atomically(Path(path), lambda draft: draft.write_bytes(content), force)
-    return found
+    return dataset

@@ -1,4 +1,4 @@
-"""The fields of a sweep's runs as arrays over all its cells, read when they are used."""
+"""The fields of a sweep's runs as lazy arrays over all cells."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from xarray import Variable
 from xarray.backends import BackendArray
 from xarray.core import indexing
 
-from longwave.runs.hdf_contents import own
+from longwave.runs.hdf_contents import local_member
 from longwave.runs.run_file import load_run
-from longwave.runs.run_pack import check_keys, open_pack, values_of
-from longwave.runs.store_packs import PackedRun, moved
+from longwave.runs.run_pack import check_keys, decoded_values, open_pack
+from longwave.runs.store_packs import PackedRun, relocated_runs
 
-Place: TypeAlias = PackedRun | Path
-"""Where a cell's run is: in a pack, or a file of its own."""
+RunLocation: TypeAlias = PackedRun | Path
+"""Location of a cell's run: a row of a pack, or a file of its own."""
 
 
 class FieldKind(NamedTuple):
-    """What must be alike for runs' variables to be one array."""
+    """Properties in which the variables of all runs must agree to form one array."""
 
     dims: tuple[str, ...]
     shape: tuple[int, ...]
@@ -33,75 +33,80 @@ class FieldKind(NamedTuple):
     attributes: str
 
 
-def _groups(places: Mapping[int, Place]) -> Sequence[dict[int, Place]]:
-    """The cells whose runs lie in one group of a pack, or in a file of their own."""
-    found: dict[object, dict[int, Place]] = defaultdict(dict)
-    for cell, place in places.items():
-        group = (place.pack, place.group) if isinstance(place, PackedRun) else place
-        found[group][cell] = place
-    return list(found.values())
+def _group_locations(locations: Mapping[int, RunLocation]) -> Sequence[dict[int, RunLocation]]:
+    """Group the cells by where their runs are stored: one group of a pack, or one file each."""
+    groups: dict[object, dict[int, RunLocation]] = defaultdict(dict)
+    for cell, location in locations.items():
+        group = (location.pack, location.group) if isinstance(location, PackedRun) else location
+        groups[group][cell] = location
+    return list(groups.values())
 
 
-def _kinds(place: Place) -> Iterator[tuple[str, FieldKind]]:
-    """The variables of the runs in one place, by one of them."""
-    run = place.load() if isinstance(place, PackedRun) else load_run(place, follow=False)
+def _field_kinds(location: RunLocation) -> Iterator[tuple[str, FieldKind]]:
+    """Yield name and kind of each variable of a run; all runs of a group agree in them."""
+    run = location.load() if isinstance(location, PackedRun) else load_run(location, follow=False)
     for name, variable in run.variables.items():
-        dims, told = tuple(map(str, variable.dims)), json.dumps(variable.attrs, sort_keys=True)
-        held = variable.shape, variable.dtype.str, dims == (name,), told
-        yield str(name), FieldKind(dims, *held)
+        dims, attrs = tuple(map(str, variable.dims)), json.dumps(variable.attrs, sort_keys=True)
+        layout = variable.shape, variable.dtype.str, dims == (name,), attrs
+        yield str(name), FieldKind(dims, *layout)
 
 
-def _rows(field: str, places: Iterable[Place]) -> NDArray[Any]:
-    """The values of a variable of all runs in one group, stacked."""
-    packed = [place for place in places if isinstance(place, PackedRun)]
+def _read_rows(field: str, locations: Iterable[RunLocation]) -> NDArray[Any]:
+    """Read one variable of all runs of a group, stacked along a new first axis."""
+    packed = [place for place in locations if isinstance(place, PackedRun)]
     if not packed:
-        runs = (load_run(path, follow=False) for path in places if isinstance(path, Path))
+        runs = (load_run(path, follow=False) for path in locations if isinstance(path, Path))
         return np.stack([run.variables[field].values for run in runs])
     try:
-        with open_pack(packed[0].path, packed[0].untyped) as file:
-            group = own(file, str(packed[0].group))
+        with open_pack(packed[0].path, packed[0].link_free) as file:
+            group = local_member(file, str(packed[0].group))
             check_keys(group, [place.row for place in packed], [place.key for place in packed])
-            held = own(own(group, "arrays"), field)
-            return np.asarray(values_of(np.stack([held[place.row] for place in packed])))
+            array = local_member(local_member(group, "arrays"), field)
+            return np.asarray(decoded_values(np.stack([array[place.row] for place in packed])))
     except FileNotFoundError:
-        return np.stack([place.load().variables[field].values for place in moved(packed)])
+        return np.stack([place.load().variables[field].values for place in relocated_runs(packed)])
 
 
-class FieldOfCells(BackendArray):
-    """One variable of all runs, (*swept, *own); what is asked for is read from the store.
+class LazyField(BackendArray):
+    """One variable of all runs, shape (*swept, *shape in a run), read from the store on demand.
 
-    Cells without a run have NaN, or 0 where numbers are whole.
+    Cells without a run have NaN, or 0 in arrays of integers.
     """
 
     def __init__(
-        self, field: str, places: Mapping[int, Place], swept: tuple[int, ...], kind: FieldKind
+        self,
+        field: str,
+        locations: Mapping[int, RunLocation],
+        swept: tuple[int, ...],
+        kind: FieldKind,
     ) -> None:
-        self._field, self._places, self._swept, self._own = field, places, swept, kind.shape
+        self._field, self._locations = field, locations
+        self._swept, self._inner_shape = swept, kind.shape
         self.shape = (*swept, *kind.shape)
         self.dtype = np.dtype(kind.dtype)
 
     def __getitem__(self, key: indexing.ExplicitIndexer) -> Any:
-        """The values under a key of whole numbers, slices and arrays of numbers."""
+        """Return the values at an index of integers, slices and integer arrays."""
         support = indexing.IndexingSupport.OUTER
         return indexing.explicit_indexing_adapter(key, self.shape, support, self._read)
 
     def _read(self, key: tuple[Any, ...]) -> NDArray[Any]:
         cells = np.arange(int(np.prod(self._swept))).reshape(self._swept)
-        count = len(self._swept)
-        wanted, own = _outer(cells, key[:count]), key[count:]
-        empty = np.nan if self.dtype.kind == "f" else 0
-        flat = np.full((wanted.size, *self._own), empty, self.dtype)
-        asked = {int(cell): place for place, cell in enumerate(wanted.ravel())}
-        known = {cell: self._places[cell] for cell in asked if cell in self._places}
-        for inside in _groups(known):
-            values = _rows(self._field, inside.values())
-            flat[[asked[cell] for cell in inside]] = values
-        inner = _outer(flat, (slice(None), *own))
-        return inner.reshape((*wanted.shape, *inner.shape[1:]))
+        swept_axes = len(self._swept)
+        selected, inner_key = _index_axes(cells, key[:swept_axes]), key[swept_axes:]
+        missing = np.nan if self.dtype.kind == "f" else 0
+        rows = np.full((selected.size, *self._inner_shape), missing, self.dtype)
+        positions = {int(cell): position for position, cell in enumerate(selected.ravel())}
+        stored = {cell: self._locations[cell] for cell in positions if cell in self._locations}
+        for group in _group_locations(stored):
+            values = _read_rows(self._field, group.values())
+            rows[[positions[cell] for cell in group]] = values
+        selection = _index_axes(rows, (slice(None), *inner_key))
+        return selection.reshape((*selected.shape, *selection.shape[1:]))
 
 
-def _outer(values: NDArray[Any], key: tuple[Any, ...]) -> NDArray[Any]:
-    """Each axis indexed by itself; an axis with a single number goes."""
+def _index_axes(values: NDArray[Any], key: tuple[Any, ...]) -> NDArray[Any]:
+    """Index each axis independently (outer indexing); an integer removes its axis."""
     axis = 0
     for index in key:
         values = values[(slice(None),) * axis + (index,)]
@@ -112,43 +117,46 @@ def _outer(values: NDArray[Any], key: tuple[Any, ...]) -> NDArray[Any]:
 def swept_fields(
     names: tuple[str, ...],
     shape: tuple[int, ...],
-    places: Mapping[int, Place],
-    taken: Collection[str],
+    locations: Mapping[int, RunLocation],
+    reserved: Collection[str],
 ) -> Iterator[tuple[str, Variable, bool]]:
-    """The variables that all runs have in one shape, and whether each is a coordinate.
+    """Yield name, variable and whether it is a coordinate, for each variable of equal shape in all
+    runs.
 
-    A coordinate that is the same in all runs stays one; one that is not is called ``cell_NAME``,
-    and what is ``taken`` ``run_NAME``.
+    A coordinate with the same values in all runs remains a coordinate; another one becomes the
+    variable ``cell_NAME``. A variable whose name is in ``reserved`` becomes ``run_NAME``.
     """
     kinds: dict[str, list[FieldKind]] = defaultdict(list)
-    groups = _groups(places)
+    groups = _group_locations(locations)
     for cells in groups:
-        for field, kind in _kinds(next(iter(cells.values()))):
+        for field, kind in _field_kinds(next(iter(cells.values()))):
             kinds[field].append(kind)
-    for field, found in kinds.items():
-        if len(found) < len(groups) or len(set(found)) > 1:
+    for field, field_kinds in kinds.items():
+        if len(field_kinds) < len(groups) or len(set(field_kinds)) > 1:
             continue
-        kind = found[0]
-        array = FieldOfCells(field, places, shape, kind)
-        told = json.loads(kind.attributes)
+        kind = field_kinds[0]
+        array = LazyField(field, locations, shape, kind)
+        attrs = json.loads(kind.attributes)
         if kind.is_coordinate:
-            same = _common(array, field, places)
+            same = _common_values(array, field, locations)
             if same is not None:
-                yield field, Variable(kind.dims, same, told), True
+                yield field, Variable(kind.dims, same, attrs), True
                 continue
-        name = f"run_{field}" if field in taken else field
+        name = f"run_{field}" if field in reserved else field
         name = f"cell_{field}" if kind.is_coordinate else name
         lazy = indexing.LazilyIndexedArray(array)
-        yield name, Variable((*names, *kind.dims), lazy, told), False
+        yield name, Variable((*names, *kind.dims), lazy, attrs), False
 
 
-def _common(array: FieldOfCells, field: str, places: Mapping[int, Place]) -> NDArray[Any] | None:
-    """The values of a coordinate if all runs have the same ones."""
+def _common_values(
+    array: LazyField, field: str, locations: Mapping[int, RunLocation]
+) -> NDArray[Any] | None:
+    """Return the values of a coordinate if they are the same in all runs, else None."""
     first: NDArray[Any] | None = None
-    for inside in _groups(places):
-        values = _rows(field, inside.values())
+    for group in _group_locations(locations):
+        values = _read_rows(field, group.values())
         first = values[0] if first is None else first
-        same = np.broadcast_to(first, values.shape)
-        if not np.array_equal(values, same, equal_nan=values.dtype.kind == "f"):
+        expected = np.broadcast_to(first, values.shape)
+        if not np.array_equal(values, expected, equal_nan=values.dtype.kind == "f"):
             return None
     return first

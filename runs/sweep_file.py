@@ -1,29 +1,28 @@
-"""Sweeps: one scene, and what varies of it; the files that say so.
+"""Sweeps: a scene, the fields that vary, and the TOML files that describe both.
 
     title = "error of the sech soliton over eps and its height"
     scene = "soliton_sech.toml"     # a shipped scene, a file beside this one, or a table [scene]
 
-    [set]                           # fields that are the same in all cells
+    [set]                           # fields with one value in all cells
     tolerance = 1e-4
 
-    [grid]                          # every value with every other: a dimension each
+    [grid]                          # one dimension for each field: every value with every other
     eps = [0.05, 0.1]
     parameters.A = { from = 0.5, to = 2, count = 7 }
 
-    [list]                          # columns of one length, which go together: the dimension `case`
+    [list]                          # columns of equal length, varied together: dimension `case`
     wave = ["rogue_cn", "rogue_dn"]
     lattice.K4 = [1, -1]            # or whole tables: constants = [{ K2 = 1 }, { K2 = 2 }]
 
-    [random]                        # samples: the dimension `sample`
+    [random]                        # random samples: dimension `sample`
     count = 100
     seed = 1
     lattice.K3 = { from = -0.5, to = 0.5 }
     parameters.A = { choose = [0.5, 1, 2] }
 
-A field has the name that it has in the scene's file, with its table. A range has ends, both taken,
-and ``log = true`` spaces it evenly in the logarithm; between whole numbers, ``whole = true`` draws
-whole ones. There may be a grid, a list and a random sample at once: each of one with each of the
-others.
+A field has the same dotted name as in the scene's file. A range includes both ends; ``log = true``
+spaces it evenly in the logarithm. In [random], ``whole = true`` draws integers. A file may have a
+grid, a list and a random sample at once, which are combined as a product.
 """
 
 from __future__ import annotations
@@ -42,9 +41,9 @@ import numpy as np
 from longwave.runs.run_pack import NUMBERS, TEXTS
 from longwave.runs.sweep_scene import (
     base_document,
+    canonical_field,
     changed_document,
     check_field,
-    field_in_one_spelling,
     make_scene,
 )
 from longwave.scenes.description.scene import Scene
@@ -56,27 +55,27 @@ from longwave.support.user_files import cut, shown
 
 MOST_CELLS = 1_000_000
 
-TOP = ("title", "scene", "set", "grid", "list", "random")
-RANGE = ("from", "to", "count", "log")
-DRAWN = ("from", "to", "log", "whole", "choose")
+TOP_KEYS = ("title", "scene", "set", "grid", "list", "random")
+RANGE_KEYS = ("from", "to", "count", "log")
+DRAWN_KEYS = ("from", "to", "log", "whole", "choose")
 
-SHOWN = 120
-"""Characters that a notebook shows of a dimension's values."""
+MOST_SHOWN = 120
+"""Characters of a dimension's values that a notebook shows."""
 
 CASE, SAMPLE = "case", "sample"
-"""The dimensions of a list and of a random sample."""
+"""Names of the dimensions of a list and of a random sample."""
 
-TAKEN = (CASE, SAMPLE, "time", "site", "row", "quantity", "background", *TEXTS, *NUMBERS)
-"""Names that runs, or cells, have for something else."""
+RESERVED_NAMES = (CASE, SAMPLE, "time", "site", "row", "quantity", "background", *TEXTS, *NUMBERS)
+"""Names with another meaning in runs or in the data set of a sweep."""
 
-FOLDER = files("longwave.runs.sweeps")
+SHIPPED_FOLDER = files("longwave.runs.sweeps")
 
 Values = tuple[Any, ...]
 
 
 @dataclass(frozen=True)
 class SweptDimension:
-    """A dimension: its name, the fields that vary along it, and their values at each step."""
+    """A dimension of a sweep: name, fields that vary along it, and their values at each index."""
 
     name: str
     fields: tuple[str, ...]
@@ -84,16 +83,16 @@ class SweptDimension:
 
     @property
     def size(self) -> int:
-        """The number of steps."""
+        """Number of values along the dimension."""
         return len(self.rows)
 
 
 @dataclass(frozen=True)
 class Sweep:
-    """A base scene, as the tables of its file, and the dimensions in which cells differ from it.
+    """A base scene, as the tables of its file, and the dimensions along which its fields vary.
 
-    Cells are counted with the last dimension running fastest; `scene` makes each when it is needed.
-    ``folder`` is where files that the scene names are looked for.
+    Cells are numbered with the last dimension varying fastest; `scene` builds the scene of a cell
+    on demand. ``folder`` is the folder of the files that the scene names.
 
     >>> varied = {"eps": [0.1, 0.2], "order": ["leading"]}
     >>> sweep = sweep_of({"scene": "toda_soliton", "grid": varied})
@@ -112,7 +111,7 @@ class Sweep:
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """The sizes of the dimensions."""
+        """Sizes of the dimensions."""
         return tuple(dimension.size for dimension in self.dimensions)
 
     def __len__(self) -> int:
@@ -124,51 +123,54 @@ class Sweep:
 
     def _repr_html_(self) -> str:
         rows = [
-            (d.name, str(d.size), cut(", ".join(" ".join(map(str, row)) for row in d.rows), SHOWN))
+            (
+                d.name,
+                str(d.size),
+                cut(", ".join(" ".join(map(str, row)) for row in d.rows), MOST_SHOWN),
+            )
             for d in self.dimensions
         ]
         return html_table(repr(self).strip("<>"), rows, ("dimension", "size", "values"))
 
     def json(self) -> str:
-        """The tables of the base scene, and what varies, as JSON."""
+        """Return the tables of the base scene and the dimensions as JSON."""
         varied = [asdict(dimension) for dimension in self.dimensions]
         return json.dumps({"scene": self.document, "dimensions": varied}, sort_keys=True)
 
     def values(self, cell: int) -> dict[str, Any]:
-        """The swept fields of a cell."""
-        found: dict[str, Any] = {}
-        places = np.unravel_index(cell, self.shape)
-        for dimension, place in zip(self.dimensions, places, strict=True):
-            found |= zip(dimension.fields, dimension.rows[place], strict=True)
-        return found
+        """Return the values of the swept fields in a cell."""
+        values: dict[str, Any] = {}
+        indices = np.unravel_index(cell, self.shape)
+        for dimension, index in zip(self.dimensions, indices, strict=True):
+            values |= zip(dimension.fields, dimension.rows[index], strict=True)
+        return values
 
     def scene(self, cell: int) -> Scene:
-        """The cell's scene; ValueError in one line for what no scene may be."""
+        """Build the scene of a cell; raise ValueError in one line if it is not admissible."""
         document = changed_document(self.document, self.values(cell))
         return make_scene(document, self.base, self.folder)
 
 
 def load_sweep(source: str | Path, changes: Mapping[str, Any] | None = None) -> Sweep:
-    """The sweep in a TOML file, or the shipped one of that name.
+    """Load a sweep from a TOML file, or a shipped sweep by name.
 
-    ``changes`` are values for fields that it does not vary, in the place of those in its [set].
-
-    Raises ValueError, with the file's name, for what is no sweep. Whether each cell's scene is
-    admissible is not looked at: a cell that is not fails by itself.
+    ``changes`` are values for fields that the sweep does not vary; they replace those in [set].
+    Raises ValueError, with the file's name, if the file is no sweep. The scenes of the cells are
+    not checked: an inadmissible one only fails in its cell.
     """
     path = Path(source)
     if path.suffix == ".toml" or path.is_file():
-        return _read(path, changes or {})
+        return _read_sweep(path, changes or {})
     if str(source) in shipped_sweeps():
-        with as_file(FOLDER / f"{source}.toml") as found:
-            return _read(found, changes or {})
+        with as_file(SHIPPED_FOLDER / f"{source}.toml") as path:
+            return _read_sweep(path, changes or {})
     raise ValueError(
         f"sweep must be a TOML file or a shipped sweep, got {shown(str(source))} "
         f"({one_of(source, shipped_sweeps())})"
     )
 
 
-def _read(path: Path, changes: Mapping[str, Any]) -> Sweep:
+def _read_sweep(path: Path, changes: Mapping[str, Any]) -> Sweep:
     document = read_document(path, "sweep")
     try:
         return sweep_of(document, path.stem, path.parent, changes)
@@ -177,9 +179,9 @@ def _read(path: Path, changes: Mapping[str, Any]) -> Sweep:
 
 
 def shipped_sweeps() -> tuple[str, ...]:
-    """Names of the sweeps that come with the package, sorted."""
-    found = (entry.name for entry in FOLDER.iterdir())
-    return tuple(sorted(name.removesuffix(".toml") for name in found if name.endswith(".toml")))
+    """Return the names of the shipped sweeps, sorted."""
+    names = (entry.name for entry in SHIPPED_FOLDER.iterdir())
+    return tuple(sorted(name.removesuffix(".toml") for name in names if name.endswith(".toml")))
 
 
 def sweep_of(
@@ -188,16 +190,18 @@ def sweep_of(
     folder: Path = Path(),
     changes: Mapping[str, Any] | None = None,
 ) -> Sweep:
-    """The sweep that the tables of a file say, with ``changes`` to its [set]; ValueError in one
-    line for what is none."""
-    refuse_unknown(document, TOP, "")
+    """Build a sweep from the tables of a file, with ``changes`` to its [set].
+
+    Raises ValueError in one line if they are no sweep.
+    """
+    refuse_unknown(document, TOP_KEYS, "")
     title = document.get("title", "")
     text("title", title)
     if "scene" not in document:
         raise ValueError("scene must be stated, got nothing (a shipped scene, a file or a table)")
     base, base_tables = base_document(document["scene"], folder)
-    fixed = dict(_flat(table(document, "set"), "set"))
-    fixed |= {field_in_one_spelling(field): value for field, value in (changes or {}).items()}
+    fixed = dict(_flatten_tables(table(document, "set"), "set"))
+    fixed |= {canonical_field(field): value for field, value in (changes or {}).items()}
     dimensions = tuple(_dimensions(document))
     if not dimensions:
         raise ValueError("[grid], [list] or [random] must be stated, got none (such as [grid])")
@@ -205,29 +209,27 @@ def sweep_of(
     for field in (*fixed, *swept):
         check_field(field, base_tables)
         if field in swept and field in (changes or {}):
-            raise ValueError(
-                f"--set must name what the sweep does not vary, got {field} (leave it)"
-            )
-    for place, field in enumerate(swept):
-        others = {*swept[:place], *fixed}
+            raise ValueError(f"--set must not name a swept field, got {field} (leave it out)")
+    for index, field in enumerate(swept):
+        others = {*swept[:index], *fixed}
         if field in others or any(
-            _within(*pair) for o in others for pair in [(o, field), (field, o)]
+            _is_inside(*pair) for other in others for pair in [(other, field), (field, other)]
         ):
-            raise ValueError(f"{field} must vary in one place, got two (leave one out)")
+            raise ValueError(f"{field} must be given in one table, got it in two (leave one out)")
     cells = math.prod(dimension.size for dimension in dimensions)
     if cells > MOST_CELLS:
         raise ValueError(f"cells must be at most {MOST_CELLS}, got {cells} (take fewer values)")
     constant = changed_document(base_tables, fixed)
-    return Sweep(name, base, constant, _named(dimensions), folder, title)
+    return Sweep(name, base, constant, _name_dimensions(dimensions), folder, title)
 
 
-def _within(table: str, field: str) -> bool:
+def _is_inside(table: str, field: str) -> bool:
     return field.startswith(f"{table}.")
 
 
-def _named(dimensions: Sequence[SweptDimension]) -> tuple[SweptDimension, ...]:
-    """The dimensions under the last part of their fields' names, where that is theirs alone."""
-    short = [dimension.name.rpartition(".")[2] for dimension in dimensions]
+def _name_dimensions(dimensions: Sequence[SweptDimension]) -> tuple[SweptDimension, ...]:
+    """Name each dimension by the last part of its field's name, if that is unique and free."""
+    short = [d.name.rpartition(".")[2] for d in dimensions]
     return tuple(
         replace(d, name=name if _is_free(name, short) else d.name.replace(".", "_"))
         for d, name in zip(dimensions, short, strict=True)
@@ -235,31 +237,39 @@ def _named(dimensions: Sequence[SweptDimension]) -> tuple[SweptDimension, ...]:
 
 
 def _is_free(name: str, others: Sequence[str]) -> bool:
-    return others.count(name) == 1 and name not in TAKEN
+    return others.count(name) == 1 and name not in RESERVED_NAMES
 
 
-def _flat(entries: Mapping[str, Any], where: str, inner: str = "") -> Iterator[tuple[str, Any]]:
-    """Fields by dotted names; a table with a range's keys, or one in [set], is a value's own."""
+def _flatten_tables(
+    entries: Mapping[str, Any], where: str, prefix: str = ""
+) -> Iterator[tuple[str, Any]]:
+    """Yield dotted names of fields and their values; a table that describes a range is a value."""
     for key, value in entries.items():
-        name = f"{inner}{key}"
-        if isinstance(value, Mapping) and not set(value) & {*RANGE, *DRAWN}:
+        name = f"{prefix}{key}"
+        if isinstance(value, Mapping) and not set(value) & {*RANGE_KEYS, *DRAWN_KEYS}:
             if name.count(".") > 1:
                 raise ValueError(
                     f"fields in [{where}] must have at most one dot, got {shown(name)}"
                 )
-            yield from _flat(value, where, f"{name}.")
+            yield from _flatten_tables(value, where, f"{name}.")
         else:
-            yield field_in_one_spelling(name), value
+            yield canonical_field(name), value
 
 
 def _dimensions(document: Mapping[str, Any]) -> Iterator[SweptDimension]:
-    for field, given in _flat(table(document, "grid"), "grid"):
-        values = _range(field, given) if isinstance(given, Mapping) else _listed(field, given)
-        _check_different(field, values)
+    for field, values_given in _flatten_tables(table(document, "grid"), "grid"):
+        values = (
+            _range_values(field, values_given)
+            if isinstance(values_given, Mapping)
+            else _listed_values(field, values_given)
+        )
+        _check_distinct(field, values)
         yield SweptDimension(field, (field,), tuple((value,) for value in values))
     columns = {
-        field: _range(field, given) if isinstance(given, Mapping) else _listed(field, given)
-        for field, given in _flat(table(document, "list"), "list")
+        field: _range_values(field, values_given)
+        if isinstance(values_given, Mapping)
+        else _listed_values(field, values_given)
+        for field, values_given in _flatten_tables(table(document, "list"), "list")
     }
     if columns:
         first, *others = columns
@@ -267,38 +277,38 @@ def _dimensions(document: Mapping[str, Any]) -> Iterator[SweptDimension]:
             if len(columns[field]) != len(columns[first]):
                 raise ValueError(
                     f"columns in [list] must have one length, got {len(columns[first])} of {first} "
-                    f"and {len(columns[field])} of {field} (they go together; or use [grid])"
+                    f"and {len(columns[field])} of {field} (they vary together; or use [grid])"
                 )
         yield SweptDimension(CASE, tuple(columns), tuple(zip(*columns.values(), strict=True)))
     if "random" in document:
-        yield _sampled(dict(table(document, "random")))
+        yield _sample_dimension(dict(table(document, "random")))
 
 
-def _check_different(field: str, values: Sequence[Any]) -> None:
-    """Refuse a value that stands twice on an axis: of its cells one could not be asked for."""
-    found: set[str | float] = set()
+def _check_distinct(field: str, values: Sequence[Any]) -> None:
+    """Raise ValueError if a value occurs twice on an axis, where its index would be ambiguous."""
+    seen_values: set[str | float] = set()
     for value in values:
-        told = json.dumps(value, sort_keys=True) if isinstance(value, list | dict) else value
-        if told in found:
+        comparable = json.dumps(value, sort_keys=True) if isinstance(value, list | dict) else value
+        if comparable in seen_values:
             raise ValueError(
                 f"{field} in [grid] must have different values, got {shown(value)} twice (leave "
                 "one out)"
             )
-        found.add(told)
+        seen_values.add(comparable)
 
 
-def _sampled(given: dict[str, Any]) -> SweptDimension:
-    """Samples, each field drawn from a stream of its own: a further field changes no other."""
+def _sample_dimension(given: dict[str, Any]) -> SweptDimension:
+    """Draw the samples, each field from its own random stream: a new field changes no other."""
     for key in ("count", "seed"):
         if key not in given:
             raise ValueError(f"{key} in [random] must be stated, got nothing (such as {key} = 100)")
-    count, seed = _count(given.pop("count")), given.pop("seed")
+    count, seed = _checked_count(given.pop("count")), given.pop("seed")
     if isinstance(seed, bool) or not isinstance(seed, int):
         raise ValueError(f"seed in [random] must be a whole number, got {shown(seed)} (such as 1)")
     columns = {}
-    for field, drawn in _flat(given, "random"):
+    for field, law in _flatten_tables(given, "random"):
         stream = Random(f"{seed} {field}")
-        columns[field] = [_drawn(field, drawn, stream) for _ in range(count)]
+        columns[field] = [_draw(field, law, stream) for _ in range(count)]
     if not columns:
         raise ValueError(
             "[random] must name a field, got none (such as eps = {from = 0.05, to = 0.1})"
@@ -306,28 +316,28 @@ def _sampled(given: dict[str, Any]) -> SweptDimension:
     return SweptDimension(SAMPLE, tuple(columns), tuple(zip(*columns.values(), strict=True)))
 
 
-def _count(value: object) -> int:
+def _checked_count(value: object) -> int:
     number = whole("count", value)
     if number > MOST_CELLS:
         raise ValueError(f"count must be at most {MOST_CELLS}, got {number} (take fewer)")
     return number
 
 
-def _listed(field: str, given: object) -> Sequence[Any]:
+def _listed_values(field: str, given: object) -> Sequence[Any]:
     if not isinstance(given, list) or not given:
         raise ValueError(
             f"{field} must be a list of values or a range, got {shown(given)} (such as [1, 2] or "
             "{from = 0, to = 1, count = 5})"
         )
-    return [_value(field, value) for value in given]
+    return [_checked_value(field, value) for value in given]
 
 
-def _value(field: str, value: object) -> Any:
-    """A number, a text, or a list or table of them; the scene says what else it must be."""
+def _checked_value(field: str, value: object) -> Any:
+    """Return a number, a text, or a list or table of them; other checks are left to the scene."""
     if isinstance(value, list):
-        return [_value(field, part) for part in value]
+        return [_checked_value(field, part) for part in value]
     if isinstance(value, Mapping):
-        return {key: _value(f"{field}.{key}", part) for key, part in value.items()}
+        return {key: _checked_value(f"{field}.{key}", part) for key, part in value.items()}
     if isinstance(value, float) and not math.isfinite(value):
         raise ValueError(f"{field} must be finite numbers or texts, got {value} (such as 0.5)")
     if isinstance(value, str) and "\0" in value:
@@ -337,20 +347,20 @@ def _value(field: str, value: object) -> Any:
     raise ValueError(f"{field} must be numbers or texts, got {shown(value)} (such as 0.5)")
 
 
-def _ends(field: str, given: Mapping[str, Any]) -> tuple[float, float, bool]:
+def _range_ends(field: str, given: Mapping[str, Any]) -> tuple[float, float, bool]:
     for key in ("from", "to"):
         if key not in given:
             raise ValueError(f"{field} must have its ends, got no {key} (state it)")
     low, high = (finite(f"{key} of {field}", given[key]) for key in ("from", "to"))
     if low >= high:
         raise ValueError(f"{field} must have from < to, got {low:g} and {high:g} (swap them)")
-    log = _flag(field, given, "log")
+    log = _boolean(field, given, "log")
     if log and low <= 0:
         raise ValueError(f"{field} must have from > 0 with log, got {low:g} (leave log out)")
     return low, high, log
 
 
-def _flag(field: str, given: Mapping[str, Any], key: str) -> bool:
+def _boolean(field: str, given: Mapping[str, Any], key: str) -> bool:
     flag = given.get(key, False)
     if not isinstance(flag, bool):
         raise ValueError(
@@ -359,13 +369,13 @@ def _flag(field: str, given: Mapping[str, Any], key: str) -> bool:
     return flag
 
 
-def _range(field: str, given: Mapping[str, Any]) -> Sequence[float]:
-    """Values from end to end, to 15 digits: 0.3 is not 0.30000000000000004."""
-    refuse_unknown(given, RANGE, f" of {field}")
-    low, high, log = _ends(field, given)
+def _range_values(field: str, given: Mapping[str, Any]) -> Sequence[float]:
+    """Return the values of a range, rounded to 15 digits: 0.3, not 0.30000000000000004."""
+    refuse_unknown(given, RANGE_KEYS, f" of {field}")
+    low, high, log = _range_ends(field, given)
     if "count" not in given:
         raise ValueError(f"{field} must have a count, got none (such as count = 5)")
-    count = _count(given["count"])
+    count = _checked_count(given["count"])
     if count < 2:
         raise ValueError(f"count of {field} must be at least 2, got {count} (or list the value)")
     shares = (i / (count - 1) for i in range(count))
@@ -380,26 +390,26 @@ def _range(field: str, given: Mapping[str, Any]) -> Sequence[float]:
     return points
 
 
-def _drawn(field: str, given: object, stream: Random) -> Any:
+def _draw(field: str, given: object, stream: Random) -> Any:
     if not isinstance(given, Mapping):
         raise ValueError(
             f"{field} in [random] must be a range or a choice, got {shown(given)} (such as "
             "{from = 0, to = 1} or {choose = [1, 2]})"
         )
-    refuse_unknown(given, DRAWN, f" of {field}")
+    refuse_unknown(given, DRAWN_KEYS, f" of {field}")
     if "choose" in given:
         if len(given) > 1:
-            raise ValueError(f"{field} must have choose alone, got other keys too (leave them out)")
-        choices = _listed(field, given["choose"])
+            raise ValueError(f"{field} must have only choose, got other keys too (leave them out)")
+        choices = _listed_values(field, given["choose"])
         return choices[int(stream.random() * len(choices))]
-    low, high, log = _ends(field, given)
+    low, high, log = _range_ends(field, given)
     share = stream.random()
-    is_whole = _flag(field, given, "whole")
+    is_whole = _boolean(field, given, "whole")
     if is_whole and not (low.is_integer() and high.is_integer()):
         raise ValueError(
             f"{field} must have whole ends where it is whole, got {low:g} and {high:g} (such as "
             "{from = 1, to = 100, whole = true})"
         )
     beyond = high + is_whole
-    drawn = low * (beyond / low) ** share if log else low + (beyond - low) * share
-    return min(math.floor(drawn), int(high)) if is_whole else drawn
+    value = low * (beyond / low) ** share if log else low + (beyond - low) * share
+    return min(math.floor(value), int(high)) if is_whole else value

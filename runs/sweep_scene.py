@@ -1,4 +1,4 @@
-"""A scene's file as tables, with other values in some of its fields: by a sweep, or by `--set`."""
+"""A scene's file with other values in some fields: the cells of a sweep, and the option `--set`."""
 
 from __future__ import annotations
 
@@ -28,21 +28,21 @@ from longwave.support.user_files import STANDARD_INPUT, file_stem, shown
 
 Document: TypeAlias = Mapping[str, Any]
 
-LABELS = ("name", "title")
-"""Fields on which no run depends."""
+UNVARIED = ("name", "title")
+"""Fields that do not affect a run."""
 
 VARIED = {
-    **{key: () for key in TOP if key not in LABELS},
+    **{key: () for key in TOP if key not in UNVARIED},
     **{name: tuple(keys) for name, keys in TABLES.items()},
     "disorder": tuple(field.name for field in fields(Disorder)),
     "losses": KINDS,
     **{name: KEYS[name] for name in ("chain", "start", "defects")},
 }
-"""What may vary: fields, and tables with their keys."""
+"""Fields that may vary: those at the top, and tables with their keys."""
 
 
 def base_document(given: object, folder: Path = Path()) -> tuple[str, Document]:
-    """Name and tables of a sweep's base: a shipped scene, a file in ``folder``, or tables.
+    """Return name and tables of a base scene: a shipped scene, a file in ``folder``, or tables.
 
     Raises ValueError in one line.
     """
@@ -65,10 +65,10 @@ def changed_scene(
     tolerance: float | None = None,
     engine: str | None = None,
 ) -> Scene:
-    """The scene in a file or of that name, with other values for some of its fields.
+    """Return the scene in a file or of that name, with other values in some fields.
 
-    ``tolerance`` and ``engine`` are options of their own. Raises ValueError in one line for fields
-    that no scene has, and for what no scene may be.
+    ``tolerance`` and ``engine`` are options of their own. Raises ValueError in one line for an
+    unknown field, or if the scene is not admissible.
 
     >>> changed_scene("toda_soliton", {"eps": 0.05, "parameters.kappa": 2})
     <Scene toda_soliton: kdv_soliton with kappa = 2 on toda, eps = 0.05, ...>
@@ -79,24 +79,24 @@ def changed_scene(
                 f"{option} must be given once, got --{option} {value} and --set {option}="
                 f"{changes[option]} (leave one out)"
             )
-    found = _changed(source, changes, tolerance) if changes else load_scene(source, tolerance)
-    return found if engine is None else found.changed(engine=engine)
+    scene = _changed(source, changes, tolerance) if changes else load_scene(source, tolerance)
+    return scene if engine is None else scene.changed(engine=engine)
 
 
 def _changed(source: str, changes: Mapping[str, Any], tolerance: float | None) -> Scene:
-    given = {field_in_one_spelling(field): value for field, value in changes.items()}
+    canonical = {canonical_field(field): value for field, value in changes.items()}
     name, document = base_document(source)
-    for field in given:
+    for field in canonical:
         check_field(field, document)
     if tolerance is not None:
-        given = {"tolerance": tolerance, **given}
-    return make_scene(changed_document(document, given), name, Path(source).parent)
+        canonical = {"tolerance": tolerance, **canonical}
+    return make_scene(changed_document(document, canonical), name, Path(source).parent)
 
 
-def field_in_one_spelling(field: str) -> str:
-    """The field's name where the paper's chain is spelled as any lattice.
+def canonical_field(field: str) -> str:
+    """Return the field's usual name; constants and domain of the paper's chain have two.
 
-    >>> field_in_one_spelling("lattice.K4"), field_in_one_spelling("domain.compared")
+    >>> canonical_field("lattice.K4"), canonical_field("domain.compared")
     ('constants.K4', 'compared')
     """
     if field == "domain.compared":
@@ -106,22 +106,22 @@ def field_in_one_spelling(field: str) -> str:
 
 
 def check_field(field: str, document: Document | None = None) -> None:
-    """Refuse a field that no scene has; one that stands in a table of the ``document`` is named."""
+    """Raise ValueError for an unknown field; a key of a table in ``document`` is named in full."""
     top, _, key = field.partition(".")
     if top in PAIRS:
-        return  # a key of the table, or all of it
+        return  # these tables may have any key, and may be replaced as a whole
     if top in VARIED and (key in VARIED[top] if key else not VARIED[top]):
         return
-    held = [
+    qualified = [
         f"{name}.{field}"
         for name, entries in (document or {}).items()
         if isinstance(entries, Mapping) and field in entries
     ]
-    if held:
+    if qualified:
         raise ValueError(
-            f"fields must be named with their table, got {field} (write {' or '.join(held)})"
+            f"fields must be named with their table, got {field} (write {' or '.join(qualified)})"
         )
-    names = [
+    known = [
         *(
             f"{name}.{inner}" if inner else name
             for name, keys in VARIED.items()
@@ -129,21 +129,21 @@ def check_field(field: str, document: Document | None = None) -> None:
         ),
         *(f"{name}.NAME" for name in PAIRS),
     ]
-    raise ValueError(f"fields must be known ones, got {shown(field)} ({one_of(field, names)})")
+    raise ValueError(f"fields must be known ones, got {shown(field)} ({one_of(field, known)})")
 
 
 def changed_document(document: Document, changes: Mapping[str, Any]) -> Document:
-    """The tables with other values; fields have dotted names. The given ones stay as they are.
+    """Return a copy of the tables with other values; fields have dotted names.
 
     >>> changed_document({"eps": 1, "parameters": {"k": 2}}, {"parameters.k": 3, "times": [0, 1]})
     {'eps': 1, 'parameters': {'k': 3}, 'times': [0, 1]}
     """
-    found = dict(document)
-    if "tolerance" in changes and "tolerance" not in found:
-        _leave_to_tolerance(found)
+    changed = dict(document)
+    if "tolerance" in changes and "tolerance" not in changed:
+        _leave_to_tolerance(changed)
     for field, value in changes.items():
         for other in said_otherwise([field]):
-            found.pop(other, None)
+            changed.pop(other, None)
         if field == "lattice" and in_one_spelling({field: value}) != {field: value}:
             raise ValueError(
                 f"lattice must be a name or a declared lattice in a sweep, got {shown(value)} "
@@ -151,28 +151,28 @@ def changed_document(document: Document, changes: Mapping[str, Any]) -> Document
             )
         name, _, key = field.partition(".")
         if not key:
-            found[name] = value
+            changed[name] = value
             continue
-        entries = found.get(name, {})
+        entries = changed.get(name, {})
         if not isinstance(entries, Mapping):
             raise ValueError(f"{name} must be a table for {field}, got {shown(entries)} (name it)")
-        found[name] = {**entries, key: value}
-    return found
+        changed[name] = {**entries, key: value}
+    return changed
 
 
 def _leave_to_tolerance(document: dict[str, Any]) -> None:
-    """Take away what a tolerance determines: scheme, step, domain, and measured refinements."""
+    """Remove what a tolerance determines: scheme, step, domain, and observables of a refinement."""
     document.pop("scheme", None)
     document.pop("domain", None)
-    asked = document.get("observables")
-    if isinstance(asked, list | tuple):
+    observables = document.get("observables")
+    if isinstance(observables, list | tuple):
         document["observables"] = [
             name
-            for name in asked
+            for name in observables
             if not (name in OBSERVABLES and OBSERVABLES[name].seen == "refinement")
         ]
 
 
 def make_scene(document: Document, name: str, folder: Path) -> Scene:
-    """The scene that the tables say; ValueError in one line for what is none."""
+    """Build the scene from its tables; raise ValueError in one line if it is not admissible."""
     return Scene.of(**{"name": name} | scene_fields(document, folder))

@@ -1,6 +1,6 @@
-"""Where a sweep's batches are done: in processes of this machine, or on a Dask cluster.
+"""Workers of a sweep: processes on this machine, or those of a Dask cluster.
 
-A worker must run the code that the keys of its cells are of.
+A worker must run the code from which the keys of its cells were computed.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
-from longwave.runs.run_store import code_that_matters
+from longwave.runs.run_store import code_digest
 from longwave.support.compiled.cores import usable_cores
 from longwave.support.dask_cluster import DaskWorkers
 from longwave.support.processes import LocalWorkers, Workers
@@ -26,14 +26,14 @@ MOST_PROCESSES = 1024
 
 @contextmanager
 def sweep_workers(processes: int | None, scheduler: str | None) -> Iterator[Workers]:
-    """Workers here, by default one for each core, or those of a cluster.
+    """Yield workers on this machine, by default one for each core, or those of a cluster.
 
-    Raises ValueError in one line as `check_workers` does, and for a cluster that does not answer,
-    or has workers that would make other runs than this process.
+    Raises ValueError in one line as `check_workers` does, and if the cluster does not answer or has
+    workers with other code.
     """
     check_workers(processes, scheduler)
     workers: Workers = (
-        DaskWorkers(scheduler, "longwave.runs.sweep_workers:code_here", check_cluster)
+        DaskWorkers(scheduler, "longwave.runs.sweep_workers:process_code", check_cluster)
         if scheduler is not None
         else LocalWorkers(processes or usable_cores(), use_one_thread)
     )
@@ -44,7 +44,7 @@ def sweep_workers(processes: int | None, scheduler: str | None) -> Iterator[Work
 
 
 def check_workers(processes: int | None, scheduler: str | None) -> None:
-    """Raise ValueError in one line for both at once, and for less than one process."""
+    """Raise ValueError in one line if both arguments are given or ``processes`` is out of range."""
     if scheduler is not None and processes is not None:
         raise ValueError(
             f"--processes must not be given with --scheduler, got {processes} (leave one out)"
@@ -56,44 +56,48 @@ def check_workers(processes: int | None, scheduler: str | None) -> None:
 
 
 def use_one_thread() -> None:
-    """Have linear algebra leave the other cores to the other workers; before NumPy is imported."""
+    """Limit BLAS to one thread. Call this before NumPy is imported."""
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 
 DIGEST = "digest"
 
-TOLD = ("code", "versions")
-"""Parts of `provenance` that say in what codes differ."""
+COMPARED_PARTS = ("code", "versions")
+"""Parts of `provenance` by which a difference between two codes is reported."""
 
-LONGEST = 200
-"""Characters of that."""
+MOST_CHARACTERS = 200
+"""Largest length of that report."""
 
 
 @lru_cache
-def code_here() -> Mapping[str, str]:
-    """What this process computes runs by, and the digest of it that is in their keys."""
-    made = provenance()
-    return {DIGEST: code_that_matters()} | {name: made[name] for name in TOLD}
+def process_code() -> Mapping[str, str]:
+    """Return the code version of this process, and its digest as used in run keys."""
+    origin = provenance()
+    return {DIGEST: code_digest()} | {name: origin[name] for name in COMPARED_PARTS}
 
 
-def check_code(asked: Mapping[str, str]) -> None:
-    """Raise ValueError if this process would make other runs than the keys of ``asked`` say."""
-    _check(asked, code_here(), socket.gethostname())
+def check_code(expected: Mapping[str, str]) -> None:
+    """Raise ValueError if this process runs other code than ``expected``."""
+    _check_same_code(expected, process_code(), socket.gethostname())
 
 
 def check_cluster(client: Client) -> None:
-    """Raise ValueError if a worker of the cluster would make other runs than this process."""
-    for address, there in client.run(code_here).items():
-        _check(code_here(), there, address)
+    """Raise ValueError if a worker of the cluster runs other code than this process."""
+    for address, worker_code in client.run(process_code).items():
+        _check_same_code(process_code(), worker_code, address)
 
 
-def _check(asked: Mapping[str, str], there: Mapping[str, str], where: str) -> None:
-    if there[DIGEST] == asked[DIGEST]:
+def _check_same_code(expected: Mapping[str, str], actual: Mapping[str, str], worker: str) -> None:
+    if actual[DIGEST] == expected[DIGEST]:
         return
-    lines = [line for name in TOLD for line in changed_parts(name, asked[name], there[name])]
-    told = "; ".join(lines).replace(", was ", ", here ")
+    lines = [
+        line
+        for name in COMPARED_PARTS
+        for line in changed_parts(name, expected[name], actual[name])
+    ]
+    differences = "; ".join(lines).replace(", was ", ", here ")
     raise ValueError(
-        f"workers must have the longwave and the packages of this machine, whose digest is in the "
-        f"keys of runs, got {where} with {told[:LONGEST]} (install the same there, or start again "
-        "where sources changed)"
+        f"workers must have the same longwave and packages as this machine, got {worker} with "
+        f"{differences[:MOST_CHARACTERS]} (install the same versions there, or start again if "
+        "sources changed)"
     )

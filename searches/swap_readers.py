@@ -37,7 +37,7 @@ from longwave.runs.run_pack import (
     read_pack,
 )
 from longwave.runs.run_store import RunStore
-from longwave.runs.store_packs import INDEX, PACKS, WORTH_AN_INDEX, pack_index
+from longwave.runs.store_packs import INDEX, INDEXED_CHANGES, PACKS, pack_index
 from longwave.runs.sweep_fields import swept_fields
 from longwave.runs.sweep_file import load_sweep
 from longwave.scenes.description.csv_table import with_columns
@@ -237,7 +237,7 @@ def _store_file(folder: Folder) -> tuple[Path, list[State], Callable[[], Values]
     contents = [file_content(_run(value)) for value in (FIRST, SECOND, FOREIGN)]
 
     def read() -> Values:
-        found = store.held().file(KEY)
+        found = store.stored_runs().file(KEY)
         if found is None:
             raise ValueError("missing")
         return _values(load_run(found, follow=False))
@@ -322,7 +322,7 @@ def _packed(folder: Folder, read: Callable[[Any], Values]) -> Case:
     """The pack of the key "k0" in a store with an index; the two packs have other rows."""
     path = folder.place / PACKS / "ab" / "p.h5"
     path.parent.mkdir(parents=True)
-    for number in range(WORTH_AN_INDEX):
+    for number in range(INDEXED_CHANGES):
         content = pack_content([CellRecord(f"other{number}", REFUSED)])
         write_sealed(path.with_name(f"{number}.h5"), content, durable=False)
     contents = [
@@ -375,7 +375,7 @@ def the_index_of_packs(folder: Folder) -> Case:
     """The index of a store's packs, in which a foreign one says other numbers of the same packs."""
     places = folder.place, folder.foreign / "store"
     for place, value in zip(places, (FIRST, FOREIGN), strict=True):
-        for number in range(WORTH_AN_INDEX):
+        for number in range(INDEXED_CHANGES):
             path = place / PACKS / f"{number}.h5"
             path.parent.mkdir(parents=True, exist_ok=True)
             write_sealed(path, _pack([value], [f"k{number}"]), durable=False)

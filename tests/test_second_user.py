@@ -290,9 +290,9 @@ def test_a_planted_run_gives_no_byte_of_another_file(
     sealed = _sealed(_pointing(file_content(_run()), "a", letter))
     assert as_nobody(write, path, sealed) == "written"
     for follow in (True, False):
-        with pytest.raises(ValueError, match="in other files"):
+        with pytest.raises(ValueError, match="in another file"):
             load_run(path, follow=follow)
-    with pytest.raises(ValueError, match="in other files"):
+    with pytest.raises(ValueError, match="in another file"):
         store.run(SMALL)
     monkeypatch.setattr(run_file, "check_contents", lambda *_: None)
     assert float(load_run(path)["a"].max()) == SECRET
@@ -310,7 +310,7 @@ def test_planted_packs_are_not_believed(
     assert as_nobody(link, packs / "ab" / "link.h5", elsewhere / "p.h5") == "linked"
     assert as_nobody(write, packs / "ab" / "pointing.h5", sealed) == "written"
     assert len(pack_index(store.folder)) == 0
-    monkeypatch.setattr("longwave.runs.hdf_contents._is_elsewhere", lambda _: False)
+    monkeypatch.setattr("longwave.runs.hdf_contents._is_external", lambda _: False)
     held = pack_index(store.folder).get("k")
     assert held is not None
     assert held[1] is not None

@@ -1,1 +1,1 @@
-"""The command line: the tree of its words, and what each of them does."""
+"""The command line: the tree of commands, and one module for each command."""

@@ -1,4 +1,4 @@
-"""``longwave verify accuracy``: worst evaluation errors per wave and derivative, as a table.
+"""``longwave verify accuracy``: table of the worst evaluation errors of each wave and derivative.
 
 Exit status: 0 if every error is within the promised bound, 1 if one is not, 2 for bad input.
 """
@@ -26,13 +26,13 @@ from longwave.support.processes import Job, LocalWorkers, in_order
 from longwave.support.user_files import shown
 
 CASE_SECONDS = 0.3
-"""About the time that one case takes in a process."""
+"""Approximate seconds for one case in a process."""
 
 MOST_JOBS, MOST_DRAWN = 1000, 100_000
-"""Beyond them a request is a slip of the pen."""
+"""Largest accepted values of --jobs and --drawn; larger ones are taken for typing errors."""
 
 WORKER_SECONDS, WORKER_BYTES = 3.0, 3e8
-"""For a process to begin, and what it holds."""
+"""Seconds to start a process, and the bytes of memory that it takes."""
 
 
 def print_accuracy(
@@ -40,7 +40,8 @@ def print_accuracy(
 ) -> int:
     """Measure the waves (all if none is named) and print the table; return the exit status.
 
-    By default on all cores, with ``DRAWN`` random cases a wave. Raises ValueError for bad options.
+    By default this uses all cores and ``DRAWN`` random cases for each wave. Raises ValueError for
+    bad options.
     """
     jobs = os.cpu_count() or 1 if jobs is None else jobs
     drawn = DRAWN if drawn is None else drawn
@@ -48,39 +49,39 @@ def print_accuracy(
     if unknown:
         known = one_of(unknown[0], wave_names())
         raise ValueError(f"--only must be a wave, got {unknown[0]} ({known})")
-    for name, least, given, most, usual in (
+    for name, least, value, most, example in (
         ("--jobs", 1, jobs, MOST_JOBS, 2),
         ("--drawn", 0, drawn, MOST_DRAWN, DRAWN),
     ):
-        if not least <= given <= most:
-            got = f"{shown(given)} ({usual} is usual)"
-            raise ValueError(f"{name} must satisfy {least} <= {name} <= {most}, got {got}")
-    chosen = only or wave_names()
-    cases = sum(len(list(all_cases(name, 0))) + drawn for name in chosen)
+        if not least <= value <= most:
+            value_text = f"{shown(value)} ({example} is usual)"
+            raise ValueError(f"{name} must satisfy {least} <= {name} <= {most}, got {value_text}")
+    names = only or wave_names()
+    cases = sum(len(list(all_cases(name, 0))) + drawn for name in names)
     cores = min(jobs, os.cpu_count() or 1)
     check_and_announce(
-        f"{len(chosen)} waves to be measured",
+        f"{len(names)} waves to be measured",
         CASE_SECONDS * cases / cores + WORKER_SECONDS * jobs / cores,
         WORKER_BYTES * jobs,
         "take fewer waves, --drawn or --jobs",
     )
-    results, complete = finished(_measured(chosen, jobs, drawn))
-    asked = f"{len(chosen)} waves"
-    status = print_results(results, complete, _print, json_wanted, program, asked)
+    results, complete = finished(_measure_all(names, jobs, drawn))
+    requested = f"{len(names)} waves"
+    status = print_results(results, complete, _print_table, json_wanted, program, requested)
     return status or int(not all(result.passed for result in results))
 
 
-def _measured(names: Sequence[str], jobs: int, drawn: int) -> Iterator[Accuracy]:
-    """Each wave's worst errors; its cases run in ``jobs`` fresh processes."""
+def _measure_all(names: Sequence[str], processes: int, drawn: int) -> Iterator[Accuracy]:
+    """Yield the worst errors of each wave; its cases are evaluated in fresh worker processes."""
     cases = {name: list(all_cases(name, drawn)) for name in names}
-    every = (Job(measure_accuracy, (case,)) for name in names for case in cases[name])
-    found = in_order(every, LocalWorkers(jobs))
+    jobs = (Job(measure_accuracy, (case,)) for name in names for case in cases[name])
+    measured = in_order(jobs, LocalWorkers(processes))
     for name in names:
         print(f"measuring {name}", file=sys.stderr)
-        yield worst_of(islice(found, len(cases[name])))
+        yield worst_of(islice(measured, len(cases[name])))
 
 
-def _print(results: Sequence[Accuracy]) -> None:
+def _print_table(results: Sequence[Accuracy]) -> None:
     table = Table(title=f"worst errors / max(1, |value|); promised: {PROMISED_ERROR:.0e}")
     for heading in ("wave", "points", "Y", "Y_X", "Y_T", "worst at"):
         table.add_column(heading, justify="left" if heading in ("wave", "worst at") else "right")

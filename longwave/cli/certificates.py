@@ -1,8 +1,7 @@
-"""Files of proofs, which are written here; ``longwave check FILE`` repeats those in one.
+"""Files of certificates: written by the proving commands, checked by ``longwave check FILE``.
 
-The checker counts before it works (`verify.kernel.limits`).  What would slip through ends
-at a limit of time and memory, in a process of its own: the last line of defence against hostile
-input.
+The checker counts the work before it starts (`verify.kernel.limits`). As a last line of defence
+against hostile input, each check also runs in a separate process with limits of time and memory.
 """
 
 from __future__ import annotations
@@ -29,15 +28,15 @@ from longwave.verify.proof.export.terms import premises_in_short
 
 T = TypeVar("T")
 
-CERTIFICATES = 100
-"""Most certificates in a file."""
+MOST_CERTIFICATES = 100
+"""Largest number of certificates in a file."""
 
 
 @dataclass(frozen=True)
 class ProofFile:
-    """The file ``output`` of proofs: their certificates or, for a ``system``, a script of each.
+    """Output file for proofs: their certificates or, for a ``system``, one script for each.
 
-    Several scripts get a number each. Without ``output`` nothing is written.
+    Several scripts get numbered names. Without ``output`` nothing is written.
     """
 
     output: str | None
@@ -45,9 +44,9 @@ class ProofFile:
     force: bool = False
 
     def check(self, read: Sequence[str | Path] = ()) -> None:
-        """Raise ValueError, before the work, if it cannot or may not be written.
+        """Raise ValueError, before any work, if the file cannot or may not be written.
 
-        What is ``read`` is never overwritten.
+        Input files, listed in ``read``, are never overwritten.
         """
         if self.output is None:
             if self.system is not None:
@@ -59,15 +58,15 @@ class ProofFile:
         others = sorted(path.parent.glob(f"{glob.escape(path.stem)}_[0-9]*{path.suffix}"))
         if self.system is not None and others and not self.force:
             raise ValueError(
-                f"--output must name new files, got {self.output} beside {others[0].name}, "
-                "which is there (--force overwrites it)"
+                f"--output must name new files, got {self.output} next to the existing file "
+                f"{others[0].name} (--force overwrites it)"
             )
 
     def write(self, certificates: Sequence[Mapping[str, Any]]) -> None:
-        """Write what is proved; of scripts, tell the premises on the standard error.
+        """Write the certificates, or their scripts; print the premises of scripts on stderr.
 
-        Raises CertificateError for a proof that has no script, ValueError for scripts of none,
-        OSError as writing does.
+        Raises CertificateError for a proof that cannot be written as a script, ValueError if there
+        is none to write as a script, and OSError if writing fails.
         """
         if self.output is None:
             return
@@ -78,7 +77,7 @@ class ProofFile:
             return
         if not certificates:
             raise ValueError(
-                "--export must be given with what is proved, got no proof (see verdict)"
+                "--export must be given with something proved, got no proof (see the verdict)"
             )
         proofs = [written_out(certificate) for certificate in certificates]
         texts = [SYSTEMS[self.system].write(proof) for proof in proofs]
@@ -87,7 +86,7 @@ class ProofFile:
             self._write(file, text)
             if proof.premises:
                 conditions = premises_in_short(proof.conditions)
-                print(f"{file}: accepted will mean proved if {conditions}", file=sys.stderr)
+                print(f"{file}: if accepted, proved provided that {conditions}", file=sys.stderr)
 
     def _write(self, path: Path, text: str) -> None:
         write_atomically(path, lambda draft: draft.write_text(text, encoding="utf-8"), self.force)
@@ -100,23 +99,24 @@ def print_certificates(
     system: str | None = None,
     force: bool = False,
 ) -> int:
-    """Check every certificate of a file: what it states and "accepted", 1 at the first failure.
+    """Check every certificate of a file and print its statement and "accepted"; return the status.
 
-    As JSON a list of the accepted, name and statement. 2 if the file cannot be read at all.
-    Scripts for a ``system`` are written to ``output`` if all are accepted.
+    The status is 0, 1 at the first certificate that is rejected, or 2 if the file cannot be read.
+    As JSON, the output is a list of the accepted ones with name and statement. If all are accepted,
+    scripts for a ``system`` are written to ``output``.
     """
     accepted: list[dict[str, str]] = []
     status, scripts = 0, ProofFile(output, system, force)
     try:
         scripts.check([path])
         if output is not None and system is None:
-            raise ValueError("--output must be given with --export, got it alone (leave it)")
+            raise ValueError("--output must be given with --export, got it alone (leave it out)")
     except ValueError as error:
         return fail(error)
     try:
         certificates = read_certificates(path)
         for certificate in certificates:
-            record = limited(checked, certificate)
+            record = run_limited(check_one, certificate)
             accepted.append(record)
             if not json_wanted:
                 lines = (f"    {line}" for line in record["statement"].splitlines())
@@ -129,7 +129,7 @@ def print_certificates(
             return fail(error)
         return fail(
             f"FILE must be readable, got {shown_path(path)}: {error.strerror} "
-            "(one that --output wrote)"
+            "(name a file that --output wrote)"
         )
     except CertificateError as error:
         print(f"{shown_path(path)}: rejected: {error}", file=sys.stderr)
@@ -140,29 +140,31 @@ def print_certificates(
 
 
 def read_certificates(path: Path) -> list[Any]:
-    """The certificates in a file: one, or a list of them.
+    """Return the certificates in a file, which has one or a list of them.
 
-    Raises CertificateError if the file is too long, its text no JSON or without a certificate,
-    OSError as opening does.
+    Raises CertificateError if the file is too long, is not JSON or has no certificate, and OSError
+    if it cannot be opened.
     """
     try:
         text = read_text(path, "the file", FILE_BYTES)
     except ValueError as error:
         raise CertificateError(str(error)) from None
     try:
-        data = json.loads(text, parse_constant=_refused, object_pairs_hook=_distinct)
+        data = json.loads(text, parse_constant=_refuse_constant, object_pairs_hook=_distinct_keys)
     except (ValueError, RecursionError) as error:
-        why = one_line(error)[:QUOTED]
-        raise CertificateError(f"the file is no JSON text ({why})") from error
+        reason = one_line(error)[:QUOTED]
+        raise CertificateError(f"the file is not JSON ({reason})") from error
     certificates = data if isinstance(data, list) else [data]
-    if not 0 < len(certificates) <= CERTIFICATES:
-        held = "no certificate" if not certificates else f"more than {CERTIFICATES} certificates"
-        raise CertificateError(f"the file holds {held}")
+    if not 0 < len(certificates) <= MOST_CERTIFICATES:
+        content = (
+            "no certificate" if not certificates else f"more than {MOST_CERTIFICATES} certificates"
+        )
+        raise CertificateError(f"the file holds {content}")
     return certificates
 
 
-def checked(certificate: Any) -> dict[str, str]:
-    """Name and statement of an accepted certificate; raises CertificateError if it is not."""
+def check_one(certificate: Any) -> dict[str, str]:
+    """Return name and statement of a certificate; raise CertificateError if it is not accepted."""
     if not isinstance(certificate, Mapping):
         got = type(certificate).__name__
         raise CertificateError(f"certificate must be an object, got {got} (prove writes one)")
@@ -174,32 +176,36 @@ def checked(certificate: Any) -> dict[str, str]:
     return {"name": name, "statement": statement}
 
 
-def _refused(text: str) -> NoReturn:
-    raise ValueError(f"{text} is no number of JSON")
+def _refuse_constant(text: str) -> NoReturn:
+    raise ValueError(f"{text} is not a JSON number")
 
 
-def _distinct(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    found = dict(pairs)
-    if len(found) != len(pairs):
-        raise ValueError("an object has a key twice")
-    return found
+def _distinct_keys(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    entries = dict(pairs)
+    if len(entries) != len(pairs):
+        raise ValueError("an object has the same key twice")
+    return entries
 
 
-SECONDS, BYTES = 5, 500_000_000
+MOST_SECONDS, MOST_MEMORY = 5, 500_000_000
 
 
-def limited(work: Callable[..., T], *arguments: object) -> T:
-    """What ``work`` returns; its CertificateError, or one that says that it took too much."""
-    call = run_apart(Job(_limited, (work, arguments), memory=BYTES))
+def run_limited(work: Callable[..., T], *arguments: object) -> T:
+    """Return the result of ``work``, run in a process with limits of time and memory.
+
+    Raises CertificateError if ``work`` does or if it exceeds a limit.
+    """
+    call = run_apart(Job(_run_with_cpu_limit, (work, arguments), memory=MOST_MEMORY))
     if isinstance(call.error, CertificateError):
         raise call.error
     if call.error is not None:
-        raise CertificateError(f"it took more than {SECONDS} s or {BYTES // 10**6} MB")
-    found: T = call.value
-    return found
+        limits = f"{MOST_SECONDS} s or {MOST_MEMORY // 10**6} MB"
+        raise CertificateError(f"the check took more than {limits}")
+    result: T = call.value
+    return result
 
 
-def _limited(work: Callable[..., T], arguments: tuple[object, ...]) -> T:
-    os.dup2(os.open(os.devnull, os.O_WRONLY), 2)  # where FLINT says that memory is short
-    limit_processor(SECONDS)
+def _run_with_cpu_limit(work: Callable[..., T], arguments: tuple[object, ...]) -> T:
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 2)  # hides FLINT's message about low memory
+    limit_processor(MOST_SECONDS)
     return work(*arguments)

@@ -1,6 +1,6 @@
 """The commands and their options: one tree, declared with click.
 
-Nothing of the rooms is imported before a command runs, so help and completion answer at once.
+No room is imported before a command runs, so that help and completion answer at once.
 """
 
 import json
@@ -27,50 +27,50 @@ from longwave.support.command_line import (
 )
 
 COMPLETION = "_LONGWAVE_COMPLETE"
-"""The environment variable by which a shell asks for completions."""
+"""Environment variable with which a shell requests completions."""
 
-KINDS = (
+INVENTORY_KINDS = (
     *("lattices", "waves", "schemes", "scenes", "lattice-scenes", "bench-scenes"),
     *("sweeps", "observables"),
 )
-PICTURES = (
+RUN_PICTURES = (
     *("all", "snapshots", "space_time", "spectra", "errors", "crest"),
     *("sensors", "transmission", "balance", "flux", "modes", "cells", "growth"),
 )
 SWEEP_PICTURES = ("values", "work_precision", "growth_map")
 SHELLS = ("bash", "zsh", "fish")
-ROOMS = Path(__file__).parents[1]
-SWEEPS = ROOMS / "runs" / "sweeps"
-"""Where the shipped sweeps lie."""
+PACKAGE_FOLDER = Path(__file__).parents[1]
+SWEEP_FOLDER = PACKAGE_FOLDER / "runs" / "sweeps"
+"""Folder of the shipped sweeps."""
 
-SCENES = ROOMS / "scenes" / "shipped"
-"""Where the shipped scenes lie."""
+SCENE_FOLDER = PACKAGE_FOLDER / "scenes" / "shipped"
+"""Folder of the shipped scenes."""
 
 
 def scene_names() -> list[str]:
-    """The names of the shipped scenes, found as files: importing the lattice takes seconds."""
-    return sorted(path.stem for path in SCENES.rglob("*.toml"))
+    """Return the names of the shipped scenes from their files; importing the lattice is slow."""
+    return sorted(path.stem for path in SCENE_FOLDER.rglob("*.toml"))
 
 
-def complete_scenes(_: click.Context, __: click.Parameter, begun: str) -> list[CompletionItem]:
-    """Files, where a path or nothing that is shipped has been begun, else the shipped scenes."""
-    return _shipped_or_files(scene_names(), begun)
+def complete_scenes(_: click.Context, __: click.Parameter, prefix: str) -> list[CompletionItem]:
+    """Complete the name of a shipped scene, or a file name for a path or if no name matches."""
+    return _shipped_or_files(scene_names(), prefix)
 
 
-def complete_sweeps(_: click.Context, __: click.Parameter, begun: str) -> list[CompletionItem]:
-    """The same of sweeps."""
-    return _shipped_or_files(sorted(path.stem for path in SWEEPS.glob("*.toml")), begun)
+def complete_sweeps(_: click.Context, __: click.Parameter, prefix: str) -> list[CompletionItem]:
+    """Complete the name of a shipped sweep, or a file name for a path or if no name matches."""
+    return _shipped_or_files(sorted(path.stem for path in SWEEP_FOLDER.glob("*.toml")), prefix)
 
 
-def _shipped_or_files(names: list[str], begun: str) -> list[CompletionItem]:
-    items = [CompletionItem(name) for name in names if name.startswith(begun)]
-    return items if begun and items else [*items, CompletionItem(begun, type="file")]
+def _shipped_or_files(names: list[str], prefix: str) -> list[CompletionItem]:
+    items = [CompletionItem(name) for name in names if name.startswith(prefix)]
+    return items if prefix and items else [*items, CompletionItem(prefix, type="file")]
 
 
 def _completion(context: click.Context, _: click.Parameter, shell: str | None) -> None:
-    found = get_completion_class(shell) if shell else None
-    if found is not None and not context.resilient_parsing:
-        click.echo(found(longwave, {}, "longwave", COMPLETION).source())
+    shell_class = get_completion_class(shell) if shell else None
+    if shell_class is not None and not context.resilient_parsing:
+        click.echo(shell_class(longwave, {}, "longwave", COMPLETION).source())
         context.exit()
 
 
@@ -103,10 +103,12 @@ for command in (derive, prove, library, check, verify):
 @longwave.command(epilog=example("longwave fit force.csv --output chain.toml --plot fit.png"))
 @click.argument("points", metavar="FILE.csv...", nargs=-1, required=True, type=click.Path())
 @click.option("--scene", metavar="SCENE", help="Fit this chain on a bench to its sensors' records.")
-@click.option("--free", metavar="NAME,...", help="Its constants, losses.site, losses.bond.")
-@click.option("--law", metavar="FORMULA", help="In the stretch x and constants; hertz, or table.")
-@click.option("--fix", "fixed", multiple=True, metavar="NAME=VALUE,...", help="Not to be fitted.")
-@click.option("--units", metavar="LENGTH,FORCE", help="Of the columns, as mm,N; made m and N.")
+@click.option("--free", metavar="NAME,...", help="Constants or losses.site, losses.bond to fit.")
+@click.option("--law", metavar="FORMULA", help="Force in the stretch x, or hertz, or table.")
+@click.option(
+    "--fix", "fixed", multiple=True, metavar="NAME=VALUE,...", help="Constants not fitted."
+)
+@click.option("--units", metavar="LENGTH,FORCE", help="Units of the columns, as mm,N.")
 @path_option("--output", "LATTICE.toml", "Write the lattice, its constants and covariance.")
 @path_option("--plot", "FILE", "Draw the law and the residuals: PNG, PDF or SVG.")
 @force_option
@@ -121,28 +123,28 @@ def fit(
 ) -> int:
     """Fit a force law, or a scene to its sensors.
 
-    The file of a law, of measured points, begins with the line stretch,force,deviation; the
-    standard deviations of the forces may be left out. Without --law it is the polynomial K2*x +
-    K3*x**2 + ... with the least AICc. With --scene files are records of its sensors and begin with
-    a line such as time,displacement_0,velocity_7. The lattice that is written goes to `longwave
-    derive`, which gives its coefficients with intervals.
+    For a law, the file has measured points and begins with the line stretch,force,deviation; the
+    standard deviations of the forces may be left out. Without --law the polynomial K2*x +
+    K3*x**2 + ... with the least AICc is fitted. With --scene, files are records of its sensors and
+    begin with a line such as time,displacement_0,velocity_7. `longwave derive` reads the lattice
+    that is written, and gives its coefficients with intervals.
     """
-    of_laws = {"--law": options["law"], "--units": options["units"], "--plot": options["plot"]}
+    law_options = {"--law": options["law"], "--units": options["units"], "--plot": options["plot"]}
     if (scene is None) != (free is None):
         raise click.UsageError("--scene must be given with --free, got one of them alone")
     if scene is None or free is None:
         if len(points) > 1:
-            raise click.UsageError(f"FILE.csv must be one without --scene, got {len(points)}")
+            raise click.UsageError(f"FILE.csv must be one file without --scene, got {len(points)}")
         from longwave.cli.fit import fit_and_print
 
         return fit_and_print(points[0], fixed=named_values("--fix", fixed), **options)
-    for name, given in {**of_laws, "--fix": fixed}.items():
-        if given:
+    for name, value in {**law_options, "--fix": fixed}.items():
+        if value:
             raise click.UsageError(f"{name} must not be given with --scene, got both")
     from longwave.cli.fit import fit_scene_and_print
 
-    kept = {key: options[key] for key in ("output", "force", "json_wanted")}
-    return fit_scene_and_print(points, scene, free, **kept)
+    outputs = {key: options[key] for key in ("output", "force", "json_wanted")}
+    return fit_scene_and_print(points, scene, free, **outputs)
 
 
 @longwave.command(epilog=example("longwave run rational_2_eps_0.05 --tolerance 1e-3"))
@@ -151,20 +153,19 @@ def fit(
     "--tolerance",
     type=float,
     metavar="X",
-    help="Sup error of y/eps to be kept; step and domain are then chosen by the program.",
+    help="Allowed sup error of y/eps; the program then chooses step and domain.",
 )
 @click.option(
     "--engine",
     metavar="E",
-    help="stencil or spectral, with a tolerance; site by site or on a spectral ring.",
+    help="Method with a tolerance: stencil (site by site) or spectral (spectral ring).",
 )
 @set_option
 @path_option("--output", "FILE.nc", "Write the run as NetCDF-4.")
 @path_option(
     "--store",
     "FOLDER",
-    "Keep the run in this folder; one that is there is not run again, one that was broken off is "
-    "gone on with.",
+    "Save the run in this folder; a run there is not repeated, an interrupted one is resumed.",
 )
 @click.option("--force", is_flag=True, help="Let --output overwrite an older run.")
 @json_option
@@ -173,8 +174,8 @@ def run(scene: str, **options: Any) -> int:
     """Run the lattice from a wave and compare the two.
 
     SCENE is a TOML file or the name of a shipped scene (`longwave list scenes`, `longwave list
-    lattice-scenes`). Or it is the file of a run: its scene is run again, and it is told whether
-    that gave the same bits (exit status 0) or what differs (1).
+    lattice-scenes`). If it is the file of a run, its scene is run again, and the command reports
+    whether all bits are the same (exit status 0) or what differs (1).
     """
     from longwave.cli.scene_command import run_and_print
 
@@ -184,24 +185,24 @@ def run(scene: str, **options: Any) -> int:
 @longwave.command(epilog=example("longwave sweep error_over_k --processes 2 --output errors.nc"))
 @click.argument("sweep", shell_complete=complete_sweeps)
 @set_option
-@click.option("--samples", type=int, metavar="N", help="Run a scene at N draws of its constants.")
-@click.option("--seed", type=int, metavar="N", help="Of the samples (0).")
+@click.option("--samples", type=int, metavar="N", help="Run a scene at N samples of its constants.")
+@click.option("--seed", type=int, metavar="N", help="Seed of the samples (0).")
 @click.option("--processes", type=int, metavar="N", help="Worker processes (all cores).")
 @click.option("--scheduler", metavar="ADDRESS", help="A Dask scheduler, tcp://HOST:PORT, instead.")
-@path_option("--store", "FOLDER", "Keeps the runs (default SWEEP.store).")
-@path_option("--output", "FILE.nc", "The cells' numbers (SWEEP.nc).")
-@click.option("--force", is_flag=True, help="Overwrite what is no result of this sweep, too.")
+@path_option("--store", "FOLDER", "Folder for the runs (default SWEEP.store).")
+@path_option("--output", "FILE.nc", "File for the cells' numbers (default SWEEP.nc).")
+@click.option("--force", is_flag=True, help="Also overwrite a file of another origin.")
 @json_option
 @limit_options
 def sweep(sweep: str, **options: Any) -> int:
     """Run a scene for many values of its fields.
 
-    SWEEP is a TOML file that says which, or the name of a shipped sweep (`longwave list sweeps`).
-    Runs are kept in a folder: the same command goes on where it was stopped. A cell that fails is
+    SWEEP is a TOML file with these values, or the name of a shipped sweep (`longwave list sweeps`).
+    Runs are saved in a folder: repeat an interrupted command to resume it. A cell that fails is
     recorded with its error.
 
-    With --samples SWEEP is a scene, whose lattice file has the covariance of its constants, as
-    `longwave fit` writes it: each observable is then told with its 95 % interval.
+    With --samples, SWEEP is a scene whose lattice file has the covariance of its constants, as
+    `longwave fit` writes it. Each observable is then printed with its 95 % interval.
     """
     from longwave.cli.sweep_command import sweep_and_print
 
@@ -213,18 +214,25 @@ def sweep(sweep: str, **options: Any) -> int:
 @path_option("--output", "FILE", "PNG, PDF or SVG (default SOURCE.png).")
 @set_option
 @click.option(
-    "--kind", type=click.Choice(PICTURES + SWEEP_PICTURES), default="all", help="Which picture."
+    "--kind",
+    type=click.Choice(RUN_PICTURES + SWEEP_PICTURES),
+    default="all",
+    help="Kind of picture.",
 )
-@click.option("--variable", metavar="NAME", default="error", help="Of a sweep: what is drawn.")
+@click.option("--variable", metavar="NAME", default="error", help="For a sweep: what to draw.")
 @click.option(
     "--at",
     metavar="NAME=VALUE,...",
     multiple=True,
     callback=lambda _, __, texts: named_values("--at", texts, "eps=0.1"),
-    help="Of a sweep: draw these cells.",
+    help="For a sweep: draw these cells.",
 )
 @click.option(
-    "--columns", type=int, default=2, show_default=True, help="Width: of a journal, 1 or 2."
+    "--columns",
+    type=int,
+    default=2,
+    show_default=True,
+    help="Width in columns of a journal, 1 or 2.",
 )
 @force_option
 @limit_options
@@ -233,9 +241,9 @@ def plot(source: str, **options: Any) -> int:
 
     SOURCE is a run written by `longwave run SCENE --output run.nc`, a scene's TOML file or the name
     of a shipped scene. The pictures are the snapshots against the wave, the space-time map, the
-    spectra, the error curves and the track of the crest: all that the run holds, or one kind.
-    Of a sweep's file they are a number of its cells over what is swept, curves or heat maps, and
-    the errors against the work.
+    spectra, the error curves and the track of the crest: all that the run has, or one kind.
+    For a sweep's file they are one number of its cells over the swept fields, as curves or heat
+    maps, and the errors against the work.
     """
     from longwave.cli.plot_command import plot_and_print
 
@@ -258,8 +266,8 @@ def animate(
     """Make a film of a run, or of a scene.
 
     SOURCE is a run written by `longwave run SCENE --output run.nc`, whose snapshots are the frames,
-    a scene's TOML file or the name of a shipped scene, which is run for as many as the film has.
-    Lattice and wave are shown in the frame that moves with the sound, with the time and the error.
+    a scene's TOML file or the name of a shipped scene, which is run with a snapshot for each frame.
+    Lattice and wave are shown in the frame moving at the speed of sound, with time and error.
     """
     from longwave.reports.pictures.animation import draw_film
 
@@ -271,8 +279,8 @@ longwave.add_command(report)
 
 @longwave.command(epilog=example("longwave converge toda_soliton --eps 0.2,0.14,0.1,0.07"))
 @click.argument("scene", shell_complete=complete_scenes)
-@click.option("--eps", metavar="E1,E2,...", help="Values of eps; 2, 1.4, 1, 0.7 times the scene's.")
-@click.option("--tolerance", type=float, metavar="X", help="In the place of the scene's.")
+@click.option("--eps", metavar="E1,E2,...", help="Values (2, 1.4, 1, 0.7 times the scene's).")
+@click.option("--tolerance", type=float, metavar="X", help="Replaces the scene's tolerance.")
 @set_option
 @path_option("--output", "FILE", "Draw it: PNG, PDF or SVG.")
 @force_option
@@ -282,8 +290,8 @@ def converge(scene: str, **options: Any) -> int:
     """Run a scene at several eps and fit its rate.
 
     SCENE is a TOML file or the name of a shipped scene with a tolerance (`longwave list
-    lattice-scenes`). Slow times and the compared range of X stay what they are. The error of each
-    run stands beside its own.
+    lattice-scenes`). Slow times and the compared range of X do not change. The table shows each
+    error next to the numerical error of the run itself.
     """
     from longwave.cli.converge import converge_and_draw
 
@@ -296,15 +304,15 @@ def converge(scene: str, **options: Any) -> int:
     type=click.IntRange(0, 65535),
     default=0,
     metavar="N",
-    help="Any free one if not given.",
+    help="Port of the page (default any free one).",
 )
 @click.option("--no-browser", is_flag=True, help="Print the address and open nothing.")
 @limits_of_each(memory="2G", time="10s")
 def explore(port: int, no_browser: bool) -> int:
-    """See lattice against wave in the browser, as you choose them.
+    """Compare lattice and wave in the browser.
 
-    The page is served to this machine alone, until Ctrl-C. The limits are those of each run that is
-    chosen there. It takes the extra `explore`:
+    The page is served to this machine alone, until Ctrl-C. The limits apply to each run that is
+    chosen there. The page requires the extra `explore`:
     pip install 'longwave[explore]'.
     """
     from longwave.explore.explore_server import explore as serve
@@ -313,13 +321,13 @@ def explore(port: int, no_browser: bool) -> int:
 
 
 @longwave.command("list", epilog=example("longwave list waves --json"))
-@click.argument("kind", required=False, type=click.Choice(KINDS), metavar="[KIND]")
+@click.argument("kind", required=False, type=click.Choice(INVENTORY_KINDS), metavar="[KIND]")
 @click.option("--library", is_flag=True, help="Show the published solutions instead.")
 @json_option
 def list_(kind: str | None, library: bool, json_wanted: bool) -> int:
     """Show lattices, waves, schemes, scenes and more.
 
-    KIND is one of these words; without it all are shown.
+    KIND is one of these words; without it, all kinds are shown.
     """
     if library:
         if kind:
@@ -330,11 +338,11 @@ def list_(kind: str | None, library: bool, json_wanted: bool) -> int:
         return 0
     from longwave.cli.inventory import inventory, print_tables
 
-    found = inventory((kind,) if kind else KINDS)
+    records_by_kind = inventory((kind,) if kind else INVENTORY_KINDS)
     if json_wanted:
-        click.echo(json.dumps(found[kind] if kind else found, indent=2))
+        click.echo(json.dumps(records_by_kind[kind] if kind else records_by_kind, indent=2))
     else:
-        print_tables(found)
+        print_tables(records_by_kind)
     return 0
 
 

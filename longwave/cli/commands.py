@@ -1,6 +1,6 @@
-"""The commands of proofs: `prove`, `library`, `check`, and `verify` with what stands below it.
+"""The commands about proofs: `prove`, `library`, `check`, and `verify` with its subcommands.
 
-Nothing of the room is imported before a command runs, so help and completion answer at once.
+No room is imported before a command runs, so that help and completion answer at once.
 """
 
 from collections.abc import Callable
@@ -20,23 +20,23 @@ from longwave.support.command_line import (
 )
 
 METHODS = ("proof", "residual")
-ALGEBRA_SYSTEMS = ("pari", "maxima", "coq")
+EXPORT_SYSTEMS = ("pari", "maxima", "coq")
 
 Wrapped = TypeVar("Wrapped", bound=Callable[..., Any])
 
 
-def complete_waves(_: click.Context, __: click.Parameter, begun: str) -> list[str]:
-    """The closed forms whose names begin like that."""
+def complete_waves(_: click.Context, __: click.Parameter, prefix: str) -> list[str]:
+    """Return the names of closed forms that start with ``prefix``."""
     from longwave.solutions.catalogue import CATALOGUE
 
-    return [name for name in CATALOGUE.names if name.startswith(begun)]
+    return [name for name in CATALOGUE.names if name.startswith(prefix)]
 
 
-def complete_published(_: click.Context, __: click.Parameter, begun: str) -> list[str]:
-    """The statements of the library whose names begin like that."""
+def complete_published(_: click.Context, __: click.Parameter, prefix: str) -> list[str]:
+    """Return the names of published statements that start with ``prefix``."""
     from longwave.verify.published import published
 
-    return [text.name for text in published() if text.name.startswith(begun)]
+    return [text.name for text in published() if text.name.startswith(prefix)]
 
 
 _only = click.option(
@@ -49,7 +49,7 @@ _only = click.option(
 _export = click.option(
     "--export",
     "system",
-    type=click.Choice(ALGEBRA_SYSTEMS),
+    type=click.Choice(EXPORT_SYSTEMS),
     help="Write scripts for this system to --output, no certificates.",
 )
 
@@ -57,8 +57,8 @@ _export = click.option(
 _certificates = path_option("--output", "FILE", "Write the proofs' certificates.")
 
 
-def _deciding(command: Wrapped) -> Wrapped:
-    """The options of a command that decides statements in text."""
+def _decision_options(command: Wrapped) -> Wrapped:
+    """Add the options of a command that decides statements in text."""
     for option in (
         limit_options,
         json_option,
@@ -67,45 +67,47 @@ def _deciding(command: Wrapped) -> Wrapped:
         _certificates,
         click.option("--latex", is_flag=True, help="Print a sentence on each in LaTeX."),
         click.option("--scheduler", metavar="ADDRESS", help="A Dask cluster, tcp://HOST:PORT."),
-        click.option("--limit", type=float, metavar="SECONDS", help="For each (default 60)."),
+        click.option("--limit", type=float, metavar="SECONDS", help="Limit for each (default 60)."),
         click.option("--keep-going", is_flag=True, help="Decide the others if one is unreadable."),
-        path_option("--lines", "FILE.jsonl", "Append each verdict; what it has is not done again."),
+        path_option("--lines", "FILE.jsonl", "Append each verdict; skip those already in it."),
     ):
         command = option(command)
     return command
 
 
 def _refuse_both(*pairs: tuple[object, str, object, str]) -> None:
-    """Raise UsageError for the first two options of which both are given."""
+    """Raise UsageError for the first pair of options that are both given."""
     for one, option, other, name in pairs:
         if one and other:
             raise click.UsageError(f"{option} must not be given with {name}, got both")
 
 
-CHECKS = "--output FILE writes certificates, longwave check FILE repeats them;"
-WRITES = {"--certificate": CHECKS}
+CERTIFICATE_HINT = "--output FILE writes certificates, longwave check FILE repeats them;"
+HINTS = {"--certificate": CERTIFICATE_HINT}
 
 
 @click.command(
     epilog=example('longwave prove --equation "u_t + c*u_x" --solution "u = sin(x - c*t)"')
     + "\n  longwave prove problems.toml --output proofs.json",
-    context_settings={"obj": WRITES | {"--library": "write longwave library;"}},
+    context_settings={"obj": HINTS | {"--library": "write longwave library;"}},
 )
 @click.argument("files", nargs=-1, metavar="[FILE.toml]...", type=click.Path())
-@click.option("--equation", "equations", multiple=True, metavar="TEXT", help="As u_t + u*u_x = 0.")
-@click.option("--solution", "solutions", multiple=True, metavar="TEXT", help="As u = x/t.")
-@click.option("--parameters", metavar="TEXT", help="Domains and names, as k: k>0; m = k**2.")
-@click.option("--domain", metavar="TEXT", help="Of the variables, as t > 0.")
-@click.option("--variables", metavar="NAMES", help="As r,t (default x, y, z, t and n).")
+@click.option(
+    "--equation", "equations", multiple=True, metavar="TEXT", help="Such as u_t + u*u_x = 0."
+)
+@click.option("--solution", "solutions", multiple=True, metavar="TEXT", help="Such as u = x/t.")
+@click.option("--parameters", metavar="TEXT", help="Domains and names, such as k: k>0; m = k**2.")
+@click.option("--domain", metavar="TEXT", help="Domain of the variables, such as t > 0.")
+@click.option("--variables", metavar="NAMES", help="Such as r,t (default x, y, z, t and n).")
 @click.option("--solve", metavar="NAMES", help="For which values of c, b does it hold?")
 @click.option("--weak", is_flag=True, help="As a weak solution, across its jump or corner?")
-@_deciding
+@_decision_options
 def prove(files: tuple[str, ...], **options: Any) -> int:
     """Prove formulas of your own.
 
-    One is stated by --equation and --solution, which may be repeated; others are in a FILE.toml of
-    [[problem]] tables, or on the standard input (-). Closed forms are proved by `longwave verify`,
-    published solutions by `longwave library`.
+    State one with --equation and --solution, which may be repeated, or several as [[problem]]
+    tables in a FILE.toml or on the standard input (-). `longwave verify` proves the shipped closed
+    forms, `longwave library` published solutions.
     """
     for name in files:
         if not name.endswith(".toml") and name != "-":
@@ -119,7 +121,7 @@ def prove(files: tuple[str, ...], **options: Any) -> int:
     if any(stated) and (files or not all(stated)):
         missing = "no --solution" if stated[0] else "no --equation"
         got = f"{files[0]} as well" if files else missing
-        raise click.UsageError(f"--equation must be given with --solution alone, got {got}")
+        raise click.UsageError(f"--equation must be given with --solution and no file, got {got}")
     typed = ("parameters", "domain", "variables", "solve", "weak")
     _refuse_both(
         *((options[name], f"--{name}", files, "a FILE.toml") for name in typed),
@@ -133,14 +135,14 @@ def prove(files: tuple[str, ...], **options: Any) -> int:
 
 @click.command(
     epilog=example("longwave library kdv_one_soliton kdv_soliton_speed"),
-    context_settings={"obj": WRITES},
+    context_settings={"obj": HINTS},
 )
 @click.argument("names", nargs=-1, metavar="[NAME]...", shell_complete=complete_published)
-@_deciding
+@_decision_options
 def library(names: tuple[str, ...], **options: Any) -> int:
-    """Decide the published solutions that come along.
+    """Decide the shipped published solutions.
 
-    NAME is a statement's or an equation's (`longwave list --library`); without any all are decided.
+    NAME is a statement or an equation (`longwave list --library`); without it, all are decided.
     """
     _refuse_both((options["json_wanted"], "--json", options["latex"], "--latex"))
     from longwave.cli.statements import decide_library_and_print
@@ -167,7 +169,7 @@ def check(file: Path, **options: Any) -> int:
     invoke_without_command=True,
     subcommand_metavar="[COMMAND [ARGS]...]",
     epilog=example("longwave verify --only kink --output kink.json"),
-    context_settings={"obj": WRITES},
+    context_settings={"obj": HINTS},
 )
 @_only
 @json_option
@@ -175,24 +177,24 @@ def check(file: Path, **options: Any) -> int:
 @_export
 @force_option
 @click.option("--stable", is_flag=True, help="Prove instead that evaluation form = canonical form.")
-@click.option("--method", type=click.Choice(METHODS), help="A residual is evidence, no proof.")
+@click.option("--method", type=click.Choice(METHODS), help="A residual is evidence, not a proof.")
 @click.option("--digits", metavar="D1,D2,...", help="Increasing precisions of the residual.")
-@click.option("--points", type=int, help="Random points a form for the residual.")
-@click.option("--seed", type=int, help="Seed of the points.")
+@click.option("--points", type=int, help="Random points for each form's residual.")
+@click.option("--seed", type=int, help="Seed of the random points.")
 @limit_options
 def verify(**options: Any) -> int:
     """Prove every closed form, or measure its residual.
 
     Forms are proved for all X and T, all lattice constants and all their parameters; `longwave list
-    waves` shows the names; rational_<j> is there for every order j. The commands below check
-    misprints and proofs by other systems, and measure the evaluation.
+    waves` shows the names; rational_<j> exists for every order j. The commands below refute
+    misprints, repeat proofs by other systems, and measure the evaluation.
     """
     context = click.get_current_context()
     if context.invoked_subcommand is not None:
         for parameter in context.command.params:
             if options.get(str(parameter.name)) not in (None, False, ()):
                 raise click.UsageError(
-                    f"{parameter.opts[0]} must stand behind the command that it is meant for, got "
+                    f"{parameter.opts[0]} must stand after the command to which it applies, got "
                     f"it before {context.invoked_subcommand}"
                 )
         return 0
@@ -203,13 +205,13 @@ def verify(**options: Any) -> int:
 
 @verify.command(epilog=example("longwave verify recheck --only kink"))
 @click.option("--only", multiple=True, metavar="NAME", help="Take this form or statement.")
-@click.option("--limit", type=float, metavar="SECONDS", help="For a system and a proof.")
+@click.option("--limit", type=float, metavar="SECONDS", help="Limit for each system and proof.")
 @json_option
 @limit_options
 def recheck(only: tuple[str, ...], limit: float | None, json_wanted: bool) -> int:
     """Let PARI/GP, Maxima and Coq repeat the proofs.
 
-    Those of all closed forms and of the library, without --only.
+    Without --only, all closed forms and the library are taken.
     """
     from longwave.cli.recheck import print_rechecks
 
@@ -230,7 +232,7 @@ def mutations(only: tuple[str, ...], json_wanted: bool) -> int:
 @verify.command(epilog=example("longwave verify accuracy --only kink --drawn 10"))
 @_only
 @click.option("--jobs", type=int, help="Processes (default all cores).")
-@click.option("--drawn", type=int, help="Random cases a wave.")
+@click.option("--drawn", type=int, help="Random cases for each wave.")
 @json_option
 @limit_options
 def accuracy(only: tuple[str, ...], jobs: int | None, drawn: int | None, json_wanted: bool) -> int:

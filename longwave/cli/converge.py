@@ -1,4 +1,4 @@
-"""``longwave converge SCENE``: a scene at several eps, its errors, their rate, and a picture."""
+"""``longwave converge SCENE``: errors of a scene at several eps, their rate, and a picture."""
 
 from __future__ import annotations
 
@@ -32,13 +32,13 @@ if TYPE_CHECKING:
 def measured_convergence(
     source: str, eps: str | None, tolerance: float | None, changes: Mapping[str, Any]
 ) -> SceneConvergence:
-    """The convergence of the scene that is named."""
+    """Run the named scene at several eps and return the convergence study."""
     from longwave.scenes.convergence import scene_convergence
 
     values: tuple[float, ...] = ()
     if eps is not None:
-        usual = "such as 0.1,0.07,0.05"
-        values = listed("--eps", eps, lambda part: finite("--eps", float(part)), "numbers", usual)
+        example = "such as 0.1,0.07,0.05"
+        values = listed("--eps", eps, lambda part: finite("--eps", float(part)), "numbers", example)
         if "eps" in changes:
             raise ValueError(
                 f"eps must be given once, got --eps {eps} and --set eps={changes['eps']} (leave "
@@ -50,7 +50,7 @@ def measured_convergence(
 
 
 def print_convergence(study: SceneConvergence, json_wanted: bool) -> None:
-    """Print the table and the rate, or one JSON document."""
+    """Print the table of errors and the rate, or one JSON document."""
     if json_wanted:
         print_json(study.data())
         return
@@ -76,10 +76,10 @@ def print_convergence(study: SceneConvergence, json_wanted: bool) -> None:
 
 
 def convergence_figure(study: SceneConvergence) -> ShownFigure:
-    """The errors over eps, both in logarithms, with the runs' own errors and the fitted power."""
+    """Draw errors against eps on logarithmic axes, with the runs' own errors and the fit."""
     eps = np.array([point.eps for point in study.points])
     errors = np.array([point.error for point in study.points])
-    own = np.array([point.discretisation for point in study.points])
+    run_errors = np.array([point.discretisation for point in study.points])
     figure = ShownFigure((WIDTHS[1], 2.8), layout="constrained")
     ax = figure.subplots()
     rate = study.rate.value
@@ -87,19 +87,19 @@ def convergence_figure(study: SceneConvergence) -> ShownFigure:
     theory = "" if study.theory is None else f", theory {study.theory}"
     ax.loglog(eps, power, color=WAVE, linewidth=0.9, label=f"rate {study.rate}{theory}")
     ax.loglog(eps, errors, label="lattice against wave", **BEADS | {"zorder": 3.0})
-    ax.loglog(eps, own, label="own error of the runs", color=OWN, marker="s", linestyle="--")
+    ax.loglog(eps, run_errors, label="own error of the runs", color=OWN, marker="s", linestyle="--")
     ax.set_xlabel(r"$\epsilon$")
     ax.set_ylabel("sup error")
     ax.set_xticks(eps, [f"{value:g}" for value in eps], minor=False)
     ax.set_xticks([], minor=True)
     ax.yaxis.set_minor_formatter(NullFormatter())
     figure.legend(loc="outside lower center")
-    title = textwrap.fill(study.scene.title or study.scene.name, TITLE)
+    title = textwrap.fill(study.scene.title or study.scene.name, TITLE_WIDTH)
     figure.suptitle(title, parse_math=False, fontsize="medium")
     return figure
 
 
-TITLE = 44
+TITLE_WIDTH = 44
 """Characters in a line of a picture's title."""
 
 
@@ -114,7 +114,7 @@ def converge_and_draw(
     force: bool,
     json_wanted: bool,
 ) -> int:
-    """Run, print, and draw if asked; return the exit status: 0, or 130 after Ctrl-C.
+    """Run the study, print it, and draw it if an output is given; return 0, or 130 after Ctrl-C.
 
     Raises ValueError for wrong input.
     """
@@ -127,7 +127,7 @@ def converge_and_draw(
                 save(convergence_figure(study), path)
         print_convergence(study, json_wanted)
     except KeyboardInterrupt:
-        return interrupted(program, "nothing was kept")
+        return interrupted(program, "nothing was saved")
     except MemoryError as error:
         return fail_for_memory(error, "cells")
     return 0

@@ -1,6 +1,6 @@
-"""``longwave fit``: a force law from measured points, or a scene's constants from sensors' records.
+"""``longwave fit``: a force law from measured points, or a scene's constants from sensor records.
 
-What is fitted is printed, written as a lattice, and a law drawn.
+The result is printed and written as a lattice file; a law can be drawn.
 """
 
 from __future__ import annotations
@@ -31,11 +31,11 @@ from longwave.support.console import (
 )
 from longwave.support.user_files import STANDARD_INPUT, on_one_line
 
-TESTED = {ODD: "the term", EVEN: "the term", SMOOTH: "smooth curves to", SERIAL: "neighbours"}
-"""Words for what residuals are tested against, by the kind of the test."""
+TEST_WORDS = {ODD: "the term", EVEN: "the term", SMOOTH: "smooth curves to", SERIAL: "neighbours"}
+"""Words for the alternatives that residuals are tested against, by the kind of test."""
 
-MOST_ACROSS = 6
-"""Constants of which all correlations are told."""
+MOST_CORRELATIONS = 6
+"""Largest number of constants for which the table has columns of correlations."""
 
 
 def fit_and_print(
@@ -49,89 +49,95 @@ def fit_and_print(
     force: bool,
     json_wanted: bool,
 ) -> int:
-    """Fit, print, and write what is asked for; return the exit status 0.
+    """Fit a force law, print it, and write the requested files; return the exit status 0.
 
     Raises ValueError for wrong input.
     """
     check_output(output, "chain.toml", suffixes=(".toml",), force=force, read=(points,))
-    read = (points, output or points)
-    check_output(plot, "fit.png", suffixes=SUFFIXES, force=force, option="--plot", read=read)
-    found = fit_points(read_force(points, units), stated_law(law, fixed))
+    inputs = (points, output or points)
+    check_output(plot, "fit.png", suffixes=SUFFIXES, force=force, option="--plot", read=inputs)
+    fit = fit_points(read_force(points, units), stated_law(law, fixed))
     name = "the standard input" if points == STANDARD_INPUT else on_one_line(Path(points).name)
-    where = f"{found.data.stretch.size} points of {name}{' in m and N' if units else ''}"
+    origin = f"{fit.data.stretch.size} points of {name}{' in m and N' if units else ''}"
     if output is not None:
-        text = lattice_text(found, where)
+        text = lattice_text(fit, origin)
         write_atomically(output, lambda draft: draft.write_text(text, encoding="utf-8"))
     if plot is not None:
         from longwave.reports.pictures.force_picture import force_figure
         from longwave.reports.pictures.style import save, styled
 
         with styled():
-            save(force_figure(found, where), Path(plot))
+            save(force_figure(fit, origin), Path(plot))
     if json_wanted:
-        print_json(fit_data(found))
+        print_json(fit_data(fit))
     else:
-        print_fit(found, where)
+        print_fit(fit, origin)
     return 0
 
 
-def lattice_text(found: ForceFit, where: str) -> str:
-    """The lattice file of a fit, with what it comes from as comments."""
-    told = [f"force law of {where}", *_judgement(found), *_warnings(found)]
-    told.append("masses = [1]: put there what a cell weighs, in quotes")
-    return "\n".join([*(f"# {line}" for line in told), toml_text(found.document())])
+def lattice_text(fit: ForceFit, origin: str) -> str:
+    """Return the text of a fit's lattice file, with its origin and quality as comments."""
+    comments = [f"force law of {origin}", *_quality_lines(fit), *_warnings(fit)]
+    comments.append("masses = [1]: replace 1 by the mass of a cell, in quotes")
+    return "\n".join([*(f"# {line}" for line in comments), toml_text(fit.document())])
 
 
-def fit_data(found: ForceFit) -> dict[str, Any]:
-    """The fit as JSON-ready data."""
+def fit_data(fit: ForceFit) -> dict[str, Any]:
+    """Return the fit as JSON-ready data."""
     return {
-        "law": found.law.text,
-        **_constants_data(found, found.law.free),
-        "points": found.data.stretch.size,
-        "degrees_of_freedom": found.degrees,
-        "noise": float(found.errors[0]) if found.data.deviation is None else None,
-        "chi_squared": found.chi_squared if found.data.deviation is not None else None,
-        "p_value": None if math.isnan(found.p_value) else found.p_value,
-        "smooth_p_value": None if math.isnan(found.smooth_p_value) else found.smooth_p_value,
+        "law": fit.law.text,
+        **_constants_data(fit, fit.law.free),
+        "points": fit.data.stretch.size,
+        "degrees_of_freedom": fit.degrees,
+        "noise": float(fit.errors[0]) if fit.data.deviation is None else None,
+        "chi_squared": fit.chi_squared if fit.data.deviation is not None else None,
+        "p_value": None if math.isnan(fit.p_value) else fit.p_value,
+        "smooth_p_value": None if math.isnan(fit.smooth_p_value) else fit.smooth_p_value,
         "residual_tests": [
             {"kind": test.kind, "seeks": test.seeks, "p_value": test.p_value}
-            for test in found.tests
+            for test in fit.tests
             if not math.isnan(test.p_value)
         ],
-        "aicc": dict(found.evidence),
-        "warnings": _warnings(found),
+        "aicc": dict(fit.evidence),
+        "warnings": _warnings(fit),
     }
 
 
-def _constants_data(found: LeastSquares, names: Sequence[object]) -> dict[str, Any]:
-    values = zip(names, found.values.tolist(), found.deviations.tolist(), strict=True)
+def _constants_data(fit: LeastSquares, names: Sequence[object]) -> dict[str, Any]:
+    values = zip(names, fit.values.tolist(), fit.deviations.tolist(), strict=True)
     return {
-        "constants": {str(name): {"value": v, "deviation": sd} for name, v, sd in values},
-        "covariance": found.covariance.tolist(),
+        "constants": {
+            str(name): {"value": value, "deviation": deviation} for name, value, deviation in values
+        },
+        "covariance": fit.covariance.tolist(),
     }
 
 
-def print_fit(found: ForceFit, where: str) -> None:
+def print_fit(fit: ForceFit, origin: str) -> None:
     """Print the constants and how well the law describes the points."""
-    print_lines(plain_console(), [f"F(x) = {found.law.text}, fitted to {where}"])
-    _print_constants(found, found.law.free)
-    print_lines(plain_console(), [*_evidence(found), *_judgement(found), *_warnings(found)])
+    print_lines(plain_console(), [f"F(x) = {fit.law.text}, fitted to {origin}"])
+    _print_constants(fit, fit.law.free)
+    print_lines(plain_console(), [*_order_lines(fit), *_quality_lines(fit), *_warnings(fit)])
 
 
-def _print_constants(found: LeastSquares, free: Sequence[object]) -> None:
+def _print_constants(fit: LeastSquares, free: Sequence[object]) -> None:
     """Print a table of the constants with intervals and correlations."""
     names = [str(name) for name in free]
-    across = [f"with {name}" for name in names] if 1 < len(names) <= MOST_ACROSS else []
-    table = Table("constant", "value", "95 % interval", *across)
-    rows = zip(names, found.values, found.deviations, found.correlations, strict=True)
+    correlation_headings = (
+        [f"with {name}" for name in names] if 1 < len(names) <= MOST_CORRELATIONS else []
+    )
+    table = Table("constant", "value", "95 % interval", *correlation_headings)
+    rows = zip(names, fit.values, fit.deviations, fit.correlations, strict=True)
     for name, value, deviation, correlations in rows:
-        low, high = (rounded(value + sign * WIDE * deviation, deviation) for sign in (-1, 1))
-        shown = [f"{entry:.2f}" for entry in correlations] if across else []
-        figures = (
+        low, high = (rounded(value + side * WIDE * deviation, deviation) for side in (-1, 1))
+        correlation_cells = (
+            [f"{entry:.2f}" for entry in correlations] if correlation_headings else []
+        )
+        numbers = (
             f"{rounded(value, deviation)} +- {rounded(deviation, deviation)}",
             f"{low} .. {high}",
         )
-        table.add_row(name, *figures, *shown)
+        table.add_row(name, *numbers, *correlation_cells)
     table_console().print(table)
 
 
@@ -149,74 +155,74 @@ def fit_scene_and_print(
     Raises ValueError for wrong input.
     """
     check_output(output, "chain.toml", suffixes=(".toml",), force=force, read=(*records, scene))
-    found = fit_scene(scene, records, [name.strip() for name in free.split(",") if name.strip()])
+    fit = fit_scene(scene, records, [name.strip() for name in free.split(",") if name.strip()])
     names = ", ".join(on_one_line(Path(record).name) for record in records)
-    where = f"{found.residuals.size} readings of {names}"
-    told = [*_judgement_of_scene(found), *_warnings(found)]
+    origin = f"{fit.residuals.size} readings of {names}"
+    quality = [*_scene_quality_lines(fit), *_warnings(fit)]
     if output is not None:
-        values = zip(found.names, found.values, found.deviations, strict=True)
-        lost = [
-            f"{name} = {rounded(value, sd)} +- {rounded(sd, sd)}: belongs into the scene"
+        values = zip(fit.names, fit.values, fit.deviations, strict=True)
+        scene_constants = [
+            f"{name} = {rounded(value, sd)} +- {rounded(sd, sd)}: belongs in the scene"
             for name, value, sd in values
-            if name not in found.document()["constants"]
+            if name not in fit.document()["constants"]
         ]
-        head = [f"# {line}" for line in (f"fitted to {where}", *told, *lost)]
-        text = "\n".join([*head, toml_text(found.document())])
+        comments = [f"# {line}" for line in (f"fitted to {origin}", *quality, *scene_constants)]
+        text = "\n".join([*comments, toml_text(fit.document())])
         write_atomically(output, lambda draft: draft.write_text(text, encoding="utf-8"))
     if json_wanted:
         data = {
-            **_constants_data(found, found.names),
-            "readings": found.residuals.size,
-            "degrees_of_freedom": found.degrees,
-            "noise": found.noise,
-            "chi_squared": found.chi_squared if found.has_deviations else None,
-            "p_value": found.p_value if found.has_deviations else None,
-            "serial_p_value": found.serial_p_value,
-            "warnings": _warnings(found),
+            **_constants_data(fit, fit.names),
+            "readings": fit.residuals.size,
+            "degrees_of_freedom": fit.degrees,
+            "noise": fit.noise,
+            "chi_squared": fit.chi_squared if fit.has_deviations else None,
+            "p_value": fit.p_value if fit.has_deviations else None,
+            "serial_p_value": fit.serial_p_value,
+            "warnings": _warnings(fit),
         }
         print_json(data)
         return 0
-    print_lines(plain_console(), [f"{found.model.scene.name}, fitted to {where}"])
-    _print_constants(found, found.names)
-    print_lines(plain_console(), told)
+    print_lines(plain_console(), [f"{fit.model.scene.name}, fitted to {origin}"])
+    _print_constants(fit, fit.names)
+    print_lines(plain_console(), quality)
     return 0
 
 
-def _judgement_of_scene(found: SceneFit) -> Iterator[str]:
-    yield _size(found, "a reading", found.noise)
-    serial = probability(found.serial_p_value)
+def _scene_quality_lines(fit: SceneFit) -> Iterator[str]:
+    yield _residual_size(fit, "a reading", fit.noise)
+    serial = probability(fit.serial_p_value)
     yield f"residuals against those up to {LAGS} readings later: {serial}"
 
 
-def _evidence(found: ForceFit) -> Iterator[str]:
-    """How the order was chosen, if it was."""
-    if found.evidence:
-        least = min(value for _, value in found.evidence)
-        above = ", ".join(f"{names} {value - least:.1f}" for names, value in found.evidence)
+def _order_lines(fit: ForceFit) -> Iterator[str]:
+    """Yield lines on the choice of the polynomial's order, if there was one."""
+    if fit.evidence:
+        least = min(value for _, value in fit.evidence)
+        above = ", ".join(f"{names} {value - least:.1f}" for names, value in fit.evidence)
         yield f"AICc above the least: {above}; the fewest constants within {AS_GOOD:g} are taken"
-        if found.widening.max() > 1.0:
+        if fit.widening.max() > 1.0:
             yield "the deviations include those of the other laws, weighted by exp(-AICc/2)"
 
 
-def _judgement(found: ForceFit) -> Iterator[str]:
-    yield _size(found, "a point", None if found.has_deviations else float(found.errors[0]))
-    told = [
-        f"{TESTED[test.kind]} {test.seeks}, {probability(test.p_value)}"
-        for test in found.tests
+def _quality_lines(fit: ForceFit) -> Iterator[str]:
+    yield _residual_size(fit, "a point", None if fit.has_deviations else float(fit.errors[0]))
+    tests = [
+        f"{TEST_WORDS[test.kind]} {test.seeks}, {probability(test.p_value)}"
+        for test in fit.tests
         if not math.isnan(test.p_value)
     ]
-    if told:
-        yield f"residuals against {'; '.join(told)}"
+    if tests:
+        yield f"residuals against {'; '.join(tests)}"
 
 
-def _size(found: LeastSquares, point: str, noise: float | None) -> str:
-    """How large residuals are, against what was measured or by themselves."""
-    degrees = f"{found.degrees} degrees of freedom"
+def _residual_size(fit: LeastSquares, point: str, noise: float | None) -> str:
+    """Return a line on the size of the residuals, relative to stated deviations if any."""
+    degrees = f"{fit.degrees} degrees of freedom"
     if noise is not None:
         return f"noise of {point} {noise:.3g}, from the residuals; {degrees}"
-    each, p_value = found.chi_squared / found.degrees, probability(found.p_value)
-    return f"chi^2 {found.chi_squared:.4g} for {degrees}, {each:.3g} each, {p_value}"
+    per_degree, p_value = fit.chi_squared / fit.degrees, probability(fit.p_value)
+    return f"chi^2 {fit.chi_squared:.4g} for {degrees}, {per_degree:.3g} each, {p_value}"
 
 
-def _warnings(found: ForceFit | SceneFit) -> list[str]:
-    return [f"warning: {doubt}" for doubt in found.doubts]
+def _warnings(fit: ForceFit | SceneFit) -> list[str]:
+    return [f"warning: {doubt}" for doubt in fit.doubts]

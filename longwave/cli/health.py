@@ -1,4 +1,4 @@
-"""What `longwave doctor` finds: the parts that longwave works with, and what lacks them costs."""
+"""Checks of `longwave doctor`: the parts that longwave needs, and what each missing one costs."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from longwave.support.compiled.source_digest import installed_version
 
 State = Literal["good", "costs", "broken"]
 
-VECTORS = {"avx512f": 8, "avx2": 4, "sve": 4, "neon": 2, "sse2": 2}
-"""Doubles in a vector by the processor's feature, the widest first."""
+VECTOR_WIDTHS = {"avx512f": 8, "avx2": 4, "sve": 4, "neon": 2, "sse2": 2}
+"""Doubles in a vector register by processor feature, widest first."""
 
 
 @dataclass(frozen=True)
 class Finding:
-    """One part: what was found of it, its state, and what it costs if it is not good."""
+    """Result of one check: part, text found, state, and the cost if the state is not good."""
 
     part: str
     found: str
@@ -30,31 +30,31 @@ class Finding:
     cost: str = ""
 
     def json(self) -> dict[str, Any]:
-        """The finding as plain data."""
+        """Return the finding as plain data."""
         return asdict(self)
 
 
 def examine() -> list[Finding]:
-    """Every finding; looking installs nothing."""
+    """Return all findings. Nothing is installed."""
     python = f"{platform.python_implementation()} {platform.python_version()}, {sys.executable}"
     return [
         Finding("longwave", metadata.version("longwave")),
         Finding("Python", python),
         *_packages(),
         _cores(),
-        _vector(),
-        _kernels(),
+        _vector_width(),
+        _kernel_cache(),
         _latex(),
         *_extras(),
     ]
 
 
 def _packages() -> Iterator[Finding]:
-    """What longwave requires, each with its version."""
+    """Yield the installed versions of longwave's dependencies."""
     for text in metadata.requires("longwave") or ():
         if "extra ==" in text.replace(";", "; "):
             continue
-        name = _name(text)
+        name = _distribution_name(text)
         version = installed_version(name)
         if version is None:
             yield Finding(name, "missing", "broken", f"install it: pip install '{text}'")
@@ -62,21 +62,21 @@ def _packages() -> Iterator[Finding]:
             yield Finding(name, version)
 
 
-def _name(requirement: str) -> str:
-    found = re.match(r"[\w.-]+", requirement)
-    return found[0] if found else requirement
+def _distribution_name(requirement: str) -> str:
+    match = re.match(r"[\w.-]+", requirement)
+    return match[0] if match else requirement
 
 
 def _cores() -> Finding:
     count = usable_cores()
     if count == 1:
-        cost = "long runs and the report, which use two cores and more, take about twice as long"
+        cost = "long runs and the report use several cores; with one they take about twice as long"
         return Finding("cores", "1", "costs", cost)
     return Finding("cores", str(count))
 
 
-def _vector() -> Finding:
-    """The width of the vectors that the lattice's kernels are lowered to (8 doubles are best)."""
+def _vector_width() -> Finding:
+    """Return the width of vectors in the lattice's compiled kernels (8 doubles are best)."""
     from llvmlite import binding  # type: ignore[import-untyped]
 
     try:
@@ -84,17 +84,18 @@ def _vector() -> Finding:
     except RuntimeError:  # LLVM does not know the processor
         features = {}
     name, width = next(
-        ((name, width) for name, width in VECTORS.items() if features.get(name)), ("unknown", 1)
+        ((name, width) for name, width in VECTOR_WIDTHS.items() if features.get(name)),
+        ("unknown", 1),
     )
-    found = f"{width} doubles ({name}), {binding.get_host_cpu_name()}"
+    description = f"{width} doubles ({name}), {binding.get_host_cpu_name()}"
     if width == 8:
-        return Finding("vectors", found)
+        return Finding("vectors", description)
     cost = f"the lattice's kernels take each vector of 8 doubles in {8 // width} parts"
-    return Finding("vectors", found, "costs", cost)
+    return Finding("vectors", description, "costs", cost)
 
 
-def _kernels() -> Finding:
-    """The folder of the compiled kernels, and whether the waves' machine is there already."""
+def _kernel_cache() -> Finding:
+    """Return the folder of compiled kernels, and whether those of the waves are there yet."""
     part = "compiled kernels"
     if os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0"):
         cost = "nothing is compiled, runs take hundreds of times as long: unset NUMBA_DISABLE_JIT"
@@ -106,19 +107,19 @@ def _kernels() -> Finding:
     from longwave.support.compiled.native_code import SUFFIX
 
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)  # that there is no folder, told below
+        warnings.simplefilter("ignore", RuntimeWarning)  # a missing folder is reported below
         cache = cache_folder(machine.__name__)
     folder = cache.path
     if cache.refused:
-        cost = "what it holds is not used: remove it, or set NUMBA_CACHE_DIR to a folder of yours"
+        cost = "its contents are not used: remove it, or set NUMBA_CACHE_DIR to your own folder"
         return Finding(part, cache.refused[0], "costs", cost)
     if folder is None:
-        cost = "every process compiles anew: set NUMBA_CACHE_DIR to a folder that can be written"
-        return Finding(part, "no folder can be written", "costs", cost)
+        cost = "every process compiles again: set NUMBA_CACHE_DIR to a writable folder"
+        return Finding(part, "no writable folder", "costs", cost)
     if not any(folder.glob(f"*{SUFFIX}")):
         cost = "the first run compiles, once"
         return Finding(part, f"none yet in {folder.parent}", "costs", cost)
-    return Finding(part, f"in {folder.parent}, which can be written")
+    return Finding(part, f"in {folder.parent}, writable")
 
 
 def _latex() -> Finding:
@@ -131,8 +132,8 @@ def _latex() -> Finding:
 
 
 def _extras() -> Iterator[Finding]:
-    """What extras bring: the page, and the work on longwave itself."""
-    for package, extra, lacks, other in (
+    """Yield the packages of optional extras: the page, units, tests and documentation."""
+    for package, extra, consequence, alternative in (
         ("pytest", "dev", "the tests cannot be run", ", or make test"),
         ("sphinx", "docs", "the site cannot be built", ", or make docs"),
         ("panel", "explore", "`longwave explore` has no page", ""),
@@ -143,15 +144,18 @@ def _extras() -> Iterator[Finding]:
             yield Finding(package, version)
         else:
             yield Finding(
-                package, "missing", "costs", f"{lacks}: pip install 'longwave[{extra}]'{other}"
+                package,
+                "missing",
+                "costs",
+                f"{consequence}: pip install 'longwave[{extra}]'{alternative}",
             )
 
 
 def print_findings(findings: Iterable[Finding]) -> None:
-    """Print a line for each finding, and one more for what it costs."""
-    shown = list(findings)
-    width = max(len(finding.part) for finding in shown)
-    for finding in shown:
+    """Print a line for each finding, and a second one for its cost."""
+    findings_list = list(findings)
+    width = max(len(finding.part) for finding in findings_list)
+    for finding in findings_list:
         mark = {"good": " ", "costs": "-", "broken": "!"}[finding.state]
         print(f"{mark} {finding.part:{width}}  {finding.found}")
         if finding.cost:

@@ -1,4 +1,4 @@
-"""What there is, as plain data and as tables: lattices, waves, schemes, scenes, observables."""
+"""`longwave list`: lattices, waves, schemes, scenes and more as plain data and as tables."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ if TYPE_CHECKING:
 
 Record = dict[str, Any]
 
-SYMBOLIC = ("lattices", "waves", "lattice-scenes")
-"""What follows from formulas in the sources alone, and takes a second to make."""
+CACHED_KINDS = ("lattices", "waves", "lattice-scenes")
+"""Kinds that depend on the sources alone; computing them takes a second, so they are cached."""
 
 PIPE_WIDTH = 160
-"""Columns of a table where stdout is no terminal."""
+"""Width of a table if stdout is not a terminal."""
 
 
 def inventory(kinds: Iterable[str]) -> dict[str, list[Record]]:
-    """The records of each kind, made of numbers, text and lists alone.
+    """Return the records of each kind as numbers, texts and lists.
 
     >>> [record["name"] for record in inventory(["lattices"])["lattices"]][:3]
     ['fput_strain', 'next_nearest', 'next_nearest_degenerate']
@@ -30,13 +30,13 @@ def inventory(kinds: Iterable[str]) -> dict[str, list[Record]]:
     from longwave.solutions import kept_data
 
     return {
-        kind: kept_data(__name__, kind, made) if kind in SYMBOLIC else made()
-        for kind, made in ((kind, _KINDS[kind].records) for kind in kinds)
+        kind: kept_data(__name__, kind, compute) if kind in CACHED_KINDS else compute()
+        for kind, compute in ((kind, _KINDS[kind].records) for kind in kinds)
     }
 
 
 def lattices() -> list[Record]:
-    """The lattices: name, title, fields, constants and the force of each bond."""
+    """Return the lattices: name, title, fields, constants and the force of each bond."""
     from longwave.derive import LATTICES
 
     return [
@@ -52,7 +52,7 @@ def lattices() -> list[Record]:
 
 
 def waves() -> list[Record]:
-    """The closed forms: name, title, equation, parameters with domains, background, period."""
+    """Return the closed forms: name, title, equation, parameters, background, period, source."""
     from longwave.solutions import CATALOGUE
 
     return [
@@ -74,16 +74,16 @@ def waves() -> list[Record]:
 
 
 def _background(form: ClosedForm, catalogue: Iterable[ClosedForm]) -> str:
-    """The bare wave's name where the background is one of the catalogue, else its formula."""
+    """Return a background as the name of the closed form that it is, or else as a formula."""
     for other in catalogue:
-        is_bare = other.period is not None and other.background == 0  # no other formula is made
+        is_bare = other.period is not None and other.background == 0  # cheap test comes first
         if is_bare and other.expression == form.background:
             return other.name
     return str(form.background)
 
 
 def schemes() -> list[Record]:
-    """The schemes: name, order, forces a step, largest stable step times frequency, source."""
+    """Return the schemes: name, order, forces a step, stable step times frequency, source."""
     from longwave.lattice.schemes import SCHEMES, stability_limit
 
     return [
@@ -99,16 +99,16 @@ def schemes() -> list[Record]:
 
 
 def scenes() -> list[Record]:
-    """The shipped scenes, the paper's first, then the others and the members of families."""
+    """Return the shipped scenes: the paper's, further ones, then members of families."""
     from longwave.scenes.description.named_scenes import (
         load_scene,
         rational_family_scenes,
         shipped_scenes,
     )
 
-    found = [("paper", load_scene(name)) for name in shipped_scenes()]
-    found += [("further", load_scene(name)) for name in shipped_scenes("further")]
-    found += [("family", scene) for scene in rational_family_scenes().values()]
+    origins_and_scenes = [("paper", load_scene(name)) for name in shipped_scenes()]
+    origins_and_scenes += [("further", load_scene(name)) for name in shipped_scenes("further")]
+    origins_and_scenes += [("family", scene) for scene in rational_family_scenes().values()]
     return [
         {
             "name": scene.name,
@@ -124,12 +124,12 @@ def scenes() -> list[Record]:
             "step": None if scene.tolerance else scene.discretisation.step,
             "observables": list(scene.observables),
         }
-        for origin, scene in found
+        for origin, scene in origins_and_scenes
     ]
 
 
 def lattice_scenes() -> list[Record]:
-    """The shipped scenes that name a lattice: lattice, equation, wave, eps, order, times."""
+    """Return the shipped scenes on any lattice: lattice, equation, wave, eps, order, times."""
     from longwave.scenes.description.named_scenes import load_scene, shipped_scenes
     from longwave.scenes.starts.lattice_derivation import equation_of_form
     from longwave.solutions import closed_form
@@ -154,7 +154,7 @@ def lattice_scenes() -> list[Record]:
 
 
 def bench_scenes() -> list[Record]:
-    """The shipped chains on a bench: lattice, cells, times, tolerance."""
+    """Return the shipped chains on a bench: lattice, cells, times, tolerance."""
     from longwave.scenes.description.named_scenes import load_scene, shipped_scenes
 
     return [
@@ -171,7 +171,7 @@ def bench_scenes() -> list[Record]:
 
 
 def sweeps() -> list[Record]:
-    """The shipped sweeps: name, title, base scene, swept fields, number of cells."""
+    """Return the shipped sweeps: name, title, base scene, swept fields, number of cells."""
     from longwave.runs.sweep_file import load_sweep, shipped_sweeps
 
     return [
@@ -188,7 +188,7 @@ def sweeps() -> list[Record]:
 
 
 def observables() -> list[Record]:
-    """The observables: name, what is computed, the arrays that are added to a run."""
+    """Return the observables: name, description, and the arrays that they add to a run."""
     from longwave.scenes.observed.observables import OBSERVABLES
 
     return [
@@ -203,9 +203,9 @@ def observables() -> list[Record]:
 
 
 class _Kind(NamedTuple):
-    """Of one kind of things: their records, the columns of their table, and what stands below.
+    """A kind of entries: its records, the columns of its table, and a note below the table.
 
-    A column has a format of a record, or a function of it.
+    A column is a format string for a record, or a function of it.
     """
 
     records: Callable[[], list[Record]]
@@ -213,19 +213,19 @@ class _Kind(NamedTuple):
     note: str = ""
 
 
-def _own(*names: str) -> dict[str, str]:
-    """Columns of records' entries as they are."""
+def _plain_columns(*names: str) -> dict[str, str]:
+    """Return columns that show entries of a record unchanged."""
     return {name: f"{{{name}}}" for name in names}
 
 
-def _computed(record: Record) -> str:
+def _tolerance_or_step(record: Record) -> str:
     if record["tolerance"] is not None:
         return f"to {record['tolerance']:g}"
     return f"{record['scheme']}, step {record['step']:g}"
 
 
 _KINDS: Mapping[str, _Kind] = {
-    "lattices": _Kind(lattices, _own("name", "title", "fields", "constants", "forces")),
+    "lattices": _Kind(lattices, _plain_columns("name", "title", "fields", "constants", "forces")),
     "waves": _Kind(
         waves,
         {
@@ -236,35 +236,35 @@ _KINDS: Mapping[str, _Kind] = {
             "background": "{background}",
             "period in xi": "{period}",
         },
-        "rational_<j> is there for every order j: to be run up to 12, to be proved up to 99",
+        "rational_<j> exists for every order j: it can be run up to 12 and proved up to 99",
     ),
     "schemes": _Kind(
         schemes,
-        _own("name", "order")
+        _plain_columns("name", "order")
         | {"forces a step": "{forces_a_step}", "stable step x frequency": "{stability_limit:.2f}"}
         | {"from": "{reference}"},
     ),
     "scenes": _Kind(
         scenes,
-        _own("name", "title", "wave")
-        | {"eps": "{eps:g}", "times": "{start:g} to {end:g}", "computed": _computed},
+        _plain_columns("name", "title", "wave")
+        | {"eps": "{eps:g}", "times": "{start:g} to {end:g}", "computed": _tolerance_or_step},
         "a scene of your own is a TOML file: longwave run FILE.toml",
     ),
     "lattice-scenes": _Kind(
         lattice_scenes,
-        _own("name", "title", "lattice", "equation", "wave")
+        _plain_columns("name", "title", "lattice", "equation", "wave")
         | {"eps": "{eps:g}", "order": "{order}", "to": "{tolerance:g}"},
-        "each is derived anew when it is run; longwave converge NAME fits its rate",
+        "longwave converge NAME fits the rate at which the error falls with eps",
     ),
     "bench-scenes": _Kind(
         bench_scenes,
-        _own("name", "title", "lattice")
+        _plain_columns("name", "title", "lattice")
         | {"cells": "{cells}", "until": "{end:g}", "to": "{tolerance:g}"},
         "a chain of your own is a TOML file: longwave run FILE.toml",
     ),
     "sweeps": _Kind(
         sweeps,
-        _own("name", "title", "scene") | {"varied": "{fields}", "cells": "{cells}"},
+        _plain_columns("name", "title", "scene") | {"varied": "{fields}", "cells": "{cells}"},
         "a sweep of your own is a TOML file: longwave sweep FILE.toml",
     ),
     "observables": _Kind(
@@ -278,25 +278,28 @@ _KINDS: Mapping[str, _Kind] = {
 }
 
 
-def print_tables(found: Mapping[str, Iterable[Record]]) -> None:
-    """Print a table of each kind; text is printed as it is."""
+def print_tables(records_by_kind: Mapping[str, Iterable[Record]]) -> None:
+    """Print a table for each kind; texts are printed without markup."""
     console = table_console(PIPE_WIDTH, highlight=False, markup=False, emoji=False)
-    for kind, records in found.items():
+    for kind, records in records_by_kind.items():
         columns, note = _KINDS[kind].columns, _KINDS[kind].note
         headings = [Column(name, no_wrap=name == "name") for name in columns]
         table = Table(*headings, title=kind, title_justify="left")
         for record in records:
-            cells = {name: _text(value) for name, value in record.items()}
+            cells = {name: _cell_text(value) for name, value in record.items()}
             table.add_row(
-                *(c.format(**cells) if isinstance(c, str) else c(record) for c in columns.values())
+                *(
+                    column.format(**cells) if isinstance(column, str) else column(record)
+                    for column in columns.values()
+                )
             )
         console.print(table)
         if note:
             console.print(note, soft_wrap=True)
 
 
-def _text(value: Any) -> Any:
-    """What a cell shows of an entry: a list with commas, nothing for None."""
+def _cell_text(value: Any) -> Any:
+    """Return the text of an entry in a table: a list with commas, an empty text for None."""
     if isinstance(value, list):
         return ", ".join(map(str, value))
     return "" if value is None else value

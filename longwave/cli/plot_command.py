@@ -1,4 +1,4 @@
-"""``longwave plot``: check where the picture goes before anything of it is imported."""
+"""``longwave plot``: check the output file before importing the drawing modules."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``longwave verify recheck``: other systems repeat the proofs of catalogue and library."""
+"""``longwave verify recheck``: other systems repeat the proofs of the catalogue and the library."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from typing import Any
 from rich.markup import escape
 from rich.table import Table
 
-from longwave.cli.statements import decided
+from longwave.cli.statements import decide_statements
 from longwave.support.command_line import check_and_announce
 from longwave.support.console import finished, print_lines, print_results, table_console, tracked
 from longwave.support.processes import Job, LocalWorkers, in_order
@@ -32,20 +32,20 @@ from longwave.verify.proof.export.terms import WrittenProof, premises_in_short
 from longwave.verify.published import chosen
 from longwave.verify.verdict import Outcome
 
-LIMIT = 120.0
-"""Seconds for a system and a proof unless told. Most proofs take Coq 2 s of processor time, most of
-them for the part that all scripts have in common; PARI and Maxima take less than 1 s."""
+DEFAULT_LIMIT = 120.0
+"""Default seconds for each system and proof. Most proofs take Coq 2 s of processor time, mainly for
+the part that all scripts share; PARI and Maxima take less than 1 s."""
 
-PROVING, REPEATING = 0.5, 3.5
-"""About the seconds that a proof takes, and its repetition by all three systems."""
+PROOF_SECONDS, REPETITION_SECONDS = 0.5, 3.5
+"""Approximate seconds for a proof, and for its repetition by all three systems."""
 
 NO_APT = "LONGWAVE_NO_APT"
 MISSING, NO_SCRIPT = "not installed", "no script"
 
 
 @dataclass(frozen=True)
-class Rechecked:
-    """What each system said of a statement, if what holds, and the seconds of all."""
+class Recheck:
+    """Answer of each system to a statement, the premises of its proof, and the seconds in all."""
 
     name: str
     answers: Mapping[str, str]
@@ -53,89 +53,100 @@ class Rechecked:
     seconds: float
 
     def json(self) -> dict[str, Any]:
-        """The answers as plain data."""
+        """Return the answers as plain data."""
         return asdict(self)
 
 
 def print_rechecks(
     names: Sequence[str], limit: float | None, json_wanted: bool, program: str
 ) -> int:
-    """Have all proofs repeated and print the table; the exit status.
+    """Repeat the proofs with other systems and print the table; return the exit status.
 
-    0 if every system that is there accepts every statement, or has no answer; 1 if one rejects;
-    130 after Ctrl-C. Raises ValueError for a name that is none.
+    The status is 0 if no system rejects a statement, 1 if one does, 130 after Ctrl-C. Raises
+    ValueError for an unknown name.
     """
-    seconds = LIMIT if limit is None else limit
+    seconds = DEFAULT_LIMIT if limit is None else limit
     if not 0 < seconds < 1e6:
         raise ValueError(f"--limit must be more than 0 and less than 1e6, got {seconds:g}")
     count = len(names) or len(NAMES) + len(chosen([]))
-    each = PROVING + min(REPEATING, len(SYSTEMS) * seconds) / (os.cpu_count() or 1)
+    seconds_each = PROOF_SECONDS + min(REPETITION_SECONDS, len(SYSTEMS) * seconds) / (
+        os.cpu_count() or 1
+    )
     work = f"the proofs of {count} statements, repeated"
-    check_and_announce(work, count * each, cheaper="name fewer with --only")
+    check_and_announce(work, count * seconds_each, cheaper="name fewer with --only")
     proofs = proofs_of(names)
     install_systems()
-    found, complete = finished(tracked(rechecks(proofs, seconds), len(proofs), "rechecking"))
-    asked = f"{len(proofs)} statements"
-    status = print_results(found, complete, _print, json_wanted, program, asked)
-    return status or int(any(REJECTED in entry.answers.values() for entry in found))
+    results, complete = finished(tracked(rechecks(proofs, seconds), len(proofs), "rechecking"))
+    requested = f"{len(proofs)} statements"
+    status = print_results(results, complete, _print_table, json_wanted, program, requested)
+    return status or int(any(REJECTED in entry.answers.values() for entry in results))
 
 
 def install_systems() -> None:
-    """Install the systems that are missing with apt-get, where root may and nothing forbids it.
+    """Install missing systems with apt-get, if the user is root and the environment allows it.
 
-    What is missing then is said in one line, and marked in the table.
+    Systems that are still missing are named in one line on stderr, and marked in the table.
     """
     packages = [system.package for system in SYSTEMS.values() if not system.is_there]
     if not packages:
         return
     if not os.environ.get(NO_APT) and shutil.which("apt-get") and os.geteuid() == 0:
-        said = f"installing {' '.join(packages)} with apt-get ({NO_APT}=1 forbids)"
-        print(said, file=sys.stderr)
+        notice = f"installing {' '.join(packages)} with apt-get ({NO_APT}=1 forbids)"
+        print(notice, file=sys.stderr)
         settings = {**os.environ, "DEBIAN_FRONTEND": "noninteractive"}
-        for words in ("update", f"install -y --no-install-recommends {' '.join(packages)}"):
-            subprocess.run(["apt-get", "-qq", *words.split()], env=settings, check=False)
+        for arguments in ("update", f"install -y --no-install-recommends {' '.join(packages)}"):
+            subprocess.run(["apt-get", "-qq", *arguments.split()], env=settings, check=False)
     missing = [system.package for system in SYSTEMS.values() if not system.is_there]
     if missing:
         print(f"not installed: {', '.join(missing)} (install these packages)", file=sys.stderr)
 
 
 Proofs = list[tuple[str, Sequence[Mapping[str, Any]]]]
-"""Names of statements, and the certificates of each."""
+"""Names of statements, each with its certificates."""
 
 
 def proofs_of(names: Sequence[str] = ()) -> Proofs:
-    """The proofs of these forms and statements of the library; without names all.
+    """Return the proofs of these forms and library statements; without names, of all.
 
-    Raises ValueError for a name that is of neither.
+    Raises ValueError for an unknown name.
     """
     verdicts = [prove_named(name) for name in NAMES if not names or name in names]
-    found: Proofs = [(v.name, [v.certificate]) for v in verdicts if v.certificate is not None]
-    rest = [name for name in names if name not in NAMES]
-    if rest or not names:
-        problems = [text.problem() for text in chosen(rest, NAMES)]
-        stated = [p for p in problems if p.expect in ("", Outcome.PROVED)]
-        for place, verdict in sorted(decided(stated), key=lambda pair: pair[0]):
+    proofs: Proofs = [
+        (verdict.name, [verdict.certificate])
+        for verdict in verdicts
+        if verdict.certificate is not None
+    ]
+    other_names = [name for name in names if name not in NAMES]
+    if other_names or not names:
+        problems = [text.problem() for text in chosen(other_names, NAMES)]
+        expected = [problem for problem in problems if problem.expect in ("", Outcome.PROVED)]
+        for index, verdict in sorted(decide_statements(expected), key=lambda pair: pair[0]):
             if verdict.outcome is Outcome.PROVED:
-                found.append((stated[place].statement.name, verdict.certificates))
-    return found
+                proofs.append((expected[index].statement.name, verdict.certificates))
+    return proofs
 
 
-def rechecks(proofs: Proofs, limit: float) -> Iterator[Rechecked]:
-    """What each system says of each statement, on all cores, in the order of the proofs."""
+def rechecks(proofs: Proofs, limit: float) -> Iterator[Recheck]:
+    """Yield the answers of all systems to each statement, in order, using all cores."""
     jobs = (Job(_recheck, (name, parts, limit)) for name, parts in proofs)
     return in_order(jobs, LocalWorkers(os.cpu_count() or 1, isolated=True))
 
 
-def _recheck(name: str, certificates: Sequence[Mapping[str, Any]], limit: float) -> Rechecked:
+def _recheck(name: str, certificates: Sequence[Mapping[str, Any]], limit: float) -> Recheck:
     try:
         proofs = [written_out(certificate) for certificate in certificates]
     except CertificateError:
-        return Rechecked(name, dict.fromkeys(SYSTEMS, NO_SCRIPT), [], 0.0)
-    found = {system: _answers(proofs, system, limit) for system in SYSTEMS}
-    worst = {system: worst_of([word for word, _ in said]) for system, said in found.items()}
+        return Recheck(name, dict.fromkeys(SYSTEMS, NO_SCRIPT), [], 0.0)
+    answers = {system: _answers(proofs, system, limit) for system in SYSTEMS}
+    worst = {
+        system: worst_of([outcome for outcome, _ in answer_seconds])
+        for system, answer_seconds in answers.items()
+    }
     premises = list(dict.fromkeys(words for proof in proofs for words in proof.conditions))
-    seconds = sum(taken for said in found.values() for _, taken in said)
-    return Rechecked(name, worst, premises, seconds)
+    seconds = sum(
+        seconds_taken for answer_seconds in answers.values() for _, seconds_taken in answer_seconds
+    )
+    return Recheck(name, worst, premises, seconds)
 
 
 def _answers(proofs: Sequence[WrittenProof], system: str, limit: float) -> list[tuple[str, float]]:
@@ -144,36 +155,36 @@ def _answers(proofs: Sequence[WrittenProof], system: str, limit: float) -> list[
     return [answer(SYSTEMS[system].write(proof), system, limit) for proof in proofs]
 
 
-def worst_of(words: Sequence[str]) -> str:
-    """One word for all parts of a statement: accepted only if each of them is."""
-    if REJECTED in words:
+def worst_of(outcomes: Sequence[str]) -> str:
+    """Return one outcome for all parts of a statement: accepted only if every part is."""
+    if REJECTED in outcomes:
         return REJECTED
-    others = [word for word in words if word != ACCEPTED]
-    return [*others, ACCEPTED][0] if words else NO_ANSWER
+    others = [outcome for outcome in outcomes if outcome != ACCEPTED]
+    return [*others, ACCEPTED][0] if outcomes else NO_ANSWER
 
 
-def _print(found: Sequence[Rechecked]) -> None:
-    """One row a statement: its name, each system's word, if what holds, seconds."""
+def _print_table(results: Sequence[Recheck]) -> None:
+    """Print one row for each statement: name, answers, premises, seconds."""
     table = Table(title="The proofs, repeated by other systems")
     table.add_column("statement", no_wrap=True)
     for system in SYSTEMS.values():
         table.add_column(system.title, no_wrap=True)
     table.add_column("if")
     table.add_column("seconds", justify="right")
-    for entry in found:
+    for entry in results:
         premises = escape(premises_in_short(entry.premises))
         table.add_row(entry.name, *entry.answers.values(), premises, f"{entry.seconds:.1f}")
     console = table_console()
     console.print(table)
-    print_lines(console, [_summary(found)])
+    print_lines(console, [_summary(results)])
 
 
-def _summary(found: Sequence[Rechecked]) -> str:
+def _summary(results: Sequence[Recheck]) -> str:
     parts = []
     for name, system in SYSTEMS.items():
-        counts = Counter(entry.answers[name] for entry in found)
-        words = ", ".join(f"{count} {word}" for word, count in counts.items())
-        parts.append(f"{system.title}: {words}")
-    if any(ACCEPTED in entry.answers.values() for entry in found):
+        counts = Counter(entry.answers[name] for entry in results)
+        counts_text = ", ".join(f"{count} {word}" for word, count in counts.items())
+        parts.append(f"{system.title}: {counts_text}")
+    if any(ACCEPTED in entry.answers.values() for entry in results):
         parts.append("accepted means proved if the premises hold (--json has all of them)")
-    return f"{len(found)} statements; {'; '.join(parts)}"
+    return f"{len(results)} statements; {'; '.join(parts)}"

@@ -1,4 +1,4 @@
-"""``longwave run``: run a scene and print its errors, or the one in a run's file, and compare."""
+"""``longwave run``: run a scene and print its errors, or repeat the run in a file and compare."""
 
 from __future__ import annotations
 
@@ -47,74 +47,73 @@ def run_and_print(
     force: bool = False,
     json_wanted: bool = False,
 ) -> int:
-    """Run one scene, or the scene in a run's file again; print errors and cost, write it if asked.
+    """Run a scene, or repeat the run in a file; print errors and cost; return the exit status.
 
-    ``tolerance``, ``engine`` and the fields in ``changes`` stand in the place of the scene's; the
-    run is written to ``output`` and kept in the ``store``.
+    ``tolerance``, ``engine`` and the fields in ``changes`` replace those of the scene. The run is
+    written to ``output`` and saved in ``store``, if given. A run expected to take more than 5 s is
+    announced.
 
-    Exit status 0, 1 if the run blew up, could not be written or has other bits than in its file, 2
-    for bad input, told in one line, and 130 after Ctrl-C, which ``program`` tells: what was
-    recorded until then is printed and written, too. More than 5 s are announced.
+    The status is 0; 1 if the run blew up, could not be written, or differs from the one in the
+    file; 2 for bad input, with a message in one line; 130 after Ctrl-C. In the last case the
+    snapshots so far are printed and written.
     """
-    kept = None
+    stored_run = None
     try:
         check_run_output(output, force)
         if names_a_run(source):
-            said = ", ".join(f"{field}={value}" for field, value in (changes or {}).items())
-            given = {"tolerance": tolerance, "engine": engine, "set": said, "store": store}
-            kept = _finished_run(source, given)
-            scene = scene_of_run(kept)
+            typed = ", ".join(f"{field}={value}" for field, value in (changes or {}).items())
+            options = {"tolerance": tolerance, "engine": engine, "set": typed, "store": store}
+            stored_run = _load_finished(source, options)
+            scene = scene_of_run(stored_run)
         else:
             scene = changed_scene(source, changes or {}, tolerance, engine)
     except (ValueError, OSError) as error:
         return fail(error)
     checkpoint = OutputCheckpoint(output, store)
     try:
-        wanted = "" if scene.tolerance is None else f" to {scene.tolerance:g}"
-        work = f"{scene.name}{wanted}" if kept is None else f"{source} again"
-        with checkpoint.kept(scene):
+        tolerance_text = "" if scene.tolerance is None else f" to {scene.tolerance:g}"
+        work = f"{scene.name}{tolerance_text}" if stored_run is None else f"{source} again"
+        with checkpoint.checkpointed(scene):
             run = _run_with_bar(scene, store, work)
     except KeyboardInterrupt as stop:
-        if kept is not None:
-            return interrupted(program, checkpoint.left(f"{source} is as it was"))
+        if stored_run is not None:
+            return interrupted(program, checkpoint.interrupt_message(f"{source} is unchanged"))
         if not isinstance(stop, UnfinishedRun):
-            return interrupted(program, checkpoint.left("nothing was recorded yet"))
-        where = _keep_unfinished(stop.record, scene, output, force, json_wanted)
-        count = f"{len(stop.record.reached)} snapshots are kept{where}"
-        return interrupted(program, checkpoint.left(count, written=bool(where)))
+            return interrupted(program, checkpoint.interrupt_message("nothing was recorded yet"))
+        location = _save_unfinished(stop.record, scene, output, force, json_wanted)
+        count = f"{len(stop.record.reached)} snapshots are kept{location}"
+        return interrupted(program, checkpoint.interrupt_message(count, bool(location)))
     except (ValueError, OSError) as error:
         return fail_or_save_elsewhere(error)
     except MemoryError as error:
         return fail_for_memory(error)
     status = checkpoint.settle(lambda: run.dataset, force)
-    if kept is not None:
-        differs = _compare_and_print(source, kept, run.dataset, json_wanted)
+    if stored_run is not None:
+        differs = _compare_and_print(source, stored_run, run.dataset, json_wanted)
         return status or differs
     _print_run(run, scene, json_wanted)
     return status or int(bool(run.attrs["blow_up"]))
 
 
-def _keep_unfinished(
+def _save_unfinished(
     record: RunRecord, scene: Scene, output: str | None, force: bool, json_wanted: bool
 ) -> str:
-    """Write what was recorded, if that is asked for, and print it; in words where it is kept."""
+    """Print an interrupted run, write it if an output is given, and return " in OUTPUT" or ""."""
     with keeping():
         is_written = output is not None and not save_anywhere(record.dataset, output, force)
         _print_run(record, scene, json_wanted)
     return f" in {output}" if is_written else ""
 
 
-def _finished_run(source: str, changed: Mapping[str, object]) -> xr.Dataset:
-    """The run in the file; ValueError for options that a repetition cannot have."""
-    for name, given in changed.items():
-        if given not in (None, ""):
-            raise ValueError(
-                f"--{name} must not be given with a run, got {given} (it is run as it was)"
-            )
+def _load_finished(source: str, options: Mapping[str, object]) -> xr.Dataset:
+    """Load a run to repeat; raise ValueError if it is unfinished or if options would change it."""
+    for name, value in options.items():
+        if value not in (None, ""):
+            raise ValueError(f"--{name} must not be given with a run, got {value} (leave it out)")
     run = load_run(source)
     if "unfinished" in run.attrs:
         raise ValueError(
-            f"run must have come to its end to be repeated, got {source}, unfinished: "
+            f"run must be finished to be repeated, got {source}, unfinished: "
             f"{run.attrs['unfinished']} (run its scene)"
         )
     if fault := strain_fault(run):
@@ -122,21 +121,25 @@ def _finished_run(source: str, changed: Mapping[str, object]) -> xr.Dataset:
     return run
 
 
-def _compare_and_print(source: str, kept: xr.Dataset, made: xr.Dataset, json_wanted: bool) -> int:
-    """Tell what differs in a run that was made again; 1 if its bits do."""
+def _compare_and_print(
+    source: str, stored_run: xr.Dataset, repeated_run: xr.Dataset, json_wanted: bool
+) -> int:
+    """Print the differences between a run and its repetition; return 1 if their bits differ."""
     from longwave.runs.repeated_run import compare_runs
 
-    found = compare_runs(kept, made)
-    first, *further = found.lines()
+    comparison = compare_runs(stored_run, repeated_run)
+    first, *other_lines = comparison.lines()
     if json_wanted:
-        print_json({"run": source, "same_bits": found.is_same, "differences": [first, *further]})
+        print_json(
+            {"run": source, "same_bits": comparison.is_same, "differences": [first, *other_lines]}
+        )
     else:
-        print_lines(plain_console(), [f"{source}: {first}", *further])
-    return 0 if found.is_same else 1
+        print_lines(plain_console(), [f"{source}: {first}", *other_lines])
+    return 0 if comparison.is_same else 1
 
 
 def _run_with_bar(scene: Scene, store: str | None, work: str) -> RunRecord:
-    """Run a scene, or find its run in the store, with a bar where there is a terminal."""
+    """Run a scene, or load its run from the store, with a progress bar in a terminal."""
     with progress_bar(scene.name, work) as bar:
         if store is None:
             return record_scene(scene, *bar)
@@ -164,11 +167,11 @@ COLUMNS = {
     "work": "work",
     "heat": "heat",
 }
-"""The columns of a run's table, of the variables that it has; errors are told in a unit."""
+"""Headings of a run's table by variable; ``unit`` is the unit of its errors."""
 
 
 MOST_SENSORS = 8
-"""Sensors of which is told what they read."""
+"""Number of sensors whose readings are printed."""
 
 
 def _print_run(run: RunRecord, scene: Scene, json_wanted: bool) -> None:
@@ -179,11 +182,15 @@ def _print_run(run: RunRecord, scene: Scene, json_wanted: bool) -> None:
 
 
 def run_data(run: RunRecord, scene: Scene) -> dict[str, Any]:
-    """What is told of a run as tables, numbers and texts; arrays over sites are in its file."""
+    """Return a run as JSON-ready data; arrays over sites are only in its file."""
     numbers = {
-        name: {"values": values, "units": told.get("units", ""), "what": told.get("long_name", "")}
-        for name, (over, values, told) in run.variables.items()
-        if over in (("time",), ("time", "sensor"), ("sensor",))
+        name: {
+            "values": values,
+            "units": attrs.get("units", ""),
+            "what": attrs.get("long_name", ""),
+        }
+        for name, (dims, values, attrs) in run.variables.items()
+        if dims in (("time",), ("time", "sensor"), ("sensor",))
     }
     return {
         "name": scene.name,
@@ -195,112 +202,117 @@ def run_data(run: RunRecord, scene: Scene) -> dict[str, Any]:
 
 
 def print_summary(run: RunRecord, scene: Scene, console: Console) -> None:
-    """Print a run's errors, what was derived, its cost, what can be trusted of it, and a blow-up if
-    there was one."""
+    """Print a run: errors over time, equation, cost, reliability, and a blow-up if any."""
     unit = error_unit(run.attrs.get("power", 1))
-    held = {name for name, (over, _, _) in run.variables.items() if over == ("time",)}
-    columns = {name: t.format(unit=unit) for name, t in COLUMNS.items() if name in held}
+    over_time = {name for name, (dims, _, _) in run.variables.items() if dims == ("time",)}
+    columns = {
+        name: template.format(unit=unit) for name, template in COLUMNS.items() if name in over_time
+    }
     print_lines(console, [scene.title or scene.name])
     if columns:
         table = Table("t", *columns.values())
-        for t, *row in zip(run.reached, *map(run.values, columns), strict=True):
-            if scene.bench and t not in scene.snapshots:
+        for template, *row in zip(run.reached, *map(run.values, columns), strict=True):
+            if scene.bench and template not in scene.snapshots:
                 continue
-            table.add_row(f"{t:g}", *(f"{value:.3g}" for value in row))
+            table.add_row(f"{template:g}", *(f"{value:.3g}" for value in row))
         console.print(table)
     print_lines(console, summary_lines(run, scene))
 
 
 def summary_lines(run: RunRecord, scene: Scene) -> Iterator[str]:
-    """The lines below the table."""
-    told = run.attrs
-    if "equation" in told:
-        yield f"{scene.lattice}, eps = {scene.eps:g}, {scene.order} order; {told['equation']}"
-    if "verdict" in told:
-        yield str(told["verdict"])
-    yield _cost(told)
+    """Yield the lines below the table."""
+    attrs = run.attrs
+    if "equation" in attrs:
+        yield f"{scene.lattice}, eps = {scene.eps:g}, {scene.order} order; {attrs['equation']}"
+    if "verdict" in attrs:
+        yield str(attrs["verdict"])
+    yield _cost_line(attrs)
     if "peak" in run.variables:
-        yield from _pulse(run)
+        yield from _disorder_lines(run)
     for name in run.variables:
         if name.startswith("sensor_") and not name.endswith(OF_MEANS):
-            yield from _readings(run, name)
-    if "trust_rate" in told:
-        yield _trust(told, scene)
-    if "unfinished" in told:
-        yield f"unfinished: {told['unfinished']}"
-    if told["blow_up"]:
-        yield f"{told['blow_up']}; {len(run.reached)} snapshots before it are kept"
+            yield from _reading_lines(run, name)
+    if "trust_rate" in attrs:
+        yield _background_line(attrs, scene)
+    if "unfinished" in attrs:
+        yield f"unfinished: {attrs['unfinished']}"
+    if attrs["blow_up"]:
+        yield f"{attrs['blow_up']}; {len(run.reached)} snapshots before it are kept"
 
 
-def _pulse(run: RunRecord) -> Iterator[str]:
-    """What disorder left of a wave."""
+def _disorder_lines(run: RunRecord) -> Iterator[str]:
+    """Yield lines on how disorder changed a wave: force, energy, delay."""
     peak, energy, delay = (
         f"{run.values(name)[-1]:.4g} +- {run.values(name + '_error')[-1]:.1g}"
         for name in ("peak", "energy", "delay")
     )
     unknown = np.isnan(run.values("energy")[-1])
-    held = "" if unknown else f" and energy {energy}"
-    yield f"at the end: largest force {peak}{held} of the start's, {delay} sites late"
+    energy_text = "" if unknown else f" and energy {energy}"
+    yield f"at the end: largest force {peak}{energy_text} of the start's, {delay} sites late"
     if unknown:
-        yield "no energy is told: the lattice has none, or the wave goes on beyond half_width"
+        yield "energy: not measured; the lattice has none, or the wave extends beyond half_width"
     if "effective_speed" in run.attrs:
         yield f"very long waves: {run.attrs['effective_speed']:.6g} of the ordered lattice's speed"
 
 
-def _readings(run: RunRecord, name: str) -> Iterator[str]:
-    """The largest values that the first sensors read, and when."""
-    for place, site in list(enumerate(run.values("sensor")))[:MOST_SENSORS]:
-        values = run.values(name)[:, place].reshape(len(run.reached), -1)
-        when, part = divmod(int(np.argmax(np.abs(values))), values.shape[1])
-        bar = run.variables.get(f"{name}_error")
-        told = "" if bar is None else f" +- {bar[1][when, place].ravel()[part]:.1g}"
-        read = f"{values[when, part]:.6g}{told} at t = {run.reached[when]:g}"
-        yield f"cell {site}: {name.removeprefix('sensor_')} at most {read}"
+def _reading_lines(run: RunRecord, name: str) -> Iterator[str]:
+    """Yield the largest reading of each of the first sensors, and its time."""
+    for index, site in list(enumerate(run.values("sensor")))[:MOST_SENSORS]:
+        values = run.values(name)[:, index].reshape(len(run.reached), -1)
+        time_index, component = divmod(int(np.argmax(np.abs(values))), values.shape[1])
+        errors = run.variables.get(f"{name}_error")
+        uncertainty = (
+            "" if errors is None else f" +- {errors[1][time_index, index].ravel()[component]:.1g}"
+        )
+        reading = (
+            f"{values[time_index, component]:.6g}{uncertainty} at t = {run.reached[time_index]:g}"
+        )
+        yield f"cell {site}: {name.removeprefix('sensor_')} at most {reading}"
 
 
-def _trust(found: Mapping[str, Any], scene: Scene) -> str:
-    """Whether the periodic background is stable, and until when rounding stays small if not."""
-    if found["trust_rate"] == 0.0:
+def _background_line(attrs: Mapping[str, Any], scene: Scene) -> str:
+    """Return a line on the stability of a periodic background and the growth of rounding."""
+    if attrs["trust_rate"] == 0.0:
         return "background: periodic and stable"
-    if math.isnan(found["trust_rate"]):
+    if math.isnan(attrs["trust_rate"]):
         return "background: periodic, its crests too far apart for its stability to be computed"
-    last, allowed = scene.t0 + found["trust_horizon"], scene.tolerance or USUAL_TOLERANCE
-    verdict = "before" if scene.end <= last else "after that, and is not to be trusted there"
+    last, allowed = scene.t0 + attrs["trust_horizon"], scene.tolerance or USUAL_TOLERANCE
+    verdict = "before" if scene.end <= last else "after that, where it is not reliable"
     return (
         f"background: periodic and unstable; the fastest perturbation grows like "
-        f"exp({found['trust_rate']:.3g} t), rounding reaches {allowed:g} eps "
-        f"{found['trust_horizon']:.3g} after t0, at t = {last:.3g}; "
+        f"exp({attrs['trust_rate']:.3g} t), rounding reaches {allowed:g} eps "
+        f"{attrs['trust_horizon']:.3g} after t0, at t = {last:.3g}; "
         f"the scene ends {verdict}"
     )
 
 
-def _cost(cost: Mapping[str, Any]) -> str:
-    """The cost line: what was done, how exact it is, what it took, and what more would take."""
+def _cost_line(attrs: Mapping[str, Any]) -> str:
+    """Return the line on engine, steps, sites, time taken and accuracy."""
     line = (
-        f"{cost['engine']}, {cost['scheme']}: {cost['steps']} steps, {cost['sites']} sites, "
-        f"{cost['force_evaluations']} force evaluations a site, {cost['seconds']:.2f} s"
+        f"{attrs['engine']}, {attrs['scheme']}: {attrs['steps']} steps, {attrs['sites']} sites, "
+        f"{attrs['force_evaluations']} force evaluations a site, {attrs['seconds']:.2f} s"
     )
-    if "runs" in cost:
-        line += f"; means of {cost['runs']} runs"
-    if "step_limit" in cost:
-        line += f" (step limit {cost['step_limit']:.3g})"
-    if "error_estimate" in cost:
-        line += _accuracy(cost)
-    drift = cost.get("energy_drift")
+    if "runs" in attrs:
+        line += f"; means of {attrs['runs']} runs"
+    if "step_limit" in attrs:
+        line += f" (step limit {attrs['step_limit']:.3g})"
+    if "error_estimate" in attrs:
+        line += _accuracy_text(attrs)
+    drift = attrs.get("energy_drift")
     return line if drift is None else f"{line}; energy kept to {drift:.1g}"
 
 
-def _accuracy(cost: Mapping[str, Any]) -> str:
-    """Estimate against tolerance, planning, and the next decade if the tolerance was met."""
+def _accuracy_text(attrs: Mapping[str, Any]) -> str:
+    """Return the error estimate against the tolerance, and the cost of a ten times smaller one."""
     line = (
-        f"; error estimate {cost['error_estimate']:.2g} of {cost['tolerance']:g} allowed, "
-        f"planned in {cost['planning_seconds']:.2f} s"
+        f"; error estimate {attrs['error_estimate']:.2g} of {attrs['tolerance']:g} allowed, "
+        f"planned in {attrs['planning_seconds']:.2f} s"
     )
-    if "next_decade" not in cost:
+    if "next_decade" not in attrs:
         return line
-    dear = cost["next_decade"]
+    factor = attrs["next_decade"]
     return (
         f"{line}; an estimate of "
-        f"{cost['error_estimate'] / 10:.2g} would take {dear:.2g} times as long, "
-        f"{dear * cost['seconds']:.2g} s"
+        f"{attrs['error_estimate'] / 10:.2g} would take {factor:.2g} times as long, "
+        f"{factor * attrs['seconds']:.2g} s"
     )

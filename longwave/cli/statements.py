@@ -1,6 +1,6 @@
-"""Statements in text, decided: a user's own by ``longwave prove``, published ones by ``library``.
+"""Deciding statements given as text, by ``longwave prove`` and ``longwave library``.
 
-Each statement is decided in a process of its own, which ends at a limit of time and of memory.
+Each statement is decided in a separate process with limits of time and memory.
 """
 
 from __future__ import annotations
@@ -58,30 +58,30 @@ from longwave.verify.verdict import Outcome
 if TYPE_CHECKING:
     from distributed import Client
 
-LIMIT = 60.0
-"""Seconds for a statement unless told."""
+DEFAULT_LIMIT = 60.0
+"""Default seconds for a statement."""
 
-LEAST, LONGEST = 0.01, 1e6
+LEAST_LIMIT, MOST_LIMIT = 0.01, 1e6
 
 HINT_SECONDS = 5.0
-"""Longest search for what would hold in the place of a refuted statement."""
+"""Longest search for a true statement close to a refuted one."""
 
-QUIET = 3.0
-"""Seconds after which what is left is announced: how long a proof takes nobody knows before."""
+SECONDS_BEFORE_NOTICE = 3.0
+"""Seconds after which the remaining time is announced; it cannot be estimated in advance."""
 
 READING_SECONDS = 0.012
-"""To read a statement of the library, which has 750 of them."""
+"""Seconds to read one statement, measured on the 750 of the library."""
 
-GRACE = 1.0
-"""Seconds after the limit in which a process may say how far it came."""
+GRACE_SECONDS = 1.0
+"""Seconds after the limit in which a process may still report its last stage."""
 
-MEMORY = 2_000_000_000
-"""Bytes for a statement, beyond what the process has."""
+MOST_MEMORY = 2_000_000_000
+"""Bytes of memory for a statement, beyond those of the idle process."""
 
 MOST_SHOWN = 20
-"""Statements that cannot be read and are shown."""
+"""Largest number of unreadable statements that are printed."""
 
-THE_BEGINNING = "the beginning"
+FIRST_STAGE = "start"
 
 STAGES = {
     "find_witness": "looking for a counterexample",
@@ -89,7 +89,7 @@ STAGES = {
     "check_certificate": "checking the proof",
     "singularities": "looking for poles and branch points",
 }
-"""What the prover is doing, by the functions that do it."""
+"""Descriptions of the prover's steps, by the functions that perform them."""
 
 
 def prove_and_print(
@@ -105,9 +105,9 @@ def prove_and_print(
     weak: bool,
     **options: Any,
 ) -> int:
-    """Decide a statement in texts, or those of problem files; as `decide_and_print`."""
+    """Decide one statement in texts, or those in problem files; see `decide_and_print`."""
 
-    def read() -> Sequence[Reading]:
+    def read() -> Sequence[ProblemOrError]:
         if files:
             return read_problems([text for path in files for text in problem_texts(Path(path))])
         texts = parameters or "", domain or ""
@@ -118,9 +118,9 @@ def prove_and_print(
 
 
 def decide_library_and_print(program: str, names: Sequence[str], **options: Any) -> int:
-    """Decide published solutions, without names all; as `decide_and_print`.
+    """Decide the named published solutions, or all of them; see `decide_and_print`.
 
-    Of all of them without hints at what would hold, which take longer than the verdicts.
+    Without names there are no hints, which take longer than the verdicts.
     """
     hinting = HINT_SECONDS if names else 0.0
     return decide_and_print(
@@ -129,7 +129,7 @@ def decide_library_and_print(program: str, names: Sequence[str], **options: Any)
 
 
 def decide_and_print(
-    read: Callable[[], Sequence[Reading]],
+    read: Callable[[], Sequence[ProblemOrError]],
     program: str,
     *,
     files: Sequence[str] = (),
@@ -144,110 +144,113 @@ def decide_and_print(
     keep_going: bool = False,
     lines: str | None = None,
 ) -> int:
-    """Decide the statements that are ``read``, of ``files`` if of any, and print the verdicts.
+    """Decide the statements that ``read`` returns and print the verdicts; return the exit status.
 
-    Returns 0 if all are proved or as expected, 1 if not, 2 for wrong formulas, which are shown
-    unless ``keep_going`` has the others decided, 130 after Ctrl-C, which ``program`` tells.
-    Verdicts are appended to the file of ``lines`` as they are reached, and those that it has are
-    not decided again. Proofs are written as `ProofFile` does. Raises ValueError and OSError for
-    what else cannot be read or written.
+    The status is 0 if all are proved or as expected, 1 if not, 2 for formulas that cannot be read,
+    130 after Ctrl-C. Unreadable formulas are printed and nothing is decided, unless ``keep_going``
+    is set. Verdicts are appended to the file ``lines`` as they are reached; statements with a
+    verdict there are not decided again. Proofs are written as by `ProofFile`, which never
+    overwrites ``files``. Raises ValueError and OSError for other input or output that cannot be
+    read or written.
     """
     proofs = ProofFile(output, system, force)
     proofs.check(files)
-    seconds = _limit(limit)
-    kept = VerdictLines(lines, seconds, proof_digest)
+    seconds = _checked_limit(limit)
+    stored = VerdictLines(lines, seconds, proof_digest)
     try:
         problems = read()
     except FormulaError as error:
-        return _show_unreadable([error])
+        return _print_unreadable([error])
     unreadable = [problem.error for problem in problems if isinstance(problem, UnreadableProblem)]
     if unreadable and not keep_going:
-        return _show_unreadable(unreadable, len(problems))
-    verdicts = _all_decided(
-        problems, kept, partial(_decided, limit=seconds, hinting=hinting, scheduler=scheduler)
+        return _print_unreadable(unreadable, len(problems))
+    verdicts = _decide_all(
+        problems,
+        stored,
+        partial(_decide_here_or_on_cluster, limit=seconds, hinting=hinting, scheduler=scheduler),
     )
-    found, complete = finished(tracked(verdicts, len(problems), "deciding"))
-    found.sort(key=lambda pair: pair[0])
-    proofs.write([c for _, verdict in found for c in verdict.certificates])
-    decisions = [Decision(problems[place], verdict) for place, verdict in found]
-    show, asked = partial(_print, latex=latex), f"{len(problems)} statements"
-    status = print_results(decisions, complete, show, json_wanted, program, asked)
+    results, complete = finished(tracked(verdicts, len(problems), "deciding"))
+    results.sort(key=lambda pair: pair[0])
+    proofs.write([certificate for _, verdict in results for certificate in verdict.certificates])
+    decisions = [Decision(problems[index], verdict) for index, verdict in results]
+    show, requested = partial(_print_decisions, latex=latex), f"{len(problems)} statements"
+    status = print_results(decisions, complete, show, json_wanted, program, requested)
     return status or int(not all(decision.is_met for decision in decisions))
 
 
-def _show_unreadable(errors: Sequence[FormulaError], of: int = 1) -> int:
-    """Show what cannot be read, each with its place, and what may be done; the exit status."""
+def _print_unreadable(errors: Sequence[FormulaError], total: int = 1) -> int:
+    """Print statements that cannot be read, with each error's position; return the exit status."""
     status = 0
     for error in errors[:MOST_SHOWN]:
         status = fail(error)
         print(error.picture, file=sys.stderr)
-    if of > 1:
-        words = f"{len(errors)} of {of} statements cannot be read"
-        print(f"{words} (mend them; --keep-going decides the others)", file=sys.stderr)
+    if total > 1:
+        summary_text = f"{len(errors)} of {total} statements cannot be read"
+        print(f"{summary_text} (fix them; --keep-going decides the others)", file=sys.stderr)
     return status
 
 
 class Decision(NamedTuple):
-    """A problem with the verdict on it."""
+    """A problem and the verdict on it."""
 
-    problem: Reading
+    problem: ProblemOrError
     verdict: StatementVerdict
 
     @property
     def is_met(self) -> bool:
-        """Whether the verdict is the expected one, or a proof where none is."""
+        """Whether the verdict is the expected one; a proof is expected by default."""
         return self.verdict.outcome == (self.problem.expect or Outcome.PROVED)
 
     def json(self) -> dict[str, Any]:
-        """The verdict as plain data, with what its file says."""
-        told = {"source": self.problem.source, "expect": self.problem.expect}
-        return self.verdict.json() | {name: text for name, text in told.items() if text}
+        """Return the verdict as plain data, with the source and expected verdict of the problem."""
+        labels = {"source": self.problem.source, "expect": self.problem.expect}
+        return self.verdict.json() | {key: label for key, label in labels.items() if label}
 
 
-Reading = StatedProblem | UnreadableProblem
+ProblemOrError = StatedProblem | UnreadableProblem
 
 
-def read_problems(texts: Sequence[ProblemText]) -> list[Reading]:
-    """The statements in the texts, which take a while where they are many."""
+def read_problems(texts: Sequence[ProblemText]) -> list[ProblemOrError]:
+    """Read the statements in the texts; if there are many, announce the time that takes."""
     announce(f"{len(texts)} statements to be read", READING_SECONDS * len(texts))
     return [text.problem_or_error() for text in tracked(texts, len(texts), "reading")]
 
 
-def _all_decided(
-    problems: Sequence[Reading],
-    kept: VerdictLines,
+def _decide_all(
+    problems: Sequence[ProblemOrError],
+    stored: VerdictLines,
     decide: Callable[[Sequence[StatedProblem]], Iterator[tuple[int, StatementVerdict]]],
 ) -> Iterator[tuple[int, StatementVerdict]]:
-    """The verdicts on all problems: on what cannot be read, those that are kept, and the others."""
-    left: list[tuple[int, StatedProblem]] = []
-    for place, problem in enumerate(problems):
+    """Yield index and verdict of each problem: unreadable and stored ones first."""
+    remaining: list[tuple[int, StatedProblem]] = []
+    for index, problem in enumerate(problems):
         if isinstance(problem, UnreadableProblem):
-            told = problem.name, "", "reading", Outcome.UNREADABLE, str(problem.error)
-            yield place, StatementVerdict(*told)
-        elif (verdict := kept.taken(problem.statement)) is not None:
-            yield place, verdict
+            fields = problem.name, "", "reading", Outcome.UNREADABLE, str(problem.error)
+            yield index, StatementVerdict(*fields)
+        elif (verdict := stored.find(problem.statement)) is not None:
+            yield index, verdict
         else:
-            left.append((place, problem))
-    for number, verdict in decide([problem for _, problem in left]):
-        place, problem = left[number]
-        kept.add(problem.statement, verdict)
-        yield place, verdict
+            remaining.append((index, problem))
+    for number, verdict in decide([problem for _, problem in remaining]):
+        index, problem = remaining[number]
+        stored.add(problem.statement, verdict)
+        yield index, verdict
 
 
-def _decided(
+def _decide_here_or_on_cluster(
     problems: Sequence[StatedProblem], limit: float, hinting: float, scheduler: str | None
 ) -> Iterator[tuple[int, StatementVerdict]]:
-    """The verdicts by processes of this machine, or of a cluster."""
+    """Yield index and verdict of each problem, decided on this machine or on a cluster."""
     if scheduler is None:
-        return decided(problems, limit, hinting=hinting, late=_announce_rest)
+        return decide_statements(problems, limit, hinting=hinting, late=_announce_rest)
     workers = DaskWorkers(scheduler, f"{__name__}:{proof_digest.__name__}", check_cluster)
-    return decided(problems, limit, hinting=hinting, workers=workers)
+    return decide_statements(problems, limit, hinting=hinting, workers=workers)
 
 
-def _limit(given: float | None) -> float:
-    limit = LIMIT if given is None else given
-    if not LEAST <= limit <= LONGEST:
-        raise ValueError(f"--limit must be {LEAST} to {LONGEST:g} seconds, got {limit:g}")
+def _checked_limit(requested: float | None) -> float:
+    limit = DEFAULT_LIMIT if requested is None else requested
+    if not LEAST_LIMIT <= limit <= MOST_LIMIT:
+        raise ValueError(f"--limit must be {LEAST_LIMIT} to {MOST_LIMIT:g} seconds, got {limit:g}")
     return limit
 
 
@@ -255,126 +258,125 @@ def _announce_rest(count: int, takes: str) -> None:
     give_notice(f"{count} statement{'' if count == 1 else 's'} to be decided", takes)
 
 
-# processes
-
-
-def decided(
+def decide_statements(
     problems: Sequence[StatedProblem],
-    limit: float = LIMIT,
+    limit: float = DEFAULT_LIMIT,
     hinting: float = HINT_SECONDS,
     late: Callable[[int, str], None] = lambda count, takes: None,
     workers: Workers | None = None,
 ) -> Iterator[tuple[int, StatementVerdict]]:
-    """The verdicts with the places of their problems, as they are reached.
+    """Yield index and verdict of each problem as they are reached.
 
-    Past ``limit`` seconds a statement is undecided, and the reason says how far it came.
-    ``hinting`` seconds at most are spent on what would hold in the place of a refuted one. After
-    `QUIET` seconds ``late`` is told how many statements are left, and what they take: as long as
-    those before them on average, or at most the limit if none is decided.
-    ``workers`` may be those of a cluster.
+    After ``limit`` seconds a statement is undecided, and the reason names the last stage. At most
+    ``hinting`` seconds are spent on a true statement close to a refuted one. After
+    `SECONDS_BEFORE_NOTICE` seconds, ``late`` is called with the number of remaining statements and
+    their expected time: the average so far, or the limit if none is decided. ``workers`` may be
+    those of a cluster.
     """
     workers = workers or LocalWorkers(os.cpu_count() or 1, isolated=True)
-    left, begun, is_told = len(problems), time.monotonic(), False
+    remaining, start, is_announced = len(problems), time.monotonic(), False
 
-    def look(_: object) -> None:
-        nonlocal is_told
-        seconds, done = time.monotonic() - begun, len(problems) - left
-        if is_told or seconds < QUIET:
+    def announce_late(_: object) -> None:
+        nonlocal is_announced
+        seconds, done = time.monotonic() - start, len(problems) - remaining
+        if is_announced or seconds < SECONDS_BEFORE_NOTICE:
             return
-        is_told = True
+        is_announced = True
         if done:
-            late(left, f"about {duration(seconds * left / done)} more")
+            late(remaining, f"about {duration(seconds * remaining / done)} more")
         else:
-            late(left, f"at most {duration(math.ceil(left / workers.count) * limit)} more")
+            late(
+                remaining, f"at most {duration(math.ceil(remaining / workers.count) * limit)} more"
+            )
 
     jobs = (
         Job(
-            _decide,
+            _decide_in_worker,
             (problem.statement, limit, hinting),
             tells=True,
-            seconds=limit + GRACE,
-            memory=MEMORY,
+            seconds=limit + GRACE_SECONDS,
+            memory=MOST_MEMORY,
         )
         for problem in problems
     )
-    for place, call in as_ended(enumerate(jobs), workers, look):
-        left -= 1
-        yield place, _last_word(problems[place].statement, call, limit)
+    for index, call in as_ended(enumerate(jobs), workers, announce_late):
+        remaining -= 1
+        yield index, _verdict_of(problems[index].statement, call, limit)
 
 
-def _last_word(statement: Statement, call: Call, limit: float) -> StatementVerdict:
-    for found in (call.value, call.message):
-        if isinstance(found, StatementVerdict):
-            return found
-    late = isinstance(call.error, OutOfTime)
-    why = f"no verdict within {limit:g} s" if late else str(call.error)
+def _verdict_of(statement: Statement, call: Call, limit: float) -> StatementVerdict:
+    for message in (call.value, call.message):
+        if isinstance(message, StatementVerdict):
+            return message
+    timed_out = isinstance(call.error, OutOfTime)
+    reason = f"no verdict within {limit:g} s" if timed_out else str(call.error)
     if not isinstance(call.error, OutOfTime | LostProcess):
-        why = f"the workers ended before it was decided ({type(call.error).__name__})"
-    stage = call.message or THE_BEGINNING
-    return undecided(statement, f"{why} (it had come to {stage})", limit if late else 0.0)
+        reason = f"the workers ended before it was decided ({type(call.error).__name__})"
+    stage = call.message or FIRST_STAGE
+    return undecided(statement, f"{reason} (last stage: {stage})", limit if timed_out else 0.0)
 
 
 def proof_digest() -> str:
-    """The digest (hexadecimal) of the sources and versions that a verdict follows from."""
+    """Return the hexadecimal digest of the sources and versions that affect a verdict."""
     return source_digest(__name__)
 
 
 def check_cluster(client: Client) -> None:
-    """Raise ValueError if a worker would decide by another code than this process."""
+    """Raise ValueError if a worker runs other code than this process."""
     for worker, digest in client.run(proof_digest).items():
         if digest != proof_digest():
             raise ValueError(
-                "--scheduler must be of workers that prove by the sources and packages of "
-                f"this machine, got other ones on {worker} (install the same there, or start "
-                "it again where sources changed)"
+                "--scheduler must have workers with the sources and packages of this machine, "
+                f"got other ones on {worker} (install the same there, or start again if sources "
+                "changed)"
             )
 
 
-def _decide(
+def _decide_in_worker(
     statement: Statement, limit: float, hinting: float, send: Callable[[object], None]
 ) -> StatementVerdict:
-    """In a process of its own: send stages and the verdict; return the one with a hint."""
-    begun = time.monotonic()
-    stage = [THE_BEGINNING]
+    """Decide a statement in a worker process; send stages and the verdict, then add a hint."""
+    start = time.monotonic()
+    stage = [FIRST_STAGE]
 
-    def tell(words: str) -> None:
-        stage[0] = words
-        send(words)
+    def tell(message: str) -> None:
+        stage[0] = message
+        send(message)
 
     try:
         with time_limit(limit, passing=True):
             verdict = answer(statement, tell)
     except OutOfTime as error:
-        words = f"no verdict within {limit:g} s (it had come to {stage[0]}"
-        verdict = undecided(statement, f"{words}{_doing(error.__traceback__)})", limit)
+        message = f"no verdict within {limit:g} s (last stage: {stage[0]}"
+        verdict = undecided(statement, f"{message}{_current_step(error.__traceback__)})", limit)
     except MemoryError:
-        allowed = min(MEMORY, current_limits().memory_bytes)
+        allowed = min(MOST_MEMORY, current_limits().memory_bytes)
         verdict = undecided(statement, f"no verdict within {allowed / 1e6:.0f} MB of memory")
-    except Exception as error:  # a crash of the prover is no verdict, and not the user's mistake
-        words = f"{type(error).__name__}: {' '.join(str(error).split())}"
-        verdict = undecided(statement, f"the prover failed ({words[:200]})")
-    left = min(limit - (time.monotonic() - begun), hinting)
-    if verdict.outcome is not Outcome.REFUTED or left <= 0 or statement.weak:
+    except Exception as error:  # a crash of the prover is neither a verdict nor a user's mistake
+        message = f"{type(error).__name__}: {' '.join(str(error).split())}"
+        verdict = undecided(statement, f"the prover failed ({message[:200]})")
+    seconds_left = min(limit - (time.monotonic() - start), hinting)
+    if verdict.outcome is not Outcome.REFUTED or seconds_left <= 0 or statement.weak:
         return verdict
     send(verdict)
-    with suppress(OutOfTime, Exception), time_limit(left, passing=True):  # the verdict stays
+    with (
+        suppress(OutOfTime, Exception),
+        time_limit(seconds_left, passing=True),
+    ):  # the verdict stays
         return with_hint(statement, verdict)
     return verdict
 
 
-def _doing(trace: TracebackType | None) -> str:
-    """What the prover was at, from the functions that it was in."""
-    found = ""
+def _current_step(trace: TracebackType | None) -> str:
+    """Return the prover's step at the time of an exception, from the functions in its traceback."""
+    step = ""
     while trace is not None:
-        found = STAGES.get(trace.tb_frame.f_code.co_name, found)
+        step = STAGES.get(trace.tb_frame.f_code.co_name, step)
         trace = trace.tb_next
-    return f", {found}" if found else ""
+    return f", {step}" if step else ""
 
 
-# what is printed
-
-
-def _print(found: Sequence[Decision], latex: bool) -> None:
+def _print_decisions(decisions: Sequence[Decision], latex: bool) -> None:
     if latex:
         sentences = (
             conditional_sentence(verdict)
@@ -382,30 +384,30 @@ def _print(found: Sequence[Decision], latex: bool) -> None:
             else verified_sentence(problem.statement, verdict)
             if isinstance(problem, StatedProblem)
             else f"% {verdict.name}: {verdict.outcome}: {verdict.detail}"
-            for problem, verdict in found
+            for problem, verdict in decisions
         )
         print("\n\n".join(sentences))
         return
     console = table_console()
-    for decision in found:
+    for decision in decisions:
         outcome = decision.verdict.outcome
         console.print(f"[{STYLES[outcome]}]{outcome.value}[/] ", end="", highlight=False)
-        print_lines(console, _lines(decision))
-    if len(found) != 1:
-        print_lines(console, [summary([verdict for _, verdict in found], "statement")])
+        print_lines(console, _decision_lines(decision))
+    if len(decisions) != 1:
+        print_lines(console, [summary([verdict for _, verdict in decisions], "statement")])
 
 
-def _lines(decision: Decision) -> list[str]:
-    """The verdict in words: where it holds or fails, and what else there is to say."""
+def _decision_lines(decision: Decision) -> list[str]:
+    """Return the verdict in words: where it holds or fails, and further remarks."""
     problem, verdict = decision
-    first, *more = [verdict.detail]
+    first, *further = [verdict.detail]
     if isinstance(verdict, ConditionalVerdict):
-        first, *more = verdict.lines()
+        first, *further = verdict.lines()
     elif verdict.outcome is Outcome.PROVED:
         first = verdict.assumptions[0]
     expected = "" if decision.is_met else problem.expect
-    front = f"{verdict.restriction}: " if verdict.restriction else ""
-    lines = [f"{front}{verdict.name}: {first}", *more]
+    prefix = f"{verdict.restriction}: " if verdict.restriction else ""
+    lines = [f"{prefix}{verdict.name}: {first}", *further]
     if verdict.witness:
         lines.append(f"at {verdict.point}")
     lines += verdict.nonsmooth_lines

@@ -1,4 +1,4 @@
-"""``longwave sweep SWEEP.toml``: run its cells, print how they ended, write their numbers."""
+"""``longwave sweep SWEEP.toml``: run its cells, print their statuses, write their numbers."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from longwave.runs.run_file import SWEPT, open_run
 from longwave.runs.run_output import check_run_output, store_messages
 from longwave.runs.run_pack import DONE, NUMBERS
 from longwave.runs.run_store import RunStore
-from longwave.runs.sweep import SweepState, run_shown
+from longwave.runs.sweep import SweepState, run_with_progress
 from longwave.runs.sweep_cost import SweepCost, expected_sweep_cost
 from longwave.runs.sweep_file import Sweep, load_sweep
 from longwave.runs.sweep_scene import changed_scene
@@ -28,7 +28,7 @@ from longwave.support.request_limits import check_request, current_limits, durat
 if TYPE_CHECKING:
     import xarray as xr
 
-    from longwave.runs.sampled_sweep import Observed
+    from longwave.runs.sampled_sweep import ObservedNumber
 
 
 def sweep_and_print(
@@ -45,71 +45,73 @@ def sweep_and_print(
     changes: Mapping[str, Any] | None = None,
     json_wanted: bool = False,
 ) -> int:
-    """Run a sweep, print how its cells ended, and write its data set to ``output``.
+    """Run a sweep, print a summary, and write its data set to ``output``; return the exit status.
 
-    ``changes`` are other values for fields of its scene that do not vary. With ``samples`` the
-    ``source`` is a scene, which is run at so many draws of its measured constants; its observables
-    are printed with their intervals. Runs are kept in the folder ``store``. Exit status 0, 1 if a
-    cell did not come to its end or could not be written, 2 for bad input, told in one line, and 130
-    after Ctrl-C, which ``program`` tells: what was done is in the store then, and the same command
-    goes on with what is missing. More than 5 s are announced, and every 30 s what is left.
+    ``changes`` replace fields of its scene that do not vary. With ``samples``, ``source`` is a
+    scene, which is run at that many samples of its measured constants; its observables are printed
+    with their intervals. Runs are saved in the folder ``store``. More than 5 s are announced, and
+    the time left every 30 s.
+
+    The status is 0; 1 if a cell did not finish or a result could not be written; 2 for bad input,
+    with a message in one line; 130 after Ctrl-C. Finished cells are then in the store, and the same
+    command runs the others.
     """
-    told = SweepState(0)
+    state = SweepState(0)
     try:
         with store_messages():
             check_workers(processes, scheduler)
             check_run_output(output, force=True)
             _check_samples(samples, seed)
             with progress_bar("reading", "reading the sweep"):
-                sweep = _asked(source, samples, seed, changes or {})
-                told.cells = len(sweep)
+                sweep = _load(source, samples, seed, changes or {})
+                state.cells = len(sweep)
                 output = output or f"{sweep.name}.nc"
                 check_run_output(output, force=True)
                 _check_overwriting(sweep, Path(output), force)
-                kept = _store_of(sweep, store, output)
-                held = kept.held()
-                expected = expected_sweep_cost(sweep, kept, held)
+                run_store = _store_for(sweep, store, output)
+                stored_keys = run_store.stored_runs()
+                expected = expected_sweep_cost(sweep, run_store, stored_keys)
             with sweep_workers(processes, scheduler) as workers:
-                told.workers = workers.count
-                _run_with_bar(sweep, kept, workers, told, expected, held)
-            found, seen = _written(sweep, kept, output, samples is not None)
+                state.workers = workers.count
+                _run_with_bar(sweep, run_store, workers, state, expected, stored_keys)
+            dataset, numbers = _write_results(sweep, run_store, output, samples is not None)
     except KeyboardInterrupt:
-        return interrupted(program, _kept(told))
+        return interrupted(program, _saved_text(state))
     except OSError as error:
-        if not told.found + told.done:
+        if not state.stored + state.done:
             return fail(error)
-        fail(f"{error.filename or output}: {error.strerror or error} ({_kept(told)})")
+        fail(f"{error.filename or output}: {error.strerror or error} ({_saved_text(state)})")
         return BROKEN
     except ValueError as error:
         return fail(error)
     if json_wanted:
-        places = {"output": output, "store": str(kept.folder)}
-        print_json(sweep_data(sweep, found, told, seen) | places)
+        paths = {"output": output, "store": str(run_store.folder)}
+        print_json(sweep_data(sweep, dataset, state, numbers) | paths)
     else:
-        lines = [*summary_lines(sweep, found, told), *(one.text() for one in seen)]
-        print_lines(plain_console(), [*lines, f"written: {output}; runs: {kept.folder}"])
-    return 0 if bool((found["status"] == DONE).all()) else 1
+        lines = [*summary_lines(sweep, dataset, state), *(number.text() for number in numbers)]
+        print_lines(plain_console(), [*lines, f"written: {output}; runs: {run_store.folder}"])
+    return 0 if bool((dataset["status"] == DONE).all()) else 1
 
 
-def _store_of(sweep: Sweep, folder: str | None, output: str) -> RunStore:
-    """The store of a sweep's runs, in the ``folder`` or one of its own."""
-    kept = RunStore(Path(folder or f"{sweep.name}.store"))
-    if Path(output).resolve() == Path(kept.folder).resolve():
+def _store_for(sweep: Sweep, folder: str | None, output: str) -> RunStore:
+    """Return the store of a sweep's runs, in ``folder`` or by default in NAME.store."""
+    run_store = RunStore(Path(folder or f"{sweep.name}.store"))
+    if Path(output).resolve() == Path(run_store.folder).resolve():
         raise ValueError(
-            f"--output must not be the --store, a folder, got {output} for both (take another name)"
+            f"--output must differ from the folder --store, got {output} for both (rename one)"
         )
-    return kept
+    return run_store
 
 
 def _check_samples(samples: int | None, seed: int | None) -> None:
     if seed is not None and samples is None:
         raise ValueError(
-            f"--seed must be given with --samples, got {seed} alone (a sweep's is in its file)"
+            f"--seed must be given with --samples, got {seed} alone (a sweep's file has its seed)"
         )
 
 
-def _asked(source: str, samples: int | None, seed: int | None, changes: Mapping[str, Any]) -> Sweep:
-    """The sweep, or the sampled scene."""
+def _load(source: str, samples: int | None, seed: int | None, changes: Mapping[str, Any]) -> Sweep:
+    """Load the sweep, or build it from a scene and a number of samples."""
     if samples is None:
         return load_sweep(source, changes)
     from longwave.runs.sampled_sweep import sampled_sweep
@@ -117,10 +119,10 @@ def _asked(source: str, samples: int | None, seed: int | None, changes: Mapping[
     return sampled_sweep(changed_scene(source, changes), samples, seed or 0)
 
 
-def _written(
+def _write_results(
     sweep: Sweep, store: RunStore, output: str, sampled: bool
-) -> tuple[xr.Dataset, list[Observed]]:
-    """The data set that is written, and what is seen of a sampled scene."""
+) -> tuple[xr.Dataset, list[ObservedNumber]]:
+    """Write the data set; return it and the observable numbers of a sampled scene."""
     from longwave.runs.sampled_sweep import write_samples
     from longwave.runs.sweep_dataset import write_sweep
 
@@ -129,24 +131,24 @@ def _written(
     return write_sweep(sweep, store, output), []
 
 
-def _kept(told: SweepState) -> str:
-    kept = told.found + told.done
-    return f"{kept} of {told.cells} cells are kept; again goes on with the rest"
+def _saved_text(state: SweepState) -> str:
+    saved = state.stored + state.done
+    return f"{saved} of {state.cells} cells are saved; repeat the command for the rest"
 
 
 def _check_overwriting(sweep: Sweep, output: Path, force: bool) -> None:
-    """Refuse to write over what is no result of this sweep, before anything is run."""
+    """Raise ValueError, before anything is run, if the output is not a result of this sweep."""
     if force or not output.exists():
         return
-    held = ""
+    existing_sweep = ""
     try:
         with open_run(output) as older:
-            held = str(older.attrs.get(SWEPT, ""))
+            existing_sweep = str(older.attrs.get(SWEPT, ""))
     except (ValueError, OSError):
         pass
-    if held != sweep.json():
+    if existing_sweep != sweep.json():
         raise ValueError(
-            f"--output must name no file but an earlier result of this sweep, got {output} "
+            f"--output must be a new file or a result of this sweep, got {output}, another file "
             "(take another name, or --force)"
         )
 
@@ -155,67 +157,72 @@ def _run_with_bar(
     sweep: Sweep,
     store: RunStore,
     workers: Workers,
-    told: SweepState,
+    state: SweepState,
     expected: SweepCost,
-    held: Container[str],
+    stored_keys: Container[str],
 ) -> None:
-    """Run it, announced; OverBudgetError if it is expected to be beyond the limits."""
-    here = isinstance(workers, LocalWorkers)
-    cost = expected.by(workers.count, together=here)
-    work = f"{sweep.name}, {expected.words},"
-    too_large = here and cost.memory_bytes > current_limits().memory_bytes
+    """Announce and run the sweep; raise OverBudgetError if its expected cost exceeds the limits."""
+    is_local = isinstance(workers, LocalWorkers)
+    cost = expected.on_workers(workers.count, share_memory=is_local)
+    work = f"{sweep.name}, {expected.description},"
+    too_large = is_local and cost.memory_bytes > current_limits().memory_bytes
     fewer = "fewer --processes, " if too_large else ""
     check_request(work, cost, f"take {fewer}fewer or cheaper cells")
-    shown = work.removesuffix(",")
-    with progress_bar(sweep.name, shown, clock=perf_counter) as progress:
+    label = work.removesuffix(",")
+    with progress_bar(sweep.name, label, clock=perf_counter) as progress:
         progress[1](cost.seconds)
-        told.expected = expected.each
-        run_shown(sweep, store, workers, told, held, progress)
+        state.expected = expected.seconds_by_cell
+        run_with_progress(sweep, store, workers, state, stored_keys, progress)
 
 
 def sweep_data(
-    sweep: Sweep, found: xr.Dataset, told: SweepState, seen: list[Observed]
+    sweep: Sweep, dataset: xr.Dataset, state: SweepState, numbers: list[ObservedNumber]
 ) -> dict[str, Any]:
-    """What a sweep came to as tables, numbers and texts: its cells, with what was swept."""
+    """Return the results of a sweep as JSON-ready data: its cells with the swept values."""
     columns = {
-        str(name): found[name].values.ravel().tolist()
+        str(name): dataset[name].values.ravel().tolist()
         for name in ("status", "message", *NUMBERS)
-        if name in found and found[name].size == len(sweep)
+        if name in dataset and dataset[name].size == len(sweep)
     }
     rows = [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
-    cells = [{"set": sweep.values(place), **row} for place, row in enumerate(rows)]
+    cells = [{"set": sweep.values(cell), **row} for cell, row in enumerate(rows)]
     return {
         "name": sweep.name,
         "title": sweep.title,
         "dimensions": {dimension.name: dimension.size for dimension in sweep.dimensions},
-        "run_now": told.done,
-        "seconds": told.seconds,
+        "run_now": state.done,
+        "seconds": state.seconds,
         "cells": cells,
         "observed": {
-            one.name: dict(zip(("low", "median", "high"), one.ends, strict=True)) for one in seen
+            number.name: dict(zip(("low", "median", "high"), number.ends, strict=True))
+            for number in numbers
         },
     }
 
 
-def summary_lines(sweep: Sweep, found: xr.Dataset, told: SweepState) -> Iterator[str]:
-    """What a sweep came to, in lines."""
+def summary_lines(sweep: Sweep, dataset: xr.Dataset, state: SweepState) -> Iterator[str]:
+    """Yield the lines that summarise a sweep's results."""
     if sweep.title:
         yield sweep.title
-    counts = Counter(found["status"].values.ravel().tolist())
-    ended = ", ".join(f"{count} {status}" for status, count in counts.most_common())
-    sizes = " x ".join(f"{d.size} {d.name}" for d in sweep.dimensions)
-    yield f"{len(sweep)} cells ({sizes}): {ended}"
-    if told.done:
-        were = "was" if told.done == 1 else "were"
-        workers = "1 worker" if told.workers == 1 else f"{told.workers} workers"
-        yield f"{told.done} {were} run now by {workers}, {duration(told.seconds)} in all"
-    errors = found["error"].values
+    counts = Counter(dataset["status"].values.ravel().tolist())
+    statuses = ", ".join(f"{count} {status}" for status, count in counts.most_common())
+    sizes = " x ".join(f"{dimension.size} {dimension.name}" for dimension in sweep.dimensions)
+    yield f"{len(sweep)} cells ({sizes}): {statuses}"
+    if state.done:
+        verb = "was" if state.done == 1 else "were"
+        workers = "1 worker" if state.workers == 1 else f"{state.workers} workers"
+        yield f"{state.done} {verb} run now by {workers}, {duration(state.seconds)} in all"
+    errors = dataset["error"].values
     if np.any(np.isfinite(errors)):
         least, most = (f"{end(errors):.3g}" for end in (np.nanmin, np.nanmax))
         line = f"relative error {least}" + (f" to {most}" if most != least else "")
-        own = found["own_error"].values
-        known = np.any(np.isfinite(own))
-        yield f"{line}, the runs' own part at most {np.nanmax(own):.2g}" if known else line
-    faults = found["message"].values[found["status"].values != DONE]
+        run_errors = dataset["own_error"].values
+        has_run_errors = np.any(np.isfinite(run_errors))
+        yield (
+            f"{line}, the runs' own part at most {np.nanmax(run_errors):.2g}"
+            if has_run_errors
+            else line
+        )
+    faults = dataset["message"].values[dataset["status"].values != DONE]
     if faults.size:
         yield f"first fault: {faults.ravel()[0]}"

@@ -1,4 +1,4 @@
-"""A file of verdicts, each a line of JSON, written as they are reached and read by the next run."""
+"""A file of verdicts, one JSON line each, written as they are reached and reused by later runs."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ MOST_BYTES = 1_000_000_000
 
 
 class VerdictLines:
-    """The verdicts in ``file``, or nothing without one; ``limit`` is the seconds for each.
+    """Verdicts in ``file``, or none if it is None; ``limit`` is the seconds for each verdict.
 
-    A verdict is known by its statement's texts, the limit and what ``digest`` gives, that of the
-    sources. What a file says is believed as far as `taken_again` can check it. A line that is not
-    whole, as one that a kill cut, is passed over.
+    A verdict is found by its statement's texts, the limit, and ``digest()`` of the sources. An
+    entry is trusted as far as `taken_again` can check it. An incomplete line, as after a kill, is
+    ignored.
 
-    Raises ValueError for a file that others may write or that has no verdicts, and OSError as
-    opening does.
+    Raises ValueError for a file that others may write or that has no verdicts, and OSError if it
+    cannot be opened.
     """
 
     def __init__(self, file: str | None, limit: float, digest: Callable[[], str]) -> None:
@@ -36,13 +36,13 @@ class VerdictLines:
         self._limit, self._digest = limit, digest
         self._records = {} if self._path is None else _read(self._path)
 
-    def taken(self, statement: Statement) -> StatementVerdict | None:
-        """The verdict on the statement that the file has; None if there is none to be believed."""
+    def find(self, statement: Statement) -> StatementVerdict | None:
+        """Return the stored verdict on a statement; None if there is none that can be trusted."""
         record = self._records.get(self._key(statement)) if self._records else None
         return None if record is None else taken_again(statement, record)
 
     def add(self, statement: Statement, verdict: StatementVerdict) -> None:
-        """Append the verdict."""
+        """Append the verdict to the file."""
         if self._path is None:
             return
         line = json.dumps({"key": self._key(statement)} | kept_record(verdict)) + "\n"
@@ -56,20 +56,20 @@ class VerdictLines:
         return self._digest()
 
     def _key(self, statement: Statement) -> str:
-        texts = asdict(statement.texts) if statement.texts is not None else {}
-        wanted = list(map(str, statement.wanted))
-        parts = [texts, wanted, statement.weak, self._limit, self._sources]
+        typed = asdict(statement.texts) if statement.texts is not None else {}
+        solved_for = list(map(str, statement.wanted))
+        parts = [typed, solved_for, statement.weak, self._limit, self._sources]
         return sha256(json.dumps(parts).encode()).hexdigest()
 
     @cached_property
     def _is_whole(self) -> bool:
-        """Whether the file ends with a line's end."""
+        """Whether the file is empty or ends with a line break."""
         assert self._path is not None
         try:
             with self._path.open("rb") as stream:
                 stream.seek(-1, os.SEEK_END)
                 return stream.read() == b"\n"
-        except OSError:  # not there, or empty
+        except OSError:  # missing or empty
             return True
 
 
@@ -85,16 +85,16 @@ def _read(path: Path) -> dict[str, Any]:
         text = read_text(path, "--lines", MOST_BYTES, check)
     except FileNotFoundError:
         return {}
-    found = {}
+    records = {}
     for line in text.splitlines():
         try:
             record = json.loads(line)
-            found[record["key"]] = record
+            records[record["key"]] = record
         except (ValueError, TypeError, KeyError, RecursionError):
             continue
-    if text and not found:
+    if text and not records:
         raise ValueError(
             f"--lines must name a file of verdicts or a new one, got {shown_path(path)}, which "
             "has none (take another name)"
         )
-    return found
+    return records

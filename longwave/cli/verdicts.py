@@ -1,6 +1,6 @@
-"""``longwave verify``: the verdicts on the closed forms, and on their misprints, as tables.
+"""``longwave verify``: tables of the verdicts on the closed forms and on their misprints.
 
-A misprint changes one single place: a coefficient, a sign, a term left out, k for k**2.
+A misprint changes a single place: a coefficient, a sign, a missing term, k for k**2.
 """
 
 from __future__ import annotations
@@ -29,16 +29,20 @@ MUTATION_COLUMNS = ("mutants", "refuted", "proved", "undecided")
 
 @dataclass(frozen=True)
 class TimeLaw:
-    """``seconds`` for a form of the catalogue; ``rational`` at order 7, which grows as a power."""
+    """Expected seconds for closed forms.
+
+    ``seconds`` is the time for a form of the catalogue, ``rational`` that for order 7 of the
+    rational family, where it grows as a power of the order.
+    """
 
     seconds: float
     rational: float
     exponent: float
 
     def total(self, names: Iterable[str]) -> float:
-        """Seconds for all the forms; raises ValueError for a name that is none.
+        """Return the seconds for all forms; raise ValueError for an unknown name.
 
-        >>> round(PROOF.total(["rational_2", "rational_14"]))
+        >>> round(PROOF_LAW.total(["rational_2", "rational_14"]))
         19
         """
         return sum(
@@ -47,13 +51,13 @@ class TimeLaw:
         )
 
 
-PROOF = TimeLaw(0.2, 0.15, 7.0)
-STABLE = TimeLaw(0.3, 1.5, 3.3)
-RESIDUAL = TimeLaw(0.3, 1.0, 4.0)
-MUTANTS = TimeLaw(35.0 / len(CATALOGUE), 29.0, 6.5)
-"""About what the forms cost. The laws of the rational family were measured in processor seconds on
-one core of a 3 GHz server: orders 7 to 12 for proofs, 4 to 8 for stable forms, 4 to 7 for the rest.
-Beyond, they are orders of magnitude."""
+PROOF_LAW = TimeLaw(0.2, 0.15, 7.0)
+STABLE_LAW = TimeLaw(0.3, 1.5, 3.3)
+RESIDUAL_LAW = TimeLaw(0.3, 1.0, 4.0)
+MUTANT_LAW = TimeLaw(35.0 / len(CATALOGUE), 29.0, 6.5)
+"""Approximate cost of the forms. The laws of the rational family were measured in processor seconds
+on one core of a 3 GHz server: orders 7 to 12 for proofs, 4 to 8 for stable forms, 4 to 7 for the
+others. Beyond these orders only the magnitude is right."""
 
 
 def print_verdicts(
@@ -68,58 +72,66 @@ def print_verdicts(
     method: str | None = None,
     **sampled: Any,
 ) -> int:
-    """Decide the closed forms, all if none is named, and print the verdicts; the exit status.
+    """Decide the closed forms (all if none is named), print the verdicts, return the exit status.
 
-    ``sampled`` may say ``digits`` (precisions with commas between), ``points`` and ``seed`` of the
-    residual. Proofs are written as `ProofFile` does. 0, 1 if any form does not stand, 130 after
-    Ctrl-C, which ``program`` tells. Raises ValueError for bad options, OSError as writing does.
+    ``sampled`` may have ``digits`` (precisions, separated by commas), ``points`` and ``seed`` of
+    the residual. Proofs are written as by `ProofFile`. The status is 0, 1 if a form does not pass,
+    130 after Ctrl-C. Raises ValueError for bad options, and OSError if writing fails.
     """
     names = tuple(dict.fromkeys(only)) or NAMES
-    exact = {"--output": output, "--export": system, "--stable": stable}
+    proof_options = {"--output": output, "--export": system, "--stable": stable}
     proofs = ProofFile(output, system, force)
-    sampling = sampling_of(method, [name for name in exact if exact[name]], **sampled)
-    law = STABLE if stable else PROOF if sampling is None else RESIDUAL
-    expected = law.total(names) * (1.0 if sampling is None else _effort(sampling))
+    sampling = sampling_of(
+        method, [name for name in proof_options if proof_options[name]], **sampled
+    )
+    law = STABLE_LAW if stable else PROOF_LAW if sampling is None else RESIDUAL_LAW
+    expected = law.total(names) * (1.0 if sampling is None else _relative_effort(sampling))
     cheaper = "take a lower order, fewer forms or another method"
     proofs.check()
-    check_and_announce(f"{_noun(len(names))} to be checked", expected, cheaper=cheaper)
-    work = _verdicts(names, stable, sampling)
-    found, complete = finished(tracked(work, len(names), "checking"))
-    proved = [v.certificate for v in found if isinstance(v, ProofVerdict)]
-    proofs.write([certificate for certificate in proved if certificate is not None])
+    check_and_announce(f"{_form_count(len(names))} to be checked", expected, cheaper=cheaper)
+    pending = _verdicts(names, stable, sampling)
+    verdicts, complete = finished(tracked(pending, len(names), "checking"))
+    certificates = [
+        verdict.certificate for verdict in verdicts if isinstance(verdict, ProofVerdict)
+    ]
+    proofs.write([certificate for certificate in certificates if certificate is not None])
     noun = "stable form" if stable else "closed form"
-    show, asked = partial(_print, noun=noun), _noun(len(names))
-    status = print_results(found, complete, show, json_wanted, program, asked)
-    return status or int(not all(verdict.passed for verdict in found))
+    show, requested = partial(_print_table, noun=noun), _form_count(len(names))
+    status = print_results(verdicts, complete, show, json_wanted, program, requested)
+    return status or int(not all(verdict.passed for verdict in verdicts))
 
 
-def _noun(count: int) -> str:
+def _form_count(count: int) -> str:
     return "1 form" if count == 1 else f"{count} forms"
 
 
-def _effort(asked: Sampling) -> float:
-    """Work in units of the usual: a residual's points, and the square of its digits."""
-    usual = Sampling()
-    wanted = sum(max(number, 30) ** 2 for number in asked.digits)
-    return asked.points / usual.points * wanted / sum(number**2 for number in usual.digits)
+def _relative_effort(sampling: Sampling) -> float:
+    """Return the work in units of the default: proportional to points and to squared digits."""
+    default = Sampling()
+    digit_work = sum(max(number, 30) ** 2 for number in sampling.digits)
+    return (
+        sampling.points / default.points * digit_work / sum(number**2 for number in default.digits)
+    )
 
 
-def sampling_of(method: str | None, exact: Sequence[str], **given: Any) -> Sampling | None:
-    """How the residual is sampled, by what is ``given``; None where the forms are proved.
+def sampling_of(
+    method: str | None, proof_options: Sequence[str], **options: Any
+) -> Sampling | None:
+    """Return the sampling of the residual, or None for the method of proof.
 
-    The residual is taken where an option of it is given. Raises ValueError for options of both
-    methods; ``exact`` are those of proofs.
+    The method defaults to the residual if one of its options is given. Raises ValueError for
+    options of the other method; ``proof_options`` lists those given for proofs.
     """
-    sampled = {name: value for name, value in given.items() if value is not None}
+    sampled = {name: value for name, value in options.items() if value is not None}
     method = method or ("residual" if sampled else "proof")
-    wrong = exact if method == "residual" else [f"--{name}" for name in sampled]
-    if wrong:
+    conflicting = proof_options if method == "residual" else [f"--{name}" for name in sampled]
+    if conflicting:
         raise ValueError(
-            f"{wrong[0]} must not be given with the method {method}, got it (leave it)"
+            f"{conflicting[0]} must not be given with the method {method}, got it (leave it out)"
         )
     if "digits" in sampled:
-        usual = "30,50,100 is usual"
-        sampled["digits"] = listed("digits", sampled["digits"], int, "integers", usual)
+        example = "30,50,100 is usual"
+        sampled["digits"] = listed("digits", sampled["digits"], int, "integers", example)
     return None if method == "proof" else Sampling(**sampled)
 
 
@@ -148,11 +160,11 @@ MEANINGS = {
 }
 
 
-def _print(verdicts: Sequence[Verdict], noun: str) -> None:
-    """Print one row a form, a line for each that does not stand, and a summary.
+def _print_table(verdicts: Sequence[Verdict], noun: str) -> None:
+    """Print one row for each form, a line for each that does not pass, and a summary.
 
-    The evidence is the certificate's size if there is one, else the largest relative residual at
-    the highest precision; an exact 0 is a proof.
+    The evidence is the size of the certificate if there is one, else the largest relative residual
+    at the highest precision; an exact 0 is a proof.
     """
     table = Table(title="Closed forms against their equations")
     for heading in ("solution", "equation", "method", "verdict"):
@@ -165,12 +177,12 @@ def _print(verdicts: Sequence[Verdict], noun: str) -> None:
         table.add_row(*cells, _evidence(verdict), f"{verdict.seconds:.2f}")
     console = table_console()
     console.print(table)
-    failures = [_failure(verdict) for verdict in verdicts if not verdict.passed]
+    failures = [_failure_line(verdict) for verdict in verdicts if not verdict.passed]
     print_lines(console, [*failures, summary(verdicts, noun)])
 
 
 def _evidence(verdict: Verdict) -> str:
-    """The size of the certificate, else the residual with two digits; a dash without either."""
+    """Return the size of the certificate, else the residual with two digits, else a dash."""
     if isinstance(verdict, ProofVerdict) and verdict.certificate_bytes is not None:
         return f"{verdict.certificate_bytes} bytes"
     if verdict.residual is None:
@@ -178,14 +190,14 @@ def _evidence(verdict: Verdict) -> str:
     return scientific(math.log10(verdict.residual) if verdict.residual else -math.inf)
 
 
-def _failure(verdict: Verdict) -> str:
-    """The line of a form that does not stand, with its witness or reason."""
-    at = f" (witness: {verdict.point})" if verdict.witness else ""
-    return f"{verdict.name}: {verdict.outcome.value}: {verdict.detail}{at}"
+def _failure_line(verdict: Verdict) -> str:
+    """Return the line on a form that does not pass, with its witness or reason."""
+    witness = f" (witness: {verdict.point})" if verdict.witness else ""
+    return f"{verdict.name}: {verdict.outcome.value}: {verdict.detail}{witness}"
 
 
 def summary(verdicts: Sequence[Verdict], noun: str = "closed form") -> str:
-    """How many forms (or whatever ``noun`` says) came to which verdict, and the time together.
+    """Return a line with the number of verdicts of each kind and the total time.
 
     >>> proof = Verdict("kink", "defocusing mKdV", "by hand", Outcome.PROVED, "", 0.0)
     >>> summary([proof])
@@ -203,20 +215,21 @@ def summary(verdicts: Sequence[Verdict], noun: str = "closed form") -> str:
 def print_mutations(only: Sequence[str], json_wanted: bool, program: str) -> int:
     """Decide all mutants of the forms (all if none is named) and print the counts.
 
-    Returns 0, 1 if any is undecided, 130 after Ctrl-C. Raises ValueError for a name that is none.
+    Returns the exit status: 0, 1 if any mutant is undecided, 130 after Ctrl-C. Raises ValueError
+    for an unknown name.
     """
     names = only or list(CATALOGUE.names)
-    named = f"the misprints of {', '.join(only or ['all forms'])}"
-    check_and_announce(named, MUTANTS.total(names), cheaper="take fewer forms, of lower order")
-    work = (count_mutants(named_form(name)) for name in names)
-    counts, complete = finished(tracked(work, len(names), "refuting"))
-    asked = f"{len(names)} forms"
-    status = print_results(counts, complete, _print_counts, json_wanted, program, asked)
+    label = f"the misprints of {', '.join(only or ['all forms'])}"
+    check_and_announce(label, MUTANT_LAW.total(names), cheaper="take fewer forms, of lower order")
+    pending = (count_mutants(named_form(name)) for name in names)
+    counts, complete = finished(tracked(pending, len(names), "refuting"))
+    requested = f"{len(names)} forms"
+    status = print_results(counts, complete, _print_counts, json_wanted, program, requested)
     return status or int(any(count.undecided for count in counts))
 
 
 def _print_counts(counts: Sequence[MutationCount]) -> None:
-    """Print one row a form, the totals, and a line for each mutant that is not refuted."""
+    """Print one row for each form, the totals, and a line for each mutant that is not refuted."""
     table = Table(title="Misprints of the closed forms", show_footer=True)
     table.add_column("solution", "total", no_wrap=True)
     for column in MUTATION_COLUMNS:

@@ -1,1 +1,1 @@
-"""The page of `longwave explore`."""
+"""The interactive page of `longwave explore`."""

@@ -1,7 +1,8 @@
-"""What can be explored, without a page: choices as they are typed -> scene -> lattice against wave.
+"""Choices of the explorer's page, turned into scenes, independent of any user interface.
 
-A wave of the catalogue is at home on the lattices of its `settings`; each is a scene to begin with.
-What a person types is text, and is judged by the scene, the wave and the lattice themselves.
+Each wave of the catalogue can be put on the lattices of its `settings`; a setting has a scene as
+starting point. What a user types is text, which is validated by the scene, the wave and the
+lattice.
 """
 
 from __future__ import annotations
@@ -22,12 +23,12 @@ if TYPE_CHECKING:
     from longwave.solutions import ClosedForm, Parameter
 
 CHAIN = "fput_chain"
-"""The setting of mKdV waves that no shipped scene names: the paper's chain itself."""
+"""Name of the setting of mKdV waves without a shipped scene: the paper's chain."""
 
 FRAMES = 41
-"""Equidistant times at which lattice and wave are compared."""
+"""Number of equidistant times at which lattice and wave are compared."""
 
-CHAIN_STARTS: Mapping[str, Mapping[str, float]] = {
+CHAIN_CHOICES: Mapping[str, Mapping[str, float]] = {
     **{f"rational_{order}": {"K2": 4, "eps": 0.05, "half_width": 20} for order in (1, 2, 3)},
     "rogue_cn": {"begin": -0.25, "end": 0.25},
     "soliton_dn": {"begin": -0.25, "end": 0.25, "eps": 0.05},
@@ -36,8 +37,8 @@ CHAIN_STARTS: Mapping[str, Mapping[str, float]] = {
         for name in ("soliton_sech", "kink", "two_soliton", "soliton_background", "kink_antikink")
     },
 }
-"""Where a wave on the chain begins other than `_chain` says: the paper's constants, shorter times
-where the background is unstable, longer ones where waves only travel."""
+"""Initial choices on the chain that differ from those in `_chain_scene`: the paper's constants,
+shorter times on unstable backgrounds, longer times for waves that only travel."""
 
 OTHER_CONSTANTS: Mapping[str, tuple[str, Mapping[str, float]]] = {
     "gardner_table_soliton": ("gardner_soliton", {"K4": -1}),
@@ -45,12 +46,13 @@ OTHER_CONSTANTS: Mapping[str, tuple[str, Mapping[str, float]]] = {
     "modified_kawahara_soliton": ("kawahara_soliton", {"K3": 0, "K4": 1}),
     "nls_dark": ("fput_peregrine", {"K4": -1}),
 }
-"""Waves of equations that no shipped scene has: a scene, and what makes its lattice theirs."""
+"""Waves whose equation no shipped scene has: a scene, and the constants that change its lattice so
+that it has the wave's equation."""
 
 
 @dataclass(frozen=True)
 class WaveSetting:
-    """A lattice on which a wave is at home, and the scene from which choices begin."""
+    """A lattice for a wave, and the scene with the initial choices."""
 
     name: str
     title: str
@@ -58,8 +60,8 @@ class WaveSetting:
 
 
 @dataclass(frozen=True)
-class Chosen:
-    """What is chosen, as it is typed; ``begin``, ``end`` are slow times T, ``half_width`` is in X.
+class Choices:
+    """The user's choices, as typed; ``begin`` and ``end`` are slow times T, ``half_width`` is in X.
 
     >>> choices = first_choices("soliton_sech")
     >>> choices.parameters, choices.constants
@@ -82,40 +84,40 @@ class Chosen:
     parameters: Mapping[str, str] = field(default_factory=dict)
     constants: Mapping[str, str] = field(default_factory=dict)
 
-    def changed(self, **changes: Any) -> Chosen:
-        """The choices with other values for some of them."""
+    def changed(self, **changes: Any) -> Choices:
+        """Return the choices with other values for some of them."""
         return replace(self, **changes)
 
 
 def waves_by_equation() -> dict[str, dict[str, str]]:
-    """The waves of the catalogue that have a lattice here: equation -> title -> name.
+    """Return the waves that have a lattice here, as equation -> title -> name.
 
-    That of the mKdV-Burgers equation has none: no scene of its losses is shipped.
+    The wave of the mKdV-Burgers equation is missing, because no scene with its losses is shipped.
 
     >>> waves_by_equation()["KP"]
     {'KP line soliton': 'kp_line_soliton', 'KP-I lump': 'kp_lump'}
     """
     from longwave.solutions import CATALOGUE, closed_form
 
-    at_home = (*(wave for wave, _ in examples().values()), *OTHER_CONSTANTS)
-    known = {"mKdV", *(closed_form(wave).equation.normal for wave in at_home)}
-    found: dict[str, dict[str, str]] = {}
+    waves_with_scene = (*(wave for wave, _ in examples().values()), *OTHER_CONSTANTS)
+    equations = {"mKdV", *(closed_form(wave).equation.normal for wave in waves_with_scene)}
+    titles: dict[str, dict[str, str]] = {}
     for form in CATALOGUE:
-        if form.equation.normal not in known:
+        if form.equation.normal not in equations:
             continue
         title = f"{form.title[0].upper()}{form.title[1:]}"
-        found.setdefault(form.equation.normal, {})[title] = form.name
-    return found
+        titles.setdefault(form.equation.normal, {})[title] = form.name
+    return titles
 
 
 def examples() -> dict[str, tuple[str, str]]:
-    """The shipped scenes that name a lattice: title -> wave and setting."""
+    """Return the shipped scenes on any lattice, as title -> (wave, setting)."""
     scenes = map(load_scene, shipped_scenes("lattices"))
     return {scene.title or scene.name: (scene.wave_name, scene.name) for scene in scenes}
 
 
 def settings(wave: str) -> tuple[WaveSetting, ...]:
-    """The lattices on which the wave can be put; ValueError if there is no such wave.
+    """Return the lattices on which a wave can be put; raise ValueError for an unknown wave.
 
     >>> [setting.title for setting in settings("kp_lump")]
     ['square next nearest']
@@ -123,15 +125,17 @@ def settings(wave: str) -> tuple[WaveSetting, ...]:
     from longwave.solutions import closed_form
 
     form = closed_form(wave)
-    found = (
-        [WaveSetting(CHAIN, "FPUT chain", _chain(form))] if form.equation.normal == "mKdV" else []
+    settings_found = (
+        [WaveSetting(CHAIN, "FPUT chain", _chain_scene(form))]
+        if form.equation.normal == "mKdV"
+        else []
     )
-    base, constants = OTHER_CONSTANTS.get(wave, ("", {}))
+    scene_name, constants = OTHER_CONSTANTS.get(wave, ("", {}))
     for name in shipped_scenes("lattices"):
         scene = load_scene(name)
-        if name == base:
+        if name == scene_name:
             scene = scene.changed(constants={**dict(scene.constants), **constants})
-        elif not _alike(form, closed_form(scene.wave_name)) or (
+        elif not _same_equation(form, closed_form(scene.wave_name)) or (
             scene.losses and scene.wave != wave
         ):
             continue
@@ -139,15 +143,17 @@ def settings(wave: str) -> tuple[WaveSetting, ...]:
             scene = scene.changed(
                 wave=wave, parameters=_usual_parameters(form), order="slaved", title=""
             )
-        found.append(WaveSetting(name, _lattice_title(scene), scene))
-    return tuple(found)
+        settings_found.append(WaveSetting(name, _lattice_title(scene), scene))
+    return tuple(settings_found)
 
 
-def _alike(form: ClosedForm, other: ClosedForm) -> bool:
-    """Whether both solve one equation, with the same signs where their waves depend on them."""
-    one, two = form.equation, other.equation
-    free = not isinstance(one.s, int)
-    return one.normal == two.normal and (free or one.s == two.s) and one.r == two.r
+def _same_equation(form: ClosedForm, other: ClosedForm) -> bool:
+    """Whether both forms solve one equation, with equal signs where the wave depends on them."""
+    first, second = form.equation, other.equation
+    any_sign = not isinstance(first.s, int)
+    return (
+        first.normal == second.normal and (any_sign or first.s == second.s) and first.r == second.r
+    )
 
 
 def _lattice_title(scene: Scene) -> str:
@@ -161,22 +167,22 @@ def _lattice_title(scene: Scene) -> str:
 
 
 def _usual_parameters(form: ClosedForm) -> dict[str, float | None]:
-    """Values in the middle of what is admitted; a parameter with a default is left to it."""
-    found: dict[str, float | None] = {}
+    """Return values in the middle of each domain; parameters with a default are left out."""
+    values: dict[str, float | None] = {}
     for parameter in form.parameters:
         if parameter.default is None:
-            low, high = bounds(parameter, found)
+            low, high = bounds(parameter, values)
             if low is not None and high is not None:
-                found[parameter.name] = float(f"{0.5 * (low + high):.3g}")
+                values[parameter.name] = float(f"{0.5 * (low + high):.3g}")
             else:
-                found[parameter.name] = 1.0 if low is None else low + 1.0
-    return found
+                values[parameter.name] = 1.0 if low is None else low + 1.0
+    return values
 
 
-def _chain(form: ClosedForm) -> Scene:
-    """The paper's chain with an mKdV wave, to be seen about T = 0."""
+def _chain_scene(form: ClosedForm) -> Scene:
+    """Return a scene with an mKdV wave on the paper's chain, at times about T = 0."""
     values = {"K2": 1, "eps": 0.1, "begin": -0.5, "end": 0.5, "half_width": 20}
-    values |= CHAIN_STARTS.get(form.name, {})
+    values |= CHAIN_CHOICES.get(form.name, {})
     return Scene.of(
         name=form.name,
         wave=form.name,
@@ -194,106 +200,114 @@ def _chain(form: ClosedForm) -> Scene:
 def bounds(
     parameter: Parameter, values: Mapping[str, float | None]
 ) -> tuple[float | None, float | None]:
-    """The ends of a parameter's declared domain, given others' values; None where there is none.
+    """Return the ends of a parameter's declared domain, given the other values; None if unbounded.
 
     >>> from longwave.solutions import closed_form
     >>> k, alpha, _ = closed_form("breather_sn").parameters
     >>> bounds(k, {}), [round(end, 3) for end in bounds(alpha, {"k": 0.5})]
     ((0.0, 1.0), [0.0, 1.686])
     """
-    ends = [_end(bound.value, values) for bound in (parameter.lower, parameter.upper) if bound]
+    ends = [
+        _end_value(bound.value, values) for bound in (parameter.lower, parameter.upper) if bound
+    ]
     low = ends[0] if parameter.lower else None
     return low, ends[-1] if parameter.upper else None
 
 
-def _end(value: Any, values: Mapping[str, float | None]) -> float | None:
-    """The number that a bound is, None if what it depends on is no number or not admitted."""
+def _end_value(value: Any, values: Mapping[str, float | None]) -> float | None:
+    """Return the value of a bound, or None if it depends on an unknown or inadmissible value."""
     known = {symbol: values.get(symbol.name) for symbol in value.free_symbols}
     if None in known.values():
         return None
-    found = value.subs(known).evalf(15)
-    return float(found) if found.is_real and found.is_finite else None
+    number = value.subs(known).evalf(15)
+    return float(number) if number.is_real and number.is_finite else None
 
 
-SPAN = 3.0
-"""How far a slider reaches where the domain has no end; beyond that a value can be typed."""
+SLIDER_SPAN = 3.0
+"""Length of a slider if the domain is unbounded; other values can be typed."""
 
-INSIDE = 0.01
-"""How far from an end that does not belong to the domain a slider stops, in units of its reach."""
+SLIDER_MARGIN = 0.01
+"""Distance of a slider's end from an open end of the domain, as a share of its length."""
 
 
 def slider_ends(parameter: Parameter, values: Mapping[str, float | None]) -> tuple[float, float]:
-    """From where to where a slider goes: within the declared domain.
+    """Return the ends of a parameter's slider, inside the declared domain.
 
     >>> from longwave.solutions import closed_form
     >>> slider_ends(closed_form("kink").parameters[0], {})
     (0.03, 3.0)
     """
     low, high = bounds(parameter, values)
-    first = -SPAN if low is None and high is None else (high or 0.0) - SPAN if low is None else low
-    last = first + SPAN * (2.0 if low is None else 1.0) if high is None else high
-    inside = INSIDE * (last - first)
+    first = (
+        -SLIDER_SPAN
+        if low is None and high is None
+        else (high or 0.0) - SLIDER_SPAN
+        if low is None
+        else low
+    )
+    last = first + SLIDER_SPAN * (2.0 if low is None else 1.0) if high is None else high
+    margin = SLIDER_MARGIN * (last - first)
     return (
-        float(f"{first + inside * (low is not None):.6g}"),
-        float(f"{last - inside * (high is not None):.6g}"),
+        float(f"{first + margin * (low is not None):.6g}"),
+        float(f"{last - margin * (high is not None):.6g}"),
     )
 
 
-def number(text: str) -> int | float | str:
-    """A typed text as scene files have it: a whole number, a number, or the text itself.
+def parsed_number(text: str) -> int | float | str:
+    """Parse a typed text as scene files do: an integer, a float, or else the text itself.
 
     >>> number("2"), number(" 0.5"), number("K/2")
     (2, 0.5, 'K/2')
     """
-    for kind in (int, float):
+    for type_ in (int, float):
         with suppress(ValueError):
-            return kind(text)
+            return type_(text)
     return text.strip()
 
 
 def plain_value(text: str) -> float | None:
-    """The value of a typed number or ratio, None for anything else.
+    """Return the value of a typed number or ratio, None for anything else.
 
     >>> plain_value("1/4"), plain_value("-2e-3"), plain_value("K/2"), plain_value("1/0")
     (0.25, -0.002, None, None)
     """
-    top, _, below = text.partition("/")
+    numerator, _, denominator = text.partition("/")
     with suppress(ValueError, ZeroDivisionError):
-        found = float(top) / float(below or 1)
-        return found if math.isfinite(found) else None
+        value = float(numerator) / float(denominator or 1)
+        return value if math.isfinite(value) else None
     return None
 
 
-def first_choices(wave: str, setting: str | None = None) -> Chosen:
-    """What is chosen at first for a wave on the lattice of a setting (its first one)."""
-    found = _setting(wave, setting)
-    scene = found.scene
-    return Chosen(
+def initial_choices(wave: str, setting: str | None = None) -> Choices:
+    """Return the initial choices for a wave on the lattice of a setting (default: the first)."""
+    setting_found = _setting(wave, setting)
+    scene = setting_found.scene
+    return Choices(
         wave=wave,
-        setting=found.name,
-        eps=_typed(scene.eps),
-        tolerance=_typed(scene.tolerance),
-        begin=_typed(scene.slow_times[0]),
-        end=_typed(scene.slow_times[-1]),
-        half_width=_typed(scene.half_width),
+        setting=setting_found.name,
+        eps=_as_typed(scene.eps),
+        tolerance=_as_typed(scene.tolerance),
+        begin=_as_typed(scene.slow_times[0]),
+        end=_as_typed(scene.slow_times[-1]),
+        half_width=_as_typed(scene.half_width),
         parameters=_all_parameters(scene),
-        constants={name: _typed(value) for name, value in scene.constants},
+        constants={name: _as_typed(value) for name, value in scene.constants},
     )
 
 
 def _all_parameters(scene: Scene) -> dict[str, str]:
-    """Every parameter of the scene's wave, with its default where the scene says nothing."""
+    """Return every parameter of the scene's wave, with defaults for those not stated."""
     from longwave.solutions import closed_form
 
     given = dict(scene.parameters)
     return {
-        parameter.name: _typed(given.get(parameter.name, parameter.default))
+        parameter.name: _as_typed(given.get(parameter.name, parameter.default))
         for parameter in closed_form(str(scene.wave)).parameters
     }
 
 
-def _typed(value: Any) -> str:
-    """A value as one would type it; a default of the catalogue is a number of SymPy.
+def _as_typed(value: Any) -> str:
+    """Format a value, which may be a SymPy number, as a user would type it.
 
     >>> _typed(1.0), _typed(0.30000000000000004), _typed("eps/2")
     ('1', '0.3', 'eps/2')
@@ -302,31 +316,31 @@ def _typed(value: Any) -> str:
 
 
 def _setting(wave: str, name: str | None) -> WaveSetting:
-    found = settings(wave)
-    for setting in found:
+    candidates = settings(wave)
+    for setting in candidates:
         if name in (None, setting.name):
             return setting
-    known = one_of(name, [setting.name for setting in found])
-    raise ValueError(f"setting must be one of {wave}, got {shown(name)} ({known})")
+    known = one_of(name, [setting.name for setting in candidates])
+    raise ValueError(f"setting must be a lattice of {wave}, got {shown(name)} ({known})")
 
 
-def scene_of_choices(choices: Chosen) -> Scene:
-    """The scene that is chosen. ValueError, in one line, for what no scene can say."""
+def scene_of_choices(choices: Choices) -> Scene:
+    """Build the scene of the choices; raise ValueError in one line if it is not admissible."""
     base = _setting(choices.wave, choices.setting).scene
-    eps = finite("eps", number(choices.eps))
+    eps = finite("eps", parsed_number(choices.eps))
     positive("eps", eps)
-    begin, end = (finite(name, number(getattr(choices, name))) for name in ("begin", "end"))
+    begin, end = (finite(name, parsed_number(getattr(choices, name))) for name in ("begin", "end"))
     if end <= begin:
-        raise ValueError(f"end must satisfy end > begin = {begin:g}, got {end:g} (end later)")
-    half_width = finite("half_width", number(choices.half_width))
+        raise ValueError(f"end must satisfy end > begin = {begin:g}, got {end:g} (increase end)")
+    half_width = finite("half_width", parsed_number(choices.half_width))
     positive("half_width", half_width)
     times = [float(f"{begin + (end - begin) * i / (FRAMES - 1):.12g}") for i in range(FRAMES)]
-    typed = {name: number(text) for name, text in choices.constants.items()}
+    constants = {name: parsed_number(text) for name, text in choices.constants.items()}
     return base.changed(
         eps=eps,
-        tolerance=number(choices.tolerance),
-        parameters={name: number(text) for name, text in choices.parameters.items() if text},
-        constants={**dict(base.constants), **typed},
+        tolerance=parsed_number(choices.tolerance),
+        parameters={name: parsed_number(text) for name, text in choices.parameters.items() if text},
+        constants={**dict(base.constants), **constants},
         slow_times=times,
         half_width=half_width,
     )

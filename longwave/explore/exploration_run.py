@@ -1,7 +1,7 @@
-"""A chosen scene run in a process of its own: the newest choice counts, and none takes long.
+"""Running the explorer's current scene in a worker process, with limits of time and memory.
 
-`compare` runs a scene and keeps what a page shows; `Explorer` has it done elsewhere, drops what is
-asked for no longer, and ends what takes too long.
+`compare` runs a scene and returns what the page shows. `Explorer` does this in a worker process,
+discards outdated scenes, and stops those that take too long.
 """
 
 from __future__ import annotations
@@ -43,25 +43,27 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-USUAL_LIMITS = RequestLimits(memory_bytes=2e9, seconds=10.0)
-"""What a run may take unless told; one that is expected to take more is refused."""
+DEFAULT_LIMITS = RequestLimits(memory_bytes=2e9, seconds=10.0)
+"""Default limits of a run; a run that is expected to exceed them is refused."""
 
 DEADLINE = 6.0
-"""A run is ended after so many times what it may be expected to take."""
+"""A run is stopped after this multiple of its time limit."""
 
-CHEAPER = "take a larger eps, shorter times or a smaller half_width; `longwave run` takes the file"
+CHEAPER_ADVICE = (
+    "take a larger eps, shorter times or a smaller half_width; `longwave run` takes the file"
+)
 
 MOST_CELLS = 100_000
-"""Most compared cells: `FRAMES` pictures of them are sent to the page and drawn."""
+"""Largest number of compared cells; the page draws `FRAMES` frames of them."""
 
 MAP_COLUMNS = 300
-"""Most columns of a space-time map."""
+"""Largest number of columns of a space-time map."""
 
 
 class WaveTexts(NamedTuple):
-    """What a wave's record says: title, source, and in LaTeX its equation's normal form and itself.
+    """Texts about a wave: title, source, normal form of its equation and its formula, in LaTeX.
 
-    ``formula`` is empty where it would fill pages.
+    ``formula`` is empty if it is too long to be read.
     """
 
     title: str
@@ -71,12 +73,12 @@ class WaveTexts(NamedTuple):
 
 
 LONGEST_FORMULA = 1500
-"""Signs of a formula in LaTeX beyond which nobody reads it on the page."""
+"""Largest length of a formula in LaTeX that the page shows."""
 
 
 @lru_cache(maxsize=64)
 def wave_texts(wave: str, parameters: tuple[str, ...]) -> WaveTexts:
-    """The texts of a wave with values of these parameters."""
+    """Return the texts of a wave with values for these parameters."""
     from longwave.solutions import closed_form
 
     form = closed_form(wave, parameters)
@@ -91,13 +93,13 @@ def wave_texts(wave: str, parameters: tuple[str, ...]) -> WaveTexts:
 
 @dataclass(frozen=True)
 class Comparison:
-    """Lattice and wave on the compared cells at all times, both in units of eps to a power.
+    """Lattice and wave in the compared cells at all times, in units of a power of eps.
 
-    ``X``, ``lattice`` and ``wave`` are (time, cell), X = eps (n - c t); on a lattice of two
-    dimensions they are the row through its middle. ``errors`` are the largest differences over all
-    compared cells, ``relative`` the same in units of the wave's height above its background;
-    ``estimate`` says how far the run itself may be from the infinite lattice. ``lines`` tell what
-    was done.
+    ``X``, ``lattice`` and ``wave`` have shape (time, cell), with X = eps (n - c t). On a
+    two-dimensional lattice they are the row through its middle. ``errors`` are the largest
+    differences over all compared cells at each time, and ``relative`` the same in units of the
+    wave's height above its background. ``estimate`` is the estimated distance of the run from the
+    infinite lattice. ``lines`` summarise the run.
     """
 
     X: Array
@@ -117,7 +119,7 @@ class Comparison:
     ended: str = ""
 
     def columns(self, values: Array) -> Array:
-        """The values (time, cell) in at most `MAP_COLUMNS` cells, each the largest in modulus.
+        """Reduce values (time, cell) to at most `MAP_COLUMNS` cells, each the largest in modulus.
 
         >>> texts = WaveTexts("kink", "", "", "")
         >>> shown = Comparison(*[np.zeros((1, 600))] * 7, 0.0, "eps", "", "", texts, ())
@@ -132,32 +134,31 @@ class Comparison:
 
 
 def compare(
-    scene: Scene, progress: Progress | None = None, limits: RequestLimits = USUAL_LIMITS
+    scene: Scene, progress: Progress | None = None, limits: RequestLimits = DEFAULT_LIMITS
 ) -> Comparison:
-    """Run a scene and keep what is shown of it.
+    """Run a scene and return its comparison with the wave.
 
-    Raises ValueError, in one line, for everything that wave, lattice and scene do not admit, and
-    for a scene that is expected to take more than the ``limits``: before it is run, or where its
-    search turns out to take longer.
+    Raises ValueError in one line if wave, lattice or scene do not admit the values, and if the run
+    is expected to exceed the ``limits``, either before it starts or once its search shows that.
     """
 
     def announce(seconds: float) -> None:
         try:
-            check_request("the run", ExpectedCost(seconds), CHEAPER)
+            check_request("the run", ExpectedCost(seconds), CHEAPER_ADVICE)
         except OverBudgetError as error:
-            raise Cancelled from error  # what catches a ValueError would go on without the run
+            raise Cancelled from error  # a ValueError would be caught and taken for another fault
 
     _check_cells(scene)
     try:
         with request_limits(limits.memory_bytes, limits.seconds):
-            check_request("the run", expected_cost(scene), CHEAPER)
-            return _compared(scene, progress, announce)
-    except Cancelled as stop:
-        raise (stop.__cause__ or stop) from None
+            check_request("the run", expected_cost(scene), CHEAPER_ADVICE)
+            return _compare_within_limits(scene, progress, announce)
+    except Cancelled as cancelled:
+        raise (cancelled.__cause__ or cancelled) from None
     except MemoryError:
         raise ValueError(
-            "sites must fit the memory, got a scene that does not (a larger eps or a smaller "
-            "half_width take less)"
+            "sites must fit into the memory, got a scene that does not (take a larger eps or a "
+            "smaller half_width)"
         ) from None
 
 
@@ -171,49 +172,51 @@ def _check_cells(scene: Scene) -> None:
         )
 
 
-def _compared(scene: Scene, progress: Progress | None, announce: Any) -> Comparison:
+def _compare_within_limits(scene: Scene, progress: Progress | None, announce: Any) -> Comparison:
     from longwave.cli.scene_command import summary_lines
     from longwave.scenes.engines.run_record import error_unit
     from longwave.scenes.starts.lattice_derivation import derivation
 
     record = record_scene(scene, progress, announce)
-    run, told = record.dataset, record.attrs
+    run, attrs = record.dataset, record.attrs
     if not run.sizes["time"]:
-        raise ValueError(f"{told['blow_up']} (no time is reached; take a smaller eps)")
-    scale = scene.eps ** told["power"]
+        raise ValueError(f"{attrs['blow_up']} (before the first time; take a smaller eps)")
+    scale = scene.eps ** attrs["power"]
     lattice, wave = (_middle_row(run[name].values) for name in ("strain", "analytic"))
-    errors = _largest(run.get("strains", run["strain"]) - run.get("analytics", run["analytic"]))
+    errors = _largest_sizes(
+        run.get("strains", run["strain"]) - run.get("analytics", run["analytic"])
+    )
     relative = np.where(np.isnan(run["error"]), errors / np.max(np.abs(wave)), run["error"])
     derived = derivation(scene)
     return Comparison(
-        X=_distances(scene.eps, run),
+        X=_slow_distances(scene.eps, run),
         times=run["time"].values,
         slow_times=run["time"].values * scene.eps**derived.slow,
         lattice=lattice / scale,
         wave=wave / scale,
         errors=errors / scale,
         relative=relative,
-        estimate=float(told["error_estimate"]),
-        unit=error_unit(told["power"]),
-        field=told.get("field_kind", "strain"),
+        estimate=float(attrs["error_estimate"]),
+        unit=error_unit(attrs["power"]),
+        field=attrs.get("field_kind", "strain"),
         equation=derived.text(),
         equation_latex=derived.latex(),
         wave_texts=wave_texts(str(scene.wave), tuple(name for name, _ in scene.parameters)),
         lines=tuple(summary_lines(record, scene)),
-        ended=told["blow_up"],
+        ended=attrs["blow_up"],
     )
 
 
-def _largest(values: xr.DataArray) -> Array:
-    """The largest size at each time."""
+def _largest_sizes(values: xr.DataArray) -> Array:
+    """Return the largest modulus at each time."""
     return np.max(np.abs(values.values), axis=tuple(range(1, values.ndim)))
 
 
-def _distances(eps: float, run: xr.Dataset) -> Array:
-    """X = eps (n - c t) of every compared cell at every time."""
-    travelled = run.attrs["frame_speed"] * run["time"].values
-    places: Array = eps * (run["n"].values - travelled[:, None])
-    return places
+def _slow_distances(eps: float, run: xr.Dataset) -> Array:
+    """Return X = eps (n - c t) of every compared cell at every time."""
+    distance = run.attrs["frame_speed"] * run["time"].values
+    X: Array = eps * (run["n"].values - distance[:, None])
+    return X
 
 
 def _middle_row(values: Array) -> Array:
@@ -222,87 +225,89 @@ def _middle_row(values: Array) -> Array:
 
 @dataclass(frozen=True)
 class Refusal:
-    """Why there is nothing to be shown, in one line."""
+    """Reason, in one line, why a scene has no comparison."""
 
     line: str
 
 
 Answer = float | Comparison | Refusal
-"""How far a run is, 0 .. 1; what came of it; or why nothing did."""
+"""State of a run: finished share 0 to 1, its result, or the reason why there is none."""
 
 
 class Explorer:
-    """Compares the scene that was asked for last, in a process of its own.
+    """Compares the last submitted scene, in a worker process.
 
-    The process is started with the first question, and again after one that had to be ended.
+    The worker starts with the first scene, and again after a run that had to be stopped.
     """
 
-    def __init__(self, limits: RequestLimits = USUAL_LIMITS) -> None:
+    def __init__(self, limits: RequestLimits = DEFAULT_LIMITS) -> None:
         self.limits = limits
-        self._workers = LocalWorkers(1, partial(_prepare, limits))
+        self._workers = LocalWorkers(1, partial(_prepare_worker, limits))
         self._call: Call | None = None
 
     def start(self) -> None:
-        """Start the process, which imports what it takes."""
+        """Start the worker, which imports its modules."""
         self._workers.start()
 
-    def ask(self, scene: Scene) -> None:
-        """Have this scene compared, and no other."""
+    def submit(self, scene: Scene) -> None:
+        """Submit a scene in place of any other."""
         deadline = DEADLINE * self.limits.seconds
-        job = Job(_answer, (scene, self.limits), tells=True, seconds=deadline, gives_way=True)
+        job = Job(
+            _compare_in_worker, (scene, self.limits), tells=True, seconds=deadline, gives_way=True
+        )
         self._call = self._workers.submit(job)
 
-    def drop(self) -> None:
-        """Ask for nothing any more; what is being run ends when something is asked again."""
+    def cancel(self) -> None:
+        """Discard the submitted scene; its run is stopped when the next one is submitted."""
         self._call = None
 
     def answer(self) -> Answer | None:
-        """What is new about what was asked last; None if there is nothing."""
-        call, ended = self._call, self._workers.ended(0.0)
+        """Return news about the submitted scene; None if there are none."""
+        call, finished = self._call, self._workers.ended(0.0)
         if call is None:
             return None
-        if call not in ended:
+        if call not in finished:
             share: float | None
             share, call.message = call.message, None
             return share
         self._call = None
         try:
-            found: Answer = call.result()
+            answer: Answer = call.result()
         except LostProcess:
-            return Refusal("the run's process ended before the run (too little memory?)")
+            return Refusal("the worker process ended before its run (too little memory?)")
         except OutOfTime:
-            taken = duration(DEADLINE * self.limits.seconds)
-            return Refusal(f"the run was ended after {taken} (a larger eps takes less)")
-        return found
+            duration_text = duration(DEADLINE * self.limits.seconds)
+            return Refusal(f"the run was stopped after {duration_text} (a larger eps is faster)")
+        return answer
 
     def close(self) -> None:
-        """End the process."""
+        """Stop the worker."""
         self._workers.stop()
         self._call = None
 
 
-BEFOREHAND = (
+PRELOADED = (
     "longwave.cli.scene_command",
     "longwave.scenes.engines.lattice_run",
     "longwave.derive.reduction",
     "xarray",
 )
-"""Modules that a process takes whatever is asked."""
+"""Modules that the worker imports at its start."""
 
-ROOM = 5e8
-"""Bytes that a process may take to see that a run would not fit a smaller limit, and to say it."""
+LEAST_MEMORY = 5e8
+"""Bytes that the worker may always use, to find and report that a run exceeds a smaller limit."""
 
 
-def _prepare(limits: RequestLimits) -> None:
-    """In a new process: import, and hold the limit of memory from then on."""
-    for module in BEFOREHAND:
+def _prepare_worker(limits: RequestLimits) -> None:
+    """Import modules in a new worker process and set its memory limit."""
+    for module in PRELOADED:
         import_module(module)
     if math.isfinite(limits.memory_bytes):
-        limit_memory(int(max(limits.memory_bytes, ROOM)))
+        limit_memory(int(max(limits.memory_bytes, LEAST_MEMORY)))
 
 
-def _answer(scene: Scene, limits: RequestLimits, progress: Progress) -> Answer:
-    """The comparison, or why there is none."""
+def _compare_in_worker(scene: Scene, limits: RequestLimits, progress: Progress) -> Answer:
+    """Return the comparison, or the reason why there is none."""
     try:
         return compare(scene, progress, limits)
     except (ValueError, OSError, ArithmeticError, RuntimeError) as error:

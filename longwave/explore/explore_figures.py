@@ -1,4 +1,4 @@
-"""The page's pictures: lattice against wave at one time, maps of all times, error against time."""
+"""Figures of the explorer's page: lattice and wave at one time, maps over all times, the error."""
 
 from __future__ import annotations
 
@@ -17,22 +17,22 @@ from longwave.reports.pictures.style import LATTICE, WAVE
 if TYPE_CHECKING:
     from longwave.explore.exploration_run import Array, Comparison
 
-TIME = "#333333"
-"""The colour of the time."""
+TIME_COLOUR = "#333333"
+"""Colour of the line that marks the current time."""
 
 MARGIN = 0.06
-"""Free space about curves, as a share of their extent."""
+"""Free space around curves, as a share of their range."""
 
 TOOLS = "xpan,xwheel_zoom,box_zoom,reset,save"
 
 
 def palette(name: str) -> Sequence[str]:
-    """The 256 colours of one of matplotlib's maps."""
+    """Return 256 colours of a matplotlib colour map."""
     return [to_hex(colour) for colour in matplotlib.colormaps[name](np.linspace(0.0, 1.0, 256))]
 
 
 def extent(*values: Array) -> tuple[float, float]:
-    """The ends of an axis that holds all finite values."""
+    """Return the ends of an axis that contains all finite values."""
     low = min(float(np.nanmin(part)) for part in values)
     high = max(float(np.nanmax(part)) for part in values)
     margin = MARGIN * (high - low) or 1.0
@@ -40,7 +40,7 @@ def extent(*values: Array) -> tuple[float, float]:
 
 
 class Picture:
-    """One picture, with a line at the slow time that the profile shows, if it has an axis of it."""
+    """A figure, with a line at the current slow time if one of its axes is the slow time."""
 
     def __init__(self, height: int, x_label: str, **options: Any) -> None:
         self.source = ColumnDataSource()
@@ -60,48 +60,55 @@ class Picture:
             axis.axis_label_text_font_style = "normal"
             axis.axis_label_text_color = axis.major_label_text_color = "#33404d"
 
-    def reach(self, x: tuple[float, float], y: tuple[float, float]) -> None:
-        """Let the axes go between these ends, also when the picture is reset."""
+    def set_ranges(self, x: tuple[float, float], y: tuple[float, float]) -> None:
+        """Set the ranges of both axes, also for a reset of the figure."""
         for axis, (low, high) in ((self.picture.x_range, x), (self.picture.y_range, y)):
             axis.update(start=low, end=high, reset_start=low, reset_end=high)
 
-    def mark_time(self, dimension: str, colour: str) -> None:
-        """Add the line of the time, along the width or the height."""
-        self.now = Span(dimension=dimension, line_color=colour, line_width=1.5, line_dash=[4, 3])
-        self.picture.add_layout(self.now)
+    def add_time_line(self, dimension: str, colour: str) -> None:
+        """Add the line at the current time, along the width or the height."""
+        self.time_line = Span(
+            dimension=dimension, line_color=colour, line_width=1.5, line_dash=[4, 3]
+        )
+        self.picture.add_layout(self.time_line)
 
-    def at(self, T: float) -> None:
-        """Mark a slow time."""
-        self.now.location = T
+    def set_time(self, T: float) -> None:
+        """Move the time line to slow time T."""
+        self.time_line.location = T
 
 
 class Profile(Picture):
-    """Lattice and wave at one time, on axes that stay the same at all times."""
+    """Lattice and wave at one time, on axes that are the same at all times."""
 
     def __init__(self) -> None:
         label = "X = \u03b5 (n \u2212 c t), in the frame that moves along"
         super().__init__(330, label, css_classes=["profile"])
         self.source.data = {"X": [], "lattice": [], "wave": []}
-        for name, look in (
+        for name, style in (
             ("lattice", {"color": LATTICE, "width": 5.0}),
             ("wave", {"color": WAVE, "width": 1.5}),
         ):
-            self.picture.line("X", name, source=self.source, legend_label=name, **look)
+            self.picture.line("X", name, source=self.source, legend_label=name, **style)
         self.picture.legend.background_fill_alpha = 0.7
         self.picture.legend.click_policy = "hide"
 
-    def show(self, found: Comparison) -> None:
+    def show(self, comparison: Comparison) -> None:
         """Fit the axes to all times of a comparison."""
-        self.reach((float(found.X.min()), float(found.X.max())), extent(found.lattice, found.wave))
-        self.picture.yaxis.axis_label = f"{found.field}, in {unit(found)}"
+        self.set_ranges(
+            (float(comparison.X.min()), float(comparison.X.max())),
+            extent(comparison.lattice, comparison.wave),
+        )
+        self.picture.yaxis.axis_label = f"{comparison.field}, in {unit(comparison)}"
 
-    def show_frame(self, found: Comparison, frame: int) -> None:
-        """Draw one time."""
-        self.source.data = {name: getattr(found, name)[frame] for name in ("X", "lattice", "wave")}
+    def show_frame(self, comparison: Comparison, frame: int) -> None:
+        """Draw lattice and wave at one time."""
+        self.source.data = {
+            name: getattr(comparison, name)[frame] for name in ("X", "lattice", "wave")
+        }
 
 
 class SpaceTimeMap(Picture):
-    """A map over X and slow time, with a line at the time that the profile shows."""
+    """A map over X and slow time, with a line at the current time."""
 
     def __init__(self, title: str, colours: str, symmetric: bool) -> None:
         super().__init__(300, "X", title=title)
@@ -111,26 +118,26 @@ class SpaceTimeMap(Picture):
         self.picture.image("image", "x", "y", "dw", "dh", source=self.source,
                            color_mapper=self.mapper)  # fmt: skip
         self.picture.add_layout(ColorBar(color_mapper=self.mapper, width=12), "right")
-        self.mark_time("width", TIME if symmetric else "#ffffff")
+        self.add_time_line("width", TIME_COLOUR if symmetric else "#ffffff")
         self.picture.yaxis.axis_label = "slow time T"
 
-    def show(self, found: Comparison, values: Array) -> None:
-        """Draw values (time, cell)."""
-        image = found.columns(values)
+    def show(self, comparison: Comparison, values: Array) -> None:
+        """Draw values of shape (time, cell)."""
+        image = comparison.columns(values)
         low, high = float(image.min()), float(image.max())
         if self.symmetric:
             high = max(abs(low), abs(high)) or 1.0
             low = -high
         self.mapper.update(low=low, high=high if high > low else low + 1.0)
-        T, X = found.slow_times, found.X
+        T, X = comparison.slow_times, comparison.X
         x, y = float(X.min()), float(T[0])
         dw, dh = float(X.max()) - x, float(T[-1]) - y or 1.0
         self.source.data = {"image": [image], "x": [x], "y": [y], "dw": [dw], "dh": [dh]}
-        self.reach((x, x + dw), (y, y + dh))
+        self.set_ranges((x, x + dw), (y, y + dh))
 
 
 class ErrorPicture(Picture):
-    """The largest difference against slow time, with the band of the run's own error."""
+    """Largest difference against slow time, with a band for the run's own error."""
 
     def __init__(self) -> None:
         super().__init__(240, "slow time T")
@@ -139,16 +146,16 @@ class ErrorPicture(Picture):
                            legend_label="the run's own error")  # fmt: skip
         self.picture.line("T", "error", source=self.source, color=LATTICE, width=2,
                           legend_label="largest difference")  # fmt: skip
-        self.mark_time("height", TIME)
+        self.add_time_line("height", TIME_COLOUR)
         self.picture.legend.location = "top_left"
         self.picture.legend.background_fill_alpha = 0.7
 
-    def show(self, found: Comparison) -> None:
-        """Draw a comparison's errors."""
-        T, error = found.slow_times, found.errors
-        low, high = np.maximum(error - found.estimate, 0.0), error + found.estimate
+    def show(self, comparison: Comparison) -> None:
+        """Draw the errors of a comparison."""
+        T, error = comparison.slow_times, comparison.errors
+        low, high = np.maximum(error - comparison.estimate, 0.0), error + comparison.estimate
         self.source.data = {"T": T, "error": error, "low": low, "high": high}
         top = 1.15 * float(np.nanmax(high)) or 1.0
         begin, end = float(T[0]), float(T[-1]) if T[-1] > T[0] else float(T[0]) + 1.0
-        self.reach((begin, end), (0.0, top))
-        self.picture.yaxis.axis_label = f"in {unit(found)}"
+        self.set_ranges((begin, end), (0.0, top))
+        self.picture.yaxis.axis_label = f"in {unit(comparison)}"

@@ -1,6 +1,6 @@
 """The page of `longwave explore`: controls on the left, pictures on the right.
 
-What is typed goes to `exploration`, what comes of it is shown; nothing is decided here.
+`exploration` interprets what is typed, and `exploration_run` computes what is shown.
 """
 
 from __future__ import annotations
@@ -15,10 +15,10 @@ import panel as pn
 from longwave.explore import explore_text as text
 from longwave.explore.exploration import (
     FRAMES,
-    Chosen,
+    Choices,
     bounds,
     examples,
-    first_choices,
+    initial_choices,
     plain_value,
     scene_of_choices,
     settings,
@@ -29,20 +29,20 @@ from longwave.explore.exploration_run import Comparison, Explorer, Refusal
 from longwave.explore.explore_figures import ErrorPicture, Profile, SpaceTimeMap
 from longwave.scenes.description.scene import Scene
 
-LOOK = 100
-"""Milliseconds between two looks at the run."""
+POLL_MS = 100
+"""Milliseconds between two checks on the run."""
 
 FIRST_WAVE = "rogue_cn"
 
 NO_EXAMPLE = "none"
 
-SCALES = {
+SLIDERS = {
     "eps": ("small parameter \u03b5", 0.02, 0.2),
     "half_width": ("compared: |X| up to", 5.0, 40.0),
 }
-"""Numbers of every scene that have a slider: what they are called, and its reach."""
+"""Numbers of every scene that have a slider: label and range."""
 
-TEXTS = {
+TEXT_FIELDS = {
     "begin": "from slow time T",
     "end": "to slow time T",
     "tolerance": "tolerance of the run",
@@ -68,10 +68,10 @@ body, #main, #content { background: #f3f5f7; }
   :host(.maps) { display: block; }
 }
 """
-"""Where the screen is narrow the controls are a drawer: the header's button, which hides them
-beside the pictures elsewhere, brings them in over the pictures."""
+"""On a narrow screen the controls are a drawer: the header's button, which otherwise hides them,
+slides them over the pictures."""
 
-TEXTS_STYLE = """
+PANE_STYLE = """
 :host { font: 14px/1.45 system-ui, sans-serif; color: #22303c; }
 h2 { font-size: 15px; font-weight: 600; margin: 4px 0 0 0; }
 h3 { font-size: 13px; font-weight: 600; margin: 4px 0 0 0; border-bottom: 1px solid #dde3e9; }
@@ -99,29 +99,29 @@ WIDE: dict[str, Any] = {"sizing_mode": "stretch_width"}
 
 
 class PlainTemplate(pn.template.VanillaTemplate):
-    """The template without the font that it would fetch from another host."""
+    """Panel's template without the font that it would load from another host."""
 
     _resources: ClassVar[dict[str, dict[str, str]]] = {}
 
 
-class Quiet:
-    """Whether changes are the page's own, and are answered by nothing."""
+class EventBlock:
+    """Flag by which event handlers ignore changes that the page makes itself."""
 
     def __init__(self) -> None:
-        self.holds = False
+        self.is_active = False
 
     @contextmanager
-    def kept(self) -> Iterator[None]:
-        """Have what is changed in the body answered by nothing."""
-        before, self.holds = self.holds, True
+    def active(self) -> Iterator[None]:
+        """Make event handlers ignore the changes made within the context."""
+        previous, self.is_active = self.is_active, True
         try:
             yield
         finally:
-            self.holds = before
+            self.is_active = previous
 
 
 class NumberEntry:
-    """A number that is typed, or drawn with a slider; the text is what counts."""
+    """A number with a text box and a slider; the text counts."""
 
     def __init__(self, name: str, label: str, value: str, changed: Callable[[], None]) -> None:
         self.name = name
@@ -130,74 +130,74 @@ class NumberEntry:
             name=label, value=value, **WIDE, css_classes=[f"entry-{name}"]
         )
         self.slider: Any = None
-        self._quiet = Quiet()
-        self.box.param.watch(self._typed, "value")
+        self._event_block = EventBlock()
+        self.box.param.watch(self._on_typed, "value")
 
-    def reach(self, low: float, high: float) -> NumberEntry:
-        """Let the slider, which is added at first, go from ``low`` to ``high``."""
+    def set_range(self, low: float, high: float) -> NumberEntry:
+        """Set the range of the slider, which is created at the first call."""
         ends = {"start": low, "end": high, "step": (high - low) / 200.0}
         ends["value"] = self._within(low, high)
         if self.slider is not None:
-            with self._quiet.kept():
+            with self._event_block.active():
                 self.slider.param.update(**ends)
             return self
         self.slider = pn.widgets.FloatSlider(
             **ends, show_value=False, **WIDE, css_classes=[f"slider-{self.name}"]
         )
-        self.slider.param.watch(self._drawn, "value_throttled")
+        self.slider.param.watch(self._on_slider, "value_throttled")
         return self
 
     def _within(self, low: float, high: float) -> float:
         value = plain_value(self.box.value)
         return low if value is None else min(max(value, low), high)
 
-    def _typed(self, _: Any) -> None:
-        if self._quiet.holds:
+    def _on_typed(self, _: Any) -> None:
+        if self._event_block.is_active:
             return
         if self.slider is not None:
-            with self._quiet.kept():
+            with self._event_block.active():
                 self.slider.value = self._within(self.slider.start, self.slider.end)
         self.changed()
 
-    def _drawn(self, event: Any) -> None:
-        if self._quiet.holds:
+    def _on_slider(self, event: Any) -> None:
+        if self._event_block.is_active:
             return
-        with self._quiet.kept():
+        with self._event_block.active():
             self.box.value = f"{event.new:.4g}"
         self.changed()
 
     def view(self) -> Any:
-        """The text, and the slider below it if there is one."""
+        """Return the text box, with the slider below it if there is one."""
         parts = [self.box] if self.slider is None else [self.box, self.slider]
         return pn.Column(*parts, **WIDE, margin=0)
 
 
 class ExplorePage:
-    """One visitor's page: what is chosen, the run of it, and the pictures of that.
+    """One visitor's page: the choices, their run, and its pictures.
 
-    Nothing is run before it has begun.
+    Nothing runs before `start` is called.
     """
 
     def __init__(self, explorer: Explorer) -> None:
-        self.explorer, self._has_begun = explorer, False
+        self.explorer, self._has_started = explorer, False
         self.scene: Scene | None = None
-        self.found: Comparison | None = None
-        self._quiet = Quiet()
+        self.comparison: Comparison | None = None
+        self._event_block = EventBlock()
         self.entries: dict[str, NumberEntry] = {}
-        self._make_choosers()
-        self._make_results()
+        self._build_choosers()
+        self._build_results()
         self._choose(FIRST_WAVE, None)
 
-    def begin(self) -> None:
-        """Have what is chosen run, now that a browser shows the page."""
-        self._has_begun = True
-        self._ask()
+    def start(self) -> None:
+        """Run the current choices, now that a browser shows the page."""
+        self._has_started = True
+        self._submit()
 
-    def turn_away(self, line: str) -> None:
-        """Tell why nothing will be run."""
-        self._refuse(Refusal(line))
+    def refuse_with(self, line: str) -> None:
+        """Show a message why nothing will be run."""
+        self._show_refusal(Refusal(line))
 
-    def _make_choosers(self) -> None:
+    def _build_choosers(self) -> None:
         self.example = pn.widgets.Select(
             name="ready example", options={"\u2013": NO_EXAMPLE, **examples()},
             **WIDE, css_classes=["choose-example"],
@@ -210,17 +210,17 @@ class ExplorePage:
             name="on the lattice", **WIDE, css_classes=["choose-lattice"]
         )
         self.controls = pn.Column(**WIDE, margin=0)
-        self.example.param.watch(self._example_chosen, "value")
-        self.wave.param.watch(lambda event: self._chosen(event.new, None), "value")
-        self.setting.param.watch(lambda event: self._chosen(self.wave.value, event.new), "value")
+        self.example.param.watch(self._on_example, "value")
+        self.wave.param.watch(lambda event: self._on_choice(event.new, None), "value")
+        self.setting.param.watch(lambda event: self._on_choice(self.wave.value, event.new), "value")
 
-    def _make_results(self) -> None:
-        def words(name: str) -> Any:
+    def _build_results(self) -> None:
+        def text_pane(name: str) -> Any:
             return _html("", css_classes=[name], margin=(0, 10), **WIDE)
 
-        self.status, self.refusal, self.outcome = map(words, ("status", "refused", "outcome"))
-        self.moment, self.lines = map(words, ("moment", "lines"))
-        self.equation, self.formula = map(words, ("equation", "formula"))
+        self.status, self.refusal, self.outcome = map(text_pane, ("status", "refused", "outcome"))
+        self.moment, self.lines = map(text_pane, ("moment", "lines"))
+        self.equation, self.formula = map(text_pane, ("equation", "formula"))
         self.profile, self.errors = Profile(), ErrorPicture()
         self.lattice_map = SpaceTimeMap("the lattice", "viridis", symmetric=False)
         self.difference_map = SpaceTimeMap("lattice less wave", "RdBu_r", symmetric=True)
@@ -239,27 +239,27 @@ class ExplorePage:
             button_type="primary", label="Download scene.toml", css_classes=["download"],
         )  # fmt: skip
 
-    def _example_chosen(self, event: Any) -> None:
-        if event.new != NO_EXAMPLE and not self._quiet.holds:
+    def _on_example(self, event: Any) -> None:
+        if event.new != NO_EXAMPLE and not self._event_block.is_active:
             self._choose(*event.new)
 
-    def _chosen(self, wave: str, setting: str | None) -> None:
-        if not self._quiet.holds:
-            with self._quiet.kept():
+    def _on_choice(self, wave: str, setting: str | None) -> None:
+        if not self._event_block.is_active:
+            with self._event_block.active():
                 self.example.value = NO_EXAMPLE
             self._choose(wave, setting)
 
     def _choose(self, wave: str, setting: str | None) -> None:
-        """Begin with a wave on a lattice: fill the controls with its first choices."""
-        choices = first_choices(wave, setting)
-        with self._quiet.kept():
+        """Select a wave and a lattice, and fill the controls with their initial choices."""
+        choices = initial_choices(wave, setting)
+        with self._event_block.active():
             self.wave.value = wave
             self.setting.options = {one.title: one.name for one in settings(wave)}
             self.setting.value = choices.setting
             self._fill_controls(choices)
-        self._ask()
+        self._submit()
 
-    def _fill_controls(self, choices: Chosen) -> None:
+    def _fill_controls(self, choices: Choices) -> None:
         from longwave.solutions import closed_form
 
         self.entries = {}
@@ -267,117 +267,118 @@ class ExplorePage:
             self._entry("parameters", one.name, choices.parameters[one.name], one.domain)
             for one in closed_form(choices.wave).parameters
         ]
-        self._reach_parameters(choices)
+        self._update_sliders(choices)
         constants = [
             self._entry("constants", name, value, name) for name, value in choices.constants.items()
         ]
         scales = [
-            self._entry("", name, getattr(choices, name), label).reach(low, high)
-            for name, (label, low, high) in SCALES.items()
+            self._entry("", name, getattr(choices, name), label).set_range(low, high)
+            for name, (label, low, high) in SLIDERS.items()
         ]
         others = [
-            self._entry("", name, getattr(choices, name), label) for name, label in TEXTS.items()
+            self._entry("", name, getattr(choices, name), label)
+            for name, label in TEXT_FIELDS.items()
         ]
-        none = [_html("this wave has none")]
+        none_message = [_html("this wave has none")]
         self.controls.objects = [
-            _group("the wave's parameters", [one.view() for one in waves] or none),
+            _group("the wave's parameters", [one.view() for one in waves] or none_message),
             _group("the lattice's constants", _pairs(one.view() for one in constants)),
             _group("scale", [one.view() for one in scales]),
             _group("time and accuracy", _pairs(one.view() for one in others)),
         ]
 
     def _entry(self, group: str, name: str, value: str, label: str) -> NumberEntry:
-        entry = NumberEntry(name, label, value, self._changed)
+        entry = NumberEntry(name, label, value, self._on_change)
         self.entries[f"{group}.{name}"] = entry
         return entry
 
-    def _reach_parameters(self, choices: Chosen) -> None:
-        """Let the parameters' sliders go where the catalogue admits values, given the others."""
+    def _update_sliders(self, choices: Choices) -> None:
+        """Fit the ranges of the parameters' sliders to their domains, given the other values."""
         from longwave.solutions import closed_form
 
         values = {name: plain_value(value) for name, value in choices.parameters.items()}
         for one in closed_form(choices.wave).parameters:
-            if None not in bounds(one, values) or not _depends(one):
-                self.entries[f"parameters.{one.name}"].reach(*slider_ends(one, values))
+            if None not in bounds(one, values) or not _has_dependent_bound(one):
+                self.entries[f"parameters.{one.name}"].set_range(*slider_ends(one, values))
 
-    def choices(self) -> Chosen:
-        """What is chosen now."""
+    def choices(self) -> Choices:
+        """Return the current choices."""
         typed: dict[str, dict[str, str]] = {"parameters": {}, "constants": {}, "": {}}
         for key, entry in self.entries.items():
             group, _, name = key.partition(".")
             typed[group][name] = entry.box.value_input or entry.box.value
-        return Chosen(
+        return Choices(
             wave=self.wave.value, setting=self.setting.value, parameters=typed["parameters"],
             constants=typed["constants"], **typed[""],
         )  # fmt: skip
 
-    def _changed(self) -> None:
-        if not self._quiet.holds:
-            with self._quiet.kept():
+    def _on_change(self) -> None:
+        if not self._event_block.is_active:
+            with self._event_block.active():
                 self.example.value = NO_EXAMPLE
-                self._reach_parameters(self.choices())
-            self._ask()
+                self._update_sliders(self.choices())
+            self._submit()
 
-    def _ask(self) -> None:
-        """Have what is chosen run, or say why it cannot be."""
+    def _submit(self) -> None:
+        """Run the current choices, or show why they cannot run."""
         try:
             self.scene = scene_of_choices(self.choices())
         except ValueError as error:
             self.toml.value = ""
-            self.explorer.drop()
-            self._refuse(Refusal(str(error)))
+            self.explorer.cancel()
+            self._show_refusal(Refusal(str(error)))
             return
         self.toml.value = self.scene.toml()
-        if self._has_begun:
-            self.explorer.ask(self.scene)
-            self._tell("running", "running ...")
+        if self._has_started:
+            self.explorer.submit(self.scene)
+            self._set_status("running", "running ...")
 
-    def look(self) -> None:
-        """Show what is new about the run."""
+    def poll(self) -> None:
+        """Show news about the run."""
         answer = self.explorer.answer()
         if isinstance(answer, float):
             self.status.object = f"running: {100.0 * min(1.0, answer):.0f} %"
         elif isinstance(answer, Refusal):
-            self._refuse(answer)
+            self._show_refusal(answer)
         elif answer is not None:
             self._show(answer)
 
-    def _refuse(self, refusal: Refusal) -> None:
+    def _show_refusal(self, refusal: Refusal) -> None:
         self.refusal.object = text.refusal_html(refusal)
-        self._tell("refused", "not run; the pictures below are of what was chosen before")
+        self._set_status("refused", "not run; the pictures below are of what was chosen before")
 
-    def _tell(self, state: str, words: str) -> None:
+    def _set_status(self, state: str, words: str) -> None:
         self.status.object = words
         self.status.css_classes = ["status", state]
 
-    def _show(self, found: Comparison) -> None:
-        self.found = found
+    def _show(self, comparison: Comparison) -> None:
+        self.comparison = comparison
         self.refusal.object = ""
-        self._tell("done", "done")
-        self.outcome.object = text.outcome_html(found)
-        self.equation.object = text.equation_html(found)
-        self.formula.object = text.wave_html(found)
-        self.lines.object = text.lines_html(found)
-        self.profile.show(found)
-        self.lattice_map.show(found, found.lattice)
-        self.difference_map.show(found, found.lattice - found.wave)
-        self.errors.show(found)
-        last = len(found.times) - 1
+        self._set_status("done", "done")
+        self.outcome.object = text.outcome_html(comparison)
+        self.equation.object = text.equation_html(comparison)
+        self.formula.object = text.wave_html(comparison)
+        self.lines.object = text.lines_html(comparison)
+        self.profile.show(comparison)
+        self.lattice_map.show(comparison, comparison.lattice)
+        self.difference_map.show(comparison, comparison.lattice - comparison.wave)
+        self.errors.show(comparison)
+        last = len(comparison.times) - 1
         frame = min(self.player.value, last) if self.player.end == last else last // 2
         self.player.param.update(end=last, value=frame)
         self._show_frame()
 
     def _show_frame(self) -> None:
-        if self.found is None:
+        if self.comparison is None:
             return
-        frame = min(self.player.value, len(self.found.times) - 1)
-        self.profile.show_frame(self.found, frame)
-        self.moment.object = text.moment(self.found, frame)
+        frame = min(self.player.value, len(self.comparison.times) - 1)
+        self.profile.show_frame(self.comparison, frame)
+        self.moment.object = text.frame_caption(self.comparison, frame)
         for picture in (self.lattice_map, self.difference_map, self.errors):
-            picture.at(float(self.found.slow_times[frame]))
+            picture.set_time(float(self.comparison.slow_times[frame]))
 
     def view(self) -> Any:
-        """The page itself."""
+        """Return the page's layout."""
         introduction = _html(text.INTRODUCTION, **WIDE)
         page = PlainTemplate(
             title="longwave: lattice against wave", sidebar_width=360,
@@ -402,13 +403,13 @@ class ExplorePage:
         return page
 
 
-def _depends(parameter: Any) -> bool:
-    """Whether an end of the domain hangs on another parameter."""
+def _has_dependent_bound(parameter: Any) -> bool:
+    """Whether an end of the parameter's domain depends on another parameter."""
     return any(bound and bound.value.free_symbols for bound in (parameter.lower, parameter.upper))
 
 
-def _html(words: str, **look: Any) -> Any:
-    return pn.pane.HTML(words, stylesheets=[TEXTS_STYLE], **look)
+def _html(words: str, **options: Any) -> Any:
+    return pn.pane.HTML(words, stylesheets=[PANE_STYLE], **options)
 
 
 def _group(title: str, parts: Iterable[Any]) -> Any:
@@ -417,9 +418,9 @@ def _group(title: str, parts: Iterable[Any]) -> Any:
 
 
 def _pairs(parts: Iterable[Any]) -> list[Any]:
-    """The parts two by two."""
-    found = list(parts)
-    return [pn.Row(*found[i : i + 2], **WIDE, margin=0) for i in range(0, len(found), 2)]
+    """Arrange the parts in rows of two."""
+    part_list = list(parts)
+    return [pn.Row(*part_list[i : i + 2], **WIDE, margin=0) for i in range(0, len(part_list), 2)]
 
 
 def _panel(title: str, *parts: Any) -> Any:

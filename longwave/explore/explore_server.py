@@ -1,9 +1,9 @@
-"""``longwave explore``: the page is served to its user alone until Ctrl-C.
+"""``longwave explore``: a server that shows the page to its user alone, until Ctrl-C.
 
-A page of another host may send requests here too, under a name of its own that it has lead to this
-machine, and so may other users of the machine. So a request is answered only if it names this
-server as its host and knows the token in the address that was printed; the page's websocket has the
-token from that address as well, and beside it the origin is asked for.
+Pages of other hosts may send requests here, even under a host name of their own that resolves to
+this machine, and so may other users of the machine. So a request is answered only if it names this
+server as its host and carries the token from the printed address. The page's websocket carries the
+token as well, and its origin is checked.
 """
 
 from __future__ import annotations
@@ -32,30 +32,30 @@ if TYPE_CHECKING:
     from longwave.explore.explore_page import ExplorePage
 
 HOST = "127.0.0.1"
-"""The loopback: nothing outside this machine reaches it."""
+"""Loopback address, which cannot be reached from other machines."""
 
 MOST_PAGES, MOST_SESSIONS = 10, 50
-"""Pages that browsers show at a time, each with a process of its own; and with those that are asked
-for and not yet shown, or closed and not yet forgotten."""
+"""Largest number of pages shown at a time, each with its own process; and of sessions, which
+include pages that are not yet shown or were closed recently."""
 
 TOO_MANY = f"at most {MOST_PAGES} pages may be open: close one, and reload"
 
-LEFT = 60_000
-"""Milliseconds after which a page that was closed is forgotten, its process ended; a slow browser
-has as long to come back for what it was promised."""
+CLOSED_PAGE_MS = 60_000
+"""Milliseconds after which a closed page is discarded and its process stopped. A slow browser has
+as long to open its session."""
 
-TOKEN = "token"
-"""The word of the address behind which its token stands."""
+TOKEN_KEY = "token"
+"""Name of the token in the address."""
 
-LOCAL = "static/extensions/panel/"
-"""Where this server has its style sheets."""
+LOCAL_STYLE_SHEETS = "static/extensions/panel/"
+"""Path of Panel's style sheets on this server."""
 
 
 def explore(port: int, browser: bool, program: str) -> int:
-    """Serve the page until Ctrl-C, which ``program`` tells; return the exit status.
+    """Serve the page until Ctrl-C; return the exit status.
 
-    130 after Ctrl-C, 2 for a port that is taken, 1 if what the page takes is not installed.
-    ``port`` 0 is any free one.
+    The status is 130 after Ctrl-C, 2 if the port is taken, 1 if a required package is missing. With
+    ``port`` 0 any free port is used.
     """
     try:
         import panel as pn
@@ -69,7 +69,7 @@ def explore(port: int, browser: bool, program: str) -> int:
         )
         return 1
     try:
-        found = _free_port(port)
+        free_port = _free_port(port)
     except OSError as error:
         return fail(
             f"port must be a free one, got {port}: {error.strerror} (leave --port out for any)"
@@ -79,53 +79,55 @@ def explore(port: int, browser: bool, program: str) -> int:
     pages = Pages(current_limits())
     server = pn.io.server.get_server(
         pages.open,
-        port=found,
+        port=free_port,
         address=HOST,
-        websocket_origin=[f"{HOST}:{found}", f"localhost:{found}"],
+        websocket_origin=[f"{HOST}:{free_port}", f"localhost:{free_port}"],
         title="longwave explore",
         show=False,
         start=False,
-        unused_session_lifetime_milliseconds=LEFT,
-        check_unused_sessions_milliseconds=LEFT // 2,
+        unused_session_lifetime_milliseconds=CLOSED_PAGE_MS,
+        check_unused_sessions_milliseconds=CLOSED_PAGE_MS // 2,
     )
     token = secrets.token_urlsafe(32)
-    refuse_others(server._tornado, found, token)
-    return _serve(server, pages, f"http://{HOST}:{found}/?{TOKEN}={token}", browser, program)
+    refuse_foreign_requests(server._tornado, free_port, token)
+    return _serve(
+        server, pages, f"http://{HOST}:{free_port}/?{TOKEN_KEY}={token}", browser, program
+    )
 
 
-def refuse_others(application: Any, port: int, token: str) -> None:
-    """Have the server answer 403 to whoever names another host or has not the token.
+def refuse_foreign_requests(application: Any, port: int, token: str) -> None:
+    """Make the server answer 403 to requests for another host or without the token.
 
-    A path with a zero byte, which no file's name has, is refused as well: Tornado fails over it.
-    What pages are made of needs none: scripts and style sheets are the same for all.
+    Scripts and style sheets need no token, because they are the same for all. A path with a zero
+    byte is refused as well, because Tornado fails on it.
     """
     from tornado.routing import Matcher, Rule
     from tornado.web import ErrorHandler
 
     hosts = (f"{HOST}:{port}", f"localhost:{port}")
 
-    class Others(Matcher):
-        """Requests that are to be refused."""
+    class Foreign(Matcher):
+        """Matcher of the requests to refuse."""
 
         def match(self, request: Any) -> dict[str, Any] | None:
-            given = request.query_arguments.get(TOKEN, [b""])[0]
-            known = hmac.compare_digest(given, token.encode())
+            token_given = request.query_arguments.get(TOKEN_KEY, [b""])[0]
+            has_token = hmac.compare_digest(token_given, token.encode())
             public = request.path.startswith("/static/") or request.path == "/favicon.ico"
-            allowed = request.host in hosts and (known or public) and "%00" not in request.path
+            allowed = request.host in hosts and (has_token or public) and "%00" not in request.path
             return None if allowed else {}
 
     router = application.default_router
-    refusal = router.process_rule(Rule(Others(), ErrorHandler, {"status_code": 403}))
+    refusal = router.process_rule(Rule(Foreign(), ErrorHandler, {"status_code": 403}))
     router.rules.insert(0, refusal)
 
 
 def _free_port(port: int) -> int:
-    """The port itself if it is free, any free one for 0; OSError if it is taken."""
-    with closing(socket.socket(socket.AF_INET, socket.SOCK_STREAM)) as trial:
-        trial.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        trial.bind((HOST, port))
-        found: int = trial.getsockname()[1]
-        return found
+    """Return the port if it is free, any free one for 0; raise OSError if it is taken."""
+    with closing(socket.socket(socket.AF_INET, socket.SOCK_STREAM)) as trial_socket:
+        trial_socket.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        trial_socket.bind((HOST, port))
+        free_port: int = trial_socket.getsockname()[1]
+        return free_port
 
 
 def _serve(server: Any, pages: Pages, address: str, browser: bool, program: str) -> int:
@@ -133,12 +135,12 @@ def _serve(server: Any, pages: Pages, address: str, browser: bool, program: str)
     server.start()
     count_notice()
     print(f"longwave explore: {address} (Ctrl-C ends it)", flush=True)
-    with _shown(address) if browser else nullcontext():
+    with _open_browser(address) if browser else nullcontext():
         try:
             loop.start()
         except KeyboardInterrupt:
-            for number in ENDING:
-                signal.signal(number, signal.SIG_IGN)
+            for signal_number in ENDING:
+                signal.signal(signal_number, signal.SIG_IGN)
         finally:
             server.stop()
             pages.close()
@@ -153,14 +155,14 @@ REDIRECT = """<!DOCTYPE html>
 
 
 @contextmanager
-def _shown(address: str) -> Iterator[None]:
-    """Open the browser at the address, which stands in a file that the user alone may read.
+def _open_browser(address: str) -> Iterator[None]:
+    """Open the browser at the address, by way of a file that only the user can read.
 
-    The browser's arguments are everybody's to read, and in them would be the token.
+    The token must not be among the browser's arguments, which every user can read.
     """
-    number, name = tempfile.mkstemp(prefix="longwave-explore-", suffix=".html")
+    descriptor, name = tempfile.mkstemp(prefix="longwave-explore-", suffix=".html")
     try:
-        with open(number, "w", encoding="utf-8") as stream:
+        with open(descriptor, "w", encoding="utf-8") as stream:
             stream.write(REDIRECT.format(address=escape(address)))
         page = Path(name).as_uri()
         threading.Thread(target=webbrowser.open, args=(page,), daemon=True).start()
@@ -169,67 +171,67 @@ def _shown(address: str) -> Iterator[None]:
         Path(name).unlink(missing_ok=True)
 
 
-def keep_style_sheets_here(document: Any) -> None:
-    """Have a page's style sheets come from this server, whenever its session is made.
+def use_local_style_sheets(document: Any) -> None:
+    """Make a page load its style sheets from this server, whenever its session is created.
 
-    Panel says so only when it writes the page; a session that is made again for a page that was
-    written before would send the browser to another host.
+    Panel sets this only when it writes the page. A session that is created again for an existing
+    page would load them from another host.
     """
-    document.template_variables["dist_url"] = LOCAL
+    document.template_variables["dist_url"] = LOCAL_STYLE_SHEETS
 
 
 class Pages:
-    """The pages that are open; each has a process from when a browser has it and talks to it.
+    """The open pages. Each gets a process once a browser shows it.
 
-    The first one's is begun beforehand.
+    The process of the first page is started in advance.
     """
 
     def __init__(self, limits: RequestLimits) -> None:
         from longwave.explore.exploration_run import Explorer
 
         self._limits = limits
-        self._spare = [Explorer(limits)]
-        self._spare[0].start()
-        self._asked = 0
-        self._shown: set[ExplorePage] = set()
+        self._spare_explorers = [Explorer(limits)]
+        self._spare_explorers[0].start()
+        self._session_count = 0
+        self._shown_pages: set[ExplorePage] = set()
 
     def open(self) -> Any:
-        """A visitor's page, or a line that there are too many."""
+        """Return a visitor's page, or a message if there are too many."""
         import panel as pn
 
         from longwave.explore.exploration_run import Explorer
-        from longwave.explore.explore_page import LOOK, ExplorePage
+        from longwave.explore.explore_page import POLL_MS, ExplorePage
 
-        keep_style_sheets_here(pn.state.curdoc)
-        self._asked += 1
-        if self._asked > MOST_SESSIONS:
+        use_local_style_sheets(pn.state.curdoc)
+        self._session_count += 1
+        if self._session_count > MOST_SESSIONS:
             pn.state.on_session_destroyed(self._forget)
             return pn.pane.HTML(TOO_MANY)
         page = ExplorePage(Explorer(self._limits))
 
-        def begin() -> None:
-            if len(self._shown) >= MOST_PAGES:
-                page.turn_away(TOO_MANY)
+        def show_page() -> None:
+            if len(self._shown_pages) >= MOST_PAGES:
+                page.refuse_with(TOO_MANY)
                 return
-            self._shown.add(page)
-            if self._spare:
-                page.explorer = self._spare.pop()
-            page.begin()
+            self._shown_pages.add(page)
+            if self._spare_explorers:
+                page.explorer = self._spare_explorers.pop()
+            page.start()
 
-        def leave(_: Any) -> None:
-            self._asked -= 1
-            self._shown.discard(page)
+        def close_page(_: Any) -> None:
+            self._session_count -= 1
+            self._shown_pages.discard(page)
             page.explorer.close()
 
-        pn.state.onload(begin)
-        pn.state.on_session_destroyed(leave)
-        pn.state.add_periodic_callback(page.look, LOOK)
+        pn.state.onload(show_page)
+        pn.state.on_session_destroyed(close_page)
+        pn.state.add_periodic_callback(page.poll, POLL_MS)
         return page.view()
 
     def _forget(self, _: Any) -> None:
-        self._asked -= 1
+        self._session_count -= 1
 
     def close(self) -> None:
-        """End the pages' processes."""
-        for explorer in (*(page.explorer for page in self._shown), *self._spare):
+        """Stop the processes of all pages."""
+        for explorer in (*(page.explorer for page in self._shown_pages), *self._spare_explorers):
             explorer.close()

@@ -1,4 +1,4 @@
-"""What the page says, as HTML in which everything that was typed is escaped."""
+"""Texts of the explorer's page as HTML; everything typed by the user is escaped."""
 
 from __future__ import annotations
 
@@ -17,100 +17,102 @@ INTRODUCTION = (
     "the difference. The smaller &epsilon;, the longer the waves and the smaller the difference."
 )
 
-RAISED = {ord("^"): None} | {
+SUPERSCRIPTS = {ord("^"): None} | {
     ord(digit): sign for digit, sign in zip("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹", strict=True)
 }
 
 
-def unit(found: Comparison) -> str:
-    """The unit of strains and errors, as it is read.
+def unit(comparison: Comparison) -> str:
+    """Return the unit of strains and errors in readable form.
 
     >>> from types import SimpleNamespace
     >>> unit(SimpleNamespace(unit="eps^2"))
     'ε²'
     """
-    return found.unit.translate(RAISED).replace("eps", "ε")
+    return comparison.unit.translate(SUPERSCRIPTS).replace("eps", "ε")
 
 
-def figures_of_merit(found: Comparison) -> list[tuple[str, str, str]]:
-    """The numbers of a comparison: what it is, its value, and what that means."""
-    worst = int(np.nanargmax(found.errors))
-    share = f"{100.0 * float(np.nanmax(found.relative)):.2g} %"
+def summary_numbers(comparison: Comparison) -> list[tuple[str, str, str]]:
+    """Return the main numbers of a comparison: label, value and explanation of each."""
+    worst_time = int(np.nanargmax(comparison.errors))
+    share = f"{100.0 * float(np.nanmax(comparison.relative)):.2g} %"
     return [
         (
             "largest difference",
-            f"{found.errors[worst]:.3g} {unit(found)}",
-            f"lattice less wave, at T = {found.slow_times[worst]:.3g}, t = "
-            f"{found.times[worst]:.4g}",
+            f"{comparison.errors[worst_time]:.3g} {unit(comparison)}",
+            f"lattice less wave, at T = {comparison.slow_times[worst_time]:.3g}, t = "
+            f"{comparison.times[worst_time]:.4g}",
         ),
         ("of the wave's height", share, "the largest at any time"),
         (
             "the run's own error",
-            f"± {found.estimate:.2g} {unit(found)}",
+            f"± {comparison.estimate:.2g} {unit(comparison)}",
             "estimated: the accuracy of the difference",
         ),
     ]
 
 
-def moment(found: Comparison, frame: int) -> str:
-    """What is said beside the profile at one time."""
+def frame_caption(comparison: Comparison, frame: int) -> str:
+    """Return the caption of the profile at one time."""
     return (
-        f"T = {found.slow_times[frame]:.4g}, t = {found.times[frame]:.6g}: difference "
-        f"{found.errors[frame]:.3g} {unit(found)}"
+        f"T = {comparison.slow_times[frame]:.4g}, t = {comparison.times[frame]:.6g}: difference "
+        f"{comparison.errors[frame]:.3g} {unit(comparison)}"
     )
 
 
-def outcome_html(found: Comparison) -> str:
-    """The numbers as tiles, and in red how the run ended if it ended early."""
+def outcome_html(comparison: Comparison) -> str:
+    """Return the main numbers as tiles, preceded by the reason if the run ended early."""
     tiles = "".join(
-        f'<div class="tile"><div class="what">{escape(what)}</div><div class="value">'
+        f'<div class="tile"><div class="what">{escape(label)}</div><div class="value">'
         f'{escape(value)}</div><div class="hint">{escape(hint)}</div></div>'
-        for what, value, hint in figures_of_merit(found)
+        for label, value, hint in summary_numbers(comparison)
     )
-    ended = f'<div class="refusal">{escape(found.ended)}</div>' if found.ended else ""
+    ended = f'<div class="refusal">{escape(comparison.ended)}</div>' if comparison.ended else ""
     return f'{ended}<div class="tiles">{tiles}</div>'
 
 
 def refusal_html(refusal: Refusal) -> str:
-    """Why there is no new picture."""
+    """Return the reason why there is no new picture."""
     return f'<div class="refusal" role="alert">{escape(refusal.line)}</div>'
 
 
 def formula_html(latex: str, plain: str) -> str:
-    """A formula that the browser draws itself, or its plain text if it is not understood.
+    r"""Return a formula as MathML, or as plain text if it cannot be converted.
 
-    >>> formula_html("Y_T", "Y_T")[:29], formula_html(r"\\nonsense{", "a < b")
+    >>> formula_html("Y_T", "Y_T")[:29], formula_html(r"\nonsense{", "a < b")
     ('<math xmlns="http://www.w3.or', '<code>a &lt; b</code>')
     """
     from latex2mathml.converter import convert
 
-    bare = re.sub(r"\\displaystyle|\$", "", latex).strip()
+    bare_latex = re.sub(r"\\displaystyle|\$", "", latex).strip()
     try:
-        made: str = convert(bare, display="block")
+        mathml: str = convert(bare_latex, display="block")
     except Exception:  # the converter raises exceptions without a common base
         return f"<code>{escape(plain)}</code>"
-    return f"<code>{escape(plain)}</code>" if re.search(r"\\[a-zA-Z]", made) else made
+    return f"<code>{escape(plain)}</code>" if re.search(r"\\[a-zA-Z]", mathml) else mathml
 
 
-def equation_html(found: Comparison) -> str:
-    """The equation of long waves that was derived from the lattice."""
-    name, _, text = found.equation.partition(": ")
+def equation_html(comparison: Comparison) -> str:
+    """Return the long-wave equation that was derived from the lattice."""
+    name, _, text = comparison.equation.partition(": ")
     return (
         f'<div class="what">the lattice\'s {escape(name)} equation</div>'
-        f"{formula_html(found.equation_latex, text)}"
+        f"{formula_html(comparison.equation_latex, text)}"
     )
 
 
-def wave_html(found: Comparison) -> str:
-    """The closed form in the variables of its normal form, and that equation."""
-    title, reference, normal_form, formula = found.wave_texts
-    shown = formula_html(formula, "") if formula else "<div>its formula would fill pages</div>"
+def wave_html(comparison: Comparison) -> str:
+    """Return the closed form in the variables of its normal form, and that equation."""
+    title, reference, normal_form, formula = comparison.wave_texts
+    formula_part = (
+        formula_html(formula, "") if formula else "<div>its formula is too long to show</div>"
+    )
     return (
         f'<div class="what">its normal form</div>{formula_html(normal_form, "")}'
-        f'<div class="what">{escape(title)} ({escape(reference)})</div>{shown}'
+        f'<div class="what">{escape(title)} ({escape(reference)})</div>{formula_part}'
     )
 
 
-def lines_html(found: Comparison) -> str:
-    """What was done, a line each."""
-    return "".join(f"<div>{escape(line)}</div>" for line in found.lines)
+def lines_html(comparison: Comparison) -> str:
+    """Return the summary lines of the run."""
+    return "".join(f"<div>{escape(line)}</div>" for line in comparison.lines)

@@ -53,7 +53,7 @@ from longwave.reports.pictures.shown import ShownFigure
 from longwave.reports.pictures.style import WIDTHS, Part, page_width, save, styled
 from longwave.reports.pictures.sweep_kinds import SWEEP_PICTURES, Choice, is_sweep
 from longwave.runs import load_run
-from longwave.runs.run_file import REMEDY, names_a_run, strain_fault
+from longwave.runs.run_file import HOW_TO_WRITE, names_a_run, strain_fault
 from longwave.scenes.description.named_scenes import load_scene
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.engines.methods import record_scene
@@ -199,7 +199,7 @@ def read_source(source: Source) -> Labelled | Scene:
         return load_run(source)
     except OSError as error:
         reason = f"{Path(source)}: {error.strerror}"
-        raise ValueError(f"source must be a run, got {reason} ({REMEDY})") from None
+        raise ValueError(f"source must be a run, got {reason} ({HOW_TO_WRITE})") from None
 
 
 def _for_pictures(scene: Scene, kind: str) -> Scene:

@@ -1,4 +1,4 @@
-"""Commands in this process, of which what is printed is compared."""
+"""Fixtures for commands that run in this process and whose output is compared."""
 
 from collections.abc import Iterator
 
@@ -9,7 +9,7 @@ from longwave.cli import statements
 
 @pytest.fixture(scope="session", autouse=True)
 def _slow_proofs_are_silent() -> Iterator[None]:
-    """They say after some seconds of the clock that they go on: on a loaded machine all do."""
+    """Disable the notice of slow proofs, which would depend on the load of the machine."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(statements, "QUIET", 600.0)
+        patch.setattr(statements, "SECONDS_BEFORE_NOTICE", 600.0)
         yield

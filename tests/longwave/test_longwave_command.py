@@ -1,4 +1,4 @@
-"""The command `longwave`: one tree, quick, one line and status 2 for wrong input."""
+"""The command `longwave`: one tree, fast start, one line and status 2 for wrong input."""
 
 import json
 import os
@@ -34,7 +34,7 @@ WORDS = tuple(tree.longwave.commands)
 
 
 def commands(group: click.Group, name: str = "") -> Iterator[tuple[str, click.Command]]:
-    """Every command of the tree with the words that call it."""
+    """Yield every command of the tree with its words."""
     for word, command in group.commands.items():
         yield f"{name} {word}".strip(), command
         if isinstance(command, click.Group):
@@ -118,7 +118,7 @@ def test_a_wrong_word_is_one_line_and_status_2(capsys: Output) -> None:
         (["check"], "missing argument 'FILE'"),
         (["verify", "mutations", "--only", "peakon"], "'peakon' (one of rational_1, "),
         (["verify", "accuracy", "--jobs", "0"], "--jobs must satisfy 1 <= --jobs <= 1000, got 0"),
-        (["verify", "--json", "mutations"], "--json must stand behind the command that it is"),
+        (["verify", "--json", "mutations"], "--json must stand after the command to which it"),
         (["verify", "--only"], "requires an argument (see longwave verify --help)"),
         (["run"], "missing argument 'SCENE' (see longwave run --help)"),
         (["run", "nowhere"], "scene must be a TOML file or a shipped scene, got 'nowhere'"),
@@ -146,7 +146,7 @@ def test_wrong_input_is_one_line_and_status_2(
     assert message in output.err
 
 
-def test_what_is_declared_is_what_the_rooms_take() -> None:
+def test_declared_options_match_the_parameters_of_the_rooms() -> None:
     assert tuple(str(constant) for constant in FPUT_STRAIN.constants) == CONSTANTS
     assert tree.scene_names() == sorted(name for kind in KINDS for name in shipped_scenes(kind))
 
@@ -261,9 +261,7 @@ def test_help_and_completion_import_nothing_that_computes(words: list[str]) -> N
 
 
 @pytest.mark.parametrize("shell", tree.SHELLS)
-def test_the_completion_script_asks_by_the_variable_that_is_answered(
-    shell: str, capsys: Output
-) -> None:
+def test_the_completion_script_uses_the_variable_that_is_read(shell: str, capsys: Output) -> None:
     assert main(["--completion", shell]) == 0
     assert f"{tree.COMPLETION}={shell}_complete" in capsys.readouterr().out
 
@@ -282,12 +280,12 @@ def test_the_completion_script_asks_by_the_variable_that_is_answered(
 )
 def test_words_and_names_are_completed(line: str, expected: list[str]) -> None:
     place = str(len(line.split()) - 1)
-    asked = {tree.COMPLETION: "bash_complete", "COMP_WORDS": line, "COMP_CWORD": place}
-    done = command(**asked)
+    requested = {tree.COMPLETION: "bash_complete", "COMP_WORDS": line, "COMP_CWORD": place}
+    done = command(**requested)
     assert [answer.partition(",")[2] for answer in done.stdout.split()] == expected
 
 
-def test_a_reader_that_has_gone_is_no_traceback() -> None:
+def test_a_closed_pipe_is_no_traceback() -> None:
     words = [sys.executable, "-m", "longwave", "list", "lattices", "--json"]
     with subprocess.Popen(
         words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=HOUSE
@@ -377,8 +375,8 @@ def test_ctrl_c_as_early_as_can_be_is_one_line_and_status_130(press_ctrl_c: Any)
     assert ": interrupted" in done.errors
 
 
-def test_no_command_of_the_process_stays_silent() -> None:
-    """It is the words of the process that are watched, though they are handed on."""
+def test_a_slow_command_is_announced_in_a_real_process() -> None:
+    """Catches: a notice that is missing if the arguments come from ``sys.argv``."""
     script = (
         "import sys, time\n"
         "import longwave.support.slow_work as slow_work\n"

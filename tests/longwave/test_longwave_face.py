@@ -1,5 +1,5 @@
-"""The face: every public noun is the room's own object, an unknown one is named, and wrong calls
-of any of them end in one line: argument, condition, value, remedy."""
+"""The package `longwave`: every public name is the object of its room, an unknown one is reported,
+and wrong calls end in one line with argument, condition, value and remedy."""
 
 import re
 from collections.abc import Callable
@@ -103,7 +103,7 @@ def test_a_wrong_call_ends_in_one_line(call: str) -> None:
 
 
 def test_objects_are_shown_in_one_line_and_formulas_in_notebooks() -> None:
-    """Never by an address, nor by the whole tree of what they are made of."""
+    """Catches: a repr with an address, or with the whole tree of an object's parts."""
     reduction = longwave.reduce(FPUT)
     formulas = (reduction, reduction.pde, FPUT, longwave.Scaling(), NORMAL_FORM, DN, DN.equation)
     wave = longwave.Wave(DN, NORMAL_FORM, k=0.5)
@@ -118,23 +118,27 @@ def test_objects_are_shown_in_one_line_and_formulas_in_notebooks() -> None:
         assert thing._repr_latex_().startswith(r"$\displaystyle ")
 
 
-def test_version_is_the_distributions() -> None:
+def test_the_version_is_that_of_the_distribution() -> None:
     assert longwave.__version__ == version("longwave")
 
 
 @pytest.mark.parametrize(
     ("room", "noun"),
-    [(room, noun) for room in longwave._NOUNS for noun in longwave._NOUNS[room].split()],
+    [
+        (room, noun)
+        for room in longwave._PUBLIC_NAMES
+        for noun in longwave._PUBLIC_NAMES[room].split()
+    ],
 )
-def test_each_noun_is_the_rooms_own(room: str, noun: str) -> None:
+def test_each_public_name_is_the_object_of_its_room(room: str, noun: str) -> None:
     assert getattr(longwave, noun) is getattr(import_module(room), noun)
     assert noun in longwave.__all__
 
 
-def test_an_unknown_noun_lists_the_known() -> None:
+def test_an_unknown_public_name_lists_the_known_ones() -> None:
     with pytest.raises(AttributeError, match=r"no noun 'zeta' .one of .*Scene"):
         _ = longwave.zeta
 
 
-def test_dir_lists_the_nouns() -> None:
+def test_dir_lists_the_public_names() -> None:
     assert set(longwave.__all__) <= set(dir(longwave))

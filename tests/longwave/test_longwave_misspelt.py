@@ -1,4 +1,4 @@
-"""Catches: a misspelt name whose error does not say which one was meant, or says so at length."""
+"""Catches: an error for a misspelt name that does not suggest the right one, or is long."""
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -33,7 +33,7 @@ kappa = 1
 
 
 def scene(old: str, new: str, run: bool = False) -> object:
-    """A scene with a name in it changed; what is looked up when it is run, run."""
+    """Return a scene with one name changed; run it if the name is looked up only then."""
     assert old in SCENE
     found = scene_of_toml(SCENE.replace(old, new))
     return longwave.run(found) if run else found

@@ -1,4 +1,4 @@
-"""Catches: a file that a command overwrites unasked, and what it cannot write told too late."""
+"""Catches: a file that a command overwrites without --force, or an unwritable one reported late."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -26,7 +26,7 @@ PATHS_READ = {
 
 
 def commands(group: click.Group, above: str = "") -> Iterator[tuple[str, click.Command]]:
-    """All commands of the tree with their words."""
+    """Yield all commands of the tree with their words."""
     for name, command in group.commands.items():
         yield f"{above}{name}", command
         if isinstance(command, click.Group):
@@ -99,5 +99,5 @@ def test_numbered_scripts_are_looked_for_before_the_work(
     (tmp_path / "s_1.gp").write_text("older")
     words = ["verify", "--only", "kink", "--export", "pari", "--output", str(tmp_path / "s.gp")]
     assert main(words) == 2
-    assert "beside s_1.gp, which is there (--force overwrites it)" in capsys.readouterr().err
+    assert "next to the existing file s_1.gp (--force overwrites it)" in capsys.readouterr().err
     assert main([*words, "--force"]) == 0

@@ -1,4 +1,4 @@
-"""Catches: a public object that another process does not get, or gets as another one."""
+"""Catches: a public object that another process cannot unpickle, or unpickles as another one."""
 
 import copy
 import inspect
@@ -108,7 +108,7 @@ def kept_wave() -> Any:
 
 
 def user_form() -> ClosedForm:
-    """One that is in no catalogue."""
+    """Return a form that is in no catalogue."""
     kink = closed_form("kink")
     return ClosedForm(
         name="mine", title="mine", expression=kink.expression, equation=kink.equation,
@@ -119,9 +119,9 @@ def user_form() -> ClosedForm:
 
 def wave(name: str, **parameters: float) -> Wave:
     form = closed_form(name, parameters)
-    made = Wave(form, mkdv_normal_form(2, form.equation.s), **parameters)
-    made.at(SITES, -50.0, 0.05)
-    return made
+    result = Wave(form, mkdv_normal_form(2, form.equation.s), **parameters)
+    result.at(SITES, -50.0, 0.05)
+    return result
 
 
 def shaken_chain() -> DrivenChain:
@@ -214,7 +214,7 @@ sys.stdout.buffer.write(pickle.dumps(found))
 
 
 def same(left: Any, right: Any) -> bool:
-    """Equal, arrays bit by bit; records with arrays in them have no ``==`` of their own."""
+    """Whether two objects are equal, arrays bit by bit; records with arrays have no ``==``."""
     if isinstance(left, np.ndarray):
         return left.dtype == right.dtype and left.tobytes() == right.tobytes()
     if isinstance(left, tuple | list):
@@ -242,26 +242,26 @@ def test_every_public_class_has_an_instance_here() -> None:
 
 
 def test_instances_are_the_same_in_another_process() -> None:
-    """The same records, the same bits of what they are asked."""
-    made = {name: make() for name, (make, _) in MADE.items()}
+    """The records are equal, and their methods return the same bits."""
+    result = {name: make() for name, (make, _) in MADE.items()}
     sent = []
-    for name, record in made.items():
+    for name, record in result.items():
         for module in (pickle, cloudpickle):
             text = module.dumps(record)
             assert len(text) < LARGEST, name
             sent.append((name, text, MADE[name][1]))
         assert same(copy.deepcopy(record), record), name
-    asked = pickle.dumps([(text, ask) for _, text, ask in sent])
+    requested = pickle.dumps([(text, ask) for _, text, ask in sent])
     command = [sys.executable, "-c", ANSWERS]
-    answer = subprocess.run(command, input=asked, capture_output=True, cwd=HOUSE, check=False)
+    answer = subprocess.run(command, input=requested, capture_output=True, cwd=HOUSE, check=False)
     assert answer.returncode == 0, answer.stderr.decode()
     for (name, _, ask), (found, value) in zip(sent, pickle.loads(answer.stdout), strict=True):
-        assert type(found) is type(made[name]), name
-        assert same(found, made[name]), name
-        assert same(value, ask and ask(made[name])), name
+        assert type(found) is type(result[name]), name
+        assert same(found, result[name]), name
+        assert same(value, ask and ask(result[name])), name
 
 
-def test_what_the_house_has_once_is_had_once() -> None:
+def test_unique_objects_stay_unique_after_unpickling() -> None:
     forms = (*CATALOGUE, CATALOGUE, *SCHEMES, *OBSERVABLES.values())
     assert all(pickle.loads(pickle.dumps(noun)) is noun for noun in forms)
 

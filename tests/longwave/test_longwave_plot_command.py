@@ -1,4 +1,4 @@
-"""`longwave plot`: where the picture goes, wrong input, and what Ctrl-C leaves."""
+"""`longwave plot`: the output file, wrong input, and the picture after Ctrl-C."""
 
 import subprocess
 import sys
@@ -9,7 +9,7 @@ import pytest
 
 from house import HOUSE
 from longwave.__main__ import main
-from longwave.cli.command_tree import PICTURES
+from longwave.cli.command_tree import RUN_PICTURES
 from longwave.reports.pictures import plotting as drawing
 from longwave.reports.pictures.plotting import ALL
 from longwave.reports.pictures.plotting import PICTURES as KINDS
@@ -23,7 +23,7 @@ NOTHING = RunRecord(load_scene("rogue_cn_k_0.5"), (9,), (), {}, {})
 
 
 def test_the_kinds_are_those_that_are_drawn() -> None:
-    assert (ALL, *KINDS) == PICTURES
+    assert (ALL, *KINDS) == RUN_PICTURES
 
 
 def test_a_shipped_scene_is_drawn_into_the_working_folder(
@@ -78,7 +78,7 @@ def test_wrong_input_is_one_line_and_status_2(
 
 
 @pytest.mark.parametrize(
-    ("stop", "drawable", "said"),
+    ("stop", "drawable", "printed_text"),
     [
         (UnfinishedRun(NOTHING), True, "what was run until then is in x.png"),
         (UnfinishedRun(NOTHING), False, "too little was run to be drawn"),
@@ -88,7 +88,7 @@ def test_wrong_input_is_one_line_and_status_2(
 def test_ctrl_c_draws_what_was_run(
     stop: BaseException,
     drawable: bool,
-    said: str,
+    printed_text: str,
     monkeypatch: pytest.MonkeyPatch,
     capsys: Output,
 ) -> None:
@@ -100,4 +100,4 @@ def test_ctrl_c_draws_what_was_run(
 
     monkeypatch.setattr(drawing, "plot", plot)
     assert main(["plot", "rogue_cn_k_0.5", "--output", "x.png"]) == 130
-    assert capsys.readouterr().err == f"longwave plot: interrupted ({said})\n"
+    assert capsys.readouterr().err == f"longwave plot: interrupted ({printed_text})\n"

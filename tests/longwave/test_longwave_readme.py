@@ -1,4 +1,4 @@
-"""The README's example prints what the README says, and its links lead somewhere."""
+"""The README's example prints the output shown there, and its links are valid."""
 
 import re
 import subprocess

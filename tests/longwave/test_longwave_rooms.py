@@ -1,4 +1,4 @@
-"""A user's own lattice.py, solutions.py or runs/ is theirs, and not in the way of longwave."""
+"""A user's own lattice.py, solutions.py or runs/ does not conflict with longwave."""
 
 import os
 import subprocess
@@ -15,7 +15,7 @@ OWN = f"import {', '.join(ROOMS[:-1])}; print({' + '.join(f'{room}.OWN' for room
 
 
 def python(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
-    """Python in the folder, which comes first on the path, the house after it."""
+    """Run Python in the folder, which comes first on the path, before the repository."""
     environment = os.environ | {"PYTHONPATH": str(HOUSE)}
     return subprocess.run(
         [sys.executable, "-W", "error", *words],
@@ -29,7 +29,7 @@ def python(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
 
 @pytest.fixture(params=family(["{}.py", "{}/__init__.py"], quick=("{}.py",)))
 def shadowed(tmp_path: Path, request: pytest.FixtureRequest) -> Path:
-    """A working folder with a file, or a package, of every room's name."""
+    """Create a working folder with a file, or a package, of every room's name."""
     for room in ROOMS[:-1]:
         path = tmp_path / request.param.format(room)
         path.parent.mkdir(exist_ok=True)

@@ -1,4 +1,4 @@
-"""The calls of a session: what they take and return, and how that is shown."""
+"""The functions of `longwave.session`: arguments, results, and how these are displayed."""
 
 import io
 import os
@@ -28,15 +28,15 @@ SCENE = longwave.Scene.of(
 
 
 @pytest.fixture(scope="module")
-def made() -> Any:
+def result() -> Any:
     return longwave.run(SCENE)
 
 
-def test_a_run_is_the_same_by_name_file_and_scene(tmp_path: Path, made: Any) -> None:
+def test_a_run_is_the_same_by_name_file_and_scene(tmp_path: Path, result: Any) -> None:
     path = tmp_path / "short.toml"
     path.write_text(SCENE.toml(), "utf-8")
     for given in (path, str(path), SCENE):
-        assert np.array_equal(longwave.run(given).strain, made.strain)
+        assert np.array_equal(longwave.run(given).strain, result.strain)
 
 
 INSTEAD: Mapping[str, tuple[Callable[[], Any], str]] = {
@@ -55,30 +55,30 @@ INSTEAD: Mapping[str, tuple[Callable[[], Any], str]] = {
 
 
 @pytest.mark.parametrize("kind", INSTEAD)
-def test_what_is_no_scene_is_told_what_to_call(kind: str) -> None:
+def test_an_argument_that_is_no_scene_names_the_right_function(kind: str) -> None:
     make, instead = INSTEAD[kind]
-    with pytest.raises(ValueError, match=r"scene must be a scene, its name or its file") as told:
+    with pytest.raises(ValueError, match=r"scene must be a scene, its name or its file") as output:
         longwave.run(make())
-    assert instead in str(told.value)
-    assert "\n" not in str(told.value)
+    assert instead in str(output.value)
+    assert "\n" not in str(output.value)
 
 
 def test_a_sweep_of_a_scene_is_one_data_set(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, made: Any
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, result: Any
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    told: list[float] = []
-    found = longwave.sweep(SCENE, GRID, processes=1, progress=told.append)
+    output: list[float] = []
+    found = longwave.sweep(SCENE, GRID, processes=1, progress=output.append)
     assert found.error.dims == ("eps", "kappa")
     assert found.status.values.tolist() == [["done"] * 2] * 2
-    assert found.error.sel(eps=0.3, kappa=1).item() == pytest.approx(made.error.max().item())
-    assert told[-1] == 1.0
+    assert found.error.sel(eps=0.3, kappa=1).item() == pytest.approx(result.error.max().item())
+    assert output[-1] == 1.0
     assert (tmp_path / "short.store").is_dir()
-    again = longwave.sweep(SCENE, GRID, processes=1, progress=told.append)
+    again = longwave.sweep(SCENE, GRID, processes=1, progress=output.append)
     assert again.identical(found)
 
 
-def test_a_sweep_is_meant_by_tables_name_or_itself() -> None:
+def test_a_sweep_is_given_by_tables_name_or_object() -> None:
     tables = {"scene": "toda_soliton", "grid": {"eps": [0.1, 0.2]}}
     sweep = as_sweep(tables)
     assert isinstance(sweep, Sweep)
@@ -87,7 +87,7 @@ def test_a_sweep_is_meant_by_tables_name_or_itself() -> None:
 
 
 @pytest.mark.parametrize(
-    ("source", "grid", "told"),
+    ("source", "grid", "output"),
     [
         (3, None, "source must be a sweep, its name, its file or its tables, got 3"),
         ("toda_soliton", {"eps": 0.1}, "eps in grid must be a list of values, got 0.1"),
@@ -96,15 +96,15 @@ def test_a_sweep_is_meant_by_tables_name_or_itself() -> None:
         ("toda_solitn", {"eps": [0.1]}, "did you mean toda_soliton"),
     ],
 )
-def test_what_is_no_sweep_is_told(source: Any, grid: Any, told: str) -> None:
-    with pytest.raises(ValueError, match=told) as refused:
+def test_an_argument_that_is_no_sweep_is_an_error(source: Any, grid: Any, output: str) -> None:
+    with pytest.raises(ValueError, match=output) as refused:
         as_sweep(source, grid)
     assert "\n" not in str(refused.value)
 
 
 @pytest.mark.slow
 def test_a_script_without_a_guard_may_sweep(tmp_path: Path) -> None:
-    """Catches: worker processes that run the user's script again, and begin a sweep each."""
+    """Catches: worker processes that run the user's script again and start a sweep each."""
     script = tmp_path / "mine.py"
     script.write_text(
         "import longwave\nprint('once')\n"
@@ -135,24 +135,24 @@ def test_a_convergence_is_drawn_and_shown(tmp_path: Path) -> None:
     assert longwave.plot(found).get_suptitle() == figure.get_suptitle()
 
 
-def test_a_picture_shows_itself(made: Any) -> None:
-    shown, size = longwave.plot(made)._repr_png_()
+def test_a_picture_shows_itself(result: Any) -> None:
+    shown, size = longwave.plot(result)._repr_png_()
     assert shown.startswith(b"\x89PNG")
     assert 500 < size["width"] < 800
 
 
-def test_a_film_shows_itself_without_a_file(tmp_path: Path, made: Any) -> None:
-    held = longwave.animate(made, duration=0.2, dpi=40)
-    kept = longwave.animate(made, tmp_path / "film.gif", duration=0.2, dpi=40)
-    assert held.frames == kept.frames == made.sizes["time"]
-    assert "data:image/gif;base64," in (kept._repr_html_() or "")
-    assert repr(kept) == f"<Film of {held.frames} frames in {tmp_path / 'film.gif'}>"
-    assert "base64" in (held._repr_html_() or "")
+def test_a_film_shows_itself_without_a_file(tmp_path: Path, result: Any) -> None:
+    stored = longwave.animate(result, duration=0.2, dpi=40)
+    saved = longwave.animate(result, tmp_path / "film.gif", duration=0.2, dpi=40)
+    assert stored.frames == saved.frames == result.sizes["time"]
+    assert "data:image/gif;base64," in (saved._repr_html_() or "")
+    assert repr(saved) == f"<Film of {stored.frames} frames in {tmp_path / 'film.gif'}>"
+    assert "base64" in (stored._repr_html_() or "")
     (tmp_path / "film.gif").unlink()
-    assert kept._repr_html_() is None
+    assert saved._repr_html_() is None
 
 
-def test_objects_are_shown_in_one_line_and_as_tables(made: Any) -> None:
+def test_objects_are_shown_in_one_line_and_as_tables(result: Any) -> None:
     fitted = longwave.fit_force([-2, -1, 0, 1, 2], [-2.1, -0.9, 0.1, 1.0, 1.9], law="K2*x")
     proved = longwave.prove("u_t + u_x", "u = sech(x - t)")
     refuted = longwave.prove("u_t + u_x", "u = sech(x + t)")
@@ -188,12 +188,12 @@ def test_a_scene_takes_a_lattice_or_its_tables() -> None:
         SCENE.changed(lattice=3)
 
 
-def test_a_formula_that_nobody_can_read_is_not_shown() -> None:
+def test_a_very_long_formula_is_not_shown() -> None:
     assert longwave.closed_form("rogue_cn")._repr_latex_() is None
     assert longwave.closed_form("kink")._repr_latex_() is not None
 
 
-def test_a_line_of_progress_is_written_over_and_told_to_be_done(
+def test_a_progress_line_is_overwritten_and_ends_with_done(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(progress_line, "SILENT", 0.0)
@@ -202,9 +202,9 @@ def test_a_line_of_progress_is_written_over_and_told_to_be_done(
         line.left.share(0.0)
         line.left.share(0.5)
         line._thread.join(0.2)
-    said = capsys.readouterr().err
-    assert said.count("\n") == 1
-    first, *_, last = said.split("\r")[1:]
+    message = capsys.readouterr().err
+    assert message.count("\n") == 1
+    first, *_, last = message.split("\r")[1:]
     assert first.startswith("toda_soliton: 50 %, ")
     assert last.startswith("toda_soliton: done in ")
 
@@ -217,14 +217,14 @@ def test_a_terminal_shows_a_bar_that_goes_away(tmp_path: Path) -> None:
     words = [sys.executable, "-P", "-c", call]
     child = subprocess.Popen(words, stderr=theirs, env=environment() | {"TERM": "xterm"})
     os.close(theirs)
-    said = b""
+    message = b""
     with suppress(OSError):  # what is read from a terminal that nobody holds any more
         while found := os.read(ours, 4096):
-            said += found
+            message += found
     os.close(ours)
     assert child.wait() == 0
-    assert b"toda_soliton" in said
-    assert said.endswith(b"\x1b[2K")
+    assert b"toda_soliton" in message
+    assert message.endswith(b"\x1b[2K")
 
 
 def test_a_short_call_shows_no_progress(capsys: pytest.CaptureFixture[str]) -> None:

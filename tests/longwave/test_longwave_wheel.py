@@ -1,4 +1,4 @@
-"""The wheel, installed into an empty environment, works from outside the checkout."""
+"""The wheel, installed into an empty environment, works outside the checkout."""
 
 import os
 import shutil
@@ -34,7 +34,7 @@ def call(*words: str | Path, cwd: Path) -> subprocess.CompletedProcess[str]:
 
 @pytest.fixture(scope="module")
 def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The wheel, built from a copy of the sources."""
+    """Build the wheel from a copy of the sources."""
     base = tmp_path_factory.mktemp("wheel")
     unwanted = shutil.ignore_patterns(".*", "build", "*.egg-info", "__pycache__", "tests", "docs")
     shutil.copytree(HOUSE, base / "source", ignore=unwanted)
@@ -46,7 +46,7 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def installed(wheel: Path) -> Path:
-    """The scripts' folder of an environment with the wheel, and the packages that it needs."""
+    """Return the scripts' folder of an environment with the wheel and its dependencies."""
     base = wheel.parent
     venv.create(base / "env")
     python = base / "env" / "bin" / "python"

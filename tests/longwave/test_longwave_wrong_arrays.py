@@ -1,4 +1,4 @@
-"""Catches: an array whose imaginary part or mask is dropped in silence; an error of many lines."""
+"""Catches: an array whose imaginary part or mask is dropped silently; an error of many lines."""
 
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -25,7 +25,7 @@ def ring(f: Any, v: Any) -> FieldRing:
 
 
 def row(values: Any) -> Any:
-    """The values as the only field of a chain; what is no array stays what it is."""
+    """Return the values as the only field of a chain; return anything but an array unchanged."""
     return values[np.newaxis] if isinstance(values, np.ndarray) else values
 
 
@@ -101,9 +101,11 @@ def test_integers_are_numbers() -> None:
 
 @pytest.mark.parametrize("shape", [(8,), (2, 8), (1, 8, 2), (1, 0)])
 def test_a_state_of_another_shape_is_refused_in_one_line(shape: tuple[int, ...]) -> None:
-    with pytest.raises(ValueError, match=r"state.f must have the shape .fields, \*cells.") as told:
+    with pytest.raises(
+        ValueError, match=r"state.f must have the shape .fields, \*cells."
+    ) as message:
         integrate(CHAIN, State(0.0, np.zeros(shape), np.zeros(shape)), [1.0], 1e-3)
-    assert "\n" not in str(told.value)
+    assert "\n" not in str(message.value)
 
 
 def test_readings_of_another_shape_are_refused() -> None:

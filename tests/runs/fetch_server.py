@@ -1,7 +1,8 @@
-"""A warm process that fetches scenes from stores in forks of its own: a fork can be killed at once.
+"""A process with warm imports that fetches scenes from stores in forks, which can be killed.
 
 It reads lines ``fetch SCENE FOLDER LEAST``, ``write SCENE FOLDER LEAST`` and ``keep SCENE FOLDER``,
-which it answers by the fork's number, and ``wait NUMBER``, by its exit status.
+which it answers with the fork's process number, and ``wait NUMBER``, which it answers with the exit
+status.
 """
 
 from __future__ import annotations
@@ -33,7 +34,7 @@ def fetch(name: str, folder: str, least: str) -> int:
 
 
 def write(name: str, folder: str, least: str) -> int:
-    """``longwave run SCENE.toml --output FOLDER/out.nc``."""
+    """Run ``longwave run SCENE.toml --output FOLDER/out.nc``."""
     run_output.PACE = float(least), 1e9
     scene = Path(folder) / "scene.toml"
     scene.write_text(SCENES[name].toml(), encoding="utf-8")
@@ -43,7 +44,7 @@ def write(name: str, folder: str, least: str) -> int:
 
 
 def keep(name: str, folder: str) -> int:
-    """Put a large file into the store again and again: most of the time is writing."""
+    """Save a large file in the store repeatedly, so that most of the time goes into writing."""
     content = memoryview(bytes(range(256)) * 80_000)
     longwave.runs.run_file.file_content = lambda _: content
     for _ in range(1000):

@@ -1,7 +1,6 @@
-"""Processes that want the same runs of a store in a `FailingFolder`, each of them all.
+"""Processes that each request the same runs of a store in a `FailingFolder`.
 
-Reads `SharedStore` after `SharedStore` as lines of JSON, and answers each by what its processes
-said.
+Reads one `SharedStore` for each line of JSON, and answers with the reports of its processes.
 """
 
 from __future__ import annotations
@@ -29,7 +28,7 @@ TINY = {"snapshots": [0, 2], "domain": "ring", "step": 0.5, "sites": 192, "compa
 
 
 def scenes(count: int) -> list[Scene]:
-    """Tiny scenes, all different."""
+    """Return tiny scenes, all different."""
     return [
         chain("tiny", observables=["strain"], eps=0.1 + 1e-5 * number, **TINY)
         for number in range(count)
@@ -37,29 +36,29 @@ def scenes(count: int) -> list[Scene]:
 
 
 @dataclass
-class Said:
-    """What one of the processes says at its end."""
+class Report:
+    """Report of one process at its end."""
 
-    made: list[int]
-    """The runs that it made, by number."""
-    told: list[str]
-    """The warnings of its store, and the error that ended it."""
+    computed: list[int]
+    """Numbers of the runs that it computed."""
+    messages: list[str]
+    """Warnings of its store, and the error that ended it."""
 
 
 @dataclass
 class SharedStore:
-    """The store of a folder, and what is wanted of it."""
+    """A store's folder, and how its processes use it."""
 
     folder: str
     runs: int
     locks: list[str]
-    """Those of each process; see `FailingFolder`."""
+    """Kind of lock of each process; see `FailingFolder`."""
     links: bool = True
     real: bool = False
-    """Whether each run is made, or the first stands for all: more is written in a second then."""
+    """Whether each run is computed. If not, the first one stands for all, for faster writing."""
 
-    def ask(self) -> list[Said]:
-        """Have forks of this process want all runs at once."""
+    def ask(self) -> list[Report]:
+        """Let forks of this process request all runs at once; return their reports."""
         check_sources()  # once, and not in each of them
         first = scene_run.run(scenes(1)[0])
         content = file_content(first)
@@ -70,27 +69,27 @@ class SharedStore:
             if forks[-1] == 0:
                 os.close(opened)
                 os.read(gate, 1)  # until all are there
-                said = self._want(number, first, content)
-                os.write(start, json.dumps(vars(said)).encode())
+                report = self._want(number, first, content)
+                os.write(start, json.dumps(vars(report)).encode())
                 os._exit(0)
             os.close(start)
             ends.append(end)
         os.close(opened)
         os.close(gate)
-        said = [Said(**json.loads(_all_of(end))) for end in ends]
+        reports = [Report(**json.loads(_all_of(end))) for end in ends]
         for fork in forks:
             os.waitpid(fork, 0)
-        return said
+        return reports
 
-    def _want(self, number: int, first: xr.Dataset, content: bytes) -> Said:
-        """Fetch all runs, and put a new file into the folder after each of them."""
-        said, wanted, run = Said([], []), scenes(self.runs), scene_run.run
+    def _want(self, number: int, first: xr.Dataset, content: bytes) -> Report:
+        """Fetch all runs, and write a new file into the folder after each of them."""
+        report, requested, run = Report([], []), scenes(self.runs), scene_run.run
         handler = logging.Handler(logging.WARNING)
-        handler.emit = lambda record: said.told.append(record.getMessage())  # type: ignore
+        handler.emit = lambda record: report.messages.append(record.getMessage())  # type: ignore
         LOG.addHandler(handler)
 
         def counted(scene: Scene, *rest: Any) -> xr.Dataset:
-            said.made.append(wanted.index(scene))
+            report.computed.append(requested.index(scene))
             return run(scene, *rest) if self.real else first
 
         scene_run.run = counted
@@ -100,13 +99,13 @@ class SharedStore:
         view = FailingFolder(self.folder, number, locks=self.locks[number], links=self.links)
         try:
             with view.seen():
-                for count, scene in enumerate(wanted):
+                for index, scene in enumerate(requested):
                     store.fetch(scene)
-                    new = Path(self.folder) / f"{number}-{count}.new"
-                    write_sealed(new, str(count).encode(), force=False)
+                    new = Path(self.folder) / f"{number}-{index}.new"
+                    write_sealed(new, str(index).encode(), force=False)
         except Exception as error:
-            said.told.append(f"{type(error).__name__}: {error}")
-        return said
+            report.messages.append(f"{type(error).__name__}: {error}")
+        return report
 
 
 def _all_of(end: int) -> bytes:
@@ -117,5 +116,6 @@ def _all_of(end: int) -> bytes:
 if __name__ == "__main__":
     for line in sys.stdin:
         print(
-            json.dumps([vars(said) for said in SharedStore(**json.loads(line)).ask()]), flush=True
+            json.dumps([vars(message) for message in SharedStore(**json.loads(line)).ask()]),
+            flush=True,
         )

@@ -1,4 +1,4 @@
-"""Catches: a sweep that is begun though it takes days, or a cost that misses what a force takes."""
+"""Catches: a sweep that starts though it takes days, or an estimate without the cost of forces."""
 
 from pathlib import Path
 from typing import Any
@@ -31,7 +31,7 @@ lattice.K4 = {{ from = 1, to = 2, count = {count} }}
 """
 
 
-def asked(folder: Path, **changes: Any) -> str:
+def requested(folder: Path, **changes: Any) -> str:
     path = folder / "asked.toml"
     path.write_text(SWEEP.format(**({"step": 0.5, "sites": 4096, "count": 3} | changes)))
     return str(path)
@@ -42,10 +42,10 @@ def asked(folder: Path, **changes: Any) -> str:
     [
         ({"step": 1e-7}, "asked, 3 cells, must take at most 60 min, got about"),
         ({"sites": 400_000_000}, "asked, 3 cells, must fit"),
-        ({"step": 1e-3, "count": 100_000}, "asked, 100000 cells, judged by"),
+        ({"step": 1e-3, "count": 100_000}, "asked, 100000 cells, estimated from"),
     ],
 )
-def test_a_sweep_that_takes_too_much_is_refused_before_it_begins(
+def test_an_expensive_sweep_is_refused_before_it_starts(
     changes: dict[str, Any],
     message: str,
     tmp_path: Path,
@@ -53,7 +53,7 @@ def test_a_sweep_that_takes_too_much_is_refused_before_it_begins(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    assert main(["sweep", asked(tmp_path, **changes), "--processes", "1"]) == 2
+    assert main(["sweep", requested(tmp_path, **changes), "--processes", "1"]) == 2
     error = capsys.readouterr().err
     assert error.count("\n") == 1
     assert message in error
@@ -61,17 +61,17 @@ def test_a_sweep_that_takes_too_much_is_refused_before_it_begins(
     assert not list(tmp_path.rglob("*.h5"))
 
 
-def test_memory_is_that_of_all_cells_run_at_once(
+def test_memory_is_summed_over_concurrent_cells(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    words = ["sweep", asked(tmp_path), "--max-memory", "700M", "--processes", "3"]
+    words = ["sweep", requested(tmp_path), "--max-memory", "700M", "--processes", "3"]
     assert main(words) == 2
     assert "must fit 700 MB, got about 9" in capsys.readouterr().err
 
 
 def costing(monkeypatch: pytest.MonkeyPatch, seconds: dict[float, float]) -> None:
-    """Let a cell cost what its K4 says."""
+    """Make the cost of a cell depend on its K4."""
     monkeypatch.setattr(
         sweep_cost,
         "expected_cell_cost",
@@ -83,37 +83,35 @@ def sweep(**grid: list[float]) -> Sweep:
     return sweep_of({"scene": "gardner_soliton", "grid": grid})
 
 
-def test_what_the_store_holds_costs_nothing(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_stored_cells_cost_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     costing(monkeypatch, {1.0: 3.0, 2.0: 50.0})
-    asked = sweep(**{"constants.K4": [1.0, 2.0]})
+    requested = sweep(**{"constants.K4": [1.0, 2.0]})
     store = RunStore(tmp_path)
-    whole = expected_sweep_cost(asked, store, ())
-    assert (whole.looked_at, whole.missing, whole.seconds) == (2, 2, 53.0)
-    assert whole.by(2, together=True) == ExpectedCost(28.0, 14.0)
-    assert whole.by(2, together=False) == ExpectedCost(28.0, 7.0)
-    rest = expected_sweep_cost(asked, store, {store.key(asked.scene(1))})
+    whole = expected_sweep_cost(requested, store, ())
+    assert (whole.sampled, whole.missing, whole.seconds) == (2, 2, 53.0)
+    assert whole.on_workers(2, share_memory=True) == ExpectedCost(28.0, 14.0)
+    assert whole.on_workers(2, share_memory=False) == ExpectedCost(28.0, 7.0)
+    rest = expected_sweep_cost(requested, store, {store.key(requested.scene(1))})
     assert (rest.missing, rest.seconds) == (1, 3.0)
-    assert rest.by(2, together=True).memory_bytes == 7.0
+    assert rest.on_workers(2, share_memory=True).memory_bytes == 7.0
 
 
-def test_a_large_sweep_is_judged_by_some_of_its_cells(
+def test_a_large_sweep_is_estimated_from_a_sample(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(sweep_cost, "LOOKING_SECONDS", 1e9)
-    monkeypatch.setattr(sweep_cost, "MOST_LOOKING_SECONDS", 1e9)
+    monkeypatch.setattr(sweep_cost, "SAMPLING_SECONDS", 1e9)
+    monkeypatch.setattr(sweep_cost, "MOST_SAMPLING_SECONDS", 1e9)
     costing(monkeypatch, {1.0: 0.0, 2.0: 2.0})
     eps = [0.1 + 1e-6 * i for i in range(200_000)]
     found = expected_sweep_cost(
         sweep(eps=eps, **{"constants.K4": [1.0, 2.0]}), RunStore(tmp_path), ()
     )
-    assert found.looked_at == 200
-    assert found.words == "400000 cells, judged by 200 of them"
+    assert found.sampled == 200
+    assert found.description == "400000 cells, estimated from 200 of them"
     assert found.seconds == pytest.approx(4e5, rel=0.2)
 
 
-def test_an_exponential_force_is_known_to_cost_more_than_a_polynomial() -> None:
+def test_an_exponential_force_costs_more_than_a_polynomial() -> None:
     toda, alpha = (
         load_scene(name).changed(observables=["strain", "momentum"])  # on rings
         for name in ("toda_soliton", "alpha_fput_soliton")
@@ -126,7 +124,7 @@ def test_an_exponential_force_is_known_to_cost_more_than_a_polynomial() -> None:
     assert expected_cost(stiff).seconds > 10.0
 
 
-def test_a_cell_beyond_a_limit_is_tried_again_under_another(
+def test_a_cell_that_failed_at_a_limit_is_tried_again(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(sweep_cells, "keep_to_one_core", lambda: None)
@@ -137,4 +135,4 @@ def test_a_cell_beyond_a_limit_is_tried_again_under_another(
     batch = run_cells([cell], tmp_path, "mark", RequestLimits(1e6, 1.0))
     assert batch.statuses == ["failed"]
     assert "must fit 1 MB, got about" in batch.first_fault
-    assert cell.key not in RunStore(tmp_path).held()
+    assert cell.key not in RunStore(tmp_path).stored_runs()

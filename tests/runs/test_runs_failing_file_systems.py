@@ -1,4 +1,4 @@
-"""Catches: a run or a pack that a network file system loses, has made too often or leaves half."""
+"""Catches: a run or pack that a network file system loses, truncates or has computed too often."""
 
 from __future__ import annotations
 
@@ -24,43 +24,43 @@ from longwave.runs.sweep_dataset import sweep_dataset
 from longwave.scenes.engines import scene_run
 from longwave.support.compiled import cores
 from longwave.support.sealed_file import read_sealed
-from tests.runs.shared_store import Said, SharedStore, scenes
+from tests.runs.shared_store import Report, SharedStore, scenes
 from tests.runs.test_runs_sweep import HereWorkers, small_sweep
 from tests.runs.unfinished_scenes import bits
 from tests.support.failing_folder import BLIND, REFUSED, WORK, FailingFolder
 
-Ask = Callable[[SharedStore], list[Said]]
+Ask = Callable[[SharedStore], list[Report]]
 
 
 @pytest.fixture(scope="module")
 def ask() -> Iterator[Ask]:
-    """Has processes share a store, and gives what they said."""
+    """Return a function that lets processes share a store and returns their reports."""
     command = [sys.executable, "-m", "tests.runs.shared_store"]
     pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
     with subprocess.Popen(command, cwd=Path(__file__).parents[2], **pipes) as process:
 
-        def answered(shared: SharedStore) -> list[Said]:
+        def reports(shared: SharedStore) -> list[Report]:
             assert process.stdin is not None
             assert process.stdout is not None
             print(json.dumps(vars(shared)), file=process.stdin, flush=True)
-            return [Said(**said) for said in json.loads(process.stdout.readline())]
+            return [Report(**report) for report in json.loads(process.stdout.readline())]
 
         try:
-            yield answered
+            yield reports
         finally:
             process.kill()
 
 
-def check_shared(ask: Ask, folder: Path, runs: int, locks: tuple[str, ...], **how: Any) -> None:
-    """Nothing is lost, half, left behind, or made more often than was told."""
-    said = ask(SharedStore(str(folder), runs, list(locks), **how))
-    made = Counter(number for one in said for number in one.made)
-    assert made.keys() == {*range(runs)}
-    assert max(made.values()) <= (1 if {*locks} == {WORK} else len(locks))
-    for one, kind in zip(said, locks, strict=True):
-        assert len(one.told) <= (kind != WORK), one.told
-        assert all("files cannot be locked there" in told for told in one.told)
-    assert any(one.told for one in said) == ({*locks} != {WORK})
+def check_shared(ask: Ask, folder: Path, runs: int, locks: tuple[str, ...], **options: Any) -> None:
+    """Check that nothing is lost, truncated, left behind, or computed more often than reported."""
+    reports = ask(SharedStore(str(folder), runs, list(locks), **options))
+    counts = Counter(number for report in reports for number in report.computed)
+    assert counts.keys() == {*range(runs)}
+    assert max(counts.values()) <= (1 if {*locks} == {WORK} else len(locks))
+    for report, kind in zip(reports, locks, strict=True):
+        assert len(report.messages) <= (kind != WORK), report.messages
+        assert all("files cannot be locked there" in message for message in report.messages)
+    assert any(report.messages for report in reports) == ({*locks} != {WORK})
     store = RunStore(folder)
     paths = {scene: store.path(scene) for scene in scenes(runs)}
     assert {scene: store.find(scene) for scene in paths} == paths
@@ -96,15 +96,15 @@ def test_three_processes_share_a_store_of_a_thousand_runs(
 
 
 @pytest.mark.slow
-def test_three_processes_share_a_store_of_many_runs_that_are_made(ask: Ask, tmp_path: Path) -> None:
+def test_three_processes_share_a_store_of_many_real_runs(ask: Ask, tmp_path: Path) -> None:
     check_shared(ask, tmp_path, 40, (WORK,) * 3, real=True)
     check_shared(ask, tmp_path / "other", 40, (BLIND,) * 3, real=True)
 
 
-def test_two_that_are_let_in_remove_nothing_of_each_other(
+def test_two_writers_without_locks_delete_nothing_of_each_other(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The second comes, and keeps the run, when the first is about to name its file."""
+    """The second one starts and saves the run just before the first one renames its draft."""
     store, (scene,) = RunStore(tmp_path), scenes(1)
     run, replace = scene_run.run(scene), os.replace
     monkeypatch.setattr(fcntl, "flock", lambda *_: None)
@@ -120,10 +120,10 @@ def test_two_that_are_let_in_remove_nothing_of_each_other(
     assert [file for file in tmp_path.rglob("*") if file.is_file()] == [path]
 
 
-def test_of_two_that_make_a_run_the_first_ones_file_stays(
+def test_a_second_writer_of_a_run_keeps_the_first_file(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Others may be reading it."""
+    """Other processes may be reading the first file."""
     store, (scene,) = RunStore(tmp_path), scenes(1)
     run, files = scene_run.run, []
     monkeypatch.setattr(fcntl, "flock", lambda *_: None)
@@ -137,10 +137,10 @@ def test_of_two_that_make_a_run_the_first_ones_file_stays(
     assert [store.fetch(scene).stat().st_ino] == files
 
 
-def test_a_lock_that_its_holder_removes_elsewhere_is_taken_anew(
+def test_a_lock_file_deleted_on_another_host_is_opened_again(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Its number leads nowhere then: ESTALE."""
+    """The open file then fails with ESTALE."""
     store, (scene,), left = RunStore(tmp_path), scenes(1), [errno.ESTALE, errno.ESTALE]
     flock = fcntl.flock
 
@@ -160,13 +160,13 @@ def test_no_cell_of_a_sweep_is_lost(
     monkeypatch.setattr(cores, "_alone", False)  # a cell keeps its process to one core
     sweep, store = small_sweep(eps=[0.1 + 0.01 * cell for cell in range(6)]), RunStore(tmp_path)
     for module in (store_packs, sweep_module):
-        monkeypatch.setattr(module, "FAN", 2)
-    monkeypatch.setattr(sweep_module._March, "_size", lambda _: 1)
+        monkeypatch.setattr(module, "MERGED_COUNT", 2)
+    monkeypatch.setattr(sweep_module._Dispatch, "_size", lambda _: 1)
     view = FailingFolder(str(tmp_path), seed=5, repeated=0.3, stale=0.2, links=links)
     with view.seen():
         for workers in (HereWorkers(), HereWorkers()):
             state = run_sweep(sweep, store, workers)
-    assert state.found == 6
+    assert state.stored == 6
     assert set(sweep_dataset(sweep, store)["status"].values) == {"done"}
     assert not list(tmp_path.rglob("*.draft*"))
     assert len(list(tmp_path.rglob("*.h5"))) < 6

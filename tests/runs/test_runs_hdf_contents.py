@@ -1,4 +1,4 @@
-"""Catches: a file of a few bytes that takes the memory, or that names other files of its reader."""
+"""Catches: a file of a few bytes that fills the memory, or makes its reader open other files."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ import pytest
 import xarray as xr
 
 from longwave.runs import load_run, run_file, run_pack, save_run
-from longwave.runs.hdf_contents import MOST_SHRUNK
+from longwave.runs.hdf_contents import MAX_COMPRESSION
 from longwave.runs.run_pack import DONE, CellRecord, load_row, pack_content, write_pack
 from longwave.runs.store_packs import PACKS, pack_index
 from longwave.support.sealed_file import write_sealed
@@ -31,14 +31,14 @@ def a_fill_value_in_two_directions(file: Any, _: Path) -> None:
 
 
 def one_text_at_many_places(file: Any, path: Path) -> None:
-    """Each place is 16 bytes, which say where in the file its letters are."""
+    """Each reference has 16 bytes with the position of its letters in the file."""
     texts = file.create_dataset("a", 4000, TEXT, fillvalue="")
     texts[0] = 60_000 * "x"
     place = texts.id.get_offset()
     file.close()
-    held = path.read_bytes()
-    same = 4000 * held[place : place + 16]
-    path.write_bytes(held[:place] + same + held[place + len(same) :])
+    stored_values = path.read_bytes()
+    same = 4000 * stored_values[place : place + 16]
+    path.write_bytes(stored_values[:place] + same + stored_values[place + len(same) :])
 
 
 def one_chunk(file: Any, _: Path) -> None:
@@ -46,11 +46,11 @@ def one_chunk(file: Any, _: Path) -> None:
 
 
 def filters_upon_filters(file: Any, _: Path) -> None:
-    made = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
-    made.set_chunk((1000,))
-    made.set_deflate(9)
-    made.set_deflate(9)
-    h5py.h5d.create(file.id, b"a", h5py.h5t.NATIVE_DOUBLE, h5py.h5s.create_simple((1000,)), made)
+    result = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+    result.set_chunk((1000,))
+    result.set_deflate(9)
+    result.set_deflate(9)
+    h5py.h5d.create(file.id, b"a", h5py.h5t.NATIVE_DOUBLE, h5py.h5s.create_simple((1000,)), result)
 
 
 def other_files(file: Any, path: Path) -> None:
@@ -104,7 +104,7 @@ NAMES = (
 
 
 def other_files_under_a_name(file: Any, path: Path) -> None:
-    """A name that switches nothing off: what is in other files is never read."""
+    """The name of a length must not disable the check: data in other files are never read."""
     other_files(file, path)
     file["a"].attrs["NAME"] = np.bytes_(NAMES[0])
 
@@ -130,7 +130,7 @@ def two_names(file: Any, _: Path) -> None:
 
 
 def texts_as_dimensions(file: Any, _: Path) -> None:
-    """The library reads it into the memory of one reference, and the process breaks off."""
+    """HDF5 would read it into the memory of one reference and crash the process."""
     file["a"] = [1.0]
     file["a"].attrs.create("DIMENSION_LIST", 1000 * ["x"], dtype=TEXT)
 
@@ -141,9 +141,9 @@ def dimensions_of_another_array(file: Any, _: Path) -> None:
     file["a"] = np.zeros((1, 1, 1))
     for place in range(3):
         file["a"].dims[place].attach_scale(file["x"])
-    kept = file["a"].attrs["DIMENSION_LIST"]
+    saved = file["a"].attrs["DIMENSION_LIST"]
     file["b"] = [1.0]
-    file["b"].attrs.create("DIMENSION_LIST", kept, dtype=h5py.vlen_dtype(h5py.ref_dtype))
+    file["b"].attrs.create("DIMENSION_LIST", saved, dtype=h5py.vlen_dtype(h5py.ref_dtype))
 
 
 def numbers_as_references(file: Any, _: Path) -> None:
@@ -162,7 +162,7 @@ def half_precision(file: Any, _: Path) -> None:
 
 
 def _padded(file: Any, change: Callable[[Any], None]) -> None:
-    """An array of three numbers with dimension x, and the length of a dimension 10^9."""
+    """Write an array of three numbers with dimension x, and a dimension of length 10^9."""
     file.create_dataset("long", 10**9, "i1", chunks=(10**5,))
     file["long"].make_scale(NAMES[1])
     file["x"] = [1.0, 2.0, 3.0]
@@ -171,7 +171,7 @@ def _padded(file: Any, change: Callable[[Any], None]) -> None:
 
 
 def one_number_of_two_dimensions(file: Any, _: Path) -> None:
-    """Coordinates name their dimensions by numbers, of which the last in the file counts."""
+    """Coordinates name their dimensions by numbers; the last one in the file counts."""
 
     def change(file: Any) -> None:
         for name in ("long", "x"):
@@ -191,64 +191,64 @@ def a_dimension_that_is_longer(file: Any, _: Path) -> None:
 
 
 ATTACKS = [
-    (a_fill_value, "are claimed to be in"),
+    (a_fill_value, "are claimed by a file"),
     (a_fill_value_in_two_directions, "texts"),
-    (one_text_at_many_places, "are claimed to be in"),
-    (one_chunk, "are claimed to be in"),
+    (one_text_at_many_places, "are claimed by a file"),
+    (one_chunk, "are claimed by a file"),
     (filters_upon_filters, "filters"),
-    (other_files, "in other files"),
-    (a_virtual_array, "in other files"),
+    (other_files, "in another file"),
+    (a_virtual_array, "in another file"),
     (an_external_link, "a link"),
     (a_soft_link, "a link"),
-    (records, "no numbers"),
-    (objects, "no numbers"),
+    (records, "neither numbers"),
+    (objects, "neither numbers"),
     (groups, "a group"),
     (a_long_attribute, "4000 texts"),
-    (other_files_under_a_name, "in other files"),
-    (other_files_as_a_length, "in other files"),
-    (a_fill_value_under_a_name, "are claimed to be in"),
-    (texts_as_a_length, "are claimed to be in"),
-    (two_names, "has another name"),
-    (texts_as_dimensions, "DIMENSION_LIST of /a is not what"),
-    (dimensions_of_another_array, "DIMENSION_LIST of /b is not what"),
-    (numbers_as_references, "REFERENCE_LIST of /a is not what"),
-    (a_long_class, "CLASS of /a is not what"),
-    (half_precision, "numbers of 2 bytes"),
+    (other_files_under_a_name, "in another file"),
+    (other_files_as_a_length, "in another file"),
+    (a_fill_value_under_a_name, "are claimed by a file"),
+    (texts_as_a_length, "are claimed by a file"),
+    (two_names, "is linked under two names"),
+    (texts_as_dimensions, "DIMENSION_LIST of /a does not describe"),
+    (dimensions_of_another_array, "DIMENSION_LIST of /b does not describe"),
+    (numbers_as_references, "REFERENCE_LIST of /a does not describe"),
+    (a_long_class, "CLASS of /a does not describe"),
+    (half_precision, "floats of 2 bytes"),
     (one_number_of_two_dimensions, "its dimensions"),
     (a_dimension_that_is_longer, "its dimensions"),
 ]
 
 
-@pytest.mark.parametrize(("attack", "said"), ATTACKS, ids=[each.__name__ for each, _ in ATTACKS])
-def test_what_no_run_has_is_refused_before_it_is_read(
-    attack: Callable[[Any, Path], None], said: str, tmp_path: Path
+@pytest.mark.parametrize(("attack", "message"), ATTACKS, ids=[each.__name__ for each, _ in ATTACKS])
+def test_contents_that_no_run_has_are_refused_before_reading(
+    attack: Callable[[Any, Path], None], message: str, tmp_path: Path
 ) -> None:
     path = tmp_path / "run.nc"
     with h5py.File(path, "w") as file:
         attack(file, path)
     assert path.stat().st_size < 350_000
-    with pytest.raises(ValueError, match=rf"^run must be a whole NetCDF-4 [^\n]*{said}[^\n]*$"):
+    with pytest.raises(ValueError, match=rf"^run must be a whole NetCDF-4 [^\n]*{message}[^\n]*$"):
         load_run(path)
 
 
-def test_many_texts_attributes_and_variables_of_ones_own_are_read(tmp_path: Path) -> None:
-    """More texts than the file could hold if each were all of it, empty ones, one that is long."""
-    texts = [f"text {number}" for number in range(5 * MOST_SHRUNK)]
-    made = xr.Dataset(
+def test_many_texts_attributes_and_variables_are_accepted(tmp_path: Path) -> None:
+    """More texts than fit if each were as long as the file, some empty and one long."""
+    texts = [f"text {number}" for number in range(5 * MAX_COMPRESSION)]
+    result = xr.Dataset(
         {"texts": ("cell", texts), "square": (("x", "y"), [["a", ""], ["c", 1000 * "d"]])}
         | {f"v{number}": ("x", [1.0, 2.0], {"units": "1", "empty": ""}) for number in range(40)},
         attrs={"long": 10**5 * "x", "none": "", "list": [1, "a"]},
     )
-    save_run(made, tmp_path / "run.nc")
+    save_run(result, tmp_path / "run.nc")
     found = load_run(tmp_path / "run.nc")
-    assert found.attrs == made.attrs
+    assert found.attrs == result.attrs
     assert found["texts"].values.tolist() == texts
-    assert found["square"].values.tolist() == made["square"].values.tolist()
-    assert found["v39"].attrs == made["v39"].attrs
+    assert found["square"].values.tolist() == result["square"].values.tolist()
+    assert found["v39"].attrs == result["v39"].attrs
 
 
 @pytest.mark.parametrize("attack", [a_fill_value, other_files, an_external_link, records])
-def test_packs_are_looked_through_as_well(
+def test_packs_are_checked_as_well(
     attack: Callable[[Any, Path], None], tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
     whole = tmp_path / PACKS / "a.h5"
@@ -262,12 +262,12 @@ def test_packs_are_looked_through_as_well(
     whole.unlink()
     write_sealed(tmp_path / PACKS / "b.h5", image.getvalue())
     assert not len(pack_index(tmp_path))
-    assert "is no pack" in caplog.text
-    assert "it counts as missing" in caplog.text
+    assert "is not a pack" in caplog.text
+    assert "its runs count as missing" in caplog.text
 
 
 def test_the_length_of_a_dimension_may_be_large(tmp_path: Path) -> None:
-    """Such an array is written for its length and never filled: it counts for nothing."""
+    """An array that only stores a length is never read, so it does not count."""
     path = tmp_path / "run.nc"
     with h5py.File(path, "w") as file:
         file.create_dataset("x", 10**9, ">f4", chunks=(10**5,))
@@ -277,8 +277,8 @@ def test_the_length_of_a_dimension_may_be_large(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_a_pack_with_an_array_in_another_file_gives_none_of_it(name: bytes, tmp_path: Path) -> None:
-    """A pack is read without h5netcdf, so no name stands for a length there."""
+def test_a_pack_with_an_external_array_is_refused(name: bytes, tmp_path: Path) -> None:
+    """A pack is read without h5netcdf, so no array is exempt as a length."""
     path = tmp_path / "p.pack"
     write_pack(path, [CellRecord("k", DONE, run=xr.Dataset({"a": ("x", [1.0, 2.0])}))])
     secret = tmp_path / "secret"
@@ -288,16 +288,16 @@ def test_a_pack_with_an_array_in_another_file_gives_none_of_it(name: bytes, tmp_
         [group] = file.values()
         attributes = dict(group["arrays/a"].attrs)
         del group["arrays/a"]
-        made = group["arrays"].create_dataset("a", (1, 2), "f8", external=[(str(secret), 0, 16)])
-        made.attrs.update(attributes)
-        made.attrs["NAME"] = np.bytes_(name)
+        result = group["arrays"].create_dataset("a", (1, 2), "f8", external=[(str(secret), 0, 16)])
+        result.attrs.update(attributes)
+        result.attrs["NAME"] = np.bytes_(name)
     write_sealed(path, image.getvalue())
-    with pytest.raises(ValueError, match="in other files"):
+    with pytest.raises(ValueError, match="in another file"):
         load_row(path, 0, 0)
 
 
-def test_groups_of_a_pack_that_share_their_arrays_are_refused_at_once(tmp_path: Path) -> None:
-    """Looked at one by one, 300 groups with 300 arrays took 15 s."""
+def test_groups_of_a_pack_with_shared_arrays_are_refused_at_once(tmp_path: Path) -> None:
+    """Checked one by one, 300 groups with 300 arrays took 15 s."""
     image = io.BytesIO()
     with h5py.File(image, "w") as file:
         first = file.create_group("0").create_group("arrays")
@@ -307,7 +307,7 @@ def test_groups_of_a_pack_that_share_their_arrays_are_refused_at_once(tmp_path: 
             file.create_group(f"{number}")["arrays"] = first
     path = tmp_path / "p.pack"
     write_sealed(path, image.getvalue())
-    with pytest.raises(ValueError, match="has another name"):
+    with pytest.raises(ValueError, match="is linked under two names"):
         load_row(path, 0, 0)
 
 
@@ -316,10 +316,10 @@ def _a_run(value: float) -> xr.Dataset:
 
 
 @pytest.mark.parametrize("kind", ["run", "pack"])
-def test_what_was_checked_is_read_when_the_name_leads_elsewhere_since(
+def test_the_checked_file_is_read_even_if_its_name_is_replaced(
     kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Catches: a file that is opened by name once to be checked and once to be read."""
+    """Catches: a file that is opened by name twice, once to check it and once to read it."""
     path, other = tmp_path / "mine", tmp_path / "other"
     for place, value in ((path, 1.0), (other, 2.0)):
         if kind == "run":
@@ -342,11 +342,11 @@ def test_what_was_checked_is_read_when_the_name_leads_elsewhere_since(
 def test_a_checked_pack_that_is_replaced_is_checked_again(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Also by one of the same size and time of change, which the writer of a file may choose."""
+    """Even if its size and modification time, which its writer can choose, are the same."""
     path, other = tmp_path / "mine", tmp_path / "other"
     for place, value in ((path, 1.0), (other, 2.0)):
         write_pack(place, [CellRecord("k", DONE, run=_a_run(value))])
-    monkeypatch.setattr(run_pack, "YOUNG", -1)
+    monkeypatch.setattr(run_pack, "RECENT_NS", -1)
     load_row(path, 0, 0)
     state = path.stat()
     spoilt = bytearray(other.read_bytes())
@@ -358,17 +358,17 @@ def test_a_checked_pack_that_is_replaced_is_checked_again(
         load_row(path, 0, 0)
 
 
-def test_a_pack_that_is_young_is_not_remembered(tmp_path: Path) -> None:
-    """Within a tick of the clock it may change again and keep all its times."""
+def test_a_recently_changed_pack_is_checked_again(tmp_path: Path) -> None:
+    """Within a clock tick it may change again without a change of its times."""
     path = tmp_path / "mine"
     write_pack(path, [CellRecord("k", DONE, run=_a_run(1.0))])
-    before = len(run_pack._checked)
+    before = len(run_pack._remembered)
     load_row(path, 0, 0)
-    assert len(run_pack._checked) == before
+    assert len(run_pack._remembered) == before
 
 
-def test_a_link_in_a_store_leads_to_no_run_of_another_folder(tmp_path: Path) -> None:
-    """Catches: a store's file that is a link since it was found whole."""
+def test_a_link_in_a_store_is_not_followed_to_another_folder(tmp_path: Path) -> None:
+    """Catches: a store's file that was replaced by a link after it was checked."""
     save_run(_a_run(1.0), tmp_path / "mine.nc")
     (tmp_path / "key.nc").symlink_to(tmp_path / "mine.nc")
     assert load_run(tmp_path / "key.nc")["a"].values.tolist() == [1.0, 1.0]
@@ -377,9 +377,9 @@ def test_a_link_in_a_store_leads_to_no_run_of_another_folder(tmp_path: Path) -> 
 
 
 def _two_faces(image: bytes, group: str, name: str, secret: Path) -> tuple[bytes, bytes]:
-    """A file, and one that differs in 8 bytes: its array is a twin in another file.
+    """Return a file, and a copy that differs in 8 bytes: its array is one in another file.
 
-    The twin is there in both; the last name of the group, which led to it, is taken away.
+    Both versions have that second array; the group's last name, which led to it, is removed.
     """
     stream = io.BytesIO(image)
     with h5py.File(stream, "r+") as file:
@@ -388,13 +388,15 @@ def _two_faces(image: bytes, group: str, name: str, secret: Path) -> tuple[bytes
         twin = file[group].create_dataset("zzz", array.shape, "f8", external=places)
         twin.attrs.update(array.attrs)
         here, there = (h5py.h5o.get_info(one.id).addr for one in (array, twin))
-    held = bytearray(stream.getvalue())
-    node = held.rindex(b"SNOD", 0, held.index(there.to_bytes(8, "little"), held.index(b"SNOD")))
-    held[node + 6] -= 1
-    good = bytes(held)
-    place = held.index(here.to_bytes(8, "little"), node)
-    held[place : place + 8] = there.to_bytes(8, "little")
-    return good, bytes(held)
+    stored_values = bytearray(stream.getvalue())
+    node = stored_values.rindex(
+        b"SNOD", 0, stored_values.index(there.to_bytes(8, "little"), stored_values.index(b"SNOD"))
+    )
+    stored_values[node + 6] -= 1
+    good = bytes(stored_values)
+    place = stored_values.index(here.to_bytes(8, "little"), node)
+    stored_values[place : place + 8] = there.to_bytes(8, "little")
+    return good, bytes(stored_values)
 
 
 def _write_into(path: Path, content: bytes) -> None:
@@ -403,10 +405,10 @@ def _write_into(path: Path, content: bytes) -> None:
 
 
 @pytest.mark.slow
-def test_a_run_that_is_written_into_after_its_check_gives_no_foreign_byte(
+def test_a_run_modified_after_its_check_yields_no_foreign_byte(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Catches: names that the library forgets, beside 36 MB of attributes, and reads again."""
+    """Catches: links that HDF5 drops from its cache, after 36 MB of attributes, and reads again."""
     path, secret, image = tmp_path / "run", tmp_path / "secret", io.BytesIO()
     secret.write_bytes(np.full(6, 666.0).tobytes())
     with h5py.File(image, "w") as file:
@@ -423,23 +425,23 @@ def test_a_run_that_is_written_into_after_its_check_gives_no_foreign_byte(
         _write_into(path, bad)
 
     path.write_bytes(bad)
-    with pytest.raises(ValueError, match="in other files"):
+    with pytest.raises(ValueError, match="in another file"):
         load_run(path)
     path.write_bytes(good)
     monkeypatch.setattr(run_file, "check_contents", written_into)
     assert load_run(path)["first"].values.tolist() == 6 * [1.0]
 
 
-def test_a_pack_that_is_written_into_after_its_check_gives_no_foreign_byte(
+def test_a_pack_modified_after_its_check_yields_no_foreign_byte(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Catches: a pack that was looked through before, and is not while it is changed."""
+    """Catches: a pack that was checked before and is modified while it is open."""
     path, secret = tmp_path / "pack", tmp_path / "secret"
     secret.write_bytes(np.full(2, 666.0).tobytes())
     image = pack_content([CellRecord("k", DONE, run=_a_run(1.0))])
     good, bad = _two_faces(image, "0/arrays", "a", secret)
     write_sealed(path, good)
-    monkeypatch.setattr(run_pack, "YOUNG", -1)
+    monkeypatch.setattr(run_pack, "RECENT_NS", -1)
     assert load_row(path, 0, 0)["a"].values.tolist() == [1.0, 1.0]
     opened = h5py.File
 
@@ -448,5 +450,5 @@ def test_a_pack_that_is_written_into_after_its_check_gives_no_foreign_byte(
         return opened(*given, **named)
 
     monkeypatch.setattr(h5py, "File", written_into)
-    with pytest.raises(ValueError, match="a is in other files"):
+    with pytest.raises(ValueError, match="a is stored in another file"):
         load_row(path, 0, 0)

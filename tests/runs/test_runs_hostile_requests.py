@@ -1,4 +1,4 @@
-"""Catches: a request that is begun though it takes days or terabytes; Ctrl-C that is not heeded."""
+"""Catches: a request that starts though it takes days or terabytes; Ctrl-C without effect."""
 
 import random
 from pathlib import Path
@@ -48,7 +48,7 @@ USUAL: dict[str, Any] = {
         ({"K2": 1e40}, "sites cannot be told apart"),
     ],
 )
-def test_what_takes_too_much_is_refused_before_it_begins(
+def test_an_expensive_request_is_refused_before_it_starts(
     changes: dict[str, Any], message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     given = USUAL | changes
@@ -97,13 +97,13 @@ def test_ctrl_c_at_any_moment_is_one_line(command: str, tmp_path: Path, interrup
     if done.status == 0 and done.seconds < 1.0:
         return  # it had done its work, and was ending
     assert done.status == 130, done.errors
-    told = [line for line in done.errors.splitlines() if "interrupted" in line]
+    output = [line for line in done.errors.splitlines() if "interrupted" in line]
     others = [line for line in done.errors.splitlines() if "(Ctrl-C stops it)" not in line]
-    assert [line for line in others if not line.startswith("measuring ")] == told
-    assert len(told) == 1
+    assert [line for line in others if not line.startswith("measuring ")] == output
+    assert len(output) == 1
 
 
-def test_a_derivation_of_hours_is_refused_before_it_begins(
+def test_a_derivation_of_hours_is_refused_before_it_starts(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     assert main(["derive", "dimer", "--order", "13"]) == 2

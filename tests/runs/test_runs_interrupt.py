@@ -1,4 +1,4 @@
-"""Catches: a run whose records Ctrl-C loses, or one that claims an estimate nobody measured."""
+"""Catches: a run whose snapshots Ctrl-C loses, or that has an estimate nobody measured."""
 
 import signal
 from pathlib import Path
@@ -33,7 +33,7 @@ compared = 100
 def test_ctrl_c_keeps_the_snapshots_recorded(
     number: int, status: int, tmp_path: Path, press_ctrl_c: Any
 ) -> None:
-    """And so does SIGTERM, by which a cluster ends a job that takes too long."""
+    """SIGTERM, with which a cluster ends a long job, does the same."""
     scene, output = tmp_path / "long.toml", tmp_path / "run.nc"
     scene.write_text(LONG)
     done = press_ctrl_c(["longwave", "run", str(scene), "--output", str(output)], 8.0, number)
@@ -41,8 +41,8 @@ def test_ctrl_c_keeps_the_snapshots_recorded(
     assert done.status == status
     assert done.announced.startswith("long: about ")
     assert done.errors.splitlines() == [
-        f"longwave run: interrupted (2 snapshots are kept in {output}; the same command with "
-        "--force goes on)"
+        f"longwave run: interrupted (2 snapshots are kept in {output}; repeat the command with "
+        "--force to resume)"
     ]
     assert "unfinished: Ctrl-C after t = " in done.out
     run = load_run(output)

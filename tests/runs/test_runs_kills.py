@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from longwave.runs.run_file import load_run
-from longwave.runs.run_store import RunStore, UnkeptRunError
+from longwave.runs.run_store import RunStore, UnsavedRunError
 from longwave.scenes.engines import scene_run
 from tests.runs.unfinished_scenes import SCENES, bits, chain
 
@@ -93,7 +93,7 @@ def test_a_run_killed_at_any_moments_is_finished_with_the_same_bits(
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["stated window, refined", "stencil, ring", "spectral", "dimer"])
-def test_a_killed_run_without_a_store_is_finished_beside_its_output(
+def test_a_killed_run_without_a_store_is_resumed_next_to_its_output(
     name: str, server: Server, tmp_path: Path, rng: np.random.Generator
 ) -> None:
     output, whole = tmp_path / "out.nc", bits(scene_run.run(SCENES[name]))
@@ -111,7 +111,7 @@ def test_a_killed_run_without_a_store_is_finished_beside_its_output(
 
 
 @pytest.mark.slow
-def test_what_one_process_began_another_one_that_waits_finishes(
+def test_a_waiting_process_finishes_the_run_of_a_killed_one(
     server: Server, tmp_path: Path, rng: np.random.Generator
 ) -> None:
     name = "stencil, window"
@@ -124,7 +124,7 @@ def test_what_one_process_began_another_one_that_waits_finishes(
 
 
 @pytest.mark.slow
-def test_a_file_whose_writer_is_killed_is_whole_or_not_there(
+def test_a_file_of_a_killed_writer_is_complete_or_absent(
     server: Server, tmp_path: Path, rng: np.random.Generator
 ) -> None:
     store, name = RunStore(tmp_path), "stated ring"
@@ -166,7 +166,7 @@ def test_a_full_disk_loses_no_finished_run_and_harms_no_other(
 ) -> None:
     store, small = RunStore(small_disk, least=0.0, share=1e9), SCENES["stated window, refined"]
     whole = bits(scene_run.run(LARGE))
-    with pytest.raises(UnkeptRunError, match="No space left") as caught:
+    with pytest.raises(UnsavedRunError, match="No space left") as caught:
         store.fetch(LARGE)
     assert bits(caught.value.run) == whole
     assert "goes on without a checkpoint" in caplog.text

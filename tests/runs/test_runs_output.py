@@ -1,4 +1,4 @@
-"""Catches: a run lost at its end, a file that is overwritten unasked, other bits unnoticed."""
+"""Catches: a run lost at its end, a file overwritten without --force, different bits unnoticed."""
 
 import errno
 import os
@@ -51,7 +51,7 @@ def run_file(scene: Path, capsys: Output) -> Path:
 
 
 @pytest.mark.parametrize(
-    ("output", "words", "said"),
+    ("output", "words", "message"),
     [
         ("scene.toml", [], "--output must end in .nc, got 'scene.toml' (such as run.nc)"),
         ("scene.toml", ["--force"], "--output must end in .nc"),
@@ -63,8 +63,8 @@ def run_file(scene: Path, capsys: Output) -> Path:
         ("/proc/run.nc", [], "must lie in a writable folder, got /proc: "),
     ],
 )
-def test_what_cannot_or_may_not_be_written_is_refused_before_the_run(
-    run_file: Path, output: str, words: list[str], said: str, capsys: Output
+def test_an_unwritable_output_is_refused_before_the_run(
+    run_file: Path, output: str, words: list[str], message: str, capsys: Output
 ) -> None:
     folder = run_file.parent
     (folder / "folder.nc").mkdir()
@@ -75,7 +75,7 @@ def test_what_cannot_or_may_not_be_written_is_refused_before_the_run(
     found = capsys.readouterr()
     assert found.out == ""
     assert found.err.count("\n") == 1
-    assert said in found.err
+    assert message in found.err
     assert {path: path.read_bytes() for path in folder.iterdir() if path.is_file()} == before
 
 
@@ -101,12 +101,12 @@ def test_a_disk_that_is_full_at_the_end_loses_nothing(
     assert main(["run", source, "--output", "run.nc", "--force"]) == 1
     found = capsys.readouterr()
     assert found.out
-    said, _, kept = found.err.strip().removesuffix(")").partition(" (the run is kept in ")
-    assert said == "error: run.nc: No space left on device"
+    message, _, saved_item = found.err.strip().removesuffix(")").partition(" (the run is saved in ")
+    assert message == "error: run.nc: No space left on device"
     assert run_file.read_bytes() == older
-    assert compare_runs(load_run(run_file), load_run(kept)).is_same
-    Path(kept).unlink()
-    Path(kept).parent.rmdir()
+    assert compare_runs(load_run(run_file), load_run(saved_item)).is_same
+    Path(saved_item).unlink()
+    Path(saved_item).parent.rmdir()
 
 
 def test_a_store_that_is_full_at_the_end_loses_nothing(
@@ -117,31 +117,31 @@ def test_a_store_that_is_full_at_the_end_loses_nothing(
 
     monkeypatch.setattr("longwave.support.sealed_file.write_atomically", full)
     assert main(["run", str(scene), "--store", "store"]) == 1
-    said = capsys.readouterr().err
-    assert "x.nc: No space left on device (the run is kept in " in said
-    kept = Path(said.strip().removesuffix(")").rpartition(" ")[2])
-    assert load_run(kept).attrs["steps"] == 10
-    kept.unlink()
-    kept.parent.rmdir()
+    message = capsys.readouterr().err
+    assert "x.nc: No space left on device (the run is saved in " in message
+    saved_item = Path(message.strip().removesuffix(")").rpartition(" ")[2])
+    assert load_run(saved_item).attrs["steps"] == 10
+    saved_item.unlink()
+    saved_item.parent.rmdir()
 
 
-def test_a_run_in_a_store_is_printed_alike_and_not_run_again(
+def test_a_stored_run_is_printed_the_same_and_not_run_again(
     scene: Path, capsys: Output, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    printed, told = [], ""
+    printed, report = [], ""
     for _ in range(2):
         assert main(["run", str(scene), "--store", "store", "--output", "copy.nc", "--force"]) == 0
-        out, told = capsys.readouterr()
+        out, report = capsys.readouterr()
         printed.append(out)
         monkeypatch.setattr("longwave.scenes.engines.lattice_run.record_scene", None)
     assert printed[0] == printed[1]
     assert "10 steps, 256 sites" in printed[0]
-    (kept,) = Path("store").rglob("*.nc")
-    assert told == f"scene: found in {kept}, not run again\n"
-    assert compare_runs(load_run(kept), load_run("copy.nc")).is_same
+    (saved_item,) = Path("store").rglob("*.nc")
+    assert report == f"scene: found in {saved_item}, not run again\n"
+    assert compare_runs(load_run(saved_item), load_run("copy.nc")).is_same
 
 
-def test_a_run_is_made_again_from_its_file_to_the_same_bits(run_file: Path, capsys: Output) -> None:
+def test_a_run_repeated_from_its_file_has_the_same_bits(run_file: Path, capsys: Output) -> None:
     assert main(["run", "run.nc"]) == 0
     assert capsys.readouterr().out == (
         "run.nc: same bits: all 917 values, and what was chosen and estimated\n"
@@ -149,7 +149,7 @@ def test_a_run_is_made_again_from_its_file_to_the_same_bits(run_file: Path, caps
     )
 
 
-def test_what_is_not_the_same_is_told(run_file: Path, capsys: Output) -> None:
+def test_differences_of_a_repeated_run_are_printed(run_file: Path, capsys: Output) -> None:
     other = load_run(run_file)
     other["strain"][1, 7] += 2.0**-60
     other["error"][0] = -0.0
@@ -160,16 +160,16 @@ def test_what_is_not_the_same_is_told(run_file: Path, capsys: Output) -> None:
     assert main(["run", "run.nc"]) == 1
     first, *lines = capsys.readouterr().out.splitlines()
     assert first == "run.nc: other bits:"
-    told = "\n".join(lines)
-    assert "  analytic is new" in told
-    assert "  strain: 1 of 202 values differ, by at most 8.7e-19 where they reach 0.2" in told
-    assert "  error: 1 of 2 values differ, by at most " in told
-    assert "  steps: 10, was 1099511627776" in told
-    assert "  least_strain: " in told
-    assert "code: derive/models " in told
-    assert "versions: " in told
-    assert "was longwave 0.0.1" in told
-    assert "platform" not in told
+    report = "\n".join(lines)
+    assert "  analytic is new" in report
+    assert "  strain: 1 of 202 values differ, by at most 8.7e-19 where they reach 0.2" in report
+    assert "  error: 1 of 2 values differ, by at most " in report
+    assert "  steps: 10, was 1099511627776" in report
+    assert "  least_strain: " in report
+    assert "code: derive/models " in report
+    assert "versions: " in report
+    assert "was longwave 0.0.1" in report
+    assert "platform" not in report
 
 
 def test_bits_are_compared_and_not_values(run_file: Path) -> None:
@@ -181,18 +181,18 @@ def test_bits_are_compared_and_not_values(run_file: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("words", "said"),
+    ("words", "message"),
     [
         (["--tolerance", "1e-3"], "--tolerance must not be given with a run, got 0.001"),
         (["--store", "s"], "--store must not be given with a run, got s"),
         (["--engine", "stencil"], "--engine must not be given with a run"),
     ],
 )
-def test_a_run_is_repeated_as_it_was(
-    run_file: Path, words: list[str], said: str, capsys: Output
+def test_a_repetition_takes_no_other_options(
+    run_file: Path, words: list[str], message: str, capsys: Output
 ) -> None:
     assert main(["run", "run.nc", *words]) == 2
-    assert said in capsys.readouterr().err
+    assert message in capsys.readouterr().err
 
 
 def test_an_unfinished_run_is_not_repeated(run_file: Path, capsys: Output) -> None:

@@ -1,4 +1,4 @@
-"""Catches: a run without a store that a kill costs more than its last seconds, or others' bits."""
+"""Catches: a kill that costs more than the last seconds of a run, or foreign checkpoints used."""
 
 from __future__ import annotations
 
@@ -18,21 +18,21 @@ NAME = "stated window, refined"
 
 
 @pytest.fixture
-def kept(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
-    """All that is offered is kept, until the write of that number raises something instead."""
-    told: dict[str, Any] = {"writes": 0, "at": 10**9, "raised": Killed}
+def saved(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
+    """Save every checkpoint, until the write with a given number raises an error."""
+    report: dict[str, Any] = {"writes": 0, "at": 10**9, "raised": Killed}
     write = CheckpointFolder.write
 
     def counted(folder: CheckpointFolder, *memory: Any) -> None:
-        if told["writes"] == told["at"]:
-            raise told["raised"]
-        told["writes"] += 1
+        if report["writes"] == report["at"]:
+            raise report["raised"]
+        report["writes"] += 1
         write(folder, *memory)
 
     monkeypatch.setattr(CheckpointFolder, "write", counted)
     monkeypatch.setattr(run_output, "PACE", (0.0, 1e9))
     monkeypatch.setattr("os.fsync", lambda _: None)
-    return told
+    return report
 
 
 def run(folder: Path, output: str = "run.nc", **changes: Any) -> int:
@@ -41,32 +41,32 @@ def run(folder: Path, output: str = "run.nc", **changes: Any) -> int:
     return run_and_print(str(scene), "longwave run", output=str(folder / output))
 
 
-def test_a_run_is_gone_on_with_beside_its_output(
-    tmp_path: Path, kept: dict[str, Any], capsys: pytest.CaptureFixture[str]
+def test_a_run_is_resumed_next_to_its_output(
+    tmp_path: Path, saved: dict[str, Any], capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert run(tmp_path, "whole.nc") == 0
-    whole, kept["writes"], kept["at"] = kept["writes"], 0, 5
+    whole, saved["writes"], saved["at"] = saved["writes"], 0, 5
     with pytest.raises(Killed):
         run(tmp_path)
     assert (tmp_path / "run.nc.checkpoint").is_dir()
     capsys.readouterr()
-    kept["writes"], kept["at"] = 0, 10**9
+    saved["writes"], saved["at"] = 0, 10**9
     assert run(tmp_path) == 0
     assert capsys.readouterr().err == "window: goes on where it was broken off\n"
-    assert kept["writes"] < whole
+    assert saved["writes"] < whole
     assert bits(load_run(tmp_path / "run.nc")) == bits(scene_run.run(SCENES[NAME]))
     assert {path.name for path in tmp_path.iterdir()} == {"scene.toml", "run.nc", "whole.nc"}
 
 
-def test_what_another_scene_left_is_not_used_and_what_is_no_checkpoint_stays(
-    tmp_path: Path, kept: dict[str, Any], capsys: pytest.CaptureFixture[str]
+def test_checkpoints_of_another_scene_are_not_used_and_other_files_stay(
+    tmp_path: Path, saved: dict[str, Any], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    kept["at"] = 5
+    saved["at"] = 5
     with pytest.raises(Killed):
         run(tmp_path, eps=0.11)
     mine = tmp_path / "run.nc.checkpoint" / "mine.txt"
     mine.write_text("mine", encoding="utf-8")
-    kept["at"] = 10**9
+    saved["at"] = 10**9
     capsys.readouterr()
     assert run(tmp_path) == 0
     said = f"window: begins anew: {mine.parent} has no checkpoint of this scene, code and machine\n"
@@ -75,21 +75,21 @@ def test_what_another_scene_left_is_not_used_and_what_is_no_checkpoint_stays(
     assert list(mine.parent.iterdir()) == [mine]
 
 
-def test_ctrl_c_says_what_goes_on(
-    tmp_path: Path, kept: dict[str, Any], capsys: pytest.CaptureFixture[str]
+def test_ctrl_c_says_how_to_resume(
+    tmp_path: Path, saved: dict[str, Any], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    kept.update(at=5, raised=KeyboardInterrupt)
+    saved.update(at=5, raised=KeyboardInterrupt)
     assert run(tmp_path) == 130
-    assert "run.nc; the same command with --force goes on" in capsys.readouterr().err
+    assert "run.nc; repeat the command with --force to resume" in capsys.readouterr().err
     assert "Ctrl-C" in load_run(tmp_path / "run.nc").attrs["unfinished"]
     assert (tmp_path / "run.nc.checkpoint").is_dir()
 
 
 @pytest.mark.parametrize("taken", [True, False])
-def test_where_no_checkpoint_can_be_the_run_goes_on(
-    taken: bool, tmp_path: Path, kept: dict[str, Any], capsys: pytest.CaptureFixture[str]
+def test_a_run_continues_without_a_checkpoint_folder(
+    taken: bool, tmp_path: Path, saved: dict[str, Any], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """A file has its name, or the name is too long."""
+    """A file has the folder's name, or the name is too long."""
     name = "run.nc" if taken else "a" * 250 + ".nc"
     if taken:
         (tmp_path / "run.nc.checkpoint").write_text("mine", encoding="utf-8")

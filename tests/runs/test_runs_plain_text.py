@@ -1,4 +1,4 @@
-"""A scene's title and name are printed as they are: no markup, no emoji."""
+"""A scene's title and name are printed unchanged: no markup, no emoji."""
 
 from pathlib import Path
 
@@ -41,7 +41,7 @@ def test_a_title_is_printed_as_it_is(
     assert title in capsys.readouterr().out
 
 
-def test_a_title_cannot_steer_the_terminal(
+def test_a_title_has_no_terminal_control_codes(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "scene.toml"

@@ -1,4 +1,4 @@
-"""Catches: bits that depend on threads or on what was compiled before, a scene misread."""
+"""Catches: bits that depend on threads or on earlier compilation, a scene misread from its text."""
 
 import json
 import os
@@ -52,16 +52,16 @@ def test_bits_do_not_depend_on_the_number_of_threads() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["soliton_dn_k_0.7", "dimer_peregrine"])
-def test_a_fresh_machine_gives_the_same_bits(name: str, tmp_path: Path) -> None:
-    """No kernel is compiled yet, another is compiled first, and one thread does it."""
+def test_an_empty_kernel_cache_gives_the_same_bits(name: str, tmp_path: Path) -> None:
+    """No kernel is compiled yet, another one is compiled first, and only one thread is used."""
     scene, output = load_scene(name), str(tmp_path / "run.nc")
     if scene.has_moving_wave:
         scene = scene.with_tolerance(1e-4).changed(engine="spectral", snapshots=[-100, -50])
     else:
         scene = scene.changed(eps=0.1, half_width=3.0, slow_times=[-0.3, 0])
     (tmp_path / "scene.toml").write_text(scene.toml(), "utf-8")
-    made = python("-m", "longwave", "run", str(tmp_path / "scene.toml"), "--output", output)
-    assert made.returncode == 0, made.stderr
+    result = python("-m", "longwave", "run", str(tmp_path / "scene.toml"), "--output", output)
+    assert result.returncode == 0, result.stderr
     first = (
         "import sys; from longwave.__main__ import main; "
         "main(['run', 'soliton_dn_k_0.7']); sys.exit(main(['run', sys.argv[1]]))"
@@ -80,7 +80,7 @@ ORDERED = st.lists(TIMES, min_size=2, max_size=4, unique=True).map(sorted)
 
 @st.composite
 def chain_scenes(draw: st.DrawFn) -> Scene:
-    """Scenes of the paper's chain, whatever they may say."""
+    """Strategy for scenes of the paper's chain with any admissible fields."""
     times = draw(ORDERED)
     given: dict[str, Any] = {
         "name": draw(TEXTS),
@@ -99,8 +99,8 @@ def chain_scenes(draw: st.DrawFn) -> Scene:
         "tolerance": draw(st.floats(1e-10, 1.0)),
         "engine": draw(st.sampled_from(["", "stencil", "spectral"])),
     }
-    kept = [name for name, entry in OBSERVABLES.items() if entry.seen != "refinement"]
-    given["observables"] = draw(st.lists(st.sampled_from(kept), unique=True))
+    saved = [name for name, entry in OBSERVABLES.items() if entry.seen != "refinement"]
+    given["observables"] = draw(st.lists(st.sampled_from(saved), unique=True))
     return Scene.of(**given)
 
 
@@ -126,7 +126,7 @@ DISORDERS = st.fixed_dictionaries(
 
 @st.composite
 def ring_scenes(draw: st.DrawFn) -> Scene:
-    """Scenes on any lattice, from the catalogue or declared, whatever they may say."""
+    """Strategy for scenes on any lattice, shipped or declared, with any admissible fields."""
     scene = draw(st.sampled_from(shipped_scenes("lattices")).map(load_scene))
     pairs = st.dictionaries(TEXTS, NUMBERS | TEXTS, max_size=3)
     changes: dict[str, Any] = {key: draw(TEXTS) for key in ("name", "title")}

@@ -1,4 +1,4 @@
-"""Catches: a run that was killed, gone on with, and differs in any bit from one that was not."""
+"""Catches: a killed and resumed run that differs in any bit from one without interruption."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ ENDLESS = 10**9
 
 @pytest.fixture(autouse=True)
 def _no_flushes(monkeypatch: pytest.MonkeyPatch) -> None:
-    """All that is offered is kept here, which disks that are waited for make slow."""
+    """Save every checkpoint, without waiting for the disk."""
     monkeypatch.setattr(os, "fsync", lambda _: None)
 
 
 def resumed_bits(name: str, folder: Path, kills: list[int]) -> tuple[dict[str, object], list[str]]:
-    """What a run holds that was killed after so many checkpoints, again and again; their names."""
+    """Return the contents, and their names, of a run killed after every few checkpoints."""
     for writes in [*kills, ENDLESS]:
         keeper = KillingFolder(folder, writes)
         try:
@@ -52,7 +52,7 @@ def check_resumed(name: str, folder: Path, rng: np.random.Generator, times: int)
         pytest.param("bath", marks=pytest.mark.slow),
     ],
 )
-def test_a_killed_run_goes_on_to_the_same_bits(
+def test_a_killed_run_resumes_to_the_same_bits(
     name: str, tmp_path: Path, rng: np.random.Generator
 ) -> None:
     check_resumed(name, tmp_path, rng, 1)
@@ -60,7 +60,7 @@ def test_a_killed_run_goes_on_to_the_same_bits(
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", SCENES)
-def test_a_run_of_any_engine_goes_on_to_the_same_bits(
+def test_a_run_of_any_engine_resumes_to_the_same_bits(
     name: str, tmp_path: Path, rng: np.random.Generator
 ) -> None:
     check_resumed(name, tmp_path, rng, 2)

@@ -1,4 +1,4 @@
-"""Catches: a file that loses a bit, a type, a unit or the scene, and one that is no run."""
+"""Catches: a file that loses a bit, a type, a unit or the scene; a file that is no run."""
 
 import gc
 import subprocess
@@ -86,16 +86,16 @@ def test_plain_xarray_opens_it_with_units_and_names_on_everything(
             assert len(variable.attrs["long_name"]) > 2, name
             floats = variable.dtype.kind == "f"
             assert np.array_equal(variable.values, run[name].values, equal_nan=floats), name
-        told = found.attrs
+        output = found.attrs
         for package in ("longwave ", "numba ", "llvmlite ", "h5netcdf ", "Python "):
-            assert package in told["versions"]
-        assert "solutions/forms " in told["code"]
-        assert told["platform"]
-        assert told["seconds"] > 0
-        assert {"steps", "sites", "force_evaluations"} <= told.keys()
+            assert package in output["versions"]
+        assert "solutions/forms " in output["code"]
+        assert output["platform"]
+        assert output["seconds"] > 0
+        assert {"steps", "sites", "force_evaluations"} <= output.keys()
 
 
-def test_what_a_tolerance_chose_stands_beside_the_scene() -> None:
+def test_the_file_has_the_choices_made_for_a_tolerance() -> None:
     found = scene_run.run(CHOSEN)
     assert scene_of_run(found) == CHOSEN
     assert "step = " in found.attrs["plan"]
@@ -103,11 +103,13 @@ def test_what_a_tolerance_chose_stands_beside_the_scene() -> None:
 
 
 def test_numbers_beyond_32_bits_are_kept(tmp_path: Path) -> None:
-    """Of the steps of a long run, and of the sites that a wave has travelled."""
+    """Such as the steps of a long run, and the sites that a wave has travelled."""
     many = 2**31 + 1
-    made = xr.Dataset({"n": ("site", np.array([many, -many]))}, attrs={"force_evaluations": many})
-    save_run(made, tmp_path / "run.nc")
-    same_bits(load_run(tmp_path / "run.nc"), made)
+    created = xr.Dataset(
+        {"n": ("site", np.array([many, -many]))}, attrs={"force_evaluations": many}
+    )
+    save_run(created, tmp_path / "run.nc")
+    same_bits(load_run(tmp_path / "run.nc"), created)
 
 
 NUMBERS = st.sampled_from(["f8", "f4", "c16", "c8", "i8", "i4", "i2", "u8", "u1", "?"])
@@ -139,24 +141,24 @@ def test_any_data_are_read_back_to_the_bit(
         )
         for kind in data.draw(st.lists(NUMBERS, unique=True, max_size=3))
     }
-    made = xr.Dataset(variables, attrs=data.draw(attributes))
+    created = xr.Dataset(variables, attrs=data.draw(attributes))
     path = tmp_path_factory.getbasetemp() / "any.nc"
-    save_run(made, path)
-    same_bits(load_run(path), made)
+    save_run(created, path)
+    same_bits(load_run(path), created)
 
 
 @pytest.mark.parametrize(
-    ("made", "said"),
+    ("created", "message"),
     [
-        (xr.Dataset(attrs={"what": object()}), "an attribute must be a text, a number or a list"),
+        (xr.Dataset(attrs={"what": object()}), "attributes must be texts, numbers or lists"),
         (xr.Dataset({"a": ("x", np.zeros(2, "f2"))}), "a must be of a type that NetCDF has"),
     ],
 )
-def test_what_no_file_can_hold_is_one_line_and_leaves_nothing(
-    made: xr.Dataset, said: str, tmp_path: Path
+def test_data_without_a_netcdf_type_is_a_one_line_error(
+    created: xr.Dataset, message: str, tmp_path: Path
 ) -> None:
-    with pytest.raises(ValueError, match=rf"^{said}[^\n]*$"):
-        save_run(made, tmp_path / "run.nc")
+    with pytest.raises(ValueError, match=rf"^{message}[^\n]*$"):
+        save_run(created, tmp_path / "run.nc")
     assert list(tmp_path.iterdir()) == []
 
 
@@ -194,14 +196,14 @@ def test_nothing_is_overwritten_without_force(tmp_path: Path) -> None:
 
 
 def foreign(path: Path) -> None:
-    """A NetCDF-4 file of someone else, of a shape that is only claimed."""
+    """Write a NetCDF-4 file of another program, with a shape that is only claimed."""
     with h5netcdf.File(path, "w") as file:
         file.dimensions = {"x": 10**6, "y": 10**6}
         file.create_variable("a", ("x", "y"), "f8", chunks=(1000, 1000))
 
 
 @pytest.mark.parametrize(
-    ("make", "said"),
+    ("make", "message"),
     [
         (
             lambda path: xr.Dataset().to_netcdf(path, engine="scipy"),
@@ -209,12 +211,12 @@ def foreign(path: Path) -> None:
         ),
         (lambda path: path.write_bytes(b""), "which is no run"),
         (lambda path: path.write_text("wave = 3"), "which is no run"),
-        (lambda path: path.mkdir(), "which is none"),
+        (lambda path: path.mkdir(), "regular file"),
         (
             lambda path: path.write_bytes(b"\x89HDF\r\n\x1a\n" + b"x" * 99),
             "whole NetCDF-4",
         ),
-        (foreign, "bytes are claimed to be in"),
+        (foreign, "bytes are claimed by a file"),
         (
             lambda path: xr.Dataset(attrs={"json_attributes": "[1]"}).to_netcdf(
                 path, engine="h5netcdf"
@@ -230,16 +232,18 @@ def foreign(path: Path) -> None:
     ],
     ids=["netCDF 3", "empty", "text", "folder", "broken", "huge", "attributes", "times"],
 )
-def test_what_is_no_run_is_one_line(make: Callable[[Path], Any], said: str, tmp_path: Path) -> None:
+def test_a_file_that_is_no_run_is_a_one_line_error(
+    make: Callable[[Path], Any], message: str, tmp_path: Path
+) -> None:
     make(tmp_path / "run.nc")
-    with pytest.raises(ValueError, match=rf"^run must be [^\n]*{said}[^\n]*$"):
+    with pytest.raises(ValueError, match=rf"^run must be [^\n]*{message}[^\n]*$"):
         load_run(tmp_path / "run.nc")
 
 
-def test_a_run_without_a_scene_is_one_line() -> None:
-    with pytest.raises(ValueError, match=r"^run must carry the scene"):
+def test_a_run_without_a_scene_is_a_one_line_error() -> None:
+    with pytest.raises(ValueError, match=r"^run must have the attribute"):
         scene_of_run(xr.Dataset())
-    with pytest.raises(ValueError, match=r"^run must be one of one scene, got the result of a sw"):
+    with pytest.raises(ValueError, match=r"^run must be of a single scene, got the result of a sw"):
         scene_of_run(xr.Dataset(attrs={"sweep": "{}"}))
     with pytest.raises(ValueError, match=r"^scene must be a TOML file"):
         scene_of_run(xr.Dataset(attrs={"scene": "{}"}))
@@ -247,7 +251,7 @@ def test_a_run_without_a_scene_is_one_line() -> None:
     assert load_scene("rogue_cn_k_0.5").name in load_scene("rogue_cn_k_0.5").toml()
 
 
-def test_a_damaged_root_leaves_no_half_object(tmp_path: Path) -> None:
+def test_a_damaged_root_group_leaves_no_open_object(tmp_path: Path) -> None:
     path = tmp_path / "run.nc"
     save_run(xr.Dataset({"a": 1.0}), path)
     content = bytearray(path.read_bytes())
@@ -258,8 +262,8 @@ def test_a_damaged_root_leaves_no_half_object(tmp_path: Path) -> None:
     gc.collect()  # what is left behind tells of itself as a warning
 
 
-def test_no_view_of_an_image_is_given_out() -> None:
-    """A collector that closes the image under it has Python 3.13 say so, on the terminal."""
+def test_file_content_keeps_no_view_of_the_image() -> None:
+    """With one, Python 3.13 prints a warning when the garbage collector closes the image."""
     script = (
         "import gc, xarray as xr\n"
         "from longwave.runs.run_file import file_content\n"

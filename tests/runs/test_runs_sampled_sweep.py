@@ -1,4 +1,4 @@
-"""Catches: draws of another covariance, samples that move, an interval of something else."""
+"""Catches: samples with a wrong covariance, samples that change, intervals of the wrong number."""
 
 from pathlib import Path
 
@@ -11,7 +11,7 @@ from longwave.runs import sampled_sweep as room
 from longwave.runs import sweep_dataset
 from longwave.runs.run_file import load_run
 from longwave.runs.run_store import RunStore
-from longwave.runs.sampled_sweep import FEWEST, Observed, sampled_sweep
+from longwave.runs.sampled_sweep import FEWEST_SAMPLES, ObservedNumber, sampled_sweep
 
 CHAIN = """
 fields = ["u"]
@@ -64,7 +64,7 @@ def rows(samples: int, seed: int = 0) -> np.ndarray:
     return np.array(sampled_sweep("mode.toml", samples, seed).dimensions[0].rows)
 
 
-def test_draws_have_the_covariance_of_the_lattice_file() -> None:
+def test_samples_have_the_covariance_of_the_lattice_file() -> None:
     sweep = sampled_sweep("mode.toml", 4000)
     assert sweep.dimensions[0].fields == ("constants.K2", "constants.m")
     drawn = rows(4000)
@@ -74,14 +74,14 @@ def test_draws_have_the_covariance_of_the_lattice_file() -> None:
     assert not np.any(rows(50, seed=1) == drawn[:50])
 
 
-def test_what_the_scene_states_is_exact() -> None:
-    assert sampled_sweep("wave.toml", FEWEST).dimensions[0].fields == ("constants.K2",)
+def test_constants_stated_by_the_scene_are_exact() -> None:
+    assert sampled_sweep("wave.toml", FEWEST_SAMPLES).dimensions[0].fields == ("constants.K2",)
 
 
 def test_intervals_are_those_of_a_mode_in_closed_form(capsys: pytest.CaptureFixture[str]) -> None:
     words = ["sweep", "mode.toml", "--samples", "39", "--seed", "3", "--processes", "1"]
     assert main(words) == 0
-    told = capsys.readouterr().out
+    message = capsys.readouterr().out
     K2, m = rows(39, seed=3).T
     rate = np.sqrt(K2 / m * (2 - np.sqrt(2)))
     found = load_run("mode_samples.nc")
@@ -92,11 +92,11 @@ def test_intervals_are_those_of_a_mode_in_closed_form(capsys: pytest.CaptureFixt
     ends = np.sort(0.2 * rate * np.sin(2.0 * rate))
     half = (ends[-1] - ends[0]) / 2
     line = f"cell 1: largest velocity {ends[19]:.4f} +- {half:.2g} (data) +- "
-    assert line in told
-    assert "(reduction)" not in told
-    assert told.count("(numerics)") == 4
+    assert line in message
+    assert "(reduction)" not in message
+    assert message.count("(numerics)") == 4
     energy = np.sort(0.5 * K2 * 0.04 * (2 - np.sqrt(2)) * 2)
-    assert f"mode energy 1 {energy[19]:.4f} +- {(energy[-1] - energy[0]) / 2:.2g} (data)" in told
+    assert f"mode energy 1 {energy[19]:.4f} +- {(energy[-1] - energy[0]) / 2:.2g} (data)" in message
     again = found.attrs["sweep"]
     assert main(words) == 0
     assert "were run now" not in capsys.readouterr().out
@@ -104,7 +104,7 @@ def test_intervals_are_those_of_a_mode_in_closed_form(capsys: pytest.CaptureFixt
 
 
 @pytest.mark.slow
-def test_theory_that_misses_a_wave_is_a_part_of_its_interval(
+def test_the_error_of_theory_is_a_part_of_the_interval(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     assert main(["sweep", "wave.toml", "--samples", "39", "--processes", "1"]) == 0
@@ -119,12 +119,12 @@ def test_theory_that_misses_a_wave_is_a_part_of_its_interval(
     assert numerics == pytest.approx(found["error_estimate"].values.max() * 0.09, rel=0.05)
 
 
-def test_the_crest_is_that_of_the_last_time_about_the_background(
+def test_the_crest_is_measured_from_the_background_at_the_last_time(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """Of a wave that falls from 1.5 to 0.5 on a background of 2, theory 0.1 below at sample 3."""
-    sweep = sampled_sweep("wave.toml", FEWEST)
-    wave = np.zeros((FEWEST, 2, 5))
+    """The wave falls from 1.5 to 0.5 on a background of 2; theory is 0.1 too low at sample 3."""
+    sweep = sampled_sweep("wave.toml", FEWEST_SAMPLES)
+    wave = np.zeros((FEWEST_SAMPLES, 2, 5))
     wave[:, 0, 1], wave[:, 1, 3] = 1.5, -0.5
     theory = wave.copy()
     theory[3, 1, 3] = -0.4
@@ -136,29 +136,29 @@ def test_the_crest_is_that_of_the_last_time_about_the_background(
             ("background", 0 * wave + 2),
         )
     }
-    status = ("sample", np.array(["refused"] + ["done"] * (FEWEST - 1), dtype=object))
-    estimates = ("sample", np.where(np.arange(FEWEST) == 5, 4e-6, 1e-6))
+    status = ("sample", np.array(["refused"] + ["done"] * (FEWEST_SAMPLES - 1), dtype=object))
+    estimates = ("sample", np.where(np.arange(FEWEST_SAMPLES) == 5, 4e-6, 1e-6))
     found = xr.Dataset({**data, "status": status, "error_estimate": estimates})
     monkeypatch.setattr(sweep_dataset, "cell_run", lambda *_, **__: xr.Dataset(attrs={"power": 2}))
-    [crest] = room.observed(sweep, RunStore("none"), found)
+    [crest] = room.observed_numbers(sweep, RunStore("none"), found)
     np.testing.assert_allclose(crest.samples, 0.5)
     assert crest.reduction == pytest.approx(0.1)
     assert crest.numerics == pytest.approx(4e-6 * 0.3**2)
 
 
-def test_an_interval_is_told_in_its_parts() -> None:
+def test_an_interval_is_printed_with_its_parts() -> None:
     samples = np.linspace(0.0, 2.0, 39)
-    assert Observed("crest", samples).text() == "crest 1.0 +- 1 (data)"
-    parts = Observed("crest", 1e-3 * samples + 1, 3e-4, 1e-8)
+    assert ObservedNumber("crest", samples).text() == "crest 1.0 +- 1 (data)"
+    parts = ObservedNumber("crest", 1e-3 * samples + 1, 3e-4, 1e-8)
     assert parts.text() == (
         "crest 1.0010 +- 0.001 (data) +- 0.0003 (reduction) +- 1e-08 (numerics)"
     )
     some = np.where(np.arange(39) < 3, np.nan, samples)
-    assert Observed("crest", some).ends[1] == pytest.approx(np.median(samples[3:]))
+    assert ObservedNumber("crest", some).ends[1] == pytest.approx(np.median(samples[3:]))
 
 
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "message"),
     [
         (["mode.toml", "--samples", "38"], "samples must be 39 to 1000000, got 38"),
         (["mode.toml", "--seed", "1"], "--seed must be given with --samples, got 1"),
@@ -166,12 +166,12 @@ def test_an_interval_is_told_in_its_parts() -> None:
         (["none.toml", "--samples", "40"], "got none.toml"),
     ],
 )
-def test_what_has_no_samples_is_told_in_one_line(
-    words: list[str], told: str, capsys: pytest.CaptureFixture[str]
+def test_a_scene_without_covariance_is_a_one_line_error(
+    words: list[str], message: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["sweep", *words]) == 2
     error = capsys.readouterr().err
-    assert told in error
+    assert message in error
     assert error.count("\n") == 1
     assert not list(Path().glob("*.nc"))
 

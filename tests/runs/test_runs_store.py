@@ -1,4 +1,4 @@
-"""Catches: a scene that is run twice, or not anew when it must be, and damage that is read."""
+"""Catches: a scene run twice, or not run again when needed; damaged runs that are read."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ import xarray as xr
 
 import longwave.runs.run_store
 from longwave.runs.run_file import load_run
-from longwave.runs.run_store import RunStore, UnkeptRunError, code_that_matters
+from longwave.runs.run_store import RunStore, UnsavedRunError, code_digest
 from longwave.scenes.description.named_scenes import load_scene
 from longwave.scenes.engines import scene_run
 from longwave.support.compiled.source_digest import Files
@@ -35,15 +35,15 @@ def store(tmp_path: Path) -> RunStore:
 
 @pytest.fixture
 def runs_made(monkeypatch: pytest.MonkeyPatch) -> list[str]:
-    """The names of the scenes that are run from now on."""
-    made: list[str] = []
+    """Return the list to which the names of scenes are appended when they are run."""
+    result: list[str] = []
 
     def run(scene: Any, *rest: Any) -> xr.Dataset:
-        made.append(scene.name)
+        result.append(scene.name)
         return RUN(scene, *rest)
 
     monkeypatch.setattr(scene_run, "run", run)
-    return made
+    return result
 
 
 def test_a_scene_is_run_once(store: RunStore, runs_made: list[str]) -> None:
@@ -58,7 +58,7 @@ def test_a_scene_is_run_once(store: RunStore, runs_made: list[str]) -> None:
         assert run.sizes["site"] == 121
 
 
-def test_what_is_asked_for_makes_another_key(store: RunStore) -> None:
+def test_another_request_has_another_key(store: RunStore) -> None:
     toda = load_scene("toda_soliton")
     others = [
         *(
@@ -85,7 +85,7 @@ def test_equal_scenes_have_equal_keys(store: RunStore) -> None:
         assert store.key(one) == store.key(other)
 
 
-def test_a_wave_of_ones_own_has_no_key(store: RunStore) -> None:
+def test_a_user_defined_wave_has_no_key(store: RunStore) -> None:
     scene = replace(SMALL, wave=SMALL.form)
     with pytest.raises(ValueError, match="wave must be a shipped one"):
         store.key(scene)
@@ -103,33 +103,33 @@ def test_a_wave_of_ones_own_has_no_key(store: RunStore) -> None:
 def test_a_changed_formula_kernel_engine_or_package_makes_another_key(
     name: str, before: str, after: str, store: RunStore, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    key, made = store.key(SMALL), dict(provenance())
-    assert before in made[name]
-    made[name] = made[name].replace(before, after)
+    key, result = store.key(SMALL), dict(provenance())
+    assert before in result[name]
+    result[name] = result[name].replace(before, after)
     with monkeypatch.context() as changed:
-        changed.setattr("longwave.support.provenance.provenance", lambda: made)
-        code_that_matters.cache_clear()
+        changed.setattr("longwave.support.provenance.provenance", lambda: result)
+        code_digest.cache_clear()
         assert store.key(SMALL) != key
-    code_that_matters.cache_clear()
+    code_digest.cache_clear()
     assert store.key(SMALL) == key
 
 
-def test_what_draws_and_prints_runs_makes_no_other_key() -> None:
-    told = {part.split()[0] for part in provenance()["code"].split(", ")}
-    assert {"solutions/forms", "lattice/kernels", "lattice/spectral", "scenes"} <= told
+def test_code_that_draws_or_prints_does_not_change_the_key() -> None:
+    output = {part.split()[0] for part in provenance()["code"].split(", ")}
+    assert {"solutions/forms", "lattice/kernels", "lattice/spectral", "scenes"} <= output
     assert not [
-        name for name in told if name.startswith(("reports", "docs", "longwave/cli", "runs"))
+        name for name in output if name.startswith(("reports", "docs", "longwave/cli", "runs"))
     ]
 
 
-def test_a_damaged_file_is_made_anew_and_told(
+def test_a_damaged_file_is_computed_again_with_a_warning(
     store: RunStore, runs_made: list[str], caplog: pytest.LogCaptureFixture
 ) -> None:
     path = store.fetch(SMALL)
-    held = path.read_bytes()
-    flipped = bytearray(held)
-    flipped[len(held) // 2] ^= 1
-    for broken in (b"", held[: len(held) // 2], held[:-1], held + b"\n", flipped):
+    stored = path.read_bytes()
+    flipped = bytearray(stored)
+    flipped[len(stored) // 2] ^= 1
+    for broken in (b"", stored[: len(stored) // 2], stored[:-1], stored + b"\n", flipped):
         path.write_bytes(broken)
         caplog.clear()
         assert store.find(SMALL) is None
@@ -141,7 +141,7 @@ def test_a_damaged_file_is_made_anew_and_told(
 def test_a_planted_link_overwrites_no_file(
     store: RunStore, tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
-    """Whoever may write into a shared store chooses its names, and whose files they lead to."""
+    """Anyone who may write into a shared store can put links there to files of others."""
     letter = tmp_path / "letter"
     letter.write_text("mine")
     path = store.path(SMALL)
@@ -188,14 +188,14 @@ def test_a_pipe_in_the_place_of_a_run_is_not_waited_for(store: RunStore) -> None
     assert store.find(SMALL) is None
 
 
-def test_an_unfinished_run_is_not_kept(store: RunStore) -> None:
+def test_an_unfinished_run_is_not_saved(store: RunStore) -> None:
     run = scene_run.run(SMALL).assign_attrs(unfinished="Ctrl-C after t = 3")
-    with pytest.raises(ValueError, match="come to its end"):
+    with pytest.raises(ValueError, match="run must be finished"):
         store.keep(SMALL, run)
     assert store.find(SMALL) is None
 
 
-def test_a_finished_run_is_not_lost_where_it_cannot_be_written(
+def test_a_finished_run_is_not_lost_if_it_cannot_be_written(
     store: RunStore, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def full(*_: object) -> None:
@@ -203,7 +203,7 @@ def test_a_finished_run_is_not_lost_where_it_cannot_be_written(
 
     with monkeypatch.context() as broken:
         broken.setattr(longwave.runs.run_store, "write_sealed", full)
-        with pytest.raises(UnkeptRunError, match="No space left") as caught:
+        with pytest.raises(UnsavedRunError, match="No space left") as caught:
             store.fetch(SMALL)
     assert bits(caught.value.run) == bits(scene_run.run(SMALL))
     assert store.find(SMALL) is None
@@ -211,13 +211,13 @@ def test_a_finished_run_is_not_lost_where_it_cannot_be_written(
     assert store.keep(SMALL, caught.value.run) == store.find(SMALL)
 
 
-def test_a_folder_that_cannot_be_written_is_told_before_the_run(runs_made: list[str]) -> None:
+def test_an_unwritable_folder_is_reported_before_the_run(runs_made: list[str]) -> None:
     with pytest.raises(OSError, match="/proc/self"):
         RunStore("/proc/self/store").fetch(SMALL)
     assert runs_made == []
 
 
-def test_sources_that_changed_keep_no_run(
+def test_no_run_is_saved_after_sources_changed(
     store: RunStore, runs_made: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("longwave.support.compiled.source_digest.runs_as_written", lambda _: False)
@@ -228,8 +228,8 @@ def test_sources_that_changed_keep_no_run(
     assert runs_made == []
 
 
-def test_the_sources_of_all_rooms_are_looked_at(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Catches: names that no module has, so that nothing is compared and all seems unchanged."""
+def test_the_sources_of_all_rooms_are_compared(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Catches: wrong module names, for which nothing is compared and all seems unchanged."""
     seen: list[str] = []
 
     def noted(sources: Files) -> bool:
@@ -266,14 +266,16 @@ RunStore(sys.argv[1]).fetch(SMALL)
 def test_processes_on_one_store_run_a_scene_once(store: RunStore) -> None:
     command = [sys.executable, "-c", FETCH, str(store.folder)]
     started = [subprocess.Popen(command, stdout=subprocess.PIPE, text=True) for _ in range(3)]
-    said = [process.communicate(timeout=600)[0] for process in started]
+    message = [process.communicate(timeout=600)[0] for process in started]
     assert [process.returncode for process in started] == [0, 0, 0]
-    assert sorted(said) == ["", "", "made\n"]
+    assert sorted(message) == ["", "", "made\n"]
     assert store.find(SMALL) is not None
     assert not list(store.folder.rglob("*.lock"))
 
 
-def test_nothing_is_listed_to_find_a_run(store: RunStore, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_run_is_found_without_listing_folders(
+    store: RunStore, monkeypatch: pytest.MonkeyPatch
+) -> None:
     path = store.fetch(SMALL)
 
     def listed(*_: object) -> None:

@@ -1,4 +1,4 @@
-"""Catches: a cell lost by merging or by the index, a pack opened for nothing, an index believed."""
+"""Catches: a cell lost by merging or by the index, a pack opened needlessly, a wrong index used."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ from longwave.runs import sweep as sweep_module
 from longwave.runs.run_pack import CellRecord, pack_content, write_pack
 from longwave.runs.run_store import RunStore
 from longwave.runs.store_packs import (
-    FAN,
     INDEX,
-    LARGEST,
+    INDEXED_CHANGES,
+    MERGED_COUNT,
+    MOST_BYTES,
     PACKS,
-    WORTH_AN_INDEX,
     merge_packs,
     new_pack,
     pack_index,
@@ -39,7 +39,7 @@ from longwave.support.sealed_file import read_sealed, write_sealed
 
 
 def a_run(number: int) -> xr.Dataset:
-    """A run, of three shapes in turn, with texts of different lengths and a NaN."""
+    """Return a run, of three layouts in turn, with texts of different lengths and a NaN."""
     size = (3, 700, 0)[number % 3]
     texts = ["é" * (1 + number % 4)] * 2
     values = np.full(size, number / 3.0)
@@ -67,13 +67,13 @@ def fill(folder: Path, packs: int, cells: int = 3, first: int = 0) -> None:
 
 
 def check(folder: Path, count: int) -> None:
-    """Every cell is there, as it was put in."""
+    """Check that every cell is stored and unchanged."""
     index = pack_index(folder)
     assert len(index) == count
     for record in records(0, count):
-        held = index.get(record.key)
-        assert held is not None
-        found, place = held
+        stored_values = index.get(record.key)
+        assert stored_values is not None
+        found, place = stored_values
         assert (found.status, found.message) == (record.status, record.message)
         for name in ("error", "last_peak"):
             assert found.numbers.get(name, np.nan) == pytest.approx(
@@ -98,15 +98,15 @@ def test_packs_lie_in_folders_and_are_found(tmp_path: Path) -> None:
     write_pack(tmp_path / PACKS / "older.h5", records(9, 2))
     check(tmp_path, 11)
     assert not (tmp_path / PACKS / INDEX).exists()
-    fill(tmp_path, WORTH_AN_INDEX, first=11)
-    check(tmp_path, 11 + 3 * WORTH_AN_INDEX)
+    fill(tmp_path, INDEXED_CHANGES, first=11)
+    check(tmp_path, 11 + 3 * INDEXED_CHANGES)
     assert (tmp_path / PACKS / INDEX).exists()
 
 
 def test_with_an_index_only_new_packs_are_opened(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    fill(tmp_path, WORTH_AN_INDEX)
+    fill(tmp_path, INDEXED_CHANGES)
     before = pack_index(tmp_path)
     opened: list[Path] = []
     read = store_packs.read_pack
@@ -118,7 +118,7 @@ def test_with_an_index_only_new_packs_are_opened(
     monkeypatch.setattr(store_packs, "read_pack", counted)
     assert len(pack_index(tmp_path)) == len(before)
     assert opened == []
-    fill(tmp_path, 2, first=3 * WORTH_AN_INDEX)
+    fill(tmp_path, 2, first=3 * INDEXED_CHANGES)
     assert len(pack_index(tmp_path)) == len(before) + 6
     assert len(opened) == 2
     check(tmp_path, len(before) + 6)
@@ -127,34 +127,34 @@ def test_with_an_index_only_new_packs_are_opened(
     check(tmp_path, len(before))
 
 
-def test_a_changed_pack_is_read_again_and_a_damaged_one_is_none(
+def test_a_changed_pack_is_read_again_and_a_damaged_one_is_ignored(
     tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
-    fill(tmp_path, WORTH_AN_INDEX)
+    fill(tmp_path, INDEXED_CHANGES)
     pack_index(tmp_path)
-    path, held = files(tmp_path)[0], len(pack_index(tmp_path))
+    path, stored_values = files(tmp_path)[0], len(pack_index(tmp_path))
     content = path.read_bytes()
     path.write_bytes(content[:-90] + bytes([content[-90] ^ 1]) + content[-89:])
-    assert len(pack_index(tmp_path)) == held - 3
+    assert len(pack_index(tmp_path)) == stored_values - 3
     assert "damaged" in caplog.text
 
 
-def test_a_run_that_was_damaged_since_the_index_is_run_again(tmp_path: Path) -> None:
-    """As by a disk, which leaves the times of files as they were."""
-    fill(tmp_path, WORTH_AN_INDEX)
+def test_a_run_damaged_after_indexing_is_run_again(tmp_path: Path) -> None:
+    """A disk error, for example, leaves the times of files unchanged."""
+    fill(tmp_path, INDEXED_CHANGES)
     pack_index(tmp_path)
-    run_pack._checked.clear()
-    held = pack_index(tmp_path).get(f"{0:040x}")
-    assert held is not None
-    assert held[1] is not None
-    path = held[1].path
-    told, content = path.stat(), path.read_bytes()
+    run_pack._remembered.clear()
+    stored_values = pack_index(tmp_path).get(f"{0:040x}")
+    assert stored_values is not None
+    assert stored_values[1] is not None
+    path = stored_values[1].path
+    output, content = path.stat(), path.read_bytes()
     path.write_bytes(content[:-90] + bytes([content[-90] ^ 1]) + content[-89:])
-    os.utime(path, ns=(told.st_atime_ns, told.st_mtime_ns))
-    assert pack_index(tmp_path).settles(held[0].key)
+    os.utime(path, ns=(output.st_atime_ns, output.st_mtime_ns))
+    assert pack_index(tmp_path).settles(stored_values[0].key)
     with pytest.raises(ValueError, match="damaged"):
-        held[1].load()
-    assert not pack_index(tmp_path).settles(held[0].key)
+        stored_values[1].load()
+    assert not pack_index(tmp_path).settles(stored_values[0].key)
 
 
 def _other_length(file: Any) -> None:
@@ -214,10 +214,10 @@ def _texts_for_numbers(file: Any) -> None:
         _texts_for_numbers,
     ],
 )
-def test_an_index_that_is_wrong_is_made_anew(
+def test_a_wrong_index_is_rebuilt(
     attack: Callable[[Any], None], tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
-    fill(tmp_path, WORTH_AN_INDEX, cells=2)
+    fill(tmp_path, INDEXED_CHANGES, cells=2)
     pack_index(tmp_path)
     path = tmp_path / PACKS / INDEX
     content = read_sealed(path)
@@ -227,78 +227,82 @@ def test_an_index_that_is_wrong_is_made_anew(
         attack(file)
     write_sealed(path, image.getvalue())
     found = pack_index(tmp_path)
-    assert all(found.settles(record.key) for record in records(0, 2 * WORTH_AN_INDEX))
-    assert "is no index" in caplog.text
+    assert all(found.settles(record.key) for record in records(0, 2 * INDEXED_CHANGES))
+    assert "is not an index" in caplog.text
     path.write_bytes(b"anything")
-    check(tmp_path, 2 * WORTH_AN_INDEX)
+    check(tmp_path, 2 * INDEXED_CHANGES)
 
 
 @pytest.mark.parametrize("column", ["error", "status", "message", "key"])
-def test_a_pack_with_a_shorter_column_is_none(column: str, tmp_path: Path) -> None:
+def test_a_pack_with_a_shorter_column_is_not_read(column: str, tmp_path: Path) -> None:
     image = io.BytesIO(pack_content(records(0, 3)))
     with h5py.File(image, "r+") as file:
-        held = file["0"][column][()][:-1]
+        stored_values = file["0"][column][()][:-1]
         del file["0"][column]
         kind = {} if column == "error" else {"dtype": h5py.string_dtype()}
-        file["0"].create_dataset(column, data=held, **kind)
+        file["0"].create_dataset(column, data=stored_values, **kind)
     write_sealed(new_pack(tmp_path), image.getvalue())
     assert len(pack_index(tmp_path)) == 0
 
 
-def test_a_listing_that_is_old_ends(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """As on a network file system, where a pack that went is listed for a while."""
+def test_an_outdated_listing_ends_the_search(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A network file system may list a deleted pack for a while."""
     fill(tmp_path, 3)
-    listed = store_packs._packs(tmp_path)
+    listed = store_packs._list_packs(tmp_path)
     files(tmp_path)[0].unlink()
-    monkeypatch.setattr(store_packs, "_packs", lambda _: listed)
+    monkeypatch.setattr(store_packs, "_list_packs", lambda _: listed)
     assert len(pack_index(tmp_path)) == 6
 
 
-def test_merged_packs_hold_what_they_held(tmp_path: Path) -> None:
-    fill(tmp_path, FAN + 5)
+def test_merged_packs_have_the_same_runs(tmp_path: Path) -> None:
+    fill(tmp_path, MERGED_COUNT + 5)
     merge_packs(tmp_path)
     left = files(tmp_path)
     assert len(left) < 6
-    check(tmp_path, 3 * (FAN + 5))
+    check(tmp_path, 3 * (MERGED_COUNT + 5))
     merge_packs(tmp_path)
     assert files(tmp_path) == left
     assert [path.name for path in (tmp_path / PACKS).iterdir() if path.is_file()] == []
 
 
-def test_few_packs_and_large_ones_are_left(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    fill(tmp_path, FAN - 1)
+def test_few_packs_and_large_packs_are_not_merged(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fill(tmp_path, MERGED_COUNT - 1)
     before = files(tmp_path)
     merge_packs(tmp_path)
     assert files(tmp_path) == before
     fill(tmp_path, 1)
-    monkeypatch.setattr(store_packs, "LARGEST", before[0].stat().st_size)
+    monkeypatch.setattr(store_packs, "MOST_BYTES", before[0].stat().st_size)
     merge_packs(tmp_path)
     assert set(before) <= set(files(tmp_path))
-    monkeypatch.setattr(store_packs, "LARGEST", LARGEST)
+    monkeypatch.setattr(store_packs, "MOST_BYTES", MOST_BYTES)
     merge_packs(tmp_path)
-    assert len(files(tmp_path)) < FAN
+    assert len(files(tmp_path)) < MERGED_COUNT
 
 
 def test_a_damaged_pack_is_not_merged_and_not_removed(tmp_path: Path) -> None:
-    fill(tmp_path, FAN + 2)
+    fill(tmp_path, MERGED_COUNT + 2)
     bad = files(tmp_path)[7]
     bad.write_bytes(bad.read_bytes()[:-1])
     merge_packs(tmp_path)
     assert bad in files(tmp_path)
     assert len(files(tmp_path)) < 6
-    assert len(pack_index(tmp_path)) == 3 * (FAN + 1)
+    assert len(pack_index(tmp_path)) == 3 * (MERGED_COUNT + 1)
 
 
-def test_a_place_that_was_read_before_a_merge_leads_to_the_run(tmp_path: Path) -> None:
-    fill(tmp_path, FAN + 2)
-    held = pack_index(tmp_path).get(f"{8:040x}")
-    assert held is not None
-    place = held[1]
+def test_a_location_from_before_a_merge_still_loads_the_run(tmp_path: Path) -> None:
+    fill(tmp_path, MERGED_COUNT + 2)
+    stored_values = pack_index(tmp_path).get(f"{8:040x}")
+    assert stored_values is not None
+    place = stored_values[1]
     assert place is not None
     merge_packs(tmp_path)
     assert not place.path.exists()
     xr.testing.assert_identical(place.load(), a_run(8))
-    fields = sweep_fields._rows("values", [place])
+    fields = sweep_fields._read_rows("values", [place])
     np.testing.assert_array_equal(fields, [a_run(8)["values"].values])
     for path in files(tmp_path):
         path.unlink()
@@ -308,29 +312,29 @@ def test_a_place_that_was_read_before_a_merge_leads_to_the_run(tmp_path: Path) -
 
 @pytest.mark.slow
 def test_readers_miss_nothing_while_packs_are_merged(tmp_path: Path) -> None:
-    fill(tmp_path, FAN, cells=2)
+    fill(tmp_path, MERGED_COUNT, cells=2)
     ended: list[int] = []
 
     def merge() -> None:
         for turn in range(1, 5):
             merge_packs(tmp_path)
-            fill(tmp_path, FAN, cells=2, first=2 * FAN * turn)
+            fill(tmp_path, MERGED_COUNT, cells=2, first=2 * MERGED_COUNT * turn)
         ended.append(1)
 
     writer = Thread(target=merge)
     writer.start()
     while not ended and writer.is_alive():
         index = pack_index(tmp_path)
-        assert all(index.settles(f"{number:040x}") for number in range(2 * FAN))
+        assert all(index.settles(f"{number:040x}") for number in range(2 * MERGED_COUNT))
     writer.join()
-    check(tmp_path, 10 * FAN)
+    check(tmp_path, 10 * MERGED_COUNT)
 
 
 @pytest.mark.slow
-def test_two_who_merge_at_once_lose_nothing(
+def test_two_concurrent_merges_lose_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """As where files have no locks: one finds packs gone, or what it merges was merged as well."""
+    """Without working locks, one finds packs gone, or merges the same ones."""
     monkeypatch.setattr(store_packs, "locked", lambda *_: nullcontext())
     merged = store_packs.merged_content
     depth: list[int] = []
@@ -343,9 +347,9 @@ def test_two_who_merge_at_once_lose_nothing(
         return content
 
     monkeypatch.setattr(store_packs, "merged_content", slow)
-    fill(tmp_path, FAN + 2)
+    fill(tmp_path, MERGED_COUNT + 2)
     merge_packs(tmp_path)
-    check(tmp_path, 3 * (FAN + 2))
+    check(tmp_path, 3 * (MERGED_COUNT + 2))
 
 
 def test_links_among_packs_are_not_followed(tmp_path: Path) -> None:
@@ -361,8 +365,8 @@ def test_links_among_packs_are_not_followed(tmp_path: Path) -> None:
         new_pack(tmp_path / "linked")
 
 
-def test_a_pack_of_many_names_is_read_once(tmp_path: Path) -> None:
-    """Catches: as many packs as somebody makes hard links to one."""
+def test_a_pack_with_many_hard_links_is_read_once(tmp_path: Path) -> None:
+    """Catches: one reading for each hard link to a pack."""
     fill(tmp_path, 2)
     before = len(pack_index(tmp_path))
     first = files(tmp_path)[0]
@@ -373,8 +377,8 @@ def test_a_pack_of_many_names_is_read_once(tmp_path: Path) -> None:
     assert len(found) == before
 
 
-def test_an_index_that_does_not_fit_the_memory_is_made_anew(tmp_path: Path) -> None:
-    """Catches: a sparse file, which costs nothing, read as a whole."""
+def test_an_index_larger_than_the_memory_is_rebuilt(tmp_path: Path) -> None:
+    """Catches: a sparse file, which takes no space on the disk, read as a whole."""
     fill(tmp_path, 2)
     before = len(pack_index(tmp_path))
     with (tmp_path / PACKS / INDEX).open("wb") as stream:
@@ -382,13 +386,13 @@ def test_an_index_that_does_not_fit_the_memory_is_made_anew(tmp_path: Path) -> N
     assert len(pack_index(tmp_path)) == before
 
 
-def test_an_attempt_that_failed_is_behind_one_that_did_not(tmp_path: Path) -> None:
+def test_a_finished_attempt_takes_precedence_over_a_failed_one(tmp_path: Path) -> None:
     key = "a" * 40
     for status, run in (("failed", None), ("done", a_run(1)), ("failed", None), ("refused", None)):
         write_pack(new_pack(tmp_path), [CellRecord(key, status, status, run=run)])
-        held = pack_index(tmp_path).get(key)
-        assert held is not None
-        assert held[0].status == (
+        stored_values = pack_index(tmp_path).get(key)
+        assert stored_values is not None
+        assert stored_values[0].status == (
             "failed"
             if run is None and status == "failed" and not pack_index(tmp_path).settles(key)
             else "done"
@@ -409,10 +413,10 @@ SCENE = {
 
 
 @pytest.mark.slow
-def test_a_large_sweep_opens_no_file_that_is_not_there(
+def test_a_large_sweep_opens_no_missing_file(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Of 2000 cells 1990 are in the store: the rest is found by listings, and the data set."""
+    """Of 2000 cells 1990 are stored; the others are found to be missing from a listing."""
     heights = {"from": 0.5, "to": 1, "count": 2000}
     sweep, store = sweep_of({"scene": SCENE, "grid": {"parameters.A": heights}}), RunStore(tmp_path)
     run = xr.Dataset({"error": ("time", [0.0])})
@@ -428,13 +432,13 @@ def test_a_large_sweep_opens_no_file_that_is_not_there(
         return whole(path)
 
     monkeypatch.setattr(run_store, "is_whole", counted)
-    assert expected_sweep_cost(sweep, store, store.held()).missing < 100
+    assert expected_sweep_cost(sweep, store, store.stored_runs()).missing < 100
     workers = LocalWorkers(1)
     try:
         state = run_sweep(sweep, store, workers)
     finally:
         workers.stop()
-    assert (state.found, state.done, state.faults) == (1990, 10, 0)
+    assert (state.stored, state.done, state.faults) == (1990, 10, 0)
     found = sweep_dataset(sweep, store, fields=False)
     assert (found.status == "done").all()
     assert (found.error.values[:1990] == 0.5).all()
@@ -443,14 +447,14 @@ def test_a_large_sweep_opens_no_file_that_is_not_there(
 
 
 @pytest.mark.slow
-def test_packs_are_merged_while_a_sweep_runs_if_that_can_be_written(
+def test_packs_are_merged_during_a_sweep_if_the_disk_allows(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     heights = {"from": 0.5, "to": 1, "count": 12}
     sweep = sweep_of({"scene": SCENE, "grid": {"parameters.A": heights}})
     for module in (store_packs, sweep_module):
-        monkeypatch.setattr(module, "FAN", 4)
-    monkeypatch.setattr(sweep_module._March, "_size", lambda _: 1)
+        monkeypatch.setattr(module, "MERGED_COUNT", 4)
+    monkeypatch.setattr(sweep_module._Dispatch, "_size", lambda _: 1)
 
     def full(*_: Any, **__: Any) -> None:
         raise OSError(errno.ENOSPC, "no space")
@@ -467,10 +471,10 @@ def test_packs_are_merged_while_a_sweep_runs_if_that_can_be_written(
         assert len(pack_index(tmp_path / name)) == 12
 
 
-def test_packs_of_one_kind_become_one_group(tmp_path: Path) -> None:
-    """Though some have numbers that others do not."""
+def test_packs_of_equal_layout_become_one_group(tmp_path: Path) -> None:
+    """Even if only some have certain numbers."""
     run = xr.Dataset({"a": ("x", [1.0, 2.0])})
-    for number in range(FAN):
+    for number in range(MERGED_COUNT):
         some = {"last_peak": 1.0} if number % 2 else {}
         content = pack_content([CellRecord(f"{number:040x}", "done", "", some, run)])
         write_sealed(new_pack(tmp_path), content)
@@ -478,4 +482,4 @@ def test_packs_of_one_kind_become_one_group(tmp_path: Path) -> None:
     (pack,) = files(tmp_path)
     with run_pack.open_pack(pack) as file:
         assert list(file) == ["0"]
-        assert np.isnan(file["0"]["last_peak"][()]).sum() == FAN // 2
+        assert np.isnan(file["0"]["last_peak"][()]).sum() == MERGED_COUNT // 2

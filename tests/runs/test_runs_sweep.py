@@ -1,4 +1,4 @@
-"""Sweeps in one process: what is kept, resumed, recorded and given back."""
+"""Sweeps in one process: saving, resuming, recording of errors, and results."""
 
 import ctypes
 import errno
@@ -19,12 +19,12 @@ from longwave.runs.run_file import load_run
 from longwave.runs.run_pack import CellRecord, load_row, read_pack, write_pack
 from longwave.runs.run_store import RunStore
 from longwave.runs.store_packs import pack_index
-from longwave.runs.sweep import MOST_LOSSES, SweepState, run_shown, run_sweep
+from longwave.runs.sweep import MOST_LOST_WORKERS, SweepState, run_sweep, run_with_progress
 from longwave.runs.sweep_cells import Cell, numbers_of, run_cells
 from longwave.runs.sweep_cost import expected_sweep_cost
 from longwave.runs.sweep_dataset import cell_run, sweep_dataset, write_sweep
 from longwave.runs.sweep_file import Sweep, sweep_of
-from longwave.runs.sweep_workers import code_here
+from longwave.runs.sweep_workers import process_code
 from longwave.scenes.description.named_scenes import load_scene
 from longwave.scenes.engines import scene_run
 from longwave.support.compiled import cores
@@ -46,14 +46,15 @@ SMALL = {
 
 @pytest.fixture(autouse=True)
 def _cores() -> Iterator[None]:
-    """Cells keep their process to one core; here it is everybody's."""
+    """Keep cells from limiting this process to one core."""
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(cores, "_alone", False)
         yield
 
 
 class HereWorkers:
-    """Calls made at once, in this process; ``lose`` says for which cells the worker is lost."""
+    """Workers that run calls at once in this process; ``lose`` selects cells that lose their
+    worker."""
 
     count = 2
 
@@ -91,10 +92,10 @@ def store(tmp_path: Path) -> RunStore:
     return RunStore(tmp_path / "store")
 
 
-def test_a_sweep_gives_what_its_runs_give_to_the_bit(store: RunStore) -> None:
+def test_a_sweep_has_the_bits_of_its_runs(store: RunStore) -> None:
     sweep = small_sweep()
     state = run_sweep(sweep, store, HereWorkers())
-    assert (state.done, state.found, state.faults) == (4, 0, 0)
+    assert (state.done, state.stored, state.faults) == (4, 0, 0)
     found = sweep_dataset(sweep, store)
     assert found.sizes == {"eps": 2, "A": 2, "time": 2, "site": 41, "curve_time": 3}
     assert found.status.values.tolist() == [["done"] * 2] * 2
@@ -110,32 +111,30 @@ def test_a_sweep_gives_what_its_runs_give_to_the_bit(store: RunStore) -> None:
         assert float(row.eps) == (0.1, 0.2)[i]
 
 
-def test_attributes_come_back_as_they_were(store: RunStore) -> None:
+def test_attributes_are_restored(store: RunStore) -> None:
     sweep = small_sweep(eps=[0.1])
     run_sweep(sweep, store, HereWorkers())
-    kept = cell_run(sweep, store, eps=0).attrs
+    saved_item = cell_run(sweep, store, eps=0).attrs
     run = scene_run.run(sweep.scene(0)).attrs
     timed = {"seconds", "planning_seconds"}
-    assert {k: v for k, v in kept.items() if k not in timed} == {
+    assert {k: v for k, v in saved_item.items() if k not in timed} == {
         k: v for k, v in run.items() if k not in timed
     }
 
 
-def test_fields_are_read_when_they_are_used(
-    store: RunStore, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_fields_are_read_lazily(store: RunStore, monkeypatch: pytest.MonkeyPatch) -> None:
     from longwave.runs import sweep_fields
 
     sweep = small_sweep()
     run_sweep(sweep, store, HereWorkers())
     read: list[str] = []
-    rows = sweep_fields._rows
+    rows = sweep_fields._read_rows
 
     def counted(field: str, places: Any) -> Any:
         read.append(field)
         return rows(field, places)
 
-    monkeypatch.setattr(sweep_fields, "_rows", counted)
+    monkeypatch.setattr(sweep_fields, "_read_rows", counted)
     found = sweep_dataset(sweep, store)
     assert "strain" not in read
     part = found.strain.isel(eps=1, A=slice(None), site=[0, 20])
@@ -179,8 +178,8 @@ KINDS: dict[str, tuple[dict[str, Any], str, list[float]]] = {
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_errors_of_cells_have_errors_of_their_own(kind: str, store: RunStore) -> None:
-    """They hold the error of a much finer run, and are to ``error`` as strains are to strains."""
+def test_errors_of_cells_have_their_own_error(kind: str, store: RunStore) -> None:
+    """They include the error of a much finer run, scaled to ``error`` as the strains are."""
     scene, field, values = KINDS[kind]
     sweep = sweep_of({"scene": scene, "grid": {field: values}})
     run_sweep(sweep, store, HereWorkers())
@@ -189,45 +188,51 @@ def test_errors_of_cells_have_errors_of_their_own(kind: str, store: RunStore) ->
     assert 0.0 < finer < 0.1 * own
     assert abs(coarse - fine) <= own
     measured = [found[name][0, -1] for name in ("time_step_error", "domain_error") if name in found]
-    told = float(2.0 * sum(measured) if measured else found.error_estimate[0])
+    output = float(2.0 * sum(measured) if measured else found.error_estimate[0])
     seen = {} if scene is LATTICE else {"observables": ["strain"]}
     run = scene_run.run(sweep_of({"scene": scene | seen, "grid": {field: values}}).scene(0))
     apart = float(abs(run.strain - run.analytic).max())
     unit = scene["eps"] ** (2 if scene is LATTICE else 1)
-    assert own / coarse == pytest.approx(unit * told / apart, rel=0.01)
+    assert own / coarse == pytest.approx(unit * output / apart, rel=0.01)
     assert found.own_error.attrs["units"] == found.error.attrs["units"]
 
 
-def test_a_run_that_measured_none_has_no_error_of_its_own(store: RunStore) -> None:
+def test_a_run_without_a_measured_error_has_no_own_error(store: RunStore) -> None:
     run_sweep(small_sweep(eps=[0.1]), store, HereWorkers())
     record = pack_index(store.folder).table.record(0)
     assert record.numbers["error"] > 0.0
     assert np.isnan(record.numbers["own_error"])
 
 
-def test_what_is_there_is_not_run_again(store: RunStore) -> None:
+def test_stored_cells_are_not_run_again(store: RunStore) -> None:
     run_sweep(small_sweep(eps=[0.1, 0.2]), store, HereWorkers())
     store.keep(small_sweep(eps=[0.3]).scene(0), scene_run.run(small_sweep(eps=[0.3]).scene(0)))
     workers = HereWorkers()
     sweep = small_sweep(eps=[0.1, 0.3, 0.4, 0.2])
     state = run_sweep(sweep, store, workers)
-    assert (workers.cells, state.found, state.done) == (1, 3, 1)
+    assert (workers.cells, state.stored, state.done) == (1, 3, 1)
     assert sweep_dataset(sweep, store).status.values.tolist() == ["done"] * 4
     again = HereWorkers()
     run_sweep(sweep, store, again)
     assert again.cells == 0
 
 
-def test_the_share_that_is_done_and_the_seconds_left_are_shown(store: RunStore) -> None:
+def test_the_finished_share_and_the_seconds_left_are_reported(store: RunStore) -> None:
     sweep, shares, left = small_sweep(eps=[0.1, 0.2, 0.3, 0.4]), list[float](), list[float]()
-    held = store.held()
-    state = SweepState(len(sweep), expected=expected_sweep_cost(sweep, store, held).each)
-    run_shown(sweep, store, HereWorkers(), state, held, (shares.append, left.append))
+    stored_values = store.stored_runs()
+    state = SweepState(
+        len(sweep), expected=expected_sweep_cost(sweep, store, stored_values).seconds_by_cell
+    )
+    run_with_progress(
+        sweep, store, HereWorkers(), state, stored_values, (shares.append, left.append)
+    )
     assert shares[-1] == 1.0
     assert shares == sorted(shares)
     assert left[-1] == 0.0
     assert len(left) < len(shares) or left[0] > 0.0
-    run_shown(sweep, RunStore(store.folder / "b"), HereWorkers(), state, (), (shares.append, None))
+    run_with_progress(
+        sweep, RunStore(store.folder / "b"), HereWorkers(), state, (), (shares.append, None)
+    )
 
 
 def test_cells_with_one_scene_are_run_once(store: RunStore) -> None:
@@ -235,13 +240,13 @@ def test_cells_with_one_scene_are_run_once(store: RunStore) -> None:
     sweep = sweep_of({"scene": SMALL, "list": {"eps": [0.1, 0.2, 0.1, 0.1], "t0": [0, 0, 0, 0.0]}})
     assert expected_sweep_cost(sweep, store, ()).missing == 2
     state = run_sweep(sweep, store, workers)
-    assert (workers.cells, state.found, state.done) == (2, 2, 2)
+    assert (workers.cells, state.stored, state.done) == (2, 2, 2)
     errors = sweep_dataset(sweep, store).error.values
     assert errors[0] == errors[2] == errors[3] != errors[1]
 
 
 def test_a_run_is_read_though_an_attempt_failed_before(store: RunStore) -> None:
-    """As when a process is killed after a long run is in its file and before that is in a pack."""
+    """As if a process was killed after it saved a long run's file and before it wrote its pack."""
     sweep = small_sweep(eps=[0.1])
     key = store.key(sweep.scene(0))
     (store.folder / "packs").mkdir(parents=True)
@@ -254,8 +259,8 @@ def test_a_run_is_read_though_an_attempt_failed_before(store: RunStore) -> None:
     assert found.error.item() > 0
 
 
-def test_a_store_that_holds_all_is_not_written(store: RunStore) -> None:
-    """So one that cannot be written serves."""
+def test_a_complete_store_is_not_written(store: RunStore) -> None:
+    """So a read-only store works."""
     sweep = small_sweep()
     run_sweep(sweep, store, HereWorkers())
     before = store.folder.stat().st_mtime_ns
@@ -264,7 +269,7 @@ def test_a_store_that_holds_all_is_not_written(store: RunStore) -> None:
 
 
 @pytest.mark.parametrize("kind", ["grid", "list", "random"])
-def test_fields_that_are_called_as_numbers_of_cells_have_their_table(
+def test_swept_fields_named_like_numbers_of_cells_get_a_prefix(
     kind: str, store: RunStore, tmp_path: Path
 ) -> None:
     varied: dict[str, Any] = {"domain.sites": [1024, 2048], "domain.compared": [20, 30]}
@@ -279,13 +284,13 @@ def test_fields_that_are_called_as_numbers_of_cells_have_their_table(
     )
 
 
-def test_a_run_is_found_whoever_made_it(
+def test_a_run_is_found_by_the_command_and_by_the_store(
     store: RunStore,
     monkeypatch: pytest.MonkeyPatch,
     tmp_path: Path,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    """By the command and by the store, with all of its bits; a damaged pack is none."""
+    """Both return all of its bits; a damaged pack is ignored."""
     text = small_sweep(eps=[0.1]).scene(0).changed(name="small").toml()
     (tmp_path / "small.toml").write_text(text, encoding="utf-8")
     sweep = sweep_of({"scene": "small.toml", "grid": {"eps": [0.1, 0.2]}}, folder=tmp_path)
@@ -294,15 +299,15 @@ def test_a_run_is_found_whoever_made_it(
     run_sweep(sweep, store, HereWorkers())
     monkeypatch.setattr(scene_run, "run", None)
     monkeypatch.setattr(scene_command, "record_scene", None)
-    path, kept = str(tmp_path / "small.toml"), str(store.folder)
-    assert run_and_print(path, "longwave run", store=kept) == 0
-    told = capsys.readouterr()
-    held = pack_index(store.folder).get(store.key(scene))
-    assert held is not None
-    assert held[1] is not None
-    pack = held[1].path
-    assert told.err == f"small: found in {pack}, not run again\n"
-    assert "10 steps, 1024 sites" in told.out
+    path, saved_item = str(tmp_path / "small.toml"), str(store.folder)
+    assert run_and_print(path, "longwave run", store=saved_item) == 0
+    output = capsys.readouterr()
+    stored_values = pack_index(store.folder).get(store.key(scene))
+    assert stored_values is not None
+    assert stored_values[1] is not None
+    pack = stored_values[1].path
+    assert output.err == f"small: found in {pack}, not run again\n"
+    assert "10 steps, 1024 sites" in output.out
     assert store.find(scene) is None
     assert bits(store.run(scene)) == whole
     path = store.fetch(scene)
@@ -320,10 +325,10 @@ RUN = scene_run.run
 def test_a_cell_that_fails_is_recorded_and_the_others_go_on(
     store: RunStore, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def run(scene: Any, **told: Any) -> xr.Dataset:
+    def run(scene: Any, **output: Any) -> xr.Dataset:
         if scene.eps == 0.4:
             raise MemoryError("no room")
-        return RUN(scene, **told)
+        return RUN(scene, **output)
 
     monkeypatch.setattr(scene_run, "run", run)
     sweep = small_sweep(eps=[0.1, -1, 0.4, 0.2], **{"parameters.A": [1, -2]})
@@ -371,7 +376,7 @@ def test_fields_of_different_shapes_are_left_to_each_run(store: RunStore) -> Non
     assert cell_run(sweep, store, compared=1, snapshots=0).sizes["site"] == 61
 
 
-def test_fields_that_some_runs_have_not_are_left_to_each_run(store: RunStore) -> None:
+def test_fields_missing_in_some_runs_are_left_to_each_run(store: RunStore) -> None:
     sweep = small_sweep(observables=[["strain"], ["strain", "error_curve"]])
     run_sweep(sweep, store, HereWorkers())
     found = sweep_dataset(sweep, store).load()
@@ -380,18 +385,18 @@ def test_fields_that_some_runs_have_not_are_left_to_each_run(store: RunStore) ->
     assert "error_curve" in cell_run(sweep, store, observables=1)
 
 
-def test_a_worker_of_other_code_makes_no_runs(store: RunStore, tmp_path: Path) -> None:
-    """The key of a run that it made would be a lie; versions and folders that differ are told."""
+def test_a_worker_with_other_code_is_refused(store: RunStore, tmp_path: Path) -> None:
+    """The key of its runs would be wrong; the message names versions and folders that differ."""
     (cell,) = [Cell(0, "key", small_sweep(eps=[0.1]).scene(0))]
-    run_cells([cell], tmp_path, "", None, code_here())
-    here = dict(code_here())
+    run_cells([cell], tmp_path, "", None, process_code())
+    here = dict(process_code())
     other = {name: text.replace("numpy ", "numpy 0.") for name, text in here.items()}
     with pytest.raises(ValueError, match=r"^workers must have .* versions: numpy .*, here numpy 0"):
         run_cells([cell], tmp_path, "", None, other | {"digest": "another"})
     assert not list(tmp_path.rglob("*.h5"))
 
 
-def test_what_a_worker_raises_ends_the_sweep_in_a_line(store: RunStore) -> None:
+def test_an_error_of_a_worker_ends_the_sweep_in_one_line(store: RunStore) -> None:
     class Old(HereWorkers):
         def submit(self, job: Job) -> Call:
             return super().submit(replace(job, arguments=(*job.arguments, "more")))
@@ -400,7 +405,7 @@ def test_what_a_worker_raises_ends_the_sweep_in_a_line(store: RunStore) -> None:
         run_sweep(small_sweep(eps=[0.1]), store, Old())
 
 
-def test_lost_workers_cost_a_repeat(store: RunStore) -> None:
+def test_cells_of_lost_workers_are_run_again(store: RunStore) -> None:
     lost: list[float] = []
 
     def once(cells: list[Cell]) -> bool:
@@ -430,19 +435,21 @@ def test_a_cell_that_kills_its_workers_is_given_up(store: RunStore) -> None:
     found = sweep_dataset(sweep, store)
     assert found.status.values.tolist() == ["done", "failed", "done"]
     assert "its worker process ended 3 times" in str(found.message.values[1])
-    assert killed[1:] == [1] * MOST_LOSSES
+    assert killed[1:] == [1] * MOST_LOST_WORKERS
 
 
 def _run_long(
     scene: Any, progress: Any = None, announce: Callable[[float], None] | None = None
 ) -> xr.Dataset:
-    """The run, of which one with eps = 0.2 is announced as a long one."""
+    """Run a scene; announce one with eps = 0.2 as a long run."""
     if announce is not None:
         announce(100.0 if scene.eps == 0.2 else 1.0)
     return RUN(scene)
 
 
-def test_long_cells_are_runs_of_their_own(store: RunStore, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_long_cells_have_files_of_their_own(
+    store: RunStore, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(scene_run, "run", _run_long)
     sweep = small_sweep(eps=[0.1, 0.2])
     run_sweep(sweep, store, HereWorkers())
@@ -453,7 +460,7 @@ def test_long_cells_are_runs_of_their_own(store: RunStore, monkeypatch: pytest.M
     )
 
 
-def test_a_long_run_that_is_damaged_or_gone_is_made_anew(
+def test_a_long_run_that_is_damaged_or_missing_is_computed_again(
     store: RunStore, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(scene_run, "run", _run_long)
@@ -472,20 +479,20 @@ def test_a_long_run_that_is_damaged_or_gone_is_made_anew(
     assert bits(cell_run(sweep, store, eps=1)) == bits(scene_run.run(sweep.scene(1)))
 
 
-def test_a_long_run_that_has_no_place_of_its_own_goes_into_the_pack(
+def test_a_long_run_that_cannot_be_saved_goes_into_the_pack(
     store: RunStore, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def full(path: Path, run: xr.Dataset) -> Path:
         raise OSError(errno.ENOSPC, "No space left on device", str(path))
 
     monkeypatch.setattr(scene_run, "run", _run_long)
-    monkeypatch.setattr(run_store, "_kept", full)
+    monkeypatch.setattr(run_store, "_save", full)
     sweep = small_sweep(eps=[0.2])
     assert run_sweep(sweep, store, HereWorkers()).faults == 0
     assert bits(cell_run(sweep, store, eps=0)) == bits(scene_run.run(sweep.scene(0)))
 
 
-def test_a_cell_that_changed_sources_would_run_is_tried_again(
+def test_a_cell_refused_for_changed_sources_is_tried_again(
     store: RunStore, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(scene_run, "run", _run_long)
@@ -494,13 +501,13 @@ def test_a_cell_that_changed_sources_would_run_is_tried_again(
     sweep = small_sweep(eps=[0.2])
     run_sweep(sweep, store, HereWorkers())
     found = sweep_dataset(sweep, store)
-    assert "sources must be what this process runs" in found.message.item()
+    assert "sources must not change" in found.message.item()
     monkeypatch.undo()
     run_sweep(sweep, store, HereWorkers())
     assert sweep_dataset(sweep, store).status.item() == "done"
 
 
-def test_a_pack_keeps_bits_and_kinds_apart(tmp_path: Path) -> None:
+def test_a_pack_keeps_bits_and_separates_layouts(tmp_path: Path) -> None:
     values = np.array([[np.nan, -0.0, 5e-324], [np.inf, 1 / 3, -np.inf]])
     runs = [
         xr.Dataset({"a": (("x", "y"), values * s)}, {"x": [1, 2]}, {"n": s, "t": "é", "l": [1, 2]})
@@ -537,8 +544,8 @@ def test_a_pack_keeps_a_number_that_only_some_of_its_cells_have(tmp_path: Path) 
     assert "last_delay" not in first
 
 
-def test_the_error_of_a_cell_is_the_largest_that_is_a_number() -> None:
-    """Of a run that blew up, or that has no wave at some times, the others are told."""
+def test_the_error_of_a_cell_is_the_largest_without_nan() -> None:
+    """A run that blew up, or has no wave at some times, has NaN there."""
     scene = load_scene("toda_soliton")
     for values, largest in (([np.nan, 0.5, 0.25], 0.5), ([0.125, np.nan], 0.125)):
         run = xr.Dataset({"error": ("time", values)}, attrs={"own_error": 0.0})
@@ -547,8 +554,8 @@ def test_the_error_of_a_cell_is_the_largest_that_is_a_number() -> None:
 
 
 def test_a_pack_without_a_number_is_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """One that was written before cells were told by it."""
-    fewer = {name: told for name, told in run_pack.NUMBERS.items() if name != "own_error"}
+    """Such as a pack from before that number was introduced."""
+    fewer = {name: output for name, output in run_pack.NUMBERS.items() if name != "own_error"}
     with monkeypatch.context() as before:
         before.setattr(run_pack, "NUMBERS", fewer)
         write_pack(tmp_path / "a.h5", [CellRecord("k", "done", "", {"error": 0.5})])
@@ -557,7 +564,7 @@ def test_a_pack_without_a_number_is_read(tmp_path: Path, monkeypatch: pytest.Mon
     assert np.isnan(record.numbers.get("own_error", np.nan))
 
 
-def test_a_damaged_pack_counts_as_none(store: RunStore) -> None:
+def test_a_damaged_pack_is_ignored(store: RunStore) -> None:
     sweep = small_sweep(eps=[0.1])
     run_sweep(sweep, store, HereWorkers())
     (pack,) = (store.folder / "packs").rglob("*.h5")
@@ -581,8 +588,8 @@ def test_the_written_data_set_is_plain(store: RunStore, tmp_path: Path) -> None:
         assert read.error.attrs["long_name"]
 
 
-def test_names_of_what_is_compared_are_those_of_all_cells(store: RunStore) -> None:
-    """Texts have no NaN: to compare them with it raised an error."""
+def test_a_coordinate_of_texts_stays_a_coordinate(store: RunStore) -> None:
+    """Catches: texts compared as if they could be NaN, which raises an error."""
     tables = {"scene": "dimer_peregrine", "set": {"tolerance": 0.1}, "grid": {"eps": [0.2, 0.25]}}
     sweep = sweep_of(tables)
     run_sweep(sweep, store, HereWorkers())
@@ -595,21 +602,22 @@ def test_a_folder_among_the_packs_is_passed_over(store: RunStore) -> None:
     assert len(pack_index(store.folder)) == 0
 
 
-def test_nothing_is_left_beside_the_packs(store: RunStore) -> None:
+def test_no_other_file_is_left_in_the_store(store: RunStore) -> None:
     run_sweep(small_sweep(eps=[0.1]), store, HereWorkers())
     names = [path.name for path in store.folder.rglob("*") if path.is_file()]
     assert len(names) == 1
     assert names[0].endswith(".h5")
 
 
-def test_a_worker_that_ends_in_what_c_calls_says_nothing() -> None:
-    """As numba's compiler calls Python: an exception there is lost, and was told as a traceback."""
+def test_a_worker_stopped_inside_a_c_callback_prints_nothing() -> None:
+    """As in numba's compiler, which calls Python: the exception is discarded there with a
+    traceback."""
     called: list[int] = []
 
     def told_to_end() -> None:
         called.append(1)
         signal.raise_signal(signal.SIGTERM)
 
-    with sweep_cells._ending():
+    with sweep_cells._stop_on_sigterm():
         ctypes.CFUNCTYPE(None)(told_to_end)()
     assert called

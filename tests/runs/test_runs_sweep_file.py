@@ -8,21 +8,21 @@ from longwave.runs.sweep_file import load_sweep, shipped_sweeps, sweep_of
 from longwave.scenes.description.named_scenes import load_scene
 
 
-def test_every_value_of_a_grid_meets_every_other() -> None:
+def test_a_grid_combines_every_value_with_every_other() -> None:
     grid = {"eps": [0.1, 0.2], "parameters": {"kappa": {"from": 0.5, "to": 1.5, "count": 3}}}
     sweep = sweep_of({"scene": "toda_soliton", "grid": grid})
     assert [d.name for d in sweep.dimensions] == ["eps", "kappa"]
     assert sweep.shape == (2, 3)
     base = load_scene("toda_soliton")
-    wanted = [
+    expected = [
         base.changed(eps=eps, parameters={"kappa": kappa})
         for eps in (0.1, 0.2)
         for kappa in (0.5, 1.0, 1.5)
     ]
-    assert [sweep.scene(cell) for cell in range(len(sweep))] == wanted
+    assert [sweep.scene(cell) for cell in range(len(sweep))] == expected
 
 
-def test_a_list_goes_together_and_meets_the_grid() -> None:
+def test_columns_of_a_list_vary_together_and_with_the_grid() -> None:
     columns = {"wave": ["rogue_cn", "wave_sn"], "lattice.K4": [1, -1]}
     sweep = sweep_of({"scene": "rogue_cn_k_0.5", "list": columns, "grid": {"eps": [0.1, 0.05]}})
     assert [d.name for d in sweep.dimensions] == ["eps", "case"]
@@ -81,7 +81,7 @@ def test_a_tolerance_takes_the_place_of_what_it_determines() -> None:
     assert sweep.scene(0) == load_scene("rogue_cn_k_0.5").with_tolerance(1e-3)
 
 
-def test_stating_one_of_two_leaves_out_the_other() -> None:
+def test_setting_one_of_two_exclusive_fields_removes_the_other() -> None:
     changes = {"times": [0, 10], "compared": 20}
     scene = sweep_of({"scene": "toda_soliton", "set": changes, **_eps()}).scene(0)
     assert (scene.snapshots, scene.slow_times, scene.half_width) == ((0.0, 10.0), (), None)
@@ -107,14 +107,14 @@ def test_a_member_of_a_family_and_tables_are_bases() -> None:
         "parameters": {"kappa": 1},
     }
     found = sweep_of({"scene": tables, **_eps()}).scene(0)
-    wanted = load_scene("toda_soliton").changed(
+    expected = load_scene("toda_soliton").changed(
         name="scene", title="", slow_times=[0, 1], order="leading"
     )
-    assert found == wanted
+    assert found == expected
 
 
 @pytest.mark.parametrize(
-    ("document", "told"),
+    ("document", "message"),
     [
         ({"scene": "nope", **_eps()}, "scene must be a TOML file or a shipped scene, got 'nope'"),
         ({"scene": 3, **_eps()}, "scene must be a name, a file or a table, got 3"),
@@ -160,7 +160,7 @@ def test_a_member_of_a_family_and_tables_are_bases() -> None:
         (_grid({"from": 0.1, "to": 1, "count": 10**7}), "count must be at most 1000000"),
         (
             {"scene": "toda_soliton", "set": {"eps": 0.1}, **_eps()},
-            "eps must vary in one place, got two",
+            "eps must be given in one table, got it in two",
         ),
         (
             {"scene": "toda_soliton", "list": {"eps": [0.1, 0.2], "order": ["leading"]}},
@@ -186,8 +186,10 @@ def test_a_member_of_a_family_and_tables_are_bases() -> None:
         ),
     ],
 )
-def test_what_is_no_sweep_is_refused_in_one_line(document: dict[str, Any], told: str) -> None:
-    with pytest.raises(ValueError, match=told) as caught:
+def test_a_file_that_is_no_sweep_is_a_one_line_error(
+    document: dict[str, Any], message: str
+) -> None:
+    with pytest.raises(ValueError, match=message) as caught:
         sweep_of(document)
     assert "\n" not in str(caught.value)
 
@@ -200,7 +202,7 @@ def test_an_error_names_the_file(tmp_path: Path) -> None:
         load_sweep("x")
 
 
-def test_a_base_beside_the_sweep_is_found(tmp_path: Path) -> None:
+def test_a_base_scene_next_to_the_sweep_is_found(tmp_path: Path) -> None:
     text = load_scene("toda_soliton")
     assert text.name == "toda_soliton"
     (tmp_path / "base.toml").write_text(
@@ -220,7 +222,7 @@ def test_every_shipped_sweep_has_admissible_ends(name: str) -> None:
         sweep.scene(cell)
 
 
-def test_what_is_no_toml_is_called_a_sweep(tmp_path: Path) -> None:
+def test_an_error_in_the_toml_names_a_sweep(tmp_path: Path) -> None:
     (tmp_path / "broken.toml").write_text("x = [", encoding="utf-8")
     with pytest.raises(ValueError, match=r"^sweep must be a TOML file, got .*broken\.toml"):
         load_sweep(str(tmp_path / "broken.toml"))

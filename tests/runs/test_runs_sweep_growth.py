@@ -1,4 +1,4 @@
-"""Sweeps over scenes that measure growth rates: their numbers, their faults and their pictures."""
+"""Sweeps over scenes that measure growth rates: numbers, errors and pictures."""
 
 import json
 from pathlib import Path
@@ -42,7 +42,7 @@ LATTICES: dict[str, Any] = {
 
 @pytest.fixture(scope="module")
 def swept(tmp_path_factory: pytest.TempPathFactory) -> tuple[xr.Dataset, Path]:
-    """The sweep's data set as it is written, and its folder."""
+    """Run the sweep; return its written data set and its folder."""
     folder = tmp_path_factory.mktemp("growth")
     tables = {"scene": GROWTH, "list": LATTICES, "grid": {"envelope.k": K, "eps": [0.1, 0.2]}}
     sweep, store = sweep_of(tables, "growth"), RunStore(folder / "store")
@@ -58,8 +58,10 @@ def swept(tmp_path_factory: pytest.TempPathFactory) -> tuple[xr.Dataset, Path]:
     return load_run(folder / "growth.nc"), folder
 
 
-def test_cells_tell_growth_from_none_and_from_no_run(swept: tuple[xr.Dataset, Path]) -> None:
-    """k = 0.5 is stable on both lattices; 3.5 is no wavenumber, and what is refused says so."""
+def test_cells_distinguish_growth_stability_and_missing_runs(
+    swept: tuple[xr.Dataset, Path],
+) -> None:
+    """k = 0.5 is stable on both lattices; 3.5 is no wavenumber, and its message says so."""
     data, _ = swept
     at = data.isel(eps=0)
     assert (at.status == [["done"] * 2] * 3 + [["refused"] * 2]).all()
@@ -82,7 +84,7 @@ def test_the_difference_falls_with_eps_squared(swept: tuple[xr.Dataset, Path]) -
     assert np.all((falls > 3.2) & (falls < 4.8))
 
 
-def test_the_picture_holds_cells_and_the_map_of_theory(swept: tuple[xr.Dataset, Path]) -> None:
+def test_the_picture_has_the_cells_and_the_map_of_theory(swept: tuple[xr.Dataset, Path]) -> None:
     data, folder = swept
     panels = growth_panels(data, 8)
     assert [panel.title for panel in panels] == ["fput", "klein_gordon"]
@@ -108,7 +110,7 @@ def test_the_picture_holds_cells_and_the_map_of_theory(swept: tuple[xr.Dataset, 
     assert one.get_axes()
 
 
-def test_growth_is_drawn_where_it_is_and_refused_elsewhere(
+def test_growth_is_drawn_for_growth_sweeps_only(
     swept: tuple[xr.Dataset, Path],
 ) -> None:
     data, _ = swept
@@ -123,10 +125,10 @@ def test_growth_is_drawn_where_it_is_and_refused_elsewhere(
 
 
 @pytest.mark.parametrize(
-    "told", ["{}", "[]", "nope", json.dumps({"scene": GROWTH | {"wave": "kdv_soliton"}})]
+    "output", ["{}", "[]", "nope", json.dumps({"scene": GROWTH | {"wave": "kdv_soliton"}})]
 )
-def test_a_file_without_its_scene_has_no_map(told: str, swept: tuple[xr.Dataset, Path]) -> None:
-    data = swept[0].assign_attrs(sweep=told)
+def test_a_file_without_its_scene_has_no_map(output: str, swept: tuple[xr.Dataset, Path]) -> None:
+    data = swept[0].assign_attrs(sweep=output)
     assert [panel.theory for panel in growth_panels(data, 8)] == [None, None]
     assert plot(data, kind="growth_map").get_axes()
 
@@ -145,7 +147,7 @@ def test_a_scene_is_read_back_and_its_run_is_too(tmp_path: Path) -> None:
 
 
 def test_a_table_and_a_key_of_it_do_not_both_vary() -> None:
-    with pytest.raises(ValueError, match="constants must vary in one place, got two"):
+    with pytest.raises(ValueError, match="constants must be given in one table, got it in two"):
         sweep_of({"scene": GROWTH, "grid": {"constants.K4": [1, 2]}, "list": LATTICES})
 
 

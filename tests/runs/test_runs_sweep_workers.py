@@ -1,4 +1,4 @@
-"""Sweeps on worker processes, here and on a Dask cluster of this machine, some of them killed."""
+"""Sweeps on worker processes, local and on a Dask cluster, some of which are killed."""
 
 import json
 import os
@@ -49,22 +49,22 @@ def children(process: int, named: str = "") -> list[int]:
 
 
 @pytest.mark.parametrize(
-    ("processes", "scheduler", "told"),
+    ("processes", "scheduler", "message"),
     [
         (0, None, "--processes must be 1 to 1024, got 0"),
         (2, "tcp://127.0.0.1:1", "--processes must not be given with --scheduler, got 2"),
     ],
 )
-def test_workers_that_cannot_be_are_refused(
-    processes: int, scheduler: str | None, told: str
+def test_impossible_workers_are_refused(
+    processes: int, scheduler: str | None, message: str
 ) -> None:
-    with pytest.raises(ValueError, match=told), sweep_workers(processes, scheduler):
+    with pytest.raises(ValueError, match=message), sweep_workers(processes, scheduler):
         pass
 
 
 @pytest.fixture(scope="module")
 def plain(tmp_path_factory: pytest.TempPathFactory) -> np.ndarray[Any, Any]:
-    """The strains of 24 cells, by processes of this machine of which one is killed on the way."""
+    """Return the strains of 24 cells, from local processes of which one is killed."""
     sweep, store = soliton_sweep(24), RunStore(tmp_path_factory.mktemp("local"))
     killed: list[int] = []
 
@@ -83,13 +83,15 @@ def plain(tmp_path_factory: pytest.TempPathFactory) -> np.ndarray[Any, Any]:
 
 
 @pytest.mark.slow
-def test_a_killed_process_costs_a_repeat(plain: np.ndarray[Any, Any], tmp_path: Path) -> None:
+def test_cells_of_a_killed_process_are_run_again(
+    plain: np.ndarray[Any, Any], tmp_path: Path
+) -> None:
     from longwave.scenes.engines import scene_run
 
     sweep = soliton_sweep(24)
     for cell in (0, 11, 23):
-        wanted = scene_run.run(sweep.scene(cell)).strain.values
-        np.testing.assert_array_equal(plain[cell], wanted)
+        expected = scene_run.run(sweep.scene(cell)).strain.values
+        np.testing.assert_array_equal(plain[cell], expected)
 
 
 @pytest.mark.slow
@@ -118,7 +120,7 @@ def test_a_dask_cluster_gives_the_same_bits_though_a_worker_is_killed(
 
 @contextmanager
 def dask_process(kind: str, *words: str, **environment: str) -> Iterator[None]:
-    """A process ``dask scheduler`` or ``dask worker``, which ends with the body."""
+    """Start ``dask scheduler`` or ``dask worker``; stop it at the end of the context."""
     command = [sys.executable, "-m", f"distributed.cli.dask_{kind}", *words, "--no-dashboard"]
     house = str(Path(__file__).parents[2])
     begun = subprocess.Popen(
@@ -139,7 +141,7 @@ def dask_process(kind: str, *words: str, **environment: str) -> Iterator[None]:
 
 @pytest.fixture
 def scheduler(tmp_path: Path) -> Iterator[str]:
-    """The address of a scheduler that has no workers."""
+    """Return the address of a scheduler without workers."""
     file = tmp_path / "scheduler.json"
     words = ["--host", "127.0.0.1", "--port", "0", "--scheduler-file", str(file)]
     with dask_process("scheduler", *words):
@@ -160,16 +162,16 @@ def wait_for_worker(scheduler: str) -> None:
 
 
 @pytest.mark.slow
-def test_workers_that_do_not_see_the_store_send_what_they_did(
+def test_workers_without_the_stores_folder_send_their_packs(
     scheduler: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: Any
 ) -> None:
-    """Whether they do or not, and though they come after the sweep has begun."""
+    """Workers with and without the folder give the same runs, even if they start late."""
     caplog.set_level("INFO", "longwave.store")
-    kept: list[bytes] = []
+    saved: list[bytes] = []
     keep = sweep.write_sealed
 
     def counted(path: Path, pack: bytes, **options: Any) -> None:
-        kept.append(pack)
+        saved.append(pack)
         keep(path, pack, **options)
 
     monkeypatch.setattr(sweep, "write_sealed", counted)
@@ -180,21 +182,21 @@ def test_workers_that_do_not_see_the_store_send_what_they_did(
             store = RunStore(folder)
             state = run_sweep(soliton_sweep(3), store, workers)
             assert (state.done, state.faults) == (3, 0)
-            assert bool(kept) == sent
+            assert bool(saved) == sent
             assert set(sweep_dataset(soliton_sweep(3), store).status.values) == {"done"}
     assert not (Path(__file__).parents[2] / "unseen").exists()
 
 
 @pytest.mark.slow
-def test_a_scheduler_that_is_lost_ends_the_sweep_in_a_line(scheduler: str, tmp_path: Path) -> None:
+def test_a_lost_scheduler_ends_the_sweep_in_one_line(scheduler: str, tmp_path: Path) -> None:
     def shut(_: SweepState) -> None:
         with Client(scheduler, set_as_default=False) as client:
             client.shutdown()
 
     from distributed import Client
 
-    told = pytest.raises(ValueError, match=r"^workers must run cells, .* \(a cluster needs its")
-    with dask_worker(scheduler), sweep_workers(None, scheduler) as workers, told:
+    message = pytest.raises(ValueError, match=r"^workers must run cells, .* \(check that the")
+    with dask_worker(scheduler), sweep_workers(None, scheduler) as workers, message:
         run_sweep(soliton_sweep(24), RunStore(tmp_path), workers, shut)
     assert list((tmp_path / "packs").iterdir())
 
@@ -209,21 +211,21 @@ NONE = "import sys; sys.modules['longwave.runs'] = None\n"
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("site", "told"), [(ANOTHER, "with versions: ducc0 0, here ducc0"), (NONE, "longwave.runs")]
+    ("site", "message"), [(ANOTHER, "with versions: ducc0 0, here ducc0"), (NONE, "longwave.runs")]
 )
-def test_workers_of_another_longwave_or_none_are_refused(
-    site: str, told: str, scheduler: str, tmp_path: Path
+def test_workers_with_another_longwave_or_none_are_refused(
+    site: str, message: str, scheduler: str, tmp_path: Path
 ) -> None:
     (tmp_path / "sitecustomize.py").write_text(site)
     path = os.pathsep.join([str(tmp_path), os.environ.get("PYTHONPATH", "")])
     with dask_worker(scheduler, PYTHONPATH=path):
         wait_for_worker(scheduler)
-        with pytest.raises(ValueError, match=rf"^[^\n]*{told}[^\n]*\(install [^\n]*$"):
+        with pytest.raises(ValueError, match=rf"^[^\n]*{message}[^\n]*\(install [^\n]*$"):
             sweep_workers(None, scheduler).__enter__()
 
 
 @pytest.mark.slow
-def test_a_cluster_that_does_not_answer_is_told_within_seconds() -> None:
+def test_an_unreachable_cluster_is_reported_within_seconds() -> None:
     begun = time.monotonic()
     with pytest.raises(ValueError, match="--scheduler must be the address of a Dask scheduler"):
         sweep_workers(None, "tcp://127.0.0.1:9").__enter__()
@@ -231,10 +233,10 @@ def test_a_cluster_that_does_not_answer_is_told_within_seconds() -> None:
 
 
 @pytest.mark.parametrize(("address", "why"), [("nowhere", "missing port"), ("foo://b:1", "scheme")])
-def test_a_client_is_made_of_an_address_alone(
+def test_a_client_is_made_from_an_address_only(
     address: str, why: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """One that is made of something else prints a traceback when it is left."""
+    """A client made from another object prints a traceback when it is closed."""
     monkeypatch.delattr("distributed.Client.__init__")
     with pytest.raises(ValueError, match=f"^--scheduler must be the address .*{why}"):
         sweep_workers(None, address).__enter__()
@@ -265,12 +267,12 @@ def test_ctrl_c_keeps_what_is_done_and_ends_the_workers(
         time.sleep(0.1)
     workers = children(running.pid)
     running.send_signal(number)
-    told = running.communicate()[1].splitlines()
+    message = running.communicate()[1].splitlines()
     stop.cancel()
     assert running.returncode == status
-    assert "interrupted" in told[-1]
+    assert "interrupted" in message[-1]
     assert not list((tmp_path / "mine.store").glob(".*.sweep"))
-    assert "of 5000 cells are kept" in told[-1]
+    assert "of 5000 cells are kept" in message[-1]
     deadline = time.monotonic() + 120
     while any(Path(f"/proc/{worker}").exists() for worker in workers):
         assert time.monotonic() < deadline

@@ -1,4 +1,4 @@
-"""Catches: a sweep that is told to be over in seconds or in hours, where minutes are left."""
+"""Catches: a sweep with minutes left that reports seconds or hours."""
 
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
@@ -24,13 +24,15 @@ def ratios(
     ends: Sequence[int],
     looked_at: Sequence[int],
 ) -> Iterator[float]:
-    """The time left as it is told over that which is left, from the second batch on to the tenth
-    of all before the end; batches end before the cells ``ends``."""
+    """Return estimated over true remaining time, from the second batch to the last tenth.
+
+    Batches end before the cells ``ends``.
+    """
     state = SweepState(len(taken), expected={number: expected[number] for number in looked_at})
     for first, end in pairwise((0, *ends)):
         seconds = sum(taken[first:end]) + (0.0 if first else LOADING)
-        made = Batch([DONE] * (end - first), seconds, seconds, seconds)
-        state.count(Batch(**vars(made) | {"expected": sum(expected[first:end])}), end)
+        result = Batch([DONE] * (end - first), seconds, seconds, seconds)
+        state.count(Batch(**vars(result) | {"expected": sum(expected[first:end])}), end)
         left = sum(taken[end:])
         if first and left > 0.1 * sum(taken):
             yield state.seconds_left / left
@@ -53,7 +55,7 @@ ENDS = (1, 2, 4, 8, *range(14, CELLS, 6), CELLS)
     ],
     ids=["even", "in turn", "dear first", "dear last"],
 )
-def test_the_time_left_is_told_within_a_factor_of_two(
+def test_the_time_left_is_estimated_within_a_factor_of_two(
     expected: list[float], taken: list[float]
 ) -> None:
     looked_at = [3, 10, 30, 42, 60, 76, 84, 99, 105, 110, 117]
@@ -62,8 +64,8 @@ def test_the_time_left_is_told_within_a_factor_of_two(
     assert 0.5 < min(found) <= max(found) < 2.0, found
 
 
-def test_cells_that_the_store_holds_further_on_are_not_waited_for() -> None:
-    """Of a hundred the last half is held: that is met only when the first half is done."""
+def test_stored_cells_ahead_add_no_time() -> None:
+    """The second half of a hundred cells is stored; the sweep reaches it after the first half."""
     looked_at = {number: 1.0 if number < 50 else 0.0 for number in range(0, 100, 5)}
     state = SweepState(100, expected=looked_at)
     for end in (10, 20):
@@ -75,16 +77,16 @@ def test_workers_share_what_is_left() -> None:
     state = SweepState(12, workers=2, expected=dict.fromkeys(range(12), 1.0))
     for end in (1, 2):
         state.count(Batch([DONE], 9.0, 9.0, 9.0, expected=1.0), end)
-    assert not any(state.late)
+    assert not any(state.recent)
     for end in (3, 4):
         state.count(Batch([DONE], 3.0, 3.0, 3.0, expected=1.0), end)
     assert state.seconds_left == pytest.approx(8 * 3.0 / 2)
 
 
-def test_a_batch_is_judged_by_some_of_its_cells_each_before_its_run(
+def test_a_batch_is_estimated_from_some_of_its_cells_before_they_run(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    """What is derived to judge a cell is kept for its run alone."""
+    """Derivations of the estimate are cached for the run of the same cell only."""
     met: list[str] = []
 
     def cost(_: object) -> ExpectedCost:
@@ -102,7 +104,7 @@ def test_a_batch_is_judged_by_some_of_its_cells_each_before_its_run(
     cells = [Cell(number, str(number), scene) for number in range(20)]
     batch = run_cells(cells, tmp_path, "elsewhere")
     assert batch.expected == pytest.approx(40.0)
-    assert met.count("judged") == sweep_cells.MOST_JUDGED
+    assert met.count("judged") == sweep_cells.MOST_ESTIMATED
     assert all(later == "run" for one, later in pairwise(met) if one == "judged")
 
 

@@ -1,4 +1,4 @@
-"""Small scenes of every engine, what is the same in two runs of one, and a keeper that kills."""
+"""Small scenes of every engine, their comparable bits, and a checkpoint folder that kills."""
 
 from __future__ import annotations
 
@@ -65,20 +65,22 @@ CLOCKS = ("seconds", "planning_seconds")
 
 
 def bits(run: xr.Dataset) -> dict[str, object]:
-    """All that a run holds, each array as its type and bytes, without the clocks."""
-    held: dict[str, object] = {
+    """Return the contents of a run, each array as type and bytes, without the measured seconds."""
+    stored: dict[str, object] = {
         name: (variable.dims, variable.dtype.str, np.ascontiguousarray(variable.values).tobytes())
         for name, variable in run.variables.items()
     }
-    return held | {f"@{name}": repr(told) for name, told in run.attrs.items() if name not in CLOCKS}
+    return stored | {
+        f"@{name}": repr(message) for name, message in run.attrs.items() if name not in CLOCKS
+    }
 
 
 class Killed(BaseException):
-    """The end of a process, as the code that runs in it sees it: not at all."""
+    """Simulated end of the process, which no code of the run can handle."""
 
 
 class KillingFolder(CheckpointFolder):
-    """Keeps all that is offered; after so many times nothing is kept, and the run ends."""
+    """Checkpoint folder that ends the run after it has saved a given number of checkpoints."""
 
     def __init__(self, folder: Any, writes: int) -> None:
         super().__init__(folder, "stamp", least=0.0, share=1e9)

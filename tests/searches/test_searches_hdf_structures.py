@@ -17,30 +17,31 @@ def test_no_structure_gives_foreign_bytes() -> None:
     assert not faults
 
 
-def _unless_named(look: hdf_contents._Look, thing: Any) -> None:
+def _unless_named(look: hdf_contents._ByteCount, thing: Any) -> None:
     """As it was: a name of which the library's own is the beginning switches all checks off."""
     name = thing.attrs.get("NAME")
-    if not (isinstance(name, bytes) and hdf_contents.UNREAD[:-1] in name):
+    if not (isinstance(name, bytes) and hdf_contents.LENGTH_ONLY[:-1] in name):
         ARRAY(look, thing)
 
 
-def _unless_elsewhere(look: hdf_contents._Look, thing: Any) -> None:
+def _unless_elsewhere(look: hdf_contents._ByteCount, thing: Any) -> None:
     """Arrays in other files are not looked at."""
     if not (isinstance(thing, h5py.Dataset) and thing.id.get_create_plist().get_external_count()):
         ARRAY(look, thing)
 
 
-ARRAY = hdf_contents._Look.array
+COUNT = hdf_contents._ByteCount
+ARRAY = COUNT.count_array
 FAULTS = {
     "names": (
-        hdf_contents._Look, "array", _unless_named, "in_another_file", "bytes of another", 60,
+        COUNT, "count_array", _unless_named, "in_another_file", "bytes of another", 60,
     ),
     "other files": (
-        hdf_contents._Look, "array", _unless_elsewhere, "in_another_file", "bytes of another", 60,
+        COUNT, "count_array", _unless_elsewhere, "in_another_file", "bytes of another", 60,
     ),
     "links": (hdf_contents, "_check_new", lambda *_: None, "linked_often", r"\d s$", 2),
-    "sizes": (hdf_contents, "SMALL", 10**9, "filled", r"\d MB$", 60),
-    "half precision": (hdf_contents, "SINGLE", 0, "of_another_kind", "a warning", 200),
+    "sizes": (hdf_contents, "BASE_BYTES", 10**9, "filled", r"\d MB$", 60),
+    "half precision": (hdf_contents, "LEAST_FLOAT_BYTES", 0, "of_another_kind", "a warning", 200),
 }  # fmt: skip
 """What is put back, the changes that show it, what is said of it, and in how many files.
 

@@ -37,7 +37,7 @@ def test_no_reader_gives_foreign_bytes(reader: str) -> None:
     assert sum(found.calls.values()) == CALLS
 
 
-OPENED = run_file._opened
+OPENED = run_file._open_stream
 PACK, SEALED = run_pack.open_pack, checkpoint.read_sealed
 CACHED, READ, READ_LINES = (
     kernel_folder.CacheFolder.read,
@@ -133,7 +133,7 @@ def test_a_run_that_is_opened_twice_is_found(monkeypatch: pytest.MonkeyPatch) ->
             checked(file, os.fstat(stream.fileno()).st_size)
         return OPENED(path, follow)
 
-    monkeypatch.setattr(run_file, "_opened", twice)
+    monkeypatch.setattr(run_file, "_open_stream", twice)
     monkeypatch.setattr(run_file, "check_contents", lambda *_: None)
     found = search("a_run", MOST_CALLS, MOST_SECONDS, seed=1, stop=True)
     assert [bool(WRONG.search(one)) for one in found.faults] == [True]

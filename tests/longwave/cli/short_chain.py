@@ -1,4 +1,4 @@
-"""The file of a scene that is run in a moment, which tests of the command line change."""
+"""Text of a scene file that runs in a moment; tests of the command line modify it."""
 
 CHAIN = """
 title = "short"

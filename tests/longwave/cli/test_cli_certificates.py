@@ -1,4 +1,4 @@
-"""`--output` and `check`: written, accepted, and rejected in one line."""
+"""`--output` and `check`: certificates are written, accepted, or rejected in one line."""
 
 import json
 import random
@@ -21,7 +21,7 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> str:
 
 
 def rejected(text: str, folder: Path, capsys: Output) -> str:
-    """The line on stderr."""
+    """Return the line on stderr."""
     path = folder / "changed.json"
     path.write_text(text, encoding="utf-8")
     assert longwave(["check", str(path)]) == 1
@@ -31,7 +31,7 @@ def rejected(text: str, folder: Path, capsys: Output) -> str:
     return error
 
 
-def test_what_is_written_is_accepted(written: str, tmp_path: Path, capsys: Output) -> None:
+def test_a_written_certificate_is_accepted(written: str, tmp_path: Path, capsys: Output) -> None:
     path = tmp_path / "c.json"
     path.write_text(written)
     assert longwave(["check", str(path)]) == 0
@@ -62,10 +62,10 @@ def test_one_digit_changed_is_rejected(written: str, tmp_path: Path, capsys: Out
 @pytest.mark.parametrize(
     ("damage", "message"),
     [
-        (lambda text: text[: len(text) // 2], "no JSON"),
-        (lambda text: "", "no JSON"),
-        (lambda text: "kink: proved", "no JSON"),
-        (lambda text: "[" * 100_000, "no JSON"),
+        (lambda text: text[: len(text) // 2], "not JSON"),
+        (lambda text: "", "not JSON"),
+        (lambda text: "kink: proved", "not JSON"),
+        (lambda text: "[" * 100_000, "not JSON"),
         (lambda text: "[]", "no certificate"),
         (lambda text: "[3]", "certificate must be an object, got int"),
         (lambda text: '"yes"', "certificate must be an object, got str"),
@@ -88,7 +88,7 @@ def test_binary_is_no_certificate(tmp_path: Path, capsys: Output) -> None:
     assert "must be a text in UTF-8" in capsys.readouterr().err
 
 
-def test_what_is_read_is_not_overwritten(
+def test_an_input_file_is_not_overwritten(
     tmp_path: Path, capsys: Output, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)

@@ -1,7 +1,7 @@
-"""`--set` and `--json` of scenes and sweeps: the same values reach every command, and are checked.
+"""`--set` and `--json` of scenes and sweeps: the same values reach every command and are checked.
 
-Catches: a field that is set and does not reach the run, a wrong one that is told after seconds of
-work, two values of which one is dropped, JSON that no other program reads.
+Catches: a set field that does not reach the run, a wrong one that is reported after seconds of
+work, two values of which one is dropped, JSON that no other program can read.
 """
 
 import json
@@ -26,7 +26,7 @@ SWEEP = 'scene = "chain.toml"\n[grid]\neps = [0.2, 0.25]\n'
 
 
 def strict(text: str) -> Any:
-    """What JSON says; NaN and Infinity, which Python writes and reads, are none."""
+    """Parse JSON; reject NaN and Infinity, which only Python's parser accepts."""
 
     def refused(constant: str) -> None:
         raise AssertionError(f"{constant} is no JSON")
@@ -43,45 +43,45 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.mark.usefixtures("folder")
-def test_what_is_set_is_run_and_told_as_json(capsys: Output) -> None:
+def test_set_values_are_run_and_printed_as_json(capsys: Output) -> None:
     words = ["run", "chain.toml", "--set", "eps=0.25,parameters.A=1.5", "--set", "times=[0, 5]"]
     assert main([*words, "--json", "--output", "run.nc"]) == 0
-    told = strict(capsys.readouterr().out)
-    assert (told["scene"]["eps"], told["scene"]["parameters"]) == (0.25, {"A": 1.5})
-    assert told["times"] == [0.0, 5.0]
-    assert len(told["variables"]["error"]["values"]) == 2
-    assert told["attributes"]["error_estimate"] <= 1e-3
-    kept = scene_of_run(load_run("run.nc"))
-    assert kept.changed(name="chain") == changed_scene(
+    report = strict(capsys.readouterr().out)
+    assert (report["scene"]["eps"], report["scene"]["parameters"]) == (0.25, {"A": 1.5})
+    assert report["times"] == [0.0, 5.0]
+    assert len(report["variables"]["error"]["values"]) == 2
+    assert report["attributes"]["error_estimate"] <= 1e-3
+    saved = scene_of_run(load_run("run.nc"))
+    assert saved.changed(name="chain") == changed_scene(
         "chain.toml", {"eps": 0.25, "parameters.A": 1.5, "times": [0, 5]}
     ).changed(name="chain")
 
 
 @pytest.mark.usefixtures("folder")
-def test_a_repetition_is_told_as_json(capsys: Output) -> None:
+def test_a_repeated_run_is_compared_as_json(capsys: Output) -> None:
     save_run(load_scene("chain.toml").run(), "run.nc")
     assert main(["run", "run.nc", "--json"]) == 0
-    told = strict(capsys.readouterr().out)
-    assert (told["run"], told["same_bits"]) == ("run.nc", True)
+    report = strict(capsys.readouterr().out)
+    assert (report["run"], report["same_bits"]) == ("run.nc", True)
 
 
 @pytest.mark.usefixtures("folder")
-def test_a_sweep_takes_what_is_set_and_tells_its_cells_as_json(
+def test_a_sweep_takes_set_values_and_prints_its_cells_as_json(
     capsys: Output, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     sweep = load_sweep("sweep.toml", {"lattice.K4": 2, "parameters.A": 0.5})
     assert [dict(sweep.scene(cell).constants)["K4"] for cell in (0, 1)] == [2, 2]
-    monkeypatch.setattr(longwave.cli.sweep_command, "run_shown", lambda *_: None)
+    monkeypatch.setattr(longwave.cli.sweep_command, "run_with_progress", lambda *_: None)
     words = ["sweep", "sweep.toml", "--set", "parameters.A=0.5", "--processes", "1", "--json"]
     assert main(words) == 1
-    told = strict(capsys.readouterr().out)
-    assert [cell["set"] for cell in told["cells"]] == [{"eps": 0.2}, {"eps": 0.25}]
-    assert {cell["status"] for cell in told["cells"]} == {"missing"}
-    assert told["cells"][0]["error"] is None
+    report = strict(capsys.readouterr().out)
+    assert [cell["set"] for cell in report["cells"]] == [{"eps": 0.2}, {"eps": 0.25}]
+    assert {cell["status"] for cell in report["cells"]} == {"missing"}
+    assert report["cells"][0]["error"] is None
 
 
 @pytest.mark.usefixtures("folder")
-def test_pictures_films_and_rates_take_what_is_set(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_pictures_films_and_rates_take_set_values(monkeypatch: pytest.MonkeyPatch) -> None:
     met: list[Scene] = []
 
     def seen(scene: Scene, *_: object, **__: object) -> int:
@@ -96,7 +96,7 @@ def test_pictures_films_and_rates_take_what_is_set(monkeypatch: pytest.MonkeyPat
     assert [dict(scene.constants)["K4"] for scene in met] == [3, 3, 3]
 
 
-def test_a_scene_on_the_standard_input_and_a_wrong_one_that_is_set_right(
+def test_a_scene_on_standard_input_and_one_repaired_by_set(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     Path("wrong.toml").write_text(CHAIN.replace("eps = 0.2", "eps = 7"), encoding="utf-8")
@@ -123,7 +123,7 @@ WRONG = [
     (["plot", "R", "--set", "eps=0.1"], "--set must not be given with the file of a run"),
     (["animate", "R", "--set", "eps=0.1"], "--set must not be given with the file of a run"),
     (["converge", "S", "--set", "eps=1", "--eps", "1,2,3"], "eps must be given once"),
-    (["sweep", "W", "--set", "eps=0.1"], "--set must name what the sweep does not vary, got eps"),
+    (["sweep", "W", "--set", "eps=0.1"], "--set must not name a swept field, got eps"),
     (["derive", "--set", "K2=1,K2=2"], "--set must give K2 one value, got 1 and 2 (leave one"),
     (["derive", "--k2", "1", "--set", "K2=2"], "got --k2 1 and --set K2=2 (leave one out)"),
     (["derive", "--losses", "site=1,site=2"], "--losses must give site one value"),
@@ -134,7 +134,7 @@ WRONG = [
 
 @pytest.mark.usefixtures("folder")
 @pytest.mark.parametrize(("words", "message"), WRONG)
-def test_what_is_set_wrongly_is_told_in_one_line(
+def test_a_wrong_set_value_is_a_one_line_error(
     words: list[str], message: str, capsys: Output
 ) -> None:
     files = {"S": "chain.toml", "W": "sweep.toml", "R": "run.nc"}

@@ -1,4 +1,4 @@
-"""Statements decided on a Dask cluster of this machine, one of its workers killed."""
+"""Statements decided on a local Dask cluster, one of whose workers is killed."""
 
 import os
 import signal
@@ -28,7 +28,7 @@ def job(statement: Statement, limit: float) -> Job:
 
 
 @pytest.mark.slow
-def test_a_statement_decided_apart_keeps_its_limit() -> None:
+def test_a_cluster_job_keeps_the_limit_of_its_statement() -> None:
     _, found, error = _outcome(job(soliton(4), 0.01))
     assert error is None
     assert found.outcome is Outcome.UNDECIDED

@@ -1,4 +1,4 @@
-"""`longwave fit`: from points to a lattice whose coefficients have intervals."""
+"""`longwave fit`: from measured points to a lattice file whose coefficients have intervals."""
 
 import json
 from pathlib import Path
@@ -42,7 +42,7 @@ def test_a_law_is_fitted_written_and_drawn(points: Path, capsys: Output) -> None
     assert "  of Y^2 Y_X: 0.827 +- 0.061, 0.708 .. 0.946\n" in capsys.readouterr().out
 
 
-def test_a_law_is_chosen_with_the_others_in_its_intervals(points: Path, capsys: Output) -> None:
+def test_a_chosen_law_has_wider_intervals_for_the_other_laws(points: Path, capsys: Output) -> None:
     assert main(["fit", str(points)]) == 0
     printed = capsys.readouterr().out
     assert printed.startswith("F(x) = K2*x + K4*x**3, fitted to 41 points of force.csv\n")
@@ -52,7 +52,7 @@ def test_a_law_is_chosen_with_the_others_in_its_intervals(points: Path, capsys: 
     assert "warning: the points do not tell the law, and other laws that describe" in printed
 
 
-def test_a_wrong_law_is_warned_of_and_fitted_all_the_same(points: Path, capsys: Output) -> None:
+def test_a_wrong_law_is_fitted_with_a_warning(points: Path, capsys: Output) -> None:
     lattice = points.with_name("chain.toml")
     assert main(["fit", str(points), "--law", "K2*x", "--output", str(lattice)]) == 0
     printed = capsys.readouterr().out
@@ -72,8 +72,8 @@ def test_constants_are_fixed(points: Path, capsys: Output) -> None:
     assert data["warnings"] == []
 
 
-def test_json_has_no_numbers_that_are_none(points: Path, capsys: Output) -> None:
-    """Catches: NaN, which JSON has not, and a chi^2 that the noise was taken from."""
+def test_json_has_null_instead_of_nan(points: Path, capsys: Output) -> None:
+    """Catches: NaN in JSON, and a chi^2 without stated deviations."""
     lines = points.read_text("utf-8").splitlines()
     points.write_text("\n".join(line.rpartition(",")[0] for line in lines), "utf-8")
     assert main(["fit", str(points), "--json"]) == 0
@@ -101,7 +101,7 @@ def test_json_has_no_numbers_that_are_none(points: Path, capsys: Output) -> None
         (["--plot", "fit.txt"], "--plot must end in .png or .pdf or .svg, got 'fit.txt'"),
     ],
 )
-def test_wrong_words_are_one_line(
+def test_wrong_options_are_a_one_line_error(
     words: list[str], message: str, points: Path, capsys: Output, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(points.parent)
@@ -114,7 +114,7 @@ def test_wrong_words_are_one_line(
     assert [path.name for path in points.parent.iterdir()] == ["force.csv"]
 
 
-def test_a_file_that_is_no_force_law_is_one_line(tmp_path: Path, capsys: Output) -> None:
+def test_a_file_without_a_force_law_is_a_one_line_error(tmp_path: Path, capsys: Output) -> None:
     assert main(["fit", str(tmp_path / "none.csv")]) == 2
     assert "none.csv: No such file or directory" in capsys.readouterr().err
     (tmp_path / "\x1b[31m.csv").write_text("stretch,force\n1,\x1b[31m\n", "utf-8")

@@ -1,4 +1,4 @@
-"""`longwave doctor`: what is missing is found, and says what it costs."""
+"""`longwave doctor`: missing parts are found, with their cost."""
 
 import json
 import os
@@ -23,7 +23,7 @@ def found(part: str) -> health.Finding:
     return finding
 
 
-def test_it_names_every_part_in_words_and_in_json(capsys: Output) -> None:
+def test_every_part_is_in_the_text_and_in_the_json(capsys: Output) -> None:
     assert main(["doctor", "--json"]) == 0
     findings = json.loads(capsys.readouterr().out)
     parts = [finding["part"] for finding in findings]
@@ -71,7 +71,7 @@ def test_one_core_costs(monkeypatch: pytest.MonkeyPatch) -> None:
     assert found("cores").state == "costs"
 
 
-def test_kernels_that_cannot_be_kept_cost(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_a_missing_kernel_cache_has_a_cost(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr(kernel_folder, "cache_folder", lambda *_: CacheFolder(None))
     assert "NUMBA_CACHE_DIR" in found("compiled kernels").cost
     monkeypatch.setattr(kernel_folder, "cache_folder", lambda *_: CacheFolder(tmp_path))

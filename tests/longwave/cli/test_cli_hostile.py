@@ -1,4 +1,4 @@
-"""Hostile certificates: one line, a few seconds, little memory, whatever is in them."""
+"""Hostile certificates: refused in one line, within seconds, with little memory."""
 
 import json
 import os
@@ -11,7 +11,7 @@ import pytest
 
 from longwave.__main__ import main
 from longwave.cli import certificates as limits
-from longwave.cli.certificates import limited
+from longwave.cli.certificates import run_limited
 from longwave.verify.kernel import check_certificate
 from longwave.verify.kernel.limits import digest
 from longwave.verify.proof import CertificateError, prove_form
@@ -29,12 +29,12 @@ def good() -> str:
 
 
 def tower(data: Data) -> None:
-    """9**9**9**9, through integer exponents."""
+    """Return a certificate with 9**9**9**9, built from integer exponents."""
     add(data, "f0 = 9", *(f"f{k + 1} = f{k}**999" for k in range(6)), "f6")
 
 
 def add(data: Data, *texts: str) -> None:
-    """Put definitions down and multiply the formula by the last text."""
+    """Add definitions, and multiply the formula by the last one."""
     *definitions, factor = texts
     data["statement"]["parameters"] += definitions
     data["statement"]["solutions"][0] += f" + {factor}"
@@ -48,7 +48,7 @@ def chain(data: Data, count: int, text: str) -> None:
 
 
 def squares(data: Data) -> None:
-    """(1 + X + T + ...)**2 squared ten times: 3e5 terms and more."""
+    """Return (1 + X + T + ...)**2 squared ten times: more than 3e5 terms."""
     first = "f0 = 1 + X + T + a + c"
     add(data, first, *(f"f{k + 1} = f{k}**9" for k in range(10)), "f10")
 
@@ -156,7 +156,7 @@ def test_a_hostile_certificate_is_refused_in_one_line(
 
 @pytest.mark.parametrize("attack", ATTACKS)
 def test_the_checker_itself_stays_within_its_budget(attack: str, good: str) -> None:
-    """Without the limits of the process: budgets come first."""
+    """The checker's own limits are tested without those of the process."""
     data = json.loads(attacked(good, attack))
     start = time.process_time()
     with pytest.raises(CertificateError) as caught:
@@ -197,20 +197,20 @@ def test_a_long_file_is_not_read(tmp_path: Path, capsys: Output) -> None:
     assert "at most 8000000 bytes" in capsys.readouterr().err
 
 
-def test_work_without_end_is_ended(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_endless_work_is_stopped(monkeypatch: pytest.MonkeyPatch) -> None:
     def endless() -> str:
         while True:
             pass
 
-    monkeypatch.setattr(limits, "SECONDS", 1)
+    monkeypatch.setattr(limits, "MOST_SECONDS", 1)
     with pytest.raises(CertificateError, match="more than 1 s"):
-        limited(endless)
+        run_limited(endless)
 
 
-def test_memory_without_end_is_refused() -> None:
+def test_unlimited_memory_is_refused() -> None:
     with pytest.raises(CertificateError, match="500 MB"):
-        limited(lambda: str(len(bytearray(2 * 10**9))))
+        run_limited(lambda: str(len(bytearray(2 * 10**9))))
 
 
-def test_what_is_within_the_limits_is_handed_back() -> None:
-    assert limited(lambda: "ä\nb") == "ä\nb"
+def test_a_result_within_the_limits_is_returned() -> None:
+    assert run_limited(lambda: "ä\nb") == "ä\nb"

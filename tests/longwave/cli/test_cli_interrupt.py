@@ -1,4 +1,4 @@
-"""Long requests are announced before they begin; Ctrl-C ends them in one line with status 130."""
+"""Long requests are announced before they start; Ctrl-C ends them with one line and status 130."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""`longwave list`: every object is there, tables and JSON agree, text is printed as text."""
+"""`longwave list`: every object is listed, tables and JSON agree, texts are printed unchanged."""
 
 import json
 import subprocess
@@ -9,7 +9,7 @@ import pytest
 
 import longwave.cli.inventory as inventory
 from longwave.__main__ import main
-from longwave.cli.command_tree import KINDS
+from longwave.cli.command_tree import INVENTORY_KINDS
 from longwave.derive import LATTICES
 from longwave.lattice.schemes import SCHEMES
 from longwave.runs.sweep_file import shipped_sweeps
@@ -34,7 +34,7 @@ NAMES = {
 }
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", INVENTORY_KINDS)
 def test_table_and_json_have_every_object(kind: str, capsys: Output) -> None:
     assert main(["list", kind, "--json"]) == 0
     records = json.loads(capsys.readouterr().out)
@@ -106,7 +106,7 @@ def test_a_scenes_markup_is_printed_as_text(tmp_path: Path, capsys: Output) -> N
     ],
 )
 def test_a_list_imports_no_more_than_it_shows(kind: str, unwanted: str) -> None:
-    """What the rest of the house needs takes seconds."""
+    """Importing the other rooms would take seconds."""
     code = (
         f"import sys; from longwave.cli.inventory import inventory; inventory([{kind!r}]);"
         f"sys.exit(' '.join(set(sys.modules) & set({unwanted.split()!r})) or 0)"

@@ -1,4 +1,4 @@
-"""`longwave run`, `plot` and `converge` of scenes that name a lattice."""
+"""`longwave run`, `plot` and `converge` of scenes on any lattice."""
 
 import json
 from pathlib import Path
@@ -105,7 +105,7 @@ def test_ctrl_c_is_one_line_and_status_130(
         raise KeyboardInterrupt
 
     monkeypatch.setattr("longwave.lattice.dynamics.Dynamics.advance", stop)
-    kept = {"run": "1 snapshots are kept", "converge": "nothing was kept"}
-    for word, told in kept.items():
+    saved_item = {"run": "1 snapshots are kept", "converge": "nothing was saved"}
+    for word, report in saved_item.items():
         assert main([word, str(scene)]) == 130
-        assert capsys.readouterr().err == f"longwave {word}: interrupted ({told})\n"
+        assert capsys.readouterr().err == f"longwave {word}: interrupted ({report})\n"

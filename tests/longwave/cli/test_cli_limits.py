@@ -1,4 +1,4 @@
-"""Catches: a limit that is stated, and that a formula, a file or a command goes past in silence."""
+"""Catches: a stated limit that a formula, a file or a command exceeds without an error."""
 
 import re
 from collections.abc import Iterator
@@ -99,7 +99,7 @@ TOO_LARGE = {
 
 
 def limited_commands(command: click.Command = longwave, above: str = "") -> Iterator[str]:
-    """The words of all commands that have a limit as an option."""
+    """Return the words of all commands that have limits as options."""
     if any({"--max-time", "--max-memory"} & {*parameter.opts} for parameter in command.params):
         yield above
     if isinstance(command, click.Group):
@@ -108,7 +108,7 @@ def limited_commands(command: click.Command = longwave, above: str = "") -> Iter
 
 
 def test_every_command_that_has_limits_is_tested() -> None:
-    """Catches: a command that is added with limits, and nothing that exceeds them."""
+    """Catches: a new command with limits and without an input that exceeds them."""
     assert {*limited_commands()} - OF_EACH == {*TOO_LONG} == {*TOO_LARGE}
 
 
@@ -116,9 +116,9 @@ NOTICES = re.compile(r".*\(Ctrl-C stops it\)|measuring \w+|not installed: .*")
 """Lines that tell what a command is at."""
 
 
-def without_notices(said: str) -> list[str]:
-    """The lines on stderr, but for those that are no errors."""
-    return [line for line in said.splitlines() if not NOTICES.fullmatch(line)]
+def without_notices(message: str) -> list[str]:
+    """Return the lines on stderr that are errors."""
+    return [line for line in message.splitlines() if not NOTICES.fullmatch(line)]
 
 
 BEFOREHAND = f"must take at most {TIME:g} s, got about"
@@ -126,11 +126,11 @@ BEFOREHAND = f"must take at most {TIME:g} s, got about"
 
 
 def check_ended(command: str, ended: Ended, line: str, *others: str) -> None:
-    """Check that a command ended in one line that tells the limit, and left no process."""
-    said = without_notices(ended.errors)
-    assert (ended.status, len(said)) == (2, 1), ended
-    assert said[0].startswith(f"error: longwave {command} {line}") or any(
-        other in said[0] for other in others
+    """Check that a command ended with one line that names the limit, and left no process."""
+    message = without_notices(ended.errors)
+    assert (ended.status, len(message)) == (2, 1), ended
+    assert message[0].startswith(f"error: longwave {command} {line}") or any(
+        other in message[0] for other in others
     )
     assert not ended.left
 
@@ -157,7 +157,7 @@ def test_a_command_ends_within_its_memory(command: str, tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_compiled_code_that_does_not_end_is_ended(tmp_path: Path) -> None:
-    """It keeps Python's lock, so that nothing in its process can end it."""
+    """Compiled code holds the GIL, so that nothing in its process can stop it."""
     words, function = TOO_LARGE["derive"]
     seconds = 2.0 * TIME  # in which it is reached
     ended = watched([*words.split(), "--max-time", f"{seconds}s"], tmp_path, f"time {function}")
@@ -166,17 +166,19 @@ def test_compiled_code_that_does_not_end_is_ended(tmp_path: Path) -> None:
 
 
 def write_fill_values(path: Path, sites: int) -> None:
-    """Write the file of a run that is small on the disk and large when it is read."""
+    """Write the file of a run that is small on the disk and large in memory."""
     run = xr.Dataset({"strain": (("time", "site"), np.zeros((2, 4)))}, {"site": np.arange(4)})
     save_run(run, path)
     with h5py.File(path, "r+") as file:
         attributes = dict(file["strain"].attrs)
         for name, shape in (("strain", (2, sites)), ("site", (sites,))):
-            kept = {key: file[name].attrs[key] for key in ("_Netcdf4Dimid",) if key in attributes}
+            saved = {key: file[name].attrs[key] for key in ("_Netcdf4Dimid",) if key in attributes}
             kind = file[name].dtype
             del file[name]
-            made = file.create_dataset(name, shape, kind, chunks=(*shape[:-1], 10**5), fillvalue=1)
-            made.attrs.update(kept)
+            result = file.create_dataset(
+                name, shape, kind, chunks=(*shape[:-1], 10**5), fillvalue=1
+            )
+            result.attrs.update(saved)
         file["site"].make_scale("site")
         file["strain"].dims[0].attach_scale(file["time"])
         file["strain"].dims[1].attach_scale(file["site"])
@@ -191,7 +193,7 @@ def test_a_file_of_fill_values_is_read_within_the_memory_that_is_stated(
 ) -> None:
     write_fill_values(tmp_path / "run.nc", 40_000_000)
     ended = watched([command, "run.nc", "--max-memory", "320M"], tmp_path)
-    said = without_notices(ended.errors)
-    assert (ended.status, len(said)) == (2, 1), ended
-    assert "memory" in said[0]
+    message = without_notices(ended.errors)
+    assert (ended.status, len(message)) == (2, 1), ended
+    assert "memory" in message[0]
     assert ended.memory < MEMORY + BESIDE

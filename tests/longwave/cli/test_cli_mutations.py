@@ -1,4 +1,4 @@
-"""`mutations`: counts, reasons, exit statuses."""
+"""`longwave verify mutations`: counts, reasons, exit statuses."""
 
 import json
 

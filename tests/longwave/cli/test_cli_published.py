@@ -1,4 +1,4 @@
-"""The library of published solutions: what it holds, and that every verdict is as expected."""
+"""The library of published solutions: its contents, and that every verdict is as expected."""
 
 import json
 from collections import Counter
@@ -26,7 +26,7 @@ def test_no_statement_has_the_name_of_a_closed_form() -> None:
     assert not {text.name for text in published()} & set(CATALOGUE.names)
 
 
-def test_names_are_unique_and_words_of_the_shell() -> None:
+def test_names_are_unique_and_need_no_quotes_in_a_shell() -> None:
     counts = Counter(text.name for text in LIBRARY)
     assert not [name for name, count in counts.items() if count > 1]
     assert not [name for name in counts if not name.replace("_", "").isalnum()]
@@ -52,7 +52,7 @@ def test_there_are_as_many_as_promised() -> None:
     assert len({text.equation_name for text in right}) >= 40
 
 
-def test_a_source_of_which_no_text_was_seen_is_marked() -> None:
+def test_a_source_that_was_not_read_is_marked() -> None:
     for text in LIBRARY:
         if not text.variant_of and not text.misprint_in:
             assert source_of(text).endswith(f"({FROM_MEMORY})") == (not text.looked_up)
@@ -82,7 +82,7 @@ def test_statements_of_the_library_are_decided_by_name(capsys: Output) -> None:
     assert [record["verdict"] for record in found] == ["PROVED", "REFUTED"]
 
 
-def test_a_variant_takes_what_it_leaves_out_from_a_problem_above(tmp_path: Path) -> None:
+def test_a_variant_inherits_missing_keys_from_its_original(tmp_path: Path) -> None:
     path = tmp_path / "mine.toml"
     first = '[[problem]]\nname = "a"\nequation = "u_x - c"\nsolution = "u = c*x"\n'
     first += 'parameters = "c: c>0"\nexpect = "PROVED"\nnote = "right"\n'
@@ -101,7 +101,8 @@ QUICK = slice(None, None, 32)
 
 
 def seconds_of(texts: Sequence[ProblemText]) -> list[float]:
-    """The seconds that the statements took; AssertionError for one not decided as expected."""
+    """Return the seconds for the statements; raise AssertionError if one is not decided as
+    expected."""
     verdicts = [decide_statement(text.problem().statement) for text in texts]
     pairs = zip(texts, verdicts, strict=True)
     assert not [(v.name, v.outcome, v.detail) for text, v in pairs if v.outcome != text.expect]

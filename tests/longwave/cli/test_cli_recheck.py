@@ -1,4 +1,4 @@
-"""`--export` and `verify recheck`: files, tables and exit status, systems of cardboard."""
+"""`--export` and `verify recheck`: files, tables and exit status, with mock systems."""
 
 import json
 from pathlib import Path
@@ -15,7 +15,7 @@ BOTH = ("--solution", "u = sinh(x + t)", "--solution", "v = cosh(x + t)")
 
 
 def cardboard(folder: Path, words: str) -> None:
-    """Programs that say what they are told."""
+    """Install mock programs that give prescribed answers."""
     for system in SYSTEMS.values():
         program = folder / system.program
         program.write_text(f"#!/bin/sh\n{words}\n")
@@ -30,9 +30,9 @@ def test_a_proof_of_a_form_is_written_as_a_script(system: str, tmp_path: Path) -
 
 
 def test_a_certificate_is_written_as_a_script(tmp_path: Path) -> None:
-    kept, file = tmp_path / "c.json", tmp_path / "c.gp"
-    assert main(["prove", *TRANSPORT, "--output", str(kept)]) == 0
-    words = ["check", str(kept), "--export", "pari", "--output", str(file)]
+    saved, file = tmp_path / "c.json", tmp_path / "c.gp"
+    assert main(["prove", *TRANSPORT, "--output", str(saved)]) == 0
+    words = ["check", str(saved), "--export", "pari", "--output", str(file)]
     assert main(words) == 0
     assert file.read_text().endswith("print(answer(e)))\n")
 
@@ -44,7 +44,9 @@ def test_each_equation_has_its_script(tmp_path: Path) -> None:
     assert sorted(path.name for path in tmp_path.iterdir()) == ["s_1.gp", "s_2.gp"]
 
 
-def test_what_is_refuted_has_no_script(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_refuted_statement_has_no_script(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     file = tmp_path / "s.gp"
     wrong = [*TRANSPORT[:-1], "u = sin(x + c*t)"]
     assert main(["prove", *wrong, "--export", "pari", "--output", str(file)]) == 2
@@ -61,7 +63,7 @@ def test_a_script_needs_a_file(capsys: pytest.CaptureFixture[str]) -> None:
     ("words", "expected", "status"),
     [("echo accepted", "accepted", 0), ("echo rejected", "rejected", 1), ("", "no answer", 0)],
 )
-def test_the_table_says_what_the_systems_say(
+def test_the_table_has_the_answers_of_the_systems(
     words: str,
     expected: str,
     status: int,
@@ -79,32 +81,34 @@ def test_the_table_says_what_the_systems_say(
     assert [words for words in entry["premises"] if words.endswith("is not 0")]
 
 
-def test_accepted_is_told_with_its_premises(
+def test_an_accepted_script_names_its_premises(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     cardboard(tmp_path, "echo accepted")
     monkeypatch.setenv("PATH", f"{tmp_path}:/usr/bin:/bin")
     assert main(["verify", "recheck", "--only", "kink"]) == 0
-    said = " ".join(capsys.readouterr().out.split())
-    assert "A > 0; a > 0; c > 0; 1 more" in said
-    assert "accepted means proved if the premises hold" in said
+    message = " ".join(capsys.readouterr().out.split())
+    assert "A > 0; a > 0; c > 0; 1 more" in message
+    assert "accepted means proved if the premises hold" in message
     file = str(tmp_path / "kink.v")
     assert main(["verify", "--only", "kink", "--export", "coq", "--output", file]) == 0
-    assert "accepted will mean proved if A > 0; a > 0; c > 0; 1 more" in capsys.readouterr().err
+    assert (
+        "if accepted, proved provided that A > 0; a > 0; c > 0; 1 more" in capsys.readouterr().err
+    )
 
 
-def test_what_is_not_installed_is_said_and_never_accepted(
+def test_a_missing_system_is_reported_and_never_accepts(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.setenv("LONGWAVE_NO_APT", "1")
     assert main(["verify", "recheck", "--only", "kink"]) == 0
-    said = capsys.readouterr()
-    assert "not installed: pari-gp, maxima, coq" in said.err
-    assert "accepted" not in said.out
+    message = capsys.readouterr()
+    assert "not installed: pari-gp, maxima, coq" in message.err
+    assert "accepted" not in message.out
 
 
-def test_a_name_of_nothing_is_an_error_and_installs_nothing(
+def test_an_unknown_name_is_an_error_and_installs_nothing(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(recheck, "install_systems", lambda: pytest.fail("installed first"))

@@ -1,4 +1,4 @@
-"""Catches: tracebacks at the command line, a wrong exit status, a file that cannot be read back."""
+"""Catches: tracebacks at the command line, wrong exit statuses, files that cannot be read back."""
 
 import re
 from pathlib import Path

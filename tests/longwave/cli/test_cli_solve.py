@@ -1,4 +1,4 @@
-"""``prove --solve``: words, JSON, LaTeX, problem files, certificates and limits."""
+"""`longwave prove --solve`: text, JSON, LaTeX, problem files, certificates and limits."""
 
 import json
 from pathlib import Path
@@ -30,7 +30,7 @@ expect = "REFUTED"
 """
 
 
-def test_cases_stand_on_lines_and_a_proof_is_status_0(capsys: Output) -> None:
+def test_each_case_has_a_line_and_a_proof_has_status_0(capsys: Output) -> None:
     assert main(["prove", *KDV, "--parameters", "k: k>0", "--solve", "c,a"]) == 0
     assert capsys.readouterr().out.splitlines() == [
         "PROVED statement: holds if and only if",
@@ -39,7 +39,7 @@ def test_cases_stand_on_lines_and_a_proof_is_status_0(capsys: Output) -> None:
     ]
 
 
-def test_no_value_is_status_1_with_a_point(capsys: Output) -> None:
+def test_no_admissible_value_has_status_1_and_a_witness(capsys: Output) -> None:
     assert main(["prove", *KDV, "--parameters", "k: k>0; a: a<0", "--solve", "c,a"]) == 1
     first, point = capsys.readouterr().out.splitlines()
     assert first == "REFUTED statement: holds for no value of c, a"

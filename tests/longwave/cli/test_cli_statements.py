@@ -12,7 +12,7 @@ import pytest
 
 from longwave.__main__ import main
 from longwave.cli import statements as command
-from longwave.cli.statements import STAGES, decided
+from longwave.cli.statements import STAGES, decide_statements
 from longwave.support.processes import LocalWorkers
 from longwave.verify.problem_file import FILE_BYTES, StatedProblem, problem_texts
 from longwave.verify.proof import check_certificate, prover
@@ -63,7 +63,7 @@ def written(folder: Path, text: str) -> str:
         (UNDECIDED, 1, "UNDECIDED"),
     ],
 )
-def test_the_exit_status_and_the_json_say_the_verdict(
+def test_exit_status_and_json_agree_with_the_verdict(
     words: list[str], status: int, verdict: str, capsys: Output
 ) -> None:
     assert main(["prove", *words, "--json"]) == status
@@ -76,7 +76,7 @@ def test_the_exit_status_and_the_json_say_the_verdict(
     assert "u_{x" in record["statement"]
 
 
-def test_in_words_a_refutation_has_its_point_and_what_holds(capsys: Output) -> None:
+def test_a_printed_refutation_has_its_witness_and_a_hint(capsys: Output) -> None:
     assert main(["prove", *STATED, MISPRINT]) == 1
     first, point, hint = capsys.readouterr().out.splitlines()
     assert first.startswith("REFUTED statement: residual ")
@@ -85,7 +85,7 @@ def test_in_words_a_refutation_has_its_point_and_what_holds(capsys: Output) -> N
     assert hint == f"    it holds with -4*k**2*t in the place of 4*k**2*t: {right}"
 
 
-def test_in_words_a_proof_has_its_scope_and_its_poles(capsys: Output) -> None:
+def test_a_printed_proof_has_its_scope_and_its_poles(capsys: Output) -> None:
     assert main(["prove", "--equation", "u_x*x + u", "--solution", "u = a/x"]) == 0
     assert capsys.readouterr().out.splitlines() == [
         "PROVED statement: for all real a, x, wherever the formulas are smooth",
@@ -116,27 +116,30 @@ def test_a_file_is_decided_in_order_and_compared_with_what_it_expects(
     assert "    expected was UNDECIDED\n" in capsys.readouterr().out
 
 
-def test_without_an_expectation_only_a_proof_is_well(tmp_path: Path, capsys: Output) -> None:
+def test_without_an_expectation_only_a_proof_has_status_0(tmp_path: Path, capsys: Output) -> None:
     assert main(["prove", written(tmp_path, FILE.replace('expect = "REFUTED"', ""))]) == 1
     capsys.readouterr()
 
 
 def test_certificates_are_written_and_can_be_checked(tmp_path: Path, capsys: Output) -> None:
-    kept = tmp_path / "c.json"
-    assert main(["prove", written(tmp_path, FILE), "--output", str(kept)]) == 0
-    assert [check_certificate(c) != "" for c in json.loads(kept.read_text("utf-8"))] == [True, True]
+    saved = tmp_path / "c.json"
+    assert main(["prove", written(tmp_path, FILE), "--output", str(saved)]) == 0
+    assert [check_certificate(c) != "" for c in json.loads(saved.read_text("utf-8"))] == [
+        True,
+        True,
+    ]
     capsys.readouterr()
-    assert main(["check", str(kept)]) == 0
+    assert main(["check", str(saved)]) == 0
     assert capsys.readouterr().out.count(": accepted\n") == 2
 
 
 def test_the_latex_is_a_sentence_with_the_digest_of_the_certificate(
     tmp_path: Path, capsys: Output
 ) -> None:
-    kept = tmp_path / "c.json"
-    assert main(["prove", *STATED, SOLITON, "--latex", "--output", str(kept)]) == 0
+    saved = tmp_path / "c.json"
+    assert main(["prove", *STATED, SOLITON, "--latex", "--output", str(saved)]) == 0
     sentence = capsys.readouterr().out
-    (certificate,) = json.loads(kept.read_text("utf-8"))
+    (certificate,) = json.loads(saved.read_text("utf-8"))
     assert f"certificate \\texttt{{{certificate['digest'][:16]}}}" in sentence
     assert "\\[ u_{t} + 6 u u_{x} + u_{xxx} = 0 \\]" in sentence
     assert main(["prove", *STATED, MISPRINT, "--latex"]) == 1
@@ -148,7 +151,10 @@ def test_the_latex_is_a_sentence_with_the_digest_of_the_certificate(
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["--equation", KDV], "--equation must be given with --solution alone, got no --solution"),
+        (
+            ["--equation", KDV],
+            "--equation must be given with --solution and no file, got no --solution",
+        ),
         (["--solution", SOLITON], "got no --equation"),
         ([*STATED, SOLITON, "a.toml"], "got a.toml as well"),
         (["a.toml", "kink"], "FILE must end in .toml, got kink (a closed form: longwave verify"),
@@ -176,7 +182,7 @@ def test_wrong_options_are_one_line_and_status_2(
     assert message in output.err
 
 
-def test_a_wrong_formula_is_a_line_and_a_picture(capsys: Output) -> None:
+def test_a_wrong_formula_is_printed_with_a_marker(capsys: Output) -> None:
     assert main(["prove", *STATED, "u = 2*k**2*sehc(k*x)"]) == 2
     output = capsys.readouterr()
     assert output.out == ""
@@ -261,7 +267,7 @@ def slow(_: Any, tell: Any) -> Any:
         time.sleep(0.01)
 
 
-def test_past_the_limit_it_is_undecided_and_says_how_far_it_came(
+def test_a_statement_past_its_limit_is_undecided_with_its_last_stage(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     def find_witness(*given: Any) -> Any:
@@ -269,10 +275,10 @@ def test_past_the_limit_it_is_undecided_and_says_how_far_it_came(
 
     monkeypatch.setattr(command, "answer", find_witness)
     begun = time.monotonic()
-    ((_, verdict),) = decided([problem()], 1.0)
+    ((_, verdict),) = decide_statements([problem()], 1.0)
     assert time.monotonic() - begun < PATIENCE
     assert verdict.outcome == "UNDECIDED"
-    expected = "it had come to equation 1 of 3, looking for a counterexample"
+    expected = "last stage: equation 1 of 3, looking for a counterexample"
     assert verdict.detail == f"no verdict within 1 s ({expected})"
 
 
@@ -281,7 +287,7 @@ def test_the_stages_are_functions_of_the_prover() -> None:
         assert hasattr(prover, name), name
 
 
-def test_a_process_that_does_not_listen_is_ended(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_unresponsive_process_is_stopped(monkeypatch: pytest.MonkeyPatch) -> None:
     def deaf(_: Any, tell: Any) -> Any:
         tell("equation 2 of 2")
         while True:
@@ -291,11 +297,11 @@ def test_a_process_that_does_not_listen_is_ended(monkeypatch: pytest.MonkeyPatch
                 continue
 
     monkeypatch.setattr(command, "answer", deaf)
-    monkeypatch.setattr(command, "GRACE", 0.2)
+    monkeypatch.setattr(command, "GRACE_SECONDS", 0.2)
     begun = time.monotonic()
-    verdicts = dict(decided([problem(), problem()], 1.0))
+    verdicts = dict(decide_statements([problem(), problem()], 1.0))
     assert time.monotonic() - begun < PATIENCE
-    expected = "no verdict within 1 s (it had come to equation 2 of 2)"
+    expected = "no verdict within 1 s (last stage: equation 2 of 2)"
     assert [verdicts[place].detail for place in (0, 1)] == [expected] * 2
 
 
@@ -308,14 +314,14 @@ def test_a_crash_costs_its_own_statement_alone(monkeypatch: pytest.MonkeyPatch) 
         if statement.name == "raises":
             raise KeyError("a\nb")
         if statement.name == "swells":
-            bytearray(10 * command.MEMORY)
+            bytearray(10 * command.MOST_MEMORY)
         return whole(statement, tell)
 
     monkeypatch.setattr(command, "answer", fragile)
     given = [problem(name=name) for name in ("dies", "raises", "swells", "mine")]
-    verdicts = dict(decided(given, 30.0))
+    verdicts = dict(decide_statements(given, 30.0))
     assert [verdicts[place].outcome for place in range(4)] == [*["UNDECIDED"] * 3, "PROVED"]
-    assert verdicts[0].detail == "the process broke off (it had come to the beginning)"
+    assert verdicts[0].detail == "the process broke off (last stage: start)"
     assert verdicts[1].detail.startswith("the prover failed (KeyError: ")
     assert verdicts[2].detail == "no verdict within 2000 MB of memory"
 
@@ -328,12 +334,12 @@ def test_a_refutation_stays_if_the_search_for_a_hint_hangs(monkeypatch: pytest.M
 
     monkeypatch.setattr(command, "with_hint", hang)
     monkeypatch.setattr(command, "HINT_SECONDS", 0.3)
-    ((_, verdict),) = decided([problem("u_x - 2")], 30.0)
+    ((_, verdict),) = decide_statements([problem("u_x - 2")], 30.0)
     assert verdict.outcome == "REFUTED"
 
 
 def test_four_processes_decide_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Each waits until all have begun."""
+    """Each process waits until all have started."""
     whole, all_here = command.answer, get_context("fork").Barrier(4)
 
     def waiting(statement: Any, tell: Any) -> Any:
@@ -341,14 +347,16 @@ def test_four_processes_decide_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
         return whole(statement, tell)
 
     monkeypatch.setattr(command, "answer", waiting)
-    verdicts = dict(decided([problem()] * 4, 2 * PATIENCE, workers=LocalWorkers(4, isolated=True)))
+    verdicts = dict(
+        decide_statements([problem()] * 4, 2 * PATIENCE, workers=LocalWorkers(4, isolated=True))
+    )
     assert [verdicts[place].outcome for place in range(4)] == ["PROVED"] * 4
 
 
-def test_without_time_for_it_there_is_no_hint() -> None:
+def test_there_is_no_hint_without_time_for_it() -> None:
     given = [problem(KDV, MISPRINT)]
-    (hinted,) = (verdict for _, verdict in decided(given, 30.0))
-    (bare,) = (verdict for _, verdict in decided(given, 30.0, hinting=0.0))
+    (hinted,) = (verdict for _, verdict in decide_statements(given, 30.0))
+    (bare,) = (verdict for _, verdict in decide_statements(given, 30.0, hinting=0.0))
     assert hinted.hint
     assert (bare.outcome, bare.hint) == (hinted.outcome, "")
 
@@ -356,21 +364,23 @@ def test_without_time_for_it_there_is_no_hint() -> None:
 def test_ctrl_c_prints_what_is_decided(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Output
 ) -> None:
-    whole = command.decided
+    whole = command.decide_statements
 
     def stopped(problems: Any, limit: float, **_: float) -> Any:
         yield from whole(problems[:1], limit)
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(command, "decided", stopped)
+    monkeypatch.setattr(command, "decide_statements", stopped)
     assert main(["prove", written(tmp_path, FILE)]) == 130
     output = capsys.readouterr()
     assert output.out.startswith("PROVED soliton: ")
     assert output.err == "longwave prove: interrupted (after 1 of 3 statements)\n"
 
 
-def test_reading_is_shown_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The library's formulas take seconds to read: once nothing was to be seen of that."""
+def test_the_time_for_reading_is_announced_too(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The library's formulas take seconds to read, which once showed no progress."""
     shown: list[tuple[str, int]] = []
 
     def tracked(items: Iterable[Any], count: int, words: str) -> Iterator[Any]:
@@ -388,10 +398,10 @@ def test_problems_are_read_without_deciding(tmp_path: Path) -> None:
     assert [p.statement.name for p in problems] == ["soliton", "misprint", "mine 3"]
 
 
-def test_what_takes_long_is_announced_once(
+def test_long_work_is_announced_once(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(command, "QUIET", 0.0)
+    monkeypatch.setattr(command, "SECONDS_BEFORE_NOTICE", 0.0)
     words = ["prove", "--equation", "u_t + u_x", "--solution", "u = sin(x - t)", "--limit", "30"]
     assert main(words) == 0
     announced = "1 statement to be decided: at most 30 s more (Ctrl-C stops it)\n"

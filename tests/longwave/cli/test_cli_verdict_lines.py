@@ -1,4 +1,4 @@
-"""Many statements: those that cannot be read, and verdicts that the next run takes up."""
+"""Many statements: unreadable ones, and verdicts that later runs reuse."""
 
 import json
 from collections.abc import Callable
@@ -56,27 +56,27 @@ def test_the_others_are_decided_and_the_unreadable_are_never_true_or_false(
 
 @pytest.fixture
 def decided(monkeypatch: pytest.MonkeyPatch) -> list[str]:
-    """The names of the statements that are decided, and not taken from a file."""
+    """Return the list to which the names of newly decided statements are appended."""
     names: list[str] = []
-    decide = statements.decided
+    decide = statements.decide_statements
 
     def counted(problems: Any, *args: Any, **options: Any) -> Any:
         names.extend(problem.statement.name for problem in problems)
         return decide(problems, *args, **options)
 
-    monkeypatch.setattr(statements, "decided", counted)
+    monkeypatch.setattr(statements, "decide_statements", counted)
     return names
 
 
 def plain(verdict: dict[str, Any]) -> dict[str, Any]:
-    """A verdict without what is not the same in the next run."""
+    """Return a verdict without the entries that differ between runs."""
     return verdict | {"seconds": 0.0, "reason": verdict["reason"].removeprefix(FROM_FILE)}
 
 
-def test_a_run_that_was_ended_is_taken_up(
+def test_an_interrupted_run_is_resumed_from_its_verdicts(
     tmp_path: Path, capsys: Output, decided: list[str]
 ) -> None:
-    """Catches: a line that a kill cut, and verdicts of which the next run knows nothing."""
+    """Catches: a line truncated by a kill, and verdicts that the next run does not find."""
     file, lines = written(tmp_path, RIGHT, WRONG, OPEN), tmp_path / "verdicts.jsonl"
     words = ["prove", file, "--json", "--lines", str(lines)]
     assert main(words) == 1
@@ -108,7 +108,7 @@ def forged_refutation(records: dict[str, Any]) -> None:
 
 
 @pytest.mark.parametrize("forge", [forged_outcome, forged_certificate, forged_refutation])
-def test_a_forged_line_is_not_believed(
+def test_a_forged_verdict_is_not_believed(
     forge: Callable[[dict[str, Any]], None], tmp_path: Path, capsys: Output
 ) -> None:
     file, lines = written(tmp_path, RIGHT, WRONG), tmp_path / "verdicts.jsonl"
@@ -147,8 +147,8 @@ LIES: dict[str, Any] = {
 }
 
 
-def test_what_a_file_says_of_a_verdict_is_not_shown(tmp_path: Path, capsys: Output) -> None:
-    """Catches: a scope, a reason, a hint and places that come from the file of verdicts."""
+def test_texts_from_the_verdict_file_are_not_shown(tmp_path: Path, capsys: Output) -> None:
+    """Catches: a scope, a reason, a hint or positions that come from the file of verdicts."""
     file, lines = written(tmp_path, RIGHT, WRONG, OPEN), tmp_path / "verdicts.jsonl"
     words = ["prove", file, "--lines", str(lines)]
     main([*words, "--json"])
@@ -178,7 +178,7 @@ def test_a_hint_of_another_statement_is_not_shown(tmp_path: Path, capsys: Output
     assert json.loads(capsys.readouterr().out)[1]["hint"] == ""
 
 
-def test_complex_witnesses_and_functions_are_looked_at_again() -> None:
+def test_complex_witnesses_and_functions_are_checked_again() -> None:
     for texts in [
         ("u_x - c*u", "u = exp(abs(c)*x)", "c: complex"),
         ("u_tt - c*u_xx", "u = f(x - c*t)", "f: function"),

@@ -1,4 +1,4 @@
-"""The command line: table, JSON, exit statuses, one-line errors, what it imports."""
+"""`longwave verify`: table, JSON, exit statuses, one-line errors, imports."""
 
 import json
 import subprocess
@@ -23,7 +23,7 @@ Output = pytest.CaptureFixture[str]
 
 
 def kinks(names: Iterable[str]) -> Iterator[Verdict]:
-    """The proof of the kink under all of the names."""
+    """Return the proof of the kink under all the names."""
     verdict = prove_form(closed_form("kink"))
     yield from (replace(verdict, name=name) for name in names)
 
@@ -32,7 +32,7 @@ def kinks(names: Iterable[str]) -> Iterator[Verdict]:
 def test_by_default_every_form_is_proved(
     proved: Any, capsys: Output, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """That they are, the tests of the prover see; the command asks for all and shows them."""
+    """The prover's tests prove the forms; here the command requests and shows all of them."""
     if proved:
         monkeypatch.setattr(command, "prove_all", proved)
     assert main([]) == 0
@@ -47,14 +47,14 @@ def test_by_default_every_form_is_proved(
 
 
 @pytest.mark.parametrize("options", [QUICK, ["--method", "residual", *QUICK]])
-def test_the_residual_is_evidence_and_says_so(options: list[str], capsys: Output) -> None:
+def test_a_residual_is_labelled_as_evidence(options: list[str], capsys: Output) -> None:
     assert main([*options, "--only", "kink", "--only", "rational_4"]) == 0
     output = capsys.readouterr().out
     assert "2 checked to the digits shown, which is no proof" in output
     assert "PROVED" not in output
 
 
-def test_only_selects_and_json_is_json(capsys: Output) -> None:
+def test_only_selects_forms_and_json_is_valid(capsys: Output) -> None:
     assert main(["--only", "kink", "--only", "rational_5", "--json"]) == 0
     records = json.loads(capsys.readouterr().out)
     assert [record["name"] for record in records] == ["kink", "rational_5"]
@@ -129,7 +129,7 @@ def test_bad_input_is_one_line_and_status_2(argv: list[str], message: str, capsy
     assert message in output.err
 
 
-def test_a_file_that_cannot_be_written_is_told_before_anything_is_proved(
+def test_an_unwritable_file_is_reported_before_any_proof(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: Output
 ) -> None:
     monkeypatch.setattr(
@@ -140,7 +140,7 @@ def test_a_file_that_cannot_be_written_is_told_before_anything_is_proved(
 
 
 def test_the_table_needs_no_lattice_engine() -> None:
-    """numba and xarray take seconds to import and are for `run` alone."""
+    """Only `run` needs numba and xarray, which take seconds to import."""
     script = (
         "import sys; from longwave.verify.__main__ import main; main(sys.argv[1:]);"
         "sys.exit(any(name in sys.modules for name in ('numba', 'xarray', 'matplotlib')))"

@@ -1,7 +1,7 @@
 """Sixty wrong inputs, at the command line and in files: one line with the remedy, no traceback.
 
-Catches: an input that ends in a traceback, in several lines, in status 0, or in a message without
-what may be written instead; one that is told only after something was loaded or run.
+Catches: an input that ends in a traceback, several lines, status 0, or a message without a remedy;
+an error that is reported only after something was loaded or run.
 """
 
 import errno
@@ -60,7 +60,10 @@ LINES = [
     ("derive --map 3", "--map"),
     ("derive square --direction x", "direction"),
     ("derive --background 1/", "background"),
-    ("prove --equation u_t", "--equation must be given with --solution alone, got no --solution"),
+    (
+        "prove --equation u_t",
+        "--equation must be given with --solution and no file, got no --solution",
+    ),
     ("prove --equation u_t --solution u=1 --limit 0", "--limit must be 0.01 to 1e+06 seconds"),
     ("library nothing", "nothing"),
     ("check nowhere.json", "nowhere.json: No such file or directory"),
@@ -105,7 +108,7 @@ LINES = [
     ("sweep chain.toml", "keys must be known ones, got"),
     ("sweep error_over", "sweep must be a TOML file or a shipped sweep, got 'error_over' ("),
     ("sweep sweep.toml --output x.csv", "--output must end in .nc, got 'x.csv'"),
-    ("sweep sweep.toml --output a.nc --store a.nc", "--output must not be the --store, a folder"),
+    ("sweep sweep.toml --output a.nc --store a.nc", "--output must differ from the folder --store"),
     ("plot chain.toml --output a.bmp", "output must be a path ending in .png, .pdf, .svg"),
     ("plot chain.toml --at eps", "--at must be NAME=VALUE, got 'eps' (such as eps=0.1)"),
     ("plot chain.toml --kind map", "'map' is not one of 'all', 'snapshots', 'space_time'"),
@@ -136,8 +139,8 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.fixture(scope="module")
-def kept(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A run's file."""
+def saved(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Write the file of a run."""
     place = tmp_path_factory.mktemp("runs")
     (place / "chain.toml").write_text(CHAIN, encoding="utf-8")
     save_run(load_scene(place / "chain.toml").run(), place / "run.nc")
@@ -145,10 +148,10 @@ def kept(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.parametrize(("line", "message"), LINES)
-def test_a_wrong_input_is_told_in_one_line(
-    line: str, message: str, folder: Path, kept: Path, capsys: Output
+def test_a_wrong_input_is_a_one_line_error(
+    line: str, message: str, folder: Path, saved: Path, capsys: Output
 ) -> None:
-    (folder / "run.nc").write_bytes(kept.read_bytes())
+    (folder / "run.nc").write_bytes(saved.read_bytes())
     before = sorted(folder.iterdir())
     assert main(line.split()) in (1, 2)
     output = capsys.readouterr()
@@ -200,7 +203,7 @@ COMMANDS = {
 
 @pytest.mark.usefixtures("folder")
 @pytest.mark.parametrize(("name", "right", "wrong", "message"), CONTENTS)
-def test_a_wrong_file_is_told_in_one_line(
+def test_a_wrong_file_is_a_one_line_error(
     name: str, right: str, wrong: str, message: str, capsys: Output
 ) -> None:
     assert right in FILES[name]
@@ -212,10 +215,10 @@ def test_a_wrong_file_is_told_in_one_line(
     assert message in output.err
 
 
-def test_a_strain_that_no_run_has_is_told(kept: Path, folder: Path, capsys: Output) -> None:
-    run = load_run(kept)
+def test_an_impossible_strain_is_reported(saved: Path, folder: Path, capsys: Output) -> None:
+    run = load_run(saved)
     for fault, told in (
-        ("nan", "got 1 of 2 snapshots that are not"),
+        ("nan", "got NaN or inf in 1 of 2 snapshots"),
         ("int", "got int64"),
         ("none", "got none"),
     ):
@@ -258,12 +261,12 @@ def full(*_: object, **__: object) -> None:
     raise OSError(errno.ENOSPC, "No space left on device", "there")
 
 
-def test_a_full_disk_is_status_1_wherever_it_is_met(
-    folder: Path, kept: Path, monkeypatch: pytest.MonkeyPatch, capsys: Output
+def test_a_full_disk_has_status_1_at_every_write(
+    folder: Path, saved: Path, monkeypatch: pytest.MonkeyPatch, capsys: Output
 ) -> None:
-    (folder / "run.nc").write_bytes(kept.read_bytes())
+    (folder / "run.nc").write_bytes(saved.read_bytes())
     monkeypatch.setattr(run_output, "save_run", full)
-    monkeypatch.setattr(run_store, "_kept", full)
+    monkeypatch.setattr(run_store, "_save", full)
     monkeypatch.setattr(atomic_file.Path, "write_bytes", full)
     monkeypatch.setattr(atomic_file.Path, "write_text", full)
     for line in (

@@ -1,4 +1,4 @@
-"""A command run from outside: what it says, its seconds, and the memory of all its processes."""
+"""A command in a process: its output, its seconds, and the memory of all its processes."""
 
 import os
 import subprocess
@@ -21,8 +21,8 @@ LOOK, ENDING = 0.05, 20.0
 
 @dataclass(frozen=True)
 class Ended:
-    """How a command ended: its exit status, its output, the seconds of the clock, and the largest
-    resident memory, in bytes, of all its processes together; ``left`` are those that stayed."""
+    """Result of a command: exit status, output, wall-clock seconds, and the peak resident memory of
+    all its processes in bytes; ``left`` lists processes that are still running."""
 
     status: int
     out: str
@@ -33,7 +33,7 @@ class Ended:
 
 
 def watched(words: list[str], folder: Path, hostile: str = "") -> Ended:
-    """Run ``longwave words`` in a folder, with something ``hostile`` in a function's place."""
+    """Run ``longwave words`` in a folder, with a function replaced as ``hostile`` says."""
     path = os.pathsep.join(map(str, [HOSTILE, HOUSE] if hostile else [HOUSE]))
     settings = {"PYTHONPATH": path, "LONGWAVE_NO_APT": "1"} | (
         {"HOSTILE": hostile} if hostile else {}
@@ -58,12 +58,12 @@ def watched(words: list[str], folder: Path, hostile: str = "") -> Ended:
             with suppress(ProcessLookupError):
                 os.killpg(running.pid, 9)
             running.wait()
-        said = [(stream.seek(0), stream.read())[1] for stream in (out, errors)]
-    return Ended(running.returncode, *said, seconds, memory, left)
+        outputs = [(stream.seek(0), stream.read())[1] for stream in (out, errors)]
+    return Ended(running.returncode, *outputs, seconds, memory, left)
 
 
 def _left(processes: Iterable[int]) -> tuple[int, ...]:
-    """Those of the processes that do not end within `ENDING` seconds."""
+    """Return the processes that do not end within `ENDING` seconds."""
     end = time.monotonic() + ENDING
     while (left := tuple(filter(_resident, processes))) and time.monotonic() < end:
         time.sleep(LOOK)
@@ -71,7 +71,7 @@ def _left(processes: Iterable[int]) -> tuple[int, ...]:
 
 
 def _resident(process: int) -> int:
-    """The bytes of a process that are in memory, shared ones divided among those that have them."""
+    """Return the resident bytes of a process, with shared memory divided among its users."""
     with suppress(OSError):
         text = Path(f"/proc/{process}/smaps_rollup").read_text(encoding="ascii")
         return sum(1024 * int(line.split()[1]) for line in text.splitlines() if line[:4] == "Pss:")

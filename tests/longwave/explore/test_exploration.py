@@ -1,4 +1,4 @@
-"""What is behind the page of `longwave explore`, without a server: choices, scenes, runs, texts."""
+"""The explorer without its page and server: choices, scenes, runs, texts."""
 
 import multiprocessing
 import time
@@ -12,10 +12,10 @@ import pytest
 from longwave.explore import explore_text as text
 from longwave.explore.exploration import (
     FRAMES,
-    Chosen,
+    Choices,
     bounds,
     examples,
-    first_choices,
+    initial_choices,
     scene_of_choices,
     settings,
     slider_ends,
@@ -36,8 +36,8 @@ from longwave.solutions import CATALOGUE, closed_form
 from longwave.support.request_limits import RequestLimits
 from tests.families import WAVES, family
 
-LONG = first_choices("rational_3").changed(eps="0.005", tolerance="1e-8")
-SOLITON = first_choices("soliton_sech").changed(begin="0", end="0.1", half_width="8")
+LONG = initial_choices("rational_3").changed(eps="0.005", tolerance="1e-8")
+SOLITON = initial_choices("soliton_sech").changed(begin="0", end="0.1", half_width="8")
 
 PATIENT = RequestLimits(2e9, 600.0)
 """A run is expected to take what its first steps take, and on a loaded machine that is long."""
@@ -59,7 +59,7 @@ def test_every_wave_of_the_catalogue_and_every_lattice_scene_can_be_chosen() -> 
     assert sorted(waves) == sorted(CATALOGUE.names)
     assert {setting for _, setting in examples().values()} == {*shipped_scenes("lattices")}
     for wave, setting in examples().values():
-        scene, shipped = scene_of_choices(first_choices(wave, setting)), load_scene(setting)
+        scene, shipped = scene_of_choices(initial_choices(wave, setting)), load_scene(setting)
         assert len(scene.slow_times) == FRAMES
         assert scene.changed(slow_times=shipped.slow_times) == shipped
 
@@ -68,7 +68,7 @@ def test_every_wave_of_the_catalogue_and_every_lattice_scene_can_be_chosen() -> 
 def test_the_first_choices_of_every_wave_are_admitted(wave: str) -> None:
     assert settings(wave)
     for setting in settings(wave):
-        choices = first_choices(wave, setting.name)
+        choices = initial_choices(wave, setting.name)
         scene = scene_of_choices(choices)
         closed_form(wave).check({name: ratio(str(value)) for name, value in scene.parameters})
         if scene.has_moving_wave:
@@ -79,13 +79,13 @@ def test_the_first_choices_of_every_wave_are_admitted(wave: str) -> None:
 @pytest.mark.parametrize("wave", ["gardner_kink", "modified_kawahara_soliton", "nls_dark"])
 def test_waves_of_no_shipped_scene_solve_the_equation_of_their_lattice(wave: str) -> None:
     for setting in settings(wave):
-        scene = scene_of_choices(first_choices(wave, setting.name))
+        scene = scene_of_choices(initial_choices(wave, setting.name))
         assert derivation(scene)
 
 
 @pytest.mark.parametrize("wave", family(AT_HOME, quick=WAVES))
 def test_sliders_stay_where_the_catalogue_admits_values(wave: str) -> None:
-    values = {name: ratio(text) for name, text in first_choices(wave).parameters.items()}
+    values = {name: ratio(text) for name, text in initial_choices(wave).parameters.items()}
     for parameter in closed_form(wave).parameters:
         for end in slider_ends(parameter, values):
             parameter.check({**values, parameter.name: end})
@@ -101,18 +101,16 @@ def test_sliders_stay_where_the_catalogue_admits_values(wave: str) -> None:
         ({"eps": "small"}, "eps must be a number, got 'small' (such as 0.05)"),
         ({"eps": "-1"}, "eps must satisfy eps > 0, got -1 (such as 0.05)"),
         ({"eps": "nan"}, "eps must be finite, got nan (such as 0.05)"),
-        ({"end": "-3"}, "end must satisfy end > begin = 0, got -3 (end later)"),
+        ({"end": "-3"}, "end must satisfy end > begin = 0, got -3 (increase end)"),
         ({"half_width": "0"}, "half_width must satisfy half_width > 0, got 0 (such as 0.5)"),
         ({"tolerance": "1e-30"}, "tolerance must satisfy tolerance >= 1e-11, got 1e-30 (rou"),
     ],
 )
-def test_what_is_typed_wrong_is_told_in_the_librarys_line(
-    changes: dict[str, object], line: str
-) -> None:
-    with pytest.raises(ValueError) as told:  # noqa: PT011  (the whole line is looked at)
+def test_a_wrong_entry_shows_the_librarys_message(changes: dict[str, object], line: str) -> None:
+    with pytest.raises(ValueError) as message:  # noqa: PT011  (the whole line is looked at)
         scene_of_choices(SOLITON.changed(**changes))
-    assert str(told.value).startswith(line)
-    assert "\n" not in str(told.value)
+    assert str(message.value).startswith(line)
+    assert "\n" not in str(message.value)
 
 
 @pytest.mark.parametrize(
@@ -128,16 +126,16 @@ def test_what_is_typed_wrong_is_told_in_the_librarys_line(
         (LONG, "the run must take at most 10 s, got about "),
     ],
 )
-def test_what_cannot_be_run_is_told_in_one_line(choices: Chosen, line: str) -> None:
+def test_a_scene_that_cannot_run_is_a_one_line_message(choices: Choices, line: str) -> None:
     begun = time.process_time()
-    with pytest.raises(ValueError) as told:  # noqa: PT011  (the whole line is looked at)
+    with pytest.raises(ValueError) as message:  # noqa: PT011  (the whole line is looked at)
         compare(scene_of_choices(choices))
-    assert str(told.value).startswith(line)
-    assert "\n" not in str(told.value)
+    assert str(message.value).startswith(line)
+    assert "\n" not in str(message.value)
     assert time.process_time() - begun < 30.0
 
 
-def test_what_a_page_may_take_can_be_said() -> None:
+def test_limits_of_the_page_can_be_set() -> None:
     limits = RequestLimits(1e8, 60.0)
     with pytest.raises(ValueError, match=r"must fit 100 MB, got about .* or raise --max-memory"):
         compare(scene_of_choices(SOLITON), limits=limits)
@@ -196,17 +194,17 @@ def read(html: str) -> Reader:
     return reader
 
 
-def test_the_texts_say_the_errors_with_their_own(found: Comparison) -> None:
+def test_the_texts_show_errors_and_the_runs_own_error(found: Comparison) -> None:
     shown = read(text.outcome_html(found)).texts
     assert "largest difference" in shown
     assert f"{found.errors.max():.3g} ε" in shown
     assert f"± {found.estimate:.2g} ε" in shown
-    assert text.moment(found, 0).startswith("T = 0, t = 0: difference 0 ε")
+    assert text.frame_caption(found, 0).startswith("T = 0, t = 0: difference 0 ε")
     assert "math" in read(text.equation_html(found)).tags
     assert read(text.wave_html(found)).tags.count("math") == 2
 
 
-def test_what_was_typed_is_no_html() -> None:
+def test_typed_text_is_escaped_in_html() -> None:
     hostile = "<script>alert(1)</script>"
     for html in (
         text.refusal_html(Refusal(hostile)),
@@ -230,7 +228,7 @@ def _empty(**changes: object) -> Comparison:
 
 
 def answered(explorer: Explorer) -> Answer:
-    """The last answer; the limit only ends a test that hangs."""
+    """Wait for the final answer; the time limit only ends a hanging test."""
     for _ in range(1200):
         answer = explorer.answer()
         if answer is not None and not isinstance(answer, float):
@@ -240,50 +238,50 @@ def answered(explorer: Explorer) -> Answer:
 
 
 def kill() -> None:
-    """Kill the process of the one explorer that there is."""
+    """Kill the only worker process of the explorer."""
     (process,) = multiprocessing.active_children()
     process.kill()
     process.join()
 
 
 @pytest.mark.slow
-def test_the_newest_choice_is_answered_and_a_process_that_ended_is_replaced(
+def test_the_newest_choice_is_answered_and_a_dead_process_is_replaced(
     found: Comparison,
 ) -> None:
     explorer = Explorer(PATIENT)
     try:
-        explorer.ask(scene_of_choices(SOLITON.changed(eps="0.01", end="1")))
+        explorer.submit(scene_of_choices(SOLITON.changed(eps="0.01", end="1")))
         time.sleep(1.0)
         assert not isinstance(explorer.answer(), Comparison)
-        explorer.ask(scene_of_choices(SOLITON))
+        explorer.submit(scene_of_choices(SOLITON))
         answer = answered(explorer)
         assert isinstance(answer, Comparison)
         np.testing.assert_array_equal(answer.lattice, found.lattice)
-        explorer.ask(scene_of_choices(SOLITON.changed(parameters={"A": "-1"})))
+        explorer.submit(scene_of_choices(SOLITON.changed(parameters={"A": "-1"})))
         refusal = answered(explorer)
         assert isinstance(refusal, Refusal)
         assert refusal.line.startswith("A must satisfy 0 < A, got -1")
         kill()
-        explorer.ask(scene_of_choices(SOLITON))
+        explorer.submit(scene_of_choices(SOLITON))
         assert isinstance(answered(explorer), Comparison)
-        explorer.ask(scene_of_choices(SOLITON))
+        explorer.submit(scene_of_choices(SOLITON))
         kill()
         assert answered(explorer) == Refusal(
-            "the run's process ended before the run (too little memory?)"
+            "the worker process ended before its run (too little memory?)"
         )
-        explorer.drop()
+        explorer.cancel()
         assert explorer.answer() is None
     finally:
         explorer.close()
 
 
 @pytest.mark.slow
-def test_a_limit_below_what_a_process_takes_refuses_the_run_in_one_line(
+def test_a_memory_limit_below_that_of_the_process_is_a_one_line_refusal(
     capfd: pytest.CaptureFixture[str],
 ) -> None:
     explorer = Explorer(RequestLimits(99.0, 60.0))
     try:
-        explorer.ask(scene_of_choices(SOLITON))
+        explorer.submit(scene_of_choices(SOLITON))
         refusal = answered(explorer)
     finally:
         explorer.close()
@@ -295,7 +293,7 @@ def test_a_limit_below_what_a_process_takes_refuses_the_run_in_one_line(
 @pytest.mark.slow
 @pytest.mark.parametrize("wave", AT_HOME)
 def test_every_wave_runs_on_its_first_lattice(wave: str) -> None:
-    found = compare(scene_of_choices(first_choices(wave)), limits=PATIENT)
-    assert found.estimate <= float(first_choices(wave).tolerance)
+    found = compare(scene_of_choices(initial_choices(wave)), limits=PATIENT)
+    assert found.estimate <= float(initial_choices(wave).tolerance)
     assert np.isfinite(found.lattice).all()
     assert float(np.nanmax(found.relative)) < 0.5

@@ -1,4 +1,4 @@
-"""`longwave explore`: its refusals, its server, and the page itself in headless Chromium."""
+"""`longwave explore`: its error messages, its server, and the page itself in headless Chromium."""
 
 import os
 import re
@@ -18,7 +18,7 @@ import pytest
 
 from longwave.__main__ import main
 from longwave.explore import explore_server
-from longwave.explore.exploration import Scene, first_choices
+from longwave.explore.exploration import Scene, initial_choices
 from longwave.explore.exploration_run import Explorer
 from longwave.scenes.description.named_scenes import load_scene
 from longwave.support.request_limits import RequestLimits
@@ -45,16 +45,14 @@ explored = pytest.mark.skipif(
 )
 
 
-def test_a_missing_extra_is_told_with_its_remedy(
-    monkeypatch: pytest.MonkeyPatch, capsys: Output
-) -> None:
+def test_a_missing_extra_names_its_remedy(monkeypatch: pytest.MonkeyPatch, capsys: Output) -> None:
     monkeypatch.setitem(sys.modules, "panel", None)
     assert main(["explore", "--no-browser"]) == 1
     line = "error: longwave explore must have panel, got none (pip install 'longwave[explore]')\n"
     assert capsys.readouterr() == ("", line)
 
 
-def test_a_port_that_is_taken_is_told_in_one_line(capsys: Output) -> None:
+def test_a_taken_port_is_a_one_line_error(capsys: Output) -> None:
     with closing(socket.create_server(("127.0.0.1", 0))) as taken:
         port = taken.getsockname()[1]
         assert main(["explore", "--no-browser", "--port", str(port)]) == 2
@@ -73,7 +71,7 @@ def test_there_is_no_way_to_serve_others(capsys: Output) -> None:
 
 
 class IdleExplorer(Explorer):
-    """One that runs nothing."""
+    """An explorer that runs nothing."""
 
     def ask(self, scene: Scene) -> None:
         pass
@@ -82,7 +80,7 @@ class IdleExplorer(Explorer):
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::PendingDeprecationWarning")  # panel 1.9 renames name to label
 def test_style_sheets_come_from_this_server_also_before_the_page_is_written() -> None:
-    """A browser that came late for its session was sent to another host."""
+    """Catches: a browser that opened its session late and loaded them from another host."""
     from bokeh.document import Document
     from bokeh.models import ImportedStyleSheet
     from panel.io.state import set_curdoc
@@ -91,7 +89,7 @@ def test_style_sheets_come_from_this_server_also_before_the_page_is_written() ->
 
     document = Document()
     with set_curdoc(document):
-        explore_server.keep_style_sheets_here(document)
+        explore_server.use_local_style_sheets(document)
         page = ExplorePage(IdleExplorer())
         page.view().server_doc(document)
         page.wave.value = "kink"
@@ -99,12 +97,12 @@ def test_style_sheets_come_from_this_server_also_before_the_page_is_written() ->
         sheet.url for root in document.roots for sheet in root.select({"type": ImportedStyleSheet})
     }
     assert sheets
-    assert all(sheet.startswith(explore_server.LOCAL) for sheet in sheets)
+    assert all(sheet.startswith(explore_server.LOCAL_STYLE_SHEETS) for sheet in sheets)
 
 
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::PendingDeprecationWarning")  # panel 1.9 renames name to label
-def test_another_lattice_is_begun_with_its_own_choices() -> None:
+def test_another_lattice_starts_with_its_own_choices() -> None:
     from longwave.explore.explore_page import ExplorePage
 
     page = ExplorePage(IdleExplorer())
@@ -112,12 +110,12 @@ def test_another_lattice_is_begun_with_its_own_choices() -> None:
     assert len(page.setting.options) > 1
     for setting in page.setting.options.values():
         page.setting.value = setting
-        assert page.choices() == first_choices("kdv_soliton", setting)
+        assert page.choices() == initial_choices("kdv_soliton", setting)
 
 
 @dataclass
 class Served:
-    """A server in a process of its own."""
+    """A server in its own process."""
 
     process: subprocess.Popen[str]
     port: int
@@ -132,7 +130,7 @@ class Served:
         return f"{self.root}?token={self.token}"
 
     def answer(self, path: str, host: str, *lines: str) -> tuple[int, str]:
-        """Status and text of what comes to a request that is written by hand."""
+        """Return status and text of the answer to a hand-written request."""
         request = "\r\n".join((f"GET {path} HTTP/1.1", f"Host: {host}", *lines, "", ""))
         with closing(socket.create_connection(("127.0.0.1", self.port), timeout=600)) as line:
             line.sendall(request.encode())
@@ -143,7 +141,7 @@ class Served:
         return int(status), text.decode(errors="replace")
 
     def talk(self, path: str, host: str, origin: str) -> int:
-        """The status that comes to a request for a websocket."""
+        """Return the status of the answer to a websocket request."""
         _, page = self.answer(f"/?token={self.token}", f"127.0.0.1:{self.port}")
         token = re.search(r'"token":"([^"]+)"', page)
         assert token
@@ -155,7 +153,7 @@ class Served:
         return status
 
     def runners(self) -> int:
-        """Processes that were started to run what is chosen."""
+        """Return the worker processes of the page."""
         children = Path(f"/proc/{self.process.pid}/task/{self.process.pid}/children").read_text()
         lines = [Path(f"/proc/{child}/cmdline").read_bytes() for child in children.split()]
         return sum(b"spawn_main" in line for line in lines)
@@ -183,7 +181,7 @@ def served() -> Iterator[Served]:
 
 
 def listening(process: subprocess.Popen[str]) -> set[tuple[str, int]]:
-    """The addresses and ports on which the process listens, as the system has them."""
+    """Return the addresses and ports on which the process listens, as the system reports them."""
     inodes = set()
     for entry in Path(f"/proc/{process.pid}/fd").iterdir():
         if match := re.fullmatch(r"socket:\[(\d+)\]", os.readlink(entry)):
@@ -225,10 +223,10 @@ WITH, WITHOUT = "/?token={token}", "/?token=wrong"
         ("/static/nothing", HERE, 404),
     ],
 )
-def test_whoever_names_another_host_or_has_no_token_is_refused(
+def test_requests_for_another_host_or_without_the_token_are_refused(
     served: Served, path: str, host: str, status: int
 ) -> None:
-    """A name of another page's may lead here: its browser then takes us for that host."""
+    """A foreign host name may resolve to this machine; the browser then takes us for that host."""
     port, token = served.port, served.token
     found, _ = served.answer(path.format(token=token), host.format(port=port))
     assert found == status
@@ -246,7 +244,7 @@ def test_whoever_names_another_host_or_has_no_token_is_refused(
         ("/", HERE, HERE, 403),
     ],
 )
-def test_the_websocket_asks_for_host_origin_and_token(
+def test_the_websocket_checks_host_origin_and_token(
     served: Served, query: str, host: str, origin: str, status: int
 ) -> None:
     port, path = served.port, f"/ws{query[1:]}".format(token=served.token)
@@ -256,7 +254,7 @@ def test_the_websocket_asks_for_host_origin_and_token(
 @pytest.mark.slow
 @pytest.mark.skipif(not Path("/proc/self/net/tcp").exists(), reason="the system has no /proc")
 def test_pages_that_no_browser_shows_start_no_processes(served: Served) -> None:
-    """The first page's, begun beforehand, is the only one."""
+    """Only the first page's process exists, which is started in advance."""
     for _ in range(explore_server.MOST_PAGES + 2):
         status, _ = served.answer(f"/?token={served.token}", f"127.0.0.1:{served.port}")
         assert status == 200
@@ -265,7 +263,7 @@ def test_pages_that_no_browser_shows_start_no_processes(served: Served) -> None:
 
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::PendingDeprecationWarning")  # panel 1.9 renames name to label
-def test_so_many_pages_are_shown_and_kept_at_a_time(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_number_of_pages_and_sessions_is_limited(monkeypatch: pytest.MonkeyPatch) -> None:
     import panel as pn
     from bokeh.document import Document
     from panel.io.state import set_curdoc
@@ -274,11 +272,11 @@ def test_so_many_pages_are_shown_and_kept_at_a_time(monkeypatch: pytest.MonkeyPa
 
     monkeypatch.setattr(explore_server, "MOST_PAGES", 1)
     monkeypatch.setattr(explore_server, "MOST_SESSIONS", 3)
-    asked: list[Explorer] = []
-    told: list[str] = []
-    monkeypatch.setattr(ExplorePage, "turn_away", lambda _, line: told.append(line))
+    requests: list[Explorer] = []
+    output: list[str] = []
+    monkeypatch.setattr(ExplorePage, "refuse_with", lambda _, line: output.append(line))
     monkeypatch.setattr(Explorer, "start", lambda _: None)
-    monkeypatch.setattr(Explorer, "ask", lambda one, _: asked.append(one))
+    monkeypatch.setattr(Explorer, "submit", lambda one, _: requests.append(one))
     monkeypatch.setattr(pn.state, "add_periodic_callback", lambda *_: None)
     shown: list[Any] = []
     monkeypatch.setattr(pn.state, "onload", shown.append)
@@ -286,25 +284,25 @@ def test_so_many_pages_are_shown_and_kept_at_a_time(monkeypatch: pytest.MonkeyPa
     for _ in range(4):
         with set_curdoc(Document()):
             views.append(pages.open())
-    assert (len(shown), asked) == (3, [])
+    assert (len(shown), requests) == (3, [])
     for begin in shown:
         begin()
-    assert len(asked) == 1
-    assert told == 2 * [explore_server.TOO_MANY]
+    assert len(requests) == 1
+    assert output == 2 * [explore_server.TOO_MANY]
     assert isinstance(views[-1], pn.pane.HTML)
     pages.close()
 
 
 @dataclass
 class Opened:
-    """A page in the browser, and every address that it asked for."""
+    """A page in the browser, and every address that it requested."""
 
     page: Any
-    asked: list[str]
+    requests: list[str]
     errors: list[str]
 
     def finished(self) -> None:
-        """Wait until a run that was asked for has come to its end."""
+        """Wait until the submitted run has finished."""
         self.page.locator(".status.done").wait_for(timeout=PATIENCE)
 
     def largest(self) -> str:
@@ -312,7 +310,7 @@ class Opened:
         return text
 
     def figure(self) -> bytes:
-        """The picture of lattice and wave at one time, once two looks at it are the same."""
+        """Return the profile's picture once two successive screenshots agree."""
         before = b""
         for _ in range(100):
             now: bytes = self.page.locator(".profile").screenshot()
@@ -323,7 +321,7 @@ class Opened:
         raise AssertionError("the picture does not come to rest")
 
     def changed_from(self, text: str) -> None:
-        """Wait until the largest difference is another."""
+        """Wait until the largest difference has changed."""
         for _ in range(PATIENCE // 100):
             if self.page.locator(".status.done").count() and self.largest() != text:
                 return
@@ -339,9 +337,11 @@ def opened(served: Served) -> Iterator[Opened]:
         browser = tool.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
         page = browser.new_page(viewport={"width": 1400, "height": 2200})
         found = Opened(page, [], [])
-        page.on("request", lambda request: found.asked.append(request.url))
+        page.on("request", lambda request: found.requests.append(request.url))
         page.on("pageerror", lambda error: found.errors.append(str(error)))
-        page.on("console", lambda said: said.type == "error" and found.errors.append(said.text))
+        page.on(
+            "console", lambda message: message.type == "error" and found.errors.append(message.text)
+        )
         page.goto(served.address, timeout=PATIENCE)
         found.finished()
         yield found
@@ -354,7 +354,7 @@ def opened(served: Served) -> Iterator[Opened]:
 def test_a_browser_is_refused_by_another_name_or_without_the_token(
     which: str, opened: Opened, served: Served
 ) -> None:
-    """The name is lead to this machine, as a page of another host can have it lead."""
+    """A foreign host name resolves to this machine here."""
     page = opened.page.context.browser.new_page()
     there = f"http://rebound.example:{served.port}/?token={served.token}"
     answer = page.goto(there if which == "host" else served.root, timeout=PATIENCE)
@@ -383,7 +383,7 @@ def test_a_wave_is_chosen_and_a_slider_moved(opened: Opened) -> None:
 
 @explored
 @pytest.mark.slow
-def test_what_is_not_admitted_is_told_in_the_librarys_line(opened: Opened) -> None:
+def test_an_inadmissible_choice_shows_the_librarys_message(opened: Opened) -> None:
     page = opened.page
     page.locator(".choose-wave select").select_option(label="Rogue wave on the cnoidal wave")
     page.wait_for_selector(".entry-k input", timeout=PATIENCE)
@@ -405,7 +405,7 @@ def test_what_is_not_admitted_is_told_in_the_librarys_line(opened: Opened) -> No
 
 @explored
 @pytest.mark.slow
-def test_a_ready_scene_is_run_and_taken_away(opened: Opened, tmp_path: Path) -> None:
+def test_an_example_is_run_and_downloaded(opened: Opened, tmp_path: Path) -> None:
     page, before = opened.page, opened.largest()
     title = "KdV soliton on the Toda lattice"
     page.locator(".choose-example select").select_option(label=title)
@@ -454,7 +454,7 @@ def test_on_a_phone_the_controls_are_a_drawer_and_nothing_is_wider_than_the_scre
 def test_no_request_leaves_this_machine(opened: Opened, served: Served) -> None:
     outside = [
         address
-        for address in opened.asked
+        for address in opened.requests
         if not address.startswith((served.root, "data:", "blob:"))
     ]
     assert outside == []
@@ -463,13 +463,13 @@ def test_no_request_leaves_this_machine(opened: Opened, served: Served) -> None:
 
 @pytest.mark.slow
 def test_ctrl_c_ends_the_server_in_one_line(served: Served) -> None:
-    """The last test: the server is gone afterwards."""
+    """This must be the last test, because the server is gone afterwards."""
     begun = time.monotonic()
     served.process.send_signal(signal.SIGINT)
     out, err = served.process.communicate(timeout=600)
     taken = time.monotonic() - begun
     passing = ("Refusing websocket connection", "so far (Ctrl-C stops it)")
-    told = [line for line in err.splitlines() if not any(text in line for text in passing)]
-    assert (out, told) == ("", ["longwave explore: interrupted"])
+    output = [line for line in err.splitlines() if not any(text in line for text in passing)]
+    assert (out, output) == ("", ["longwave explore: interrupted"])
     assert served.process.returncode == 130
     assert taken < 30.0, "main returns after 0.05 s, even with the machine overloaded six times"

@@ -297,7 +297,7 @@ def test_the_command_fits_writes_and_warns(
     [
         (["a.csv", "--scene", "struck.toml"], "--scene must be given with --free"),
         (["a.csv", "--free", "K2"], "--scene must be given with --free"),
-        (["a.csv", "b.csv"], "FILE.csv must be one without --scene, got 2"),
+        (["a.csv", "b.csv"], "FILE.csv must be one file without --scene, got 2"),
         (["a.csv", "--scene", "s", "--free", "K2", "--law", "K2*x"], "--law must not be given"),
     ],
 )

@@ -1,7 +1,7 @@
-"""Put something hostile in the place of a function, in every process that is started.
+"""Replace a function by a hostile one in every process that is started.
 
-``HOSTILE`` is ``how module:function``: a call that takes more and more memory, or one that never
-ends, in compiled code that keeps Python's lock.
+The variable ``HOSTILE`` is ``how module:function``: a call that takes more and more memory, or one
+that never ends, in compiled code that holds the GIL.
 """
 
 import ctypes
@@ -36,7 +36,7 @@ HOW = {"memory": take_memory, "time": never_end}
 
 
 class Replacing(importlib.abc.MetaPathFinder):
-    """Finds one module, in which a function is replaced."""
+    """Import hook that finds one module and replaces a function in it."""
 
     def __init__(self, how: str, place: str) -> None:
         self._hostile = HOW[how]
