@@ -1,11 +1,11 @@
-"""A window of cells that moves with a wave on a constant background.
+"""Window of cells that moves with a wave on a constant background.
 
-Its cells are stored on a ring, so the kernels know one boundary only. What crosses the ring's seam
-is wrong; the window keeps it away from the compared cells.
+The cells are stored on a ring, so the kernels need only one kind of boundary. Signals that cross
+the ring's seam are wrong; the window keeps them away from the compared cells.
 
-What it is fed with in front is the wave's initial far field, moved rigidly. In the frame that moves
-with it this is one smooth function, wanted on few hundred cells over and over again. It is
-therefore evaluated once, on Chebyshev points, and interpolated from there.
+New cells in front are filled with the wave's initial far field, moved rigidly. In the co-moving
+frame this is one smooth function, needed on a few hundred cells at every move. It is therefore
+evaluated once on Chebyshev points and interpolated.
 """
 
 import math
@@ -25,150 +25,158 @@ from longwave.support.compiled.jit import doubles, njit
 Array = NDArray[np.float64]
 
 MARGIN = 64
-"""Sites beyond the distance of sound that a window leaves for a signal's dispersive front."""
+"""Sites that a window leaves for a signal's dispersive front, beyond the distance that sound
+travels."""
 
 FRONT = 12.0
-"""Airy lengths by which a signal's front runs ahead of the sound: Ai(12) is 1e-13."""
+"""Distance by which a signal's front leads the sound, in Airy lengths: Ai(12) is 1e-13."""
 
 SIZE_MULTIPLE = 64
-"""Sizes are multiples of this, which suits the kernels."""
+"""Divisor of all window sizes, chosen to suit the kernels."""
 
 STRIDE = 64
 """Most cells by which a window moves at once."""
 
 
 WATCHED = 8
-"""Cells next to the fed ones on which feed and lattice are compared."""
+"""Number of cells next to the fed ones in which feed and lattice are compared."""
 
 
 class WindowWave(Protocol):
-    """What a window is to know of the wave in it."""
+    """Wave as a window needs it: its data, its far field and its speeds."""
 
     @property
     def name(self) -> str:
-        """What a message calls the wave."""
+        """Name of the wave in messages."""
 
     @property
     def t0(self) -> float:
-        """The time at which it begins."""
+        """Start time."""
 
     @property
     def duration(self) -> float:
-        """The time from then on for which it is compared."""
+        """Duration of the comparison, from t0 on."""
 
     @property
     def speed(self) -> float:
-        """Cells a unit of time by which it moves."""
+        """Speed of the wave's frame, in cells per unit of time."""
 
     @property
     def compared(self) -> int:
-        """Cells on either side of where its speed leads to in which it is compared."""
+        """Number of compared cells on either side of the frame's origin."""
 
     @property
     def scale(self) -> float:
-        """The unit of errors."""
+        """Unit of errors."""
 
     @property
     def background_speed(self) -> float | None:
-        """The speed of its far field; None where the background is not constant."""
+        """Speed of sound in the far field; None if the background is not constant."""
 
     @property
     def fastest(self) -> float:
-        """The speed of the fastest signal."""
+        """Speed of the fastest signal in the far field."""
 
     def frame(self, t: float) -> int:
-        """The cell nearest to where the wave's speed leads to by then."""
+        """Return the cell nearest to the frame's origin at time t."""
 
     def initial_data(self, sites: Sites) -> tuple[Array, Array]:
-        """Fields and velocities at t0, (fields, cells)."""
+        """Return fields and velocities at t0, each (fields, cells)."""
 
     def rigid_offsets(self, speed: float, sites: Sites, t: float) -> Array:
-        """Cells at time t, from where the wave began, in a frame that moves at ``speed``."""
+        """Return positions at time t, relative to the wave's start, in a frame at ``speed``."""
 
     def rigid_data(self, speed: float, offsets: Array) -> tuple[Array, Array]:
-        """Fields and velocities, as `initial_data`, of the initial wave that moves rigidly."""
+        """Return fields and velocities of the initial wave moving rigidly at ``speed``.
+
+        The uniform far field is subtracted (see `uniform`).
+        """
 
     def uniform(self, sites: Sites, t: float) -> Array:
-        """What fields are at time t in these cells beside that: uniform in strain and velocity."""
+        """Return the fields of the uniform far field (constant strain and velocity) at time t."""
 
 
 def front(speed: float, duration: float) -> float:
-    """Sites by which the dispersive front of a signal of that speed is ahead of it."""
+    """Return the distance in sites by which a signal's dispersive front leads the signal."""
     return max(MARGIN, FRONT * (speed * duration / 8.0) ** (1.0 / 3.0))
 
 
 def fed_cells(moved: int, ratio: float) -> int:
-    """Cells that a window feeds when it has moved by so many.
+    """Return the number of front cells that a window fills after it has ``moved`` by some cells.
 
-    Signals from its seam, ``ratio`` times as fast as it, have reached them since the last move.
+    Signals from the seam, ``ratio`` times as fast as the window, can have reached these cells since
+    the last move.
     """
     faster = math.ceil(ratio * moved) - MARGIN // 2  # the rest of the margin is their front
     return moved + max(moved, faster) + MARGIN
 
 
 def least_window(reach: int, ratio: float = 1.0) -> int:
-    """Fewest cells of a window whose ends keep away from the cells within ``reach``."""
+    """Return the fewest cells of a window whose ends do not affect the cells within ``reach``.
+
+    ``ratio`` is the speed of the fastest signal over that of the window.
+    """
     return 2 * (reach + max(2 * (STRIDE + MARGIN), fed_cells(STRIDE + 1, ratio) + WATCHED))
 
 
 def signal_drift(wave: WindowWave) -> int:
-    """Cells by which the fastest signal gains on the wave's frame in that time."""
+    """Return the number of cells that the fastest signal gains on the wave's frame in the run."""
     return math.ceil(max(0.0, wave.fastest - wave.speed) * wave.duration)
 
 
 SIZE_RATIO = 1.3
-"""Size of a control run's window, in units of that of the run before."""
+"""Size of a control run's window, in units of the run before it."""
 
 WINDOW_DECAY = 5.0
-"""A window's error falls like its size to this power at least; measured: between 5.8 and 7.4."""
+"""Assumed power law: a window's error falls at least like size^-5 (measured: -5.8 to -7.4)."""
 
 WINDOW_SAFETY = 3.0
-"""Factor on the difference of two windows, enough where the error falls like 1/size^1.1. That of a
-small one fell by a fifth only where it grew by 1.25: it had hardly left the wave, a rational one of
-order 5."""
+"""Safety factor on the difference of two windows; it suffices if the error falls like 1/size^1.1.
+The slowest decay met was by a fifth for a size factor of 1.25, in a window hardly larger than its
+wave (rational, order 5)."""
 
 LARGEST_GROWTH = 4.0
 """Largest factor on a size from one choice to the next."""
 
-SEEN = 16
-"""Moves of a window at which runs are compared, beside the times that are asked for."""
+COMPARED_MOVES = 16
+"""Number of window moves at which runs are compared, in addition to the requested times."""
 
 
 def round_up(sites: float) -> int:
-    """The next multiple of ``SIZE_MULTIPLE``."""
+    """Return the next larger multiple of ``SIZE_MULTIPLE``."""
     return SIZE_MULTIPLE * math.ceil(sites / SIZE_MULTIPLE)
 
 
 def widened(sites: float, excess: float, decay: float) -> float:
-    """The size of a window whose error, which falls like 1/size^decay, is smaller by ``excess``."""
+    """Return the window size that reduces the error by ``excess``, if it falls like size^-decay."""
     return sites * min(LARGEST_GROWTH, max(1.2, 1.05 * excess ** (1.0 / decay)))
 
 
 def judged_times(wave: WindowWave, exact: Sequence[float]) -> tuple[float, ...]:
-    """The exact times and some of the stops that a window's moves make anyway."""
+    """Return the times at which runs are compared: exact times and some of the window's moves."""
     moves = [t for t in window_moves(wave) if t < wave.t0 + wave.duration]
-    return tuple(sorted({*moves[:: max(1, len(moves) // SEEN)], *exact}))
+    return tuple(sorted({*moves[:: max(1, len(moves) // COMPARED_MOVES)], *exact}))
 
 
 def window_moves(wave: WindowWave) -> tuple[float, ...]:
-    """The times, counted from t0, after which sound has gone ``STRIDE`` sites again."""
+    """Return the times of the window's moves: each time the wave has travelled ``STRIDE`` sites."""
     stay = STRIDE / wave.speed
     count = math.ceil(wave.duration / stay)
     return tuple(wave.t0 + stay * move for move in range(1, count + 1))
 
 
 DEGREES = (16, 32, 64, 128)
-"""Degrees tried: Y2's far field takes the first of them."""
+"""Degrees tried for the interpolation; the far field of Y2 needs the first."""
 
 INTERPOLATION_ERROR = 1e-14
-"""Largest error of the interpolation, of y/eps or of what is largest."""
+"""Largest interpolation error, relative to the wave's scale or to the largest value."""
 
 
 def _chebyshev_sums(coefficients: Array, u: Array) -> Array:
-    """Sums of coefficients[:, k] T_k(u), of shape (rows of ``coefficients``, u.size)."""
-    found = np.empty((len(coefficients), u.size))
-    _clenshaw(coefficients, u, found, np.empty_like(u))
-    return found
+    """Return the Chebyshev sums of coefficients[:, k] T_k(u), shape (len(coefficients), u.size)."""
+    sums = np.empty((len(coefficients), u.size))
+    _clenshaw(coefficients, u, sums, np.empty_like(u))
+    return sums
 
 
 @njit(
@@ -177,7 +185,7 @@ def _chebyshev_sums(coefficients: Array, u: Array) -> Array:
     fastmath={"contract"},
 )
 def _clenshaw(coefficients: Array, u: Array, found: Array, work: Array) -> None:
-    """Clenshaw's sums, all places a term at a time: the processor then takes several at once."""
+    """Write Clenshaw's sums to ``found``, looping over points innermost so that SIMD applies."""
     rows, terms = coefficients.shape
     for row in range(rows):
         found[row] = work[:] = 0.0
@@ -194,9 +202,9 @@ def _clenshaw(coefficients: Array, u: Array, found: Array, work: Array) -> None:
 
 @dataclass(frozen=True)
 class Tail:
-    """The initial wave that moves rigidly at ``speed``, on a stretch of its frame.
+    """Initial wave moving rigidly at ``speed``, interpolated on an interval of its frame.
 
-    ``low`` and ``high`` are offsets in cells from where the wave began.
+    ``low`` and ``high`` are the interval's ends in cells relative to the wave's start.
     """
 
     wave: WindowWave
@@ -205,7 +213,7 @@ class Tail:
     high: float
 
     def at(self, sites: Sites, t: float) -> tuple[Array, Array]:
-        """Fields and velocities (fields, cells) at time t in cells of the stretch."""
+        """Return fields and velocities (fields, cells) at time t, in cells of the interval."""
         offsets = self.wave.rigid_offsets(self.speed, sites, t)
         if self._coefficients is None:
             values = self._rows(offsets)
@@ -215,11 +223,11 @@ class Tail:
         return f + self.wave.uniform(sites, t), v
 
     def _rows(self, offsets: Array) -> Array:
-        """Fields, then velocities."""
+        """Return fields and velocities at the offsets, stacked along the first axis."""
         return np.concatenate(self.wave.rigid_data(self.speed, offsets))
 
     def _unit(self, offsets: Array) -> Array:
-        """The stretch as -1 .. 1."""
+        """Map offsets of the interval to -1 .. 1."""
         return (offsets - 0.5 * (self.low + self.high)) * (2.0 / (self.high - self.low))
 
     def _exact(self, u: Array) -> Array:
@@ -228,37 +236,39 @@ class Tail:
 
     @cached_property
     def _coefficients(self) -> Array | None:
-        """Those of fields and velocities; None if no degree gives what lies between its points."""
+        """Chebyshev coefficients of fields and velocities; None if no degree is accurate enough."""
         for degree in DEGREES:
             points = chebyshev.chebpts1(degree + 1)
             values = self._exact(points)
-            level = values[:, 0]  # small coefficients then have small roundings
-            found = (values.T - level).T @ chebyshev.chebvander(points, degree) * 2.0 / points.size
-            found[:, 0] = 0.5 * found[:, 0] + level
+            level = values[:, 0]  # subtracted so that small coefficients have small rounding errors
+            sums = (values.T - level).T @ chebyshev.chebvander(points, degree)
+            coefficients = sums * 2.0 / points.size
+            coefficients[:, 0] = 0.5 * coefficients[:, 0] + level
             between = np.concatenate([[-1.0], 0.5 * (points[1:] + points[:-1]), [1.0]])
             exact = self._exact(between)
-            error = np.abs(_chebyshev_sums(found, between) - exact).max()
+            error = np.abs(_chebyshev_sums(coefficients, between) - exact).max()
             if error <= INTERPOLATION_ERROR * max(self.wave.scale, np.abs(exact).max()):
-                return found
+                return coefficients
         return None
 
 
 LARGEST_MISFIT = 1e-5
-"""Largest difference of feed and lattice in units of the scale; a sound one stays far below."""
+"""Largest accepted difference of feed and lattice, in units of the scale; a correct feed is far
+below."""
 
 
 @dataclass
 class Window(Domain):
-    """Cells about a wave on a constant background: front cells are fed, rear cells are dropped.
+    """Moving window about a wave on a constant background: it fills front cells, drops rear cells.
 
-    It moves at fixed times, whatever the time step: two runs that differ in their step alone have
-    the same error from the window, which cancels in their difference.
+    The window moves at fixed times, whatever the time step. Two runs that differ only in their step
+    thus have the same window error, which cancels in their difference.
 
-    The front is fed with the initial wave's own far field, moved at the background's speed of
-    sound. Cells that the seam's signals can have reached since the last move are fed anew with it;
-    the window outruns those at its rear. Each feed is compared with the cells behind it;
+    New front cells are filled with the initial wave's far field, moved at the background's speed of
+    sound. So are the cells that signals from the seam can have reached since the last move; the
+    window outruns the signals at its rear. Each feed is compared with the cells behind it;
     ``mismatch`` is the largest difference so far, in units of the wave's scale. Raises ValueError
-    for a wave without a constant background, and for compared cells too near the window's ends.
+    for a wave without a constant background, and if compared cells are too near the window's ends.
     """
 
     wave: WindowWave
@@ -282,25 +292,28 @@ class Window(Domain):
         self.moves = frozenset(window_moves(self.wave))
 
     def memory(self) -> Memory:
-        """The largest mismatch of a feed so far."""
+        """Return the checkpoint state: the largest feed mismatch so far."""
         return {"mismatch": self.mismatch}
 
     def recall(self, memory: Memory, t: float) -> None:
-        """Have seen that mismatch."""
+        """Restore the mismatch from a checkpoint."""
         self.mismatch = memory["mismatch"]
 
     def start(self) -> State:
-        """The initial state, centred on where the wave begins."""
+        """Return the initial state, centred on the wave's frame at t0."""
         left = self.left(self.wave.t0)
         f, v = self.wave.initial_data(np.arange(left, left + self.size))
         return stored_chain(self.wave.t0, left, f, v)
 
     def left(self, t: float) -> int:
-        """The first cell once the window has moved at time t."""
+        """Return the window's first cell after its move at time t."""
         return self.wave.frame(t) - self.size // 2
 
     def follow(self, state: State) -> BlowUp | None:
-        """Move with the wave, feeding the cells in front; a feed that does not fit is told."""
+        """Move the window to the state's time and fill its front cells.
+
+        Returns a fault if the feed does not match the lattice, otherwise None.
+        """
         left, cells = self.left(state.t), state.f.shape[1]
         fed = fed_cells(left - state.left, self._ratio)
         state.left = left
@@ -312,22 +325,22 @@ class Window(Domain):
         return fault
 
     def _misfit(self, state: State, sites: Sites, feed: Array) -> BlowUp | None:
-        """The fault in the first cell where feed and lattice differ too much, None if none does."""
-        apart = np.abs(state.f.take(sites, axis=1, mode="wrap") - feed)
-        misses = apart.max(axis=0) / self.wave.scale
+        """Return a fault at the first cell where feed and lattice differ too much; None without."""
+        differences = np.abs(state.f.take(sites, axis=1, mode="wrap") - feed)
+        misses = differences.max(axis=0) / self.wave.scale
         most = float(misses.max())
         self.mismatch = max(self.mismatch, most)
         if not most > LARGEST_MISFIT:
             return None
         criterion = (
-            f"the window's feed misses the lattice by {most:.2g} eps, "
-            f"more than {LARGEST_MISFIT:g} eps (the wave's far field is not what is fed)"
+            f"the window's feed differs from the lattice by {most:.2g} eps, "
+            f"more than {LARGEST_MISFIT:g} eps (the wave's far field does not move rigidly)"
         )
         return BlowUp(criterion, state.t, int(sites[misses > LARGEST_MISFIT][0]))
 
     @cached_property
     def _tail(self) -> Tail:
-        """The far field on all offsets from the background's sound at which moves feed or watch."""
+        """Far field on all offsets at which the window's moves fill or check cells."""
         drift = (self.background_speed - self.wave.speed) * self.wave.duration
         end = (self.size + 1) // 2
         begin = end - (fed_cells(STRIDE + 1, self._ratio) + WATCHED)
@@ -336,5 +349,8 @@ class Window(Domain):
 
 
 def stored_chain(t: float, left: int, f: Array, v: Array) -> State:
-    """A state of the cells from ``left`` on, (fields, cells), stored as a window has them."""
+    """Return a state of the cells from ``left`` on, stored cyclically as a window stores them.
+
+    ``f`` and ``v`` are (fields, cells).
+    """
     return State(t, np.roll(f, left, axis=1), np.roll(v, left, axis=1), left)

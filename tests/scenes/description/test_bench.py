@@ -455,7 +455,7 @@ REFUSED: list[tuple[dict[str, Any], str]] = [
         {"force": [{"site": 1, "value": "sqrt((t-5)**2)"}]},
         "value in [[force]] must have a slope wi",
     ),
-    ({"losses": {"bond": 1e12}}, "must take at most 1e+10 steps, got about"),
+    ({"losses": {"bond": 1e12}}, "must need at most 1e+10 steps, got about"),
     ({"observables": {"sensors": {"sites": []}}}, "sites of sensors must be a list of cells"),
     ({"observables": {"sensors": {"sites": [12]}}}, "site of sensors must be 0 to 11, got 12"),
     ({"observables": {"mode_energies": [1]}}, "mode_energies must be of a chain of one field"),
@@ -487,7 +487,7 @@ def test_a_bench_is_run_from_its_start_and_with_a_chain() -> None:
     with pytest.raises(ValueError, match=r"force must be with a chain on a bench, got no \[chain"):
         Scene.of(name="pushed", wave="kdv_soliton", lattice="toda", eps=0.1, force=[])
     found = run(Scene.of(**changed(times=[0, 1], observables={"state": True})))
-    with pytest.raises(ValueError, match="run must carry its states"):
+    with pytest.raises(ValueError, match="run must hold its states"):
         resume(found)
     assert Bench.of_tables({"chain": {"sites": 3}, "start": {"rest": True}}).state
 
@@ -520,8 +520,8 @@ def test_a_piston_goes_further_than_a_grain_is_compressed(tmp_path: Path) -> Non
 def test_the_reason_for_too_many_steps_is_what_asks_for_them() -> None:
     """Catches: stiff springs that are told as losses or drives."""
     for tables, reason in (
-        ({"constants": {"K2": 1e30, "K4": 2}}, "for the fastest waves have the frequency 2e\\+15"),
-        ({"losses": {"site": 1e15}}, "losses and what drives a chain must take at most"),
+        ({"constants": {"K2": 1e30, "K4": 2}}, "the highest frequency is 2e\\+15"),
+        ({"losses": {"site": 1e15}}, "losses and drivers must need at most"),
     ):
         with pytest.raises(ValueError, match=reason):
             run(Scene.of(**changed(**tables)))

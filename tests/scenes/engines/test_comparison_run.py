@@ -128,16 +128,16 @@ def test_the_curve_passes_through_the_snapshots(ring_scene: Callable[..., Scene]
 
 
 def test_the_dataset_says_what_was_run(ring_scene: Callable[..., Scene]) -> None:
-    seen: list[float] = []
-    measured = run(ring_scene(), seen.append)
+    shares: list[float] = []
+    measured = run(ring_scene(), shares.append)
     assert isinstance(measured, xr.Dataset)
     assert measured.strain.dims == ("time", "site")
     assert scene_of(measured).wave == "rogue_cn"
     assert "numba" in measured.attrs["versions"]
     assert measured.attrs["force_evaluations"] == 17 * measured.attrs["steps"]
     assert measured.attrs["blow_up"] == ""
-    assert seen == sorted(seen)
-    assert seen[-1] == 1.0
+    assert shares == sorted(shares)
+    assert shares[-1] == 1.0
 
 
 def test_energy_of_a_commensurate_ring(ring_scene: Callable[..., Scene]) -> None:
