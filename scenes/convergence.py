@@ -27,15 +27,15 @@ from longwave.support.user_files import shown
 Array = NDArray[Any]
 
 FEWEST = 3
-"""Fewest errors from which a rate and its uncertainty can be fitted."""
+"""Minimum number of errors from which a rate and its uncertainty can be fitted."""
 
 MOST = 20
-"""Most values of eps."""
+"""Maximum number of values of eps."""
 
 SHARE = 0.05
 """Largest discretisation error of a run, as a fraction of the error that it measures."""
 
-USUAL = (2.0, 1.4, 1.0, 0.7)
+DEFAULT_FACTORS = (2.0, 1.4, 1.0, 0.7)
 """Default values of eps, in units of the scene's eps."""
 
 
@@ -193,11 +193,11 @@ def fitted_rate(
 
 
 def _eps_values(scene: Scene, eps: Sequence[float]) -> list[float]:
-    """Return the values of eps, largest first, by default `USUAL` times the scene's.
+    """Return the values of eps, largest first, by default `DEFAULT_FACTORS` times the scene's.
 
     Raises ValueError for too few, too many, repeated or invalid values.
     """
-    values = [finite("eps", value) for value in eps or [f * scene.eps for f in USUAL]]
+    values = [finite("eps", value) for value in eps or [f * scene.eps for f in DEFAULT_FACTORS]]
     for value in values:
         positive("eps", value)
     if not FEWEST <= len(set(values)) == len(values) <= MOST:

@@ -32,8 +32,8 @@ VANISHING = 1e-13
 class ModulationGrid:
     """Coefficients of ``i A_T + p A_XX + q |A|^2 A = 0`` on a grid; all arrays have one shape.
 
-    ``growth_rate`` is the plane wave's largest growth rate in T, 0 where it is stable.  p, q and
-    ``growth_rate`` are NaN at a resonance and where the lattice itself is unstable.
+    ``growth_rate`` is the plane wave's largest growth rate in T, 0 where it is stable.  At a
+    resonance p, q and ``growth_rate`` are NaN; where the lattice itself is unstable, omega too.
     """
 
     k: Array

@@ -19,7 +19,7 @@ from scipy.stats import t as student
 
 from longwave.lattice.state import State
 from longwave.scenes.description.bench import OF_MEANS
-from longwave.scenes.engines.bench_readings import BenchReadings, chain_of
+from longwave.scenes.engines.bench_readings import BenchReadings, bench_and_chain
 from longwave.support.checkpoint import begin_loop
 from longwave.support.request_limits import ExpectedCost, check_request
 
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 FIRST_RUNS, MOST_RUNS = 64, 100_000
-"""Smallest and largest number of runs. The minimum keeps the intervals honest: a small sample that
+"""Minimum and maximum number of runs. The minimum keeps the intervals honest: a small sample that
 is low by chance also has a small spread. With a minimum of 8 runs only 86 of 100 intervals of 95 %
 contained the true mean energy of a mode, which is distributed exponentially."""
 
@@ -80,7 +80,7 @@ class Bath:
     def __init__(self, scene: Scene, bench: Bench, chain: DrivenChain) -> None:
         assert bench.noise is not None
         self.noise, self.cells = bench.noise, bench.sites
-        self.readings = BenchReadings(scene, *chain_of(scene, lossless=True))
+        self.readings = BenchReadings(scene, *bench_and_chain(scene, lossless=True))
         self.engine, self.chain = self.readings.engine, self.readings.chain
         self.masses = self.chain.cell_masses[:, : self.cells]
         losses = np.array(chain.losses) * np.array(chain.masses)

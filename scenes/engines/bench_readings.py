@@ -35,7 +35,7 @@ Array = NDArray[np.float64]
 
 
 @lru_cache(maxsize=4)
-def chain_of(scene: Scene, lossless: bool = False) -> tuple[Bench, DrivenChain]:
+def bench_and_chain(scene: Scene, lossless: bool = False) -> tuple[Bench, DrivenChain]:
     """Return a scene's bench and numeric chain; ``lossless`` omits the cells' own losses."""
     bench = scene.own_bench
     values = {name: number_value(name, value) for name, value in scene.constants}

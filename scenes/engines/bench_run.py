@@ -13,7 +13,7 @@ from longwave.lattice.schemes import REDUCED_PHASE_6
 from longwave.lattice.trial import DRIVEN_SHARE
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.description.scene_checks import MOST_STEPS
-from longwave.scenes.engines.bench_readings import BenchReadings, chain_of, reading_times
+from longwave.scenes.engines.bench_readings import BenchReadings, bench_and_chain, reading_times
 from longwave.scenes.engines.ring_cost import USUAL_RUNS, search_cost
 from longwave.scenes.engines.run_record import RunRecord, add_error_estimate, refine_scene
 from longwave.scenes.starts.bench_chain import watched_cuts
@@ -40,7 +40,7 @@ def scene_cost(scene: Scene) -> ExpectedCost:
 
     Raises ValueError if a run would need more than `MOST_STEPS` steps.
     """
-    bench, chain = chain_of(scene)
+    bench, chain = bench_and_chain(scene)
     times = reading_times(scene, bench)
     highest = Dynamics(chain).highest_frequency(np.zeros((len(chain.bonds) + len(chain.fields), 2)))
     duration = float(times[-1] - scene.t0)
@@ -85,7 +85,7 @@ def record_scene(
     cost = scene_cost(scene)
     check_request(scene.name, cost, "watch it less often, end earlier or take fewer sites")
     announce, progress = announce or (lambda _: None), progress or (lambda _: None)
-    bench, chain = chain_of(scene)
+    bench, chain = bench_and_chain(scene)
     if bench.noise is not None:
         from longwave.scenes.engines.bench_bath import record_means
 

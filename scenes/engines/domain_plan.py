@@ -212,10 +212,11 @@ def _cost(
 
 
 FITTING = 64
-"""Most cells added to a ring so that a periodic wave closes on it; a wavelength if that is more."""
+"""Maximum number of cells added to a ring so that a periodic wave closes on it; a wavelength if
+that is more."""
 
 MOST_FITTING = 4096
-"""Most ring sizes tried for a periodic wave to close on the ring."""
+"""Maximum number of ring sizes tried for a periodic wave to close on the ring."""
 
 CLOSED, BESIDE = 1e-6, 4
 """Largest relative mismatch of a carrier at a closed seam, and the number of cells on either side
@@ -466,7 +467,7 @@ def longest_step(fastest: float, carrier: float, scheme: Scheme = SCHEME) -> flo
 
 
 def check_rest(lattice: NumericLattice, slopes: Sequence[float]) -> None:
-    """Raise ValueError if the lattice with these force slopes, its rest state, is unstable."""
+    """Raise ValueError if the lattice is unstable at rest, where its forces have these slopes."""
     if not lattice.is_stable(slopes):
         raise ValueError(
             f"constants must make waves of {lattice.name} stable, got one that grows at "

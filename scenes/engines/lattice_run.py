@@ -44,8 +44,8 @@ if TYPE_CHECKING:
     from longwave.scenes.engines.ring_spectral import SpectralRuns
     from longwave.scenes.starts.lattice_wave import LatticeWave
 
-ACROSS = 2
-"""``Z = eps**2 m``."""
+TRANSVERSE_POWER = 2
+"""Power of eps in the transverse slow variable, ``Z = eps**2 m``."""
 
 
 def scene_wave(scene: Scene) -> LatticeWave:
@@ -55,7 +55,7 @@ def scene_wave(scene: Scene) -> LatticeWave:
 
 def compared_cells(scene: Scene, wave: LatticeWave) -> ComparedCells:
     """Return the cells that a scene compares; the half-width in X also applies to Z."""
-    powers = (1, *(ACROSS,) * (wave.lattice.dimension - 1))
+    powers = (1, *(TRANSVERSE_POWER,) * (wave.lattice.dimension - 1))
     return ComparedCells(wave.speed, tuple(map(scene.cells_within, powers)))
 
 
@@ -76,11 +76,11 @@ def _rings_cost(scene: Scene) -> ExpectedCost:
     domains = spectral_cost(scene)
     values = (2.0 * scene.compared + 1.0) * len({scene.t0, *exact_times(scene)})
     cost = search_cost(moving_wave(scene).lattice, 0.0, 0.0, 1, values)
-    cost = _with(cost, replace(domains, seconds=RINGS * domains.seconds))
+    cost = _with(cost, replace(domains, seconds=RING_SEARCH_COST * domains.seconds))
     return _with(cost, _observation_cost(scene, compared_cells(scene, moving_wave(scene))))
 
 
-RINGS = 4.0
+RING_SEARCH_COST = 4.0
 """Cost of a search on spectral rings, in units of its first run."""
 
 
@@ -101,7 +101,7 @@ def _cells_cost(scene: Scene) -> ExpectedCost:
 
 
 def _with(cost: ExpectedCost, more: ExpectedCost) -> ExpectedCost:
-    """Return the sum of two costs in time and memory, with the steps of the first."""
+    """Return ``cost`` with the seconds and the memory of ``more`` added."""
     return replace(
         cost,
         seconds=cost.seconds + more.seconds,
@@ -148,11 +148,11 @@ def _observation_cost(timed: Scene, compared: ComparedCells) -> ExpectedCost:
     )
     views = float(sum(times.values()))
     return ExpectedCost(
-        views * (VIEW_SECONDS + SEEN_SECONDS * width), MOMENT_BYTES * views + VALUE_BYTES * values
+        views * (VIEW_SECONDS + CELL_SECONDS * width), MOMENT_BYTES * views + VALUE_BYTES * values
     )
 
 
-VIEW_SECONDS, SEEN_SECONDS = 4e-4, 1e-6
+VIEW_SECONDS, CELL_SECONDS = 4e-4, 1e-6
 """Seconds to evaluate wave and lattice at one time: fixed, and per compared cell (5e-7 to
 1.6e-6)."""
 
@@ -289,7 +289,7 @@ def _by_cells(
     return run_from(stated_cells(timed, domains), restart, progress)
 
 
-CHEAPER = "end earlier, compare fewer sites or see fewer times"
+REMEDY = "end earlier, compare fewer sites or take fewer times"
 
 
 def _by_rings(
@@ -302,7 +302,7 @@ def _by_rings(
     if not scene.has_moving_wave or scene.tolerance is None or choose_engine(scene) == "stencil":
         return None
     expected = scene_cost(scene)
-    check_request(scene.name, expected, CHEAPER)
+    check_request(scene.name, expected, REMEDY)
     announce(expected.seconds)
     cells, progress = _cells_cost(scene.changed(engine="stencil")), progress or (lambda _: None)
     first = (cells.seconds - cells.once) / USUAL_RUNS

@@ -27,7 +27,8 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 LOOK_EVALUATIONS = 1088
-"""Fewest force evaluations per site between two looks; measuring then takes 1 % of the run."""
+"""Minimum number of force evaluations per site between two looks; measuring then takes 1 % of the
+run."""
 
 
 MOMENT_BYTES = 1000.0
@@ -39,7 +40,7 @@ class Moments:
     """Times at which to measure: the exact ``times``, or the first stop after each ``interval``.
 
     >>> looks = Moments((), 2.0)
-    >>> [t for t in (0.0, 1.5, 2.5, 4.0, 4.5) if looks.due(t)]
+    >>> [t for t in (0.0, 1.5, 2.5, 4.0, 4.5) if looks.is_due(t)]
     [0.0, 2.5, 4.5]
     """
 
@@ -50,7 +51,7 @@ class Moments:
         self._exact = frozenset(self.times)
         self.next = -np.inf
 
-    def due(self, t: float) -> bool:
+    def is_due(self, t: float) -> bool:
         """Return whether to measure at the stop ``t``. Call once for each stop, in order."""
         if self.times:
             return t in self._exact

@@ -61,7 +61,7 @@ LARGE = 100_000
 """Number of compared cells above which the step is searched for on a part of them."""
 
 SHARE = 8
-"""The part holds at most 1/SHARE of the compared cells."""
+"""Minimum ratio of all compared cells to those of a part on which the step is searched for."""
 
 
 def cell_seconds(lattice: NumericLattice) -> float:

@@ -31,7 +31,7 @@ from longwave.support.request_limits import ExpectedCost, check_request
 SECONDS_PER_WORK = 1e-8
 """Seconds per field, step, point and log2(points)."""
 
-LONGER = 2.5
+CARRIER_STEP_FACTOR = 2.5
 """Factor on the first step for a wave with a carrier, in units of the step chosen for other waves.
 The step's error is then at most a thirtieth of the tolerance (shipped Peregrine wave, dimer)."""
 
@@ -71,7 +71,7 @@ class SpectralRuns:
             (wave.speed, *(0.0,) * (lattice.dimension - 1)),
             scene.target.tolerance,
             comparison,
-            LONGER if wave.frequency else 1.0,
+            CARRIER_STEP_FACTOR if wave.frequency else 1.0,
         )
         self.engine.amplifies_rounding = wave.amplifies_rounding(self.times[0])
         self.expected = self._expected()
@@ -138,7 +138,7 @@ class SpectralRuns:
         rows = {
             recorder.dimension: recorder.measure(view)
             for recorder in build_recorders(self.scene)
-            if recorder.moments.due(state.t)
+            if recorder.moments.is_due(state.t)
         }
         if state.t not in (self.times[0], self.times[-1]):
             return {"seen": rows}

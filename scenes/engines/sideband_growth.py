@@ -65,16 +65,16 @@ MOMENTS = 9
 SAMPLES = 8
 """Samples averaged at each measurement, over one carrier period, so that harmonics cancel."""
 
-GROWING = (1.5, 5.0)
+GROWTH_SPAN = (1.5, 5.0)
 """First and last measurement of a growing perturbation, in units of 1/sigma: the decaying mode has
 vanished and the perturbation is still small."""
 
-BEATS = 4
+STABLE_BEATS = 4
 """Duration of the measurement of a stable wave, in beats of its sidebands with the other modes of
 the data. It lasts at least as long as that of the fastest growing perturbation; otherwise slow
 changes of the plane wave would look like growth."""
 
-LEVER = 2.5 / (15.0 / 16.0)
+SLOPE_FACTOR = 2.5 / (15.0 / 16.0)
 """Largest error of the fitted slope, times the time span, per error of the measured values:
 ``sum |x| / sum x^2`` over `MOMENTS` points x from -1/2 to 1/2."""
 
@@ -123,7 +123,7 @@ class SidebandGrowth:
     @cached_property
     def error(self) -> float:
         """Error bound of the measured growth rate, in T."""
-        steepest = LEVER / float(np.ptp(self.slow_times))
+        steepest = SLOPE_FACTOR / float(np.ptp(self.slow_times))
         residuals = np.log(self.sizes) - np.polyval(self._line, self.slow_times)
         return self.run_error + steepest * float(np.max(np.abs(residuals)))
 
@@ -295,9 +295,12 @@ def growth_plan(scene: Scene) -> GrowthPlan:
     )
     period = 2 * math.pi / data.carrier.omega
     if wave.growth:
-        first, last = (units / wave.growth / scene.eps**2 for units in GROWING)
+        first, last = (units / wave.growth / scene.eps**2 for units in GROWTH_SPAN)
     else:
-        beats, fastest = BEATS * math.pi / abs(wave.rate), np.ptp(GROWING) / wave.largest_growth
+        beats, fastest = (
+            STABLE_BEATS * math.pi / abs(wave.rate),
+            np.ptp(GROWTH_SPAN) / wave.largest_growth,
+        )
         first, last = 0.0, max(beats, float(fastest)) / scene.eps**2
     moments = np.linspace(first, last, MOMENTS)
     return GrowthPlan(ring, wave, data, moments + max(0.0, period - first))
@@ -327,7 +330,7 @@ def _coefficients(
 
 
 MOST_CELLS = 1e9
-"""Most cells in one wavelength of a perturbation; more than any machine can store."""
+"""Maximum number of cells in one wavelength of a perturbation; more than any machine can store."""
 
 
 PLAN_SECONDS = 0.025
@@ -361,7 +364,7 @@ class SidebandRuns:
     def __init__(self, plan: GrowthPlan, scene: Scene) -> None:
         self.plan = plan
         span = float(np.ptp(plan.moments)) * scene.eps**2
-        self.scale = LEVER / span / plan.wave.largest_growth
+        self.scale = SLOPE_FACTOR / span / plan.wave.largest_growth
         omega = plan.data.carrier.omega
         phases = (np.arange(SAMPLES) - (SAMPLES - 1) / 2) / SAMPLES
         samples = np.add.outer(plan.moments, phases * 2 * np.pi / omega)

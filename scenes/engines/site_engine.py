@@ -42,7 +42,7 @@ from longwave.scenes.engines.stepped_cells import (
     SteppedCells,
     WindowCells,
     add_energy_drift,
-    sees_all_cells,
+    measures_all_cells,
 )
 from longwave.scenes.engines.window import (
     LARGEST_MISFIT,
@@ -69,7 +69,7 @@ CLEARANCE = 128
 FEED_SHARE = 0.3
 """Largest fraction of the tolerance allowed for the error of a window's feed."""
 
-MISFED_GROWTH = 1.4
+MISFIT_GROWTH = 1.4
 """Factor on the size of a window whose feed did not match the lattice; such a run ends early."""
 
 FEED_SAFETY = 2.0
@@ -95,7 +95,7 @@ class SiteEngine(StepSearch):
         wave, self.times = domains.wave, domains.times
         self._scheme = scheme_named(scene.target.scheme) if scene.target.scheme else SCHEME
         self._fields = len(wave.lattice.fields)
-        self._fades = not sees_all_cells(scene)
+        self._fades = not measures_all_cells(scene)
         self.amplifies_rounding = wave.amplifies_rounding(self.times[0])
         self.unstable = 1 if wave.watches_strains else StepSearch.unstable
         self.judged = judged or domains.compared
@@ -105,7 +105,7 @@ class SiteEngine(StepSearch):
             longest, DRIVEN_SHARE * wave.lattice.driven_within(self.times[0], self.times[:2][-1])
         )
         self._ring = float(sites_of(domains.ends()))
-        self._misfed, self._widened = domains.window is None, 1.0
+        self._uses_rings, self._widened = domains.window is None, 1.0
         allowed = FEED_SHARE * scene.target.tolerance / FEED_SAFETY
         self._largest_misfit = min(LARGEST_MISFIT, allowed)
         stops = np.array(self.times)
@@ -130,10 +130,10 @@ class SiteEngine(StepSearch):
             feed = trial.payload.attrs.get("feed_mismatch", 0.0)
             if not feed > self._largest_misfit:
                 return replace(trial, common_error=FEED_SAFETY * feed)
-            self._widened *= MISFED_GROWTH
-            self._misfed = self._widened * self._first.size >= self._ring
+            self._widened *= MISFIT_GROWTH
+            self._uses_rings = self._widened * self._first.size >= self._ring
             wider = round_up(self._widened * choices.size)
-            self.domains.check_wider(None if self._misfed else wider)
+            self.domains.check_wider(None if self._uses_rings else wider)
 
     def _run(self, choices: Choices, shown: bool, progress: Progress) -> Trial:
         wave, ends = self.domains.wave, (self.times[0], self.times[-1])
@@ -215,7 +215,7 @@ class SiteEngine(StepSearch):
         return within, SiteEngine(self.scene, domains, part)
 
     def _is_ring(self, choices: Choices) -> bool:
-        return choices.causal or self._misfed
+        return choices.causal or self._uses_rings
 
     def _cells(self, choices: Choices, records: bool) -> SteppedCells:
         observables = self.scene.observables if records else ()
@@ -227,7 +227,7 @@ class SiteEngine(StepSearch):
             return WindowCells(plan, self.domains, choices.nudged)
         least = self._ring if choices.causal else self._first.size
         ends = self.domains.ends(WIDER if choices.size > least else 0)
-        closes = self.domains.wave.watches_strains and self.domains.room  # other waves always close
+        closes = self.domains.wave.watches_strains and self.domains.room  # others are always closed
         domain = "closed_ring" if closes else "ring"
         stated = Discretisation(choices.step, domain, sites_of(ends), scheme)
         plan = replace(self.scene, numerics=stated, observables=observables)

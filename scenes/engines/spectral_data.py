@@ -22,7 +22,7 @@ from longwave.scenes.starts.moving_wave import MovingWave, WaveBounds, find_boun
 Array = NDArray[np.float64]
 
 LEAST = 16
-"""Fewest wavelengths of a periodic background on a ring."""
+"""Minimum number of wavelengths of a periodic background on a ring."""
 
 ROOM = 1.5
 """Least circumference without its blended parts, in units of the width it must contain."""
@@ -218,8 +218,8 @@ def first_density(moving: MovingWave) -> float:
 
 
 FEWEST = 16
-"""Fewest steps of the first run. With fewer, the differences between runs do not show the order of
-the scheme: the error of two solitons was 1.9e-5 with 4 steps and 1.6e-5 with 7."""
+"""Minimum number of steps of the first run. With fewer, the differences between runs do not show
+the order of the scheme: the error of two solitons was 1.9e-5 with 4 steps and 1.6e-5 with 7."""
 
 
 def first_step(speed: float, duration: float, k: float, turning: float) -> float:

@@ -62,14 +62,14 @@ to 520 for solitons of a |y| from 0.35 to 0.6."""
 STEPPING = 2.0
 """Cost of the runs on the first ring with all steps tried, in units of the last of them."""
 
-FAR_DEARER = 300.0
-"""Cost, in units of the stencil's, at which the spectral engine gives up, but not before ``WORTH``.
+MOST_RELATIVE_COST = 300.0
+"""Cost at which the spectral engine gives up, in units of the stencil's; at least `LEAST_BUDGET`.
 
 On a ring that short waves circle forever, a larger ring improves the result ever more slowly. Then
 the stencil in a moving window is much cheaper.
 """
 
-WORTH = 10.0
+LEAST_BUDGET = 10.0
 """Seconds that the spectral engine may use in any case."""
 
 SHARE = 0.6
@@ -139,7 +139,7 @@ def run_spectral(
     recorders = build_recorders(replace(scene, look_points=looks))
     times = {t for recorder in recorders for t in recorder.moments.times} | {scene.end}
     moving = replace(moving_wave(scene), times=(scene.t0, *sorted(times)))
-    most_work = max(WORTH, FAR_DEARER * site_by_site) / SECONDS_PER_WORK
+    most_work = max(LEAST_BUDGET, MOST_RELATIVE_COST * site_by_site) / SECONDS_PER_WORK
     try:
         found = solve_on_rings(moving, tolerance, progress, announce, most_work)
     except StoppedSearch as stop:
@@ -190,7 +190,7 @@ def _recorded(
             break
         view = view_of(moving, state)
         for recorder in recorders:
-            if recorder.moments.due(t):
+            if recorder.moments.is_due(t):
                 recorder.observe(view)
     attributes = run_facts(
         trial, cost.steps, cost.evaluations, cost.points, "" if fault is None else str(fault)

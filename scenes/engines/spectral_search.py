@@ -59,38 +59,38 @@ causal, the first one is made causal, too; a kink's ring always is."""
 SHIFT = 0.07
 """Shift of a control run's ring, in circumferences."""
 
-WEAKER = 0.5
+ABSORBER_RATIO = 0.5
 """Strength of a control run's absorber, in units of the run before it."""
 
 LARGEST_FACTOR = 3.0
 """Largest factor on a size, from one choice to the next."""
 
-DENSER = 1.5
+POINTS_GROWTH = 1.5
 """Factor on the points when a run restarts because the tail of its spectrum rose."""
 
-STARTED = 15.0
+START_LENGTH = 15.0
 """Length of the start phase, in units of the time in which sound travels 1/k, k being the typical
 wavenumber of the data."""
 
-START = 0.1
+START_STEP = 0.1
 """Step of the start phase, in units of the time in which sound travels 1/k."""
 
-STEEPEST = 0.65
+LARGEST_STEEPNESS = 0.65
 """Largest a |y| accepted. A steeper wave is as short as the distance between sites (a soliton's
 width in sites is 1/(a |y|)), and no long step is possible."""
 
-SLENDER = 0.2
+SMALL_STEEPNESS = 0.2
 """Value of a |y| up to which the energies of the ring's interleaved lattices agree to rounding."""
 
 SPREAD = 2.2
 """Largest measured energy spread, in units of `crest_energy_spread`, of solitons with a |y| from
 0.35 to 0.6."""
 
-RESOLVED = 2.5
+STEEP_DENSITY = 2.5
 """Points per site that a steep wave needs."""
 
 MOST_WORK = 4e9
-"""Most work of a run with such short steps, about ten seconds on the causal ring. A steep wave
+"""Largest work of a run with such short steps, about ten seconds on the causal ring. A steep wave
 radiates all the time, so no smaller ring suffices."""
 
 SHORTEST = 0.02
@@ -98,11 +98,11 @@ SHORTEST = 0.02
 is cheaper."""
 
 LEAST_POINTS = 256
-"""Fewest points on a ring. From here on the sizes that suit the FFT lie so close together that a
-control run always has more points."""
+"""Minimum number of points on a ring. From here on the sizes that suit the FFT lie so close
+together that a control run always has more points."""
 
 MOST_POINTS = 2**20
-"""Most points on a ring; a run needs 510 bytes a point (measured)."""
+"""Maximum number of points on a ring; a run needs 510 bytes a point (measured)."""
 
 
 class SpectralCost(NamedTuple):
@@ -228,10 +228,10 @@ class SpectralEngine(SpectralRingSearch):
         self._data = spectral_start(moving, tolerance)
         self.decay = 2.0 if self._data.periodic else 3.0
         steepness = self._steepness(self._data.bounds.strain)
-        if steepness > STEEPEST:
+        if steepness > LARGEST_STEEPNESS:
             raise self._too_short(f"a wave longer than {1.0 / steepness:.2g} sites")
         self._density = first_density(moving)
-        self._started = moving.t0
+        self._start_end = moving.t0
         self._rings: dict[tuple[float, float, bool], SpectralDomain] = {}
         self._states: dict[tuple[SpectralDomain, int], FieldRing] = {}
         self._soft: NotHyperbolicError | None = None
@@ -248,17 +248,17 @@ class SpectralEngine(SpectralRingSearch):
             step = min(step, self._telling)
             self._check_work(step)
         length = 1.0 / (c * k)
-        start = START * length if STARTED * length < self._duration else 0.0
+        start = START_STEP * length if START_LENGTH * length < self._duration else 0.0
         if not start:
-            step = min(step, START * length)
+            step = min(step, START_STEP * length)
         absorber = ABSORBER_STRENGTH if self._data.absorbed and not choices.causal else 0.0
-        self._started = self._moving.t0 + STARTED * length
+        self._start_end = self._moving.t0 + START_LENGTH * length
         return replace(choices, step=step, absorber=absorber, start=start)
 
     def _check_work(self, step: float) -> None:
         """Raise ValueError if steps are so short that a run site by site is much cheaper."""
         limit = self._data.causal
-        widest = replace(Choices(step, limit.circumference), density=RESOLVED)
+        widest = replace(Choices(step, limit.circumference), density=STEEP_DENSITY)
         if self.work(widest) > MOST_WORK:
             raise self._too_short(f"steps below {step:.2g} for so long")
 
@@ -278,7 +278,7 @@ class SpectralEngine(SpectralRingSearch):
         See `crest_energy.py`.
         """
         data, bounds = self._data, self._data.bounds
-        if self._steepness(bounds.strain) <= SLENDER:
+        if self._steepness(bounds.strain) <= SMALL_STEEPNESS:
             return 0.0
         ring = data.ring(data.smallest)
         state = data.state(ring, self._fast_points(DENSITY * ring.circumference))
@@ -287,7 +287,7 @@ class SpectralEngine(SpectralRingSearch):
         return (1.0 + turns) * spread * float(np.max(np.abs(bounds.strain))) / data.moving.eps
 
     def _made_denser(self, choices: Choices) -> bool:
-        self._density = DENSER * self._dense(choices) / choices.finer
+        self._density = POINTS_GROWTH * self._dense(choices) / choices.finer
         return True
 
     def _tell_loss(self, error: RunawayError, step: float) -> None:
@@ -304,7 +304,7 @@ class SpectralEngine(SpectralRingSearch):
         dense = replace(choices, density=self._dense(choices) / choices.finer)
         choices = super().control(dense, kinds)
         if "domain" in kinds and not choices.causal:
-            weaker = replace(choices, absorber=WEAKER * choices.absorber)
+            weaker = replace(choices, absorber=ABSORBER_RATIO * choices.absorber)
             wider = self._sized(weaker, SIZE_RATIO * choices.size)
             choices = replace(wider, shift=choices.shift + SHIFT)
         return choices
@@ -415,7 +415,7 @@ class SpectralEngine(SpectralRingSearch):
         The initial data are not exactly a right-going wave. Steps too long to resolve how the
         left-going rest separates would replace that rest by its mean.
         """
-        times, began = self._moving.times[1:], self._started
+        times, began = self._moving.times[1:], self._start_end
         if not 0.0 < choices.start < choices.step:
             return [(t, choices.step, True) for t in times]
         early = [(t, choices.start, True) for t in times if t < began]

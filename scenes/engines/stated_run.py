@@ -79,7 +79,7 @@ def record(
         for state in stepper.stops(times) if times else ():
             view = stepped.view(state)
             for observer in observers:
-                if observer.moments.due(state.t):
+                if observer.moments.is_due(state.t):
                     observer.observe(view)
             progress(_share(begin, scene.end, state.t))
             if state.t < scene.end:
@@ -111,7 +111,7 @@ def stated_runs(scene: Scene) -> float:
     return 1.0 + REFINED_COST * len(refinements(scene))
 
 
-def refined(scene: Scene, measure: str) -> Scene:
+def refined_scene(scene: Scene, measure: str) -> Scene:
     """Return the scene refined: half the step (``time_step_error``), twice the sites otherwise."""
     stated = scene.discretisation
     if measure == "time_step_error":
@@ -131,7 +131,7 @@ def measured_error(
     """
     scene = stepped.scene
     finer = Samples(scene.snapshots[: len(samples)])
-    again = stepped.refined(refined(scene, measure))
+    again = stepped.refined(refined_scene(scene, measure))
     if record(again, [finer], progress, stops=exact_times(scene)).stopped:
         raise KeyboardInterrupt
     return [
@@ -153,7 +153,9 @@ def run_from(
     """
     scene = stepped.scene
     measures = refinements(scene)
-    whole, *parts = _parts(progress or (lambda _: None), [1.0, *[REFINED_COST] * len(measures)])
+    whole, *parts = _split_progress(
+        progress or (lambda _: None), [1.0, *[REFINED_COST] * len(measures)]
+    )
     recorders = build_recorders(scene)
     samples = Samples(scene.snapshots)
     observers: list[Observer] = [*recorders, *witnesses]
@@ -192,7 +194,7 @@ def _reached(
     return tuple(t for t in scene.snapshots if t < recording.stepper.state.t)
 
 
-def _parts(progress: Progress, costs: Sequence[float]) -> list[Progress]:
+def _split_progress(progress: Progress, costs: Sequence[float]) -> list[Progress]:
     """Return one progress callback for each part, which reports the progress of the whole."""
 
     def part(start: float, cost: float) -> Progress:

@@ -52,7 +52,7 @@ class SteppedCells:
         fades: bool | None = None,
     ) -> None:
         self.scene, self.domains, self._nudged = scene, domains, nudged
-        self._fades = not sees_all_cells(scene) if fades is None else fades
+        self._fades = not measures_all_cells(scene) if fades is None else fades
         self.scale, self.reach = domains.wave.scale, domains.compared.reach
         if ends is None:
             least, sites = sites_of(domains.plain_ends(0)), scene.discretisation.sites
@@ -134,7 +134,7 @@ class SteppedCells:
         return {"least_strain": float(least), "most_strain": float(most)}
 
 
-def sees_all_cells(scene: Scene) -> bool:
+def measures_all_cells(scene: Scene) -> bool:
     """Return whether an observable of the scene measures all cells, not the compared ones only."""
     return any(observable_named(name).all_sites for name in scene.observables)
 
@@ -340,7 +340,7 @@ class FedWave:
 
     @property
     def t0(self) -> float:
-        """Start time."""
+        """Start time of the run."""
         return self.domains.times[0]
 
     @property

@@ -35,7 +35,7 @@ SIZE_MULTIPLE = 64
 """Divisor of all window sizes, chosen to suit the kernels."""
 
 STRIDE = 64
-"""Most cells by which a window moves at once."""
+"""Maximum number of cells by which a window moves at once."""
 
 
 WATCHED = 8
@@ -51,7 +51,7 @@ class WindowWave(Protocol):
 
     @property
     def t0(self) -> float:
-        """Start time."""
+        """Start time of the run."""
 
     @property
     def duration(self) -> float:
@@ -107,7 +107,7 @@ def fed_cells(moved: int, ratio: float) -> int:
     Signals from the seam, ``ratio`` times as fast as the window, can have reached these cells since
     the last move.
     """
-    faster = math.ceil(ratio * moved) - MARGIN // 2  # the rest of the margin is their front
+    faster = math.ceil(ratio * moved) - MARGIN // 2  # the dispersive front takes the other half
     return moved + max(moved, faster) + MARGIN
 
 

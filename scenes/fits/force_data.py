@@ -33,10 +33,10 @@ LARGEST = 10_000_000
 """Largest file in bytes."""
 
 FEWEST = 4
-"""Fewest points, so that some remain to test a law by."""
+"""Minimum number of points, so that some remain to test a law by."""
 
 MOST = 100_000
-"""Most points."""
+"""Maximum number of measured points."""
 
 SMALLEST = 1e-20
 """Least size of the largest stretch, of the largest force and of each deviation; 1/SMALLEST is the
@@ -47,7 +47,8 @@ TURN = 0.1
 noise."""
 
 FEWEST_OF_BRANCH = 4
-"""Fewest points between two turns on average; with fewer, the points count as unordered."""
+"""Minimum number of points between two turns on average; with fewer, the points count as
+unordered."""
 
 LOOP_SHARE, LOOP_DEVIATIONS = 0.005, 4.0
 """Width above which loading and unloading form a loop: a fraction of the range of forces, which

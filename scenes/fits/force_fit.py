@@ -49,14 +49,15 @@ HIGHEST = 6
 """Highest power of the stretch in the polynomials tried."""
 
 KNOTS, NEAR = 12, 0.1
-"""Most knots of a spline, and the distance from stretch 0, as a fraction of the largest stretch,
-within which there are none."""
+"""Maximum number of knots of a spline, and the distance from stretch 0, as a fraction of the
+largest stretch, within which there are none."""
 
 AS_GOOD = 2.0
 """Difference of AICc up to which two laws count as equally good (Burnham and Anderson)."""
 
 FEWEST_TO_CHOOSE = 12
-"""Fewest points to choose a law by without a warning; the docs list the coverage by points."""
+"""Minimum number of points to choose a law by without a warning; the docs list the coverage by
+points."""
 
 WIDENED = 1.3
 """Factor on a deviation, due to the choice of the law, above which a warning is given."""
@@ -68,11 +69,11 @@ SCALES = (0.1, 1.0, 10.0)
 """Factors on powers of the largest stretch, as starting values of nonlinear constants."""
 
 MOST_STARTS, BEST_STARTS = 1000, 3
-"""Most starting points evaluated, and the number of best ones from which to fit."""
+"""Maximum number of starting points evaluated, and the number of best ones from which to fit."""
 
 EVALUATIONS, CONVERGED = 300, 0.01
-"""Most evaluations of a search, and the standard deviations by which another step may move the
-converged law."""
+"""Maximum number of evaluations of a search, and the standard deviations by which another step may
+move the converged law."""
 
 ROUNDING = 1e-13
 """Least noise, as a fraction of the largest force; smaller residuals are rounding errors."""

@@ -23,8 +23,8 @@ LEAST_P_VALUE = 1e-300
 """Smallest probability that is reported as a number."""
 
 SPARE = 3
-"""Fewest degrees of freedom (points minus constants) for which Student's distribution has a
-variance."""
+"""Minimum number of degrees of freedom (points minus constants) for which Student's distribution
+has a variance."""
 
 
 class LeastSquares:

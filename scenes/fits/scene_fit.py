@@ -50,7 +50,8 @@ LOSSES = {"siteloss": "losses.site", "bondloss": "losses.bond"}
 """Names of numeric losses by the names of their symbols."""
 
 EVALUATIONS, CLOSE = 200, 1e-10
-"""Most runs, and the relative change of constants and chi^2 at which a fit has converged."""
+"""Maximum number of runs, and the relative change of constants and chi^2 at which a fit has
+converged."""
 
 STEP_SHARE = 0.9
 """Fraction of a fit's step: if its result needs a step shorter than this, the fit is continued."""

@@ -30,10 +30,10 @@ DIGITS = 8
 number of threads (measured)."""
 
 LEAST_MODES = 12
-"""Fewest Fourier modes used on either side of 0."""
+"""Minimum number of Fourier modes used on either side of 0."""
 
 MOST_MODES = 96
-"""Most Fourier modes used on either side of 0."""
+"""Maximum number of Fourier modes used on either side of 0."""
 
 TAIL = 1e-7
 """Modes of the wave smaller than this fraction of the largest are neglected."""

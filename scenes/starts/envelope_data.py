@@ -253,8 +253,6 @@ class EnvelopeData(LatticeWave):
             return fields
         return np.stack(self.strained(mean_strain).stretches(fields))
 
-    # the parts of the ansatz
-
     def _terms(self, terms: CarrierTerms) -> CarrierTerms:
         """Return the terms up to the power of eps of the data's order."""
         return tuple(term for term in terms if term.power <= POWERS[self.order])

@@ -11,7 +11,7 @@ Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 MOST_AT_ONCE = 2048
-"""Most points at which a series is summed in one array operation."""
+"""Maximum number of points at which a series is summed in one array operation."""
 
 
 class FourierInterval:

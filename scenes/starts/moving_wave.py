@@ -114,7 +114,7 @@ def _value(polynomial: Polynomial, values: Mapping[str, "Array | float"]) -> Arr
     return np.asarray(total, dtype=np.float64)
 
 
-KINK = 40.0
+KINK_ROOM = 40.0
 """Blended cells for a kink at either end of a ring, in units of its width."""
 
 
@@ -150,7 +150,7 @@ class MovingWave(LatticeWave):
 
     @property
     def end(self) -> float:
-        """Last time."""
+        """Last time of the run."""
         return self.times[-1]
 
     @property
@@ -299,7 +299,7 @@ class MovingWave(LatticeWave):
         if wave.wavelength is not None:
             return math.ceil(wave.wavelength / self.eps)
         height = float(np.max(np.abs(wave.far_field(0.0, 0.0, "right").Y)))
-        return math.ceil(KINK / (wave.numbers.a * self.eps * height))
+        return math.ceil(KINK_ROOM / (wave.numbers.a * self.eps * height))
 
     def closed(self, ring: InitialCells, room: int) -> InitialCells:
         """Return the ring with its ends blended into each other within ``room`` sites of the seam.

@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 TIMES = 17
-"""Number of equidistant times at which the wave is sampled, besides at most about as many of the
-snapshots."""
+"""Number of equidistant times at which the wave is sampled, in addition to some snapshots."""
 
 DISTANCES = np.concatenate([np.linspace(0.0, 1.0, 21)[:-1], np.geomspace(1.0, 1e5, 360)])
 """Distances of sample points from the zero of a phase, in units of the wave's variable xi; beyond 1

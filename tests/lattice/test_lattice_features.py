@@ -27,7 +27,7 @@ BETA = numeric_lattice(LATTICES["beta_fput"], {"K2": 1, "K4": 2})
 BUMP = "t + 117.6*exp(-((t - 0.0384)/0.00017)**2)"
 
 
-def chain_of(law: str) -> NumericLattice:
+def bench_and_chain(law: str) -> NumericLattice:
     """A chain whose springs have the law, written in t."""
     formula = time_formula("force", law)
     stretch = (Entry((1,), 1.0, 0), Entry((0,), -1.0, 0))
@@ -43,7 +43,7 @@ def at_rest(cells: int) -> State:
 
 @pytest.mark.slow
 def test_a_bump_of_a_force_is_not_stepped_over() -> None:
-    made = driven_chain(chain_of(BUMP), 2, left="free", right="free")
+    made = driven_chain(bench_and_chain(BUMP), 2, left="free", right="free")
     state = at_rest(2)
     state.v[0, 0] = 0.3
     run = integrate(made, state, [3.0], tolerance=5.65e-5)

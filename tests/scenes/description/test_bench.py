@@ -23,7 +23,7 @@ from longwave.scenes.description.named_scenes import load_scene, scene_of_toml, 
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.description.scene_file import toml_text
 from longwave.scenes.description.time_functions import Samples, time_function
-from longwave.scenes.engines.bench_readings import chain_of
+from longwave.scenes.engines.bench_readings import bench_and_chain
 from longwave.scenes.engines.methods import expected_cost
 from longwave.scenes.engines.scene_run import resume, run
 from longwave.scenes.starts.bench_chain import READINGS
@@ -194,7 +194,7 @@ def test_a_struck_hertz_chain_has_a_wave_of_its_speed() -> None:
 @pytest.mark.parametrize("name", shipped_scenes("bench"))
 def test_shipped_benches_are_read(name: str) -> None:
     scene = load_scene(name)
-    bench, chain = chain_of(scene)
+    bench, chain = bench_and_chain(scene)
     assert scene.title
     assert chain.cells == bench.sites
     assert expected_cost(scene).seconds < 60.0
@@ -311,7 +311,7 @@ def test_a_pushed_end_is_a_free_one_with_a_force() -> None:
     ends = {"left": {"force": "sin(t)"}, "right": {"force": "t/10"}}
     tables = {"losses": {"site": 0}, "force": [], "start": {"rest": True}}
     scene = Scene.of(**changed(chain={"sites": 12, **ends}, **tables))
-    bench, chain = chain_of(scene)
+    bench, chain = bench_and_chain(scene)
     assert bench.ends == ("free", "free")
     assert [force.site for force in chain.outer_forces] == [0, 11]
     found = run(scene)
@@ -323,7 +323,7 @@ def test_defects_are_of_single_cells_and_bonds() -> None:
     defects = {"mass": {"2": 3, "4": {"u": 0.5}}, "spring": {"-1": 2, "5": [0.25], "10": 0}}
     scene = Scene.of(**changed(defects=defects))
     assert Scene.from_json(scene.json()) == scene == scene_of_toml(scene.toml())
-    chain = chain_of(scene)[1]
+    chain = bench_and_chain(scene)[1]
     masses = np.ones(12)
     masses[[2, 4]] = 3, 0.5
     np.testing.assert_array_equal(chain.cell_masses[0, :12], masses)

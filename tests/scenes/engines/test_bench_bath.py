@@ -10,7 +10,7 @@ from scipy.linalg import expm, solve_continuous_lyapunov
 from longwave.scenes.description.named_scenes import load_scene
 from longwave.scenes.engines import bench_bath
 from longwave.scenes.engines.bench_bath import Bath, BrokenRunError, Means
-from longwave.scenes.engines.bench_readings import chain_of
+from longwave.scenes.engines.bench_readings import bench_and_chain
 from longwave.scenes.engines.scene_run import run
 
 WARM = load_scene("chain_in_a_bath")
@@ -57,7 +57,7 @@ def test_steps_cost_as_their_square() -> None:
     )
     costs = []
     for step in (0.2, 0.1, 0.05):
-        bath, means = Bath(cold, *chain_of(cold)), Means()
+        bath, means = Bath(cold, *bench_and_chain(cold)), Means()
         bath.step = step
         for number in range(2):
             means.add(*bath.pair(number))
@@ -126,7 +126,7 @@ def test_a_run_that_breaks_down_is_made_again_with_a_shorter_step(
         times=[0, 3],
         tolerance=3e6,
     )
-    bath = Bath(hot, *chain_of(hot))
+    bath = Bath(hot, *bench_and_chain(hot))
     first = bath.step
     with pytest.raises(BrokenRunError):
         bath.pair(0)

@@ -14,7 +14,7 @@ from longwave.scenes.description.named_scenes import load_scene, scene_of
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.engines.lattice_run import domain_plan
 from longwave.scenes.engines.spectral_run import view_of
-from longwave.scenes.engines.stated_run import refined
+from longwave.scenes.engines.stated_run import refined_scene
 from longwave.scenes.engines.stepped_cells import stated_cells
 from longwave.scenes.starts.moving_wave import moving_wave
 
@@ -83,7 +83,7 @@ def test_each_side_has_its_own_far_field() -> None:
 )
 def test_refinements_are_finer(measure: str, changed: dict[str, float]) -> None:
     scene = load_scene("breather_sn_k_0.7")
-    assert refined(scene, measure) == scene.changed(observables=(), **changed)  # type: ignore[arg-type]
+    assert refined_scene(scene, measure) == scene.changed(observables=(), **changed)  # type: ignore[arg-type]
 
 
 def test_run_agrees_with_dop853(ring_scene: Callable[..., Scene]) -> None:
