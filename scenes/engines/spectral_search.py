@@ -205,7 +205,7 @@ def solve_on_rings(
     result = refine(engine, tolerance, progress, announce)
     if result.trial.values is None:
         step = result.trial.choices.step
-        raise FloatingPointError(f"the lattice blows up with all steps down to {step:.3g}")
+        raise FloatingPointError(f"blow-up with all steps down to {step:.3g}")
     progress(1.0)
     return result
 
