@@ -28,7 +28,6 @@ from longwave.scenes.engines.ring_cost import (
     USUAL_RUNS,
     search_cost,
 )
-from longwave.scenes.engines.window import front, least_window, round_up
 from longwave.scenes.starts.initial_cells import InitialCells
 from longwave.scenes.starts.lattice_wave import (
     LatticeWave,
@@ -58,6 +57,52 @@ cells and for a short time, so their faster signals do not travel far."""
 
 AROUND = 32
 """Cells beyond the compared ones that are inspected for growth of rounding errors."""
+
+
+MARGIN = 64
+"""Sites that a window leaves for a signal's dispersive front, beyond the distance that sound
+travels."""
+
+FRONT = 12.0
+"""Distance by which a signal's front leads the sound, in Airy lengths: Ai(12) is 1e-13."""
+
+SIZE_MULTIPLE = 64
+"""Divisor of all window sizes, chosen to suit the kernels."""
+
+STRIDE = 64
+"""Maximum number of cells by which a window moves at once."""
+
+
+WATCHED = 8
+"""Number of cells next to the fed ones in which feed and lattice are compared."""
+
+
+def front(speed: float, duration: float) -> float:
+    """Return the distance in sites by which a signal's dispersive front leads the signal."""
+    return max(MARGIN, FRONT * (speed * duration / 8.0) ** (1.0 / 3.0))
+
+
+def fed_cells(moved: int, ratio: float) -> int:
+    """Return the number of front cells that a window fills after it has ``moved`` by some cells.
+
+    Signals from the seam, ``ratio`` times as fast as the window, can have reached these cells since
+    the last move.
+    """
+    faster = math.ceil(ratio * moved) - MARGIN // 2  # the dispersive front takes the other half
+    return moved + max(moved, faster) + MARGIN
+
+
+def least_window(reach: int, ratio: float = 1.0) -> int:
+    """Return the fewest cells of a window whose ends do not affect the cells within ``reach``.
+
+    ``ratio`` is the speed of the fastest signal over that of the window.
+    """
+    return 2 * (reach + max(2 * (STRIDE + MARGIN), fed_cells(STRIDE + 1, ratio) + WATCHED))
+
+
+def round_up(sites: float) -> int:
+    """Return the next larger multiple of ``SIZE_MULTIPLE``."""
+    return SIZE_MULTIPLE * math.ceil(sites / SIZE_MULTIPLE)
 
 
 @dataclass(frozen=True)

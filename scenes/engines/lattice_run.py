@@ -12,10 +12,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from longwave.lattice.refine import Announce
-from longwave.scenes.description.numerics import Tolerance
+from longwave.scenes.description import entries
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.description.scene_checks import enough_steps
-from longwave.scenes.engines.domain_plan import ComparedCells, DomainPlan, expected_rings
+from longwave.scenes.engines.domain_plan import STRIDE, ComparedCells, DomainPlan, expected_rings
+from longwave.scenes.engines.entry_kinds import CellDomain, WaveEngine, WaveRuns
 from longwave.scenes.engines.recorders import MOMENT_BYTES, exact_times
 from longwave.scenes.engines.ring_cost import SHOWN, USUAL_RUNS, search_cost
 from longwave.scenes.engines.run_record import (
@@ -29,8 +30,6 @@ from longwave.scenes.engines.run_record import (
 from longwave.scenes.engines.site_engine import SiteEngine
 from longwave.scenes.engines.spectral_run import run_spectral, spectral_cost
 from longwave.scenes.engines.stated_run import run_from, stated_runs
-from longwave.scenes.engines.stepped_cells import stated_cells
-from longwave.scenes.engines.window import STRIDE
 from longwave.scenes.observed.observables import MAP_CELLS, MEASURED, observable_named
 from longwave.scenes.starts.background_growth import check_trust, trust_attributes
 from longwave.scenes.starts.kept_long_wave import equation_of, scene_lattice_wave
@@ -39,9 +38,11 @@ from longwave.scenes.starts.pulse_meter import PULSE_VARIABLES, crest, pulse_tra
 from longwave.support.request_limits import Announcer, ExpectedCost, check_request
 
 if TYPE_CHECKING:
+    from longwave.lattice.refine import Refined
     from longwave.lattice.state import State
     from longwave.lattice.trial import Progress
     from longwave.scenes.engines.ring_spectral import SpectralRuns
+    from longwave.scenes.engines.stepped_cells import SteppedCells
     from longwave.scenes.starts.lattice_wave import LatticeWave
 
 TRANSVERSE_POWER = 2
@@ -64,15 +65,17 @@ def scene_cost(scene: Scene) -> ExpectedCost:
 
     Raises ValueError, as `record_scene` does, for a scene that is refused before it is run.
     """
-    is_spectral = isinstance(scene.numerics, Tolerance) and scene.numerics.engine == "spectral"
-    if is_spectral and not scene.has_moving_wave:
-        return engine_of(*domain_plan(scene)).expected
-    chosen = "" if scene.tolerance is None else choose_engine(scene)
-    return _rings_cost(scene) if chosen == "spectral" else _cells_cost(scene)
+    return cells_cost(scene) if scene.tolerance is None else _runs(scene).cost(scene)
 
 
-def _rings_cost(scene: Scene) -> ExpectedCost:
-    """Return the expected cost of the paper's wave on spectral rings."""
+def _runs(scene: Scene) -> WaveRuns:
+    return entries.table(WaveEngine)[choose_engine(scene)].runs()
+
+
+def rings_cost(scene: Scene) -> ExpectedCost:
+    """Return the expected cost of a scene on spectral rings."""
+    if not scene.has_moving_wave:
+        return _spectral_runs(scene).expected
     domains = spectral_cost(scene)
     values = (2.0 * scene.compared + 1.0) * len({scene.t0, *exact_times(scene)})
     cost = search_cost(moving_wave(scene).lattice, 0.0, 0.0, 1, values)
@@ -85,7 +88,7 @@ RING_SEARCH_COST = 4.0
 
 
 @lru_cache(maxsize=4)
-def _cells_cost(scene: Scene) -> ExpectedCost:
+def cells_cost(scene: Scene) -> ExpectedCost:
     """Return the expected cost of a scene run cell by cell."""
     wave = scene_wave(scene)
     timed = in_lattice_times(scene, wave.slow)
@@ -119,7 +122,7 @@ def _stated_cost(timed: Scene, wave: LatticeWave, compared: ComparedCells) -> Ex
     steps = duration / stated.step
     share = runs / USUAL_RUNS * stated.sites / sites
     cost = search_cost(wave.lattice, sites, steps * share, stated.table.stages, values)
-    moves = duration * abs(wave.speed) / STRIDE if stated.domain == "window" else 0.0
+    moves = duration * abs(wave.speed) / STRIDE if stated.rules.moves else 0.0
     return replace(
         cost,
         seconds=cost.seconds + MOVE_SECONDS * moves * runs,
@@ -160,13 +163,10 @@ VALUE_BYTES = 20.0
 """Bytes for each stored number: in the recorder's rows, in an array and in the file."""
 
 
-def engine_of(timed: Scene, domains: DomainPlan) -> SiteEngine | SpectralRuns:
-    """Return the engine that the scene names; by default the one that advances sites."""
-    if timed.target.engine != "spectral":
-        return SiteEngine(timed, domains)
+def _spectral_runs(scene: Scene) -> SpectralRuns:
     from longwave.scenes.engines.ring_spectral import SpectralRuns  # imported only when needed
 
-    return SpectralRuns(timed, domains)
+    return SpectralRuns(*domain_plan(scene))
 
 
 def wave_size(scene: Scene, t: float, far_field: bool) -> float:
@@ -191,7 +191,7 @@ def in_lattice_times(scene: Scene, slow: int) -> Scene:
     """Return the scene with slow times converted to lattice times, ``T = eps**slow t``."""
     times = scene.lattice_times(slow)
     timed = scene.changed(t0=times[0], snapshots=times if scene.keeps_start else times[1:])
-    if getattr(scene.numerics, "engine", "") != "spectral" or scene.look_points is not None:
+    if scene.tolerance is None or scene.target.steps_cells or scene.look_points is not None:
         return timed
     return timed.changed(look_points=scene.curve_points)  # a spectral run has no stops of its own
 
@@ -216,16 +216,17 @@ def domain_plan(scene: Scene) -> tuple[Scene, DomainPlan]:
         stated = _stated_cost(timed, wave, compared)
         check_request(timed.name, stated, "take a larger step or fewer sites, or end earlier")
     wave.start(timed.t0)
-    closed = getattr(scene.numerics, "domain", "") != "ring" or not scene.has_moving_wave
     tolerance, is_stated = _window_tolerance(timed), scene.tolerance is None
+    closed = not (is_stated and scene.has_moving_wave) or scene.discretisation.rules.ends_meet
     return timed, DomainPlan(wave, compared, _stops(timed), tolerance, closed, is_stated)
 
 
 def _window_tolerance(timed: Scene) -> float | None:
     """Return the tolerance of a scene that may be run in a window; None if it needs a ring."""
     needs_ring = any(observable_named(name).needs_ring for name in timed.observables)
-    is_stated = timed.tolerance is None or timed.target.engine == "spectral"
-    return None if needs_ring or is_stated else timed.tolerance
+    if needs_ring or timed.tolerance is None or not timed.target.steps_cells:
+        return None
+    return timed.tolerance
 
 
 def _check_axes(scene: Scene, wave: LatticeWave) -> None:
@@ -262,12 +263,16 @@ def record_scene(
     scene that lattice, wave or ansatz do not admit, for one that would take too long, and for a
     lattice that blows up.
     """
-    begun, announce = perf_counter(), Announcer(announce or (lambda _: None))
+    announce, progress = Announcer(announce or (lambda _: None)), progress or (lambda _: None)
     if scene.has_moving_wave:
         check_trust(scene)
     try:
-        record = _by_rings(scene, progress, announce, begun)
-        record = record or _by_cells(scene, progress, announce, restart, begun)
+        if scene.tolerance is None:
+            timed, domains = domain_plan(scene)
+            announce(_stated_cost(timed, domains.wave, domains.compared).seconds)
+            record = run_from(stated_cells(timed, domains), restart, progress)
+        else:
+            record = _runs(scene).record(scene, progress, announce)
     except UnfinishedRun as stop:
         _add_attributes(stop.record, scene)
         raise
@@ -275,43 +280,38 @@ def record_scene(
     return record
 
 
-def _by_cells(
-    scene: Scene,
-    progress: Progress | None,
-    announce: Announce,
-    restart: State | None,
-    begun: float,
-) -> RunRecord:
-    timed, domains = domain_plan(scene)
-    if scene.tolerance is not None:
-        return _to_tolerance(scene, engine_of(timed, domains), progress, announce, begun)
-    announce(_stated_cost(timed, domains.wave, domains.compared).seconds)
-    return run_from(stated_cells(timed, domains), restart, progress)
+def stated_cells(timed: Scene, domains: DomainPlan) -> SteppedCells:
+    """Return the cells of the domain, window or ring, that a scene states."""
+    return entries.table(CellDomain)[timed.discretisation.domain].cells(timed, domains)
 
 
 REMEDY = "end earlier, compare fewer sites or take fewer times"
 
 
-def _by_rings(
-    scene: Scene, progress: Progress | None, announce: Announce, begun: float
-) -> RunRecord | None:
-    """Run the paper's wave on spectral rings, which need not be causal, if requested or cheaper.
+def record_by_rings(scene: Scene, progress: Progress, announce: Announce) -> RunRecord:
+    """Run a scene on spectral rings, which need not be causal for the paper's waves.
 
-    Returns None in other cases, and if the spectral engine refuses a scene that does not name it.
+    If the spectral engine refuses a scene that does not name it, the scene is run cell by cell.
     """
-    if not scene.has_moving_wave or scene.tolerance is None or choose_engine(scene) == "stencil":
-        return None
-    expected = scene_cost(scene)
+    begun = perf_counter()
+    if not scene.has_moving_wave:
+        runs = _spectral_runs(scene)
+        announce(runs.expected.seconds)
+        result = refine_scene(runs.engine, scene, progress, announce, runs.record_of)
+        record = _checked_record(runs.record_of(result.trial), result, scene, runs.times[-1], begun)
+        record.scene = scene  # a scene file cannot state a spectral ring
+        return record
+    expected = rings_cost(scene)
     check_request(scene.name, expected, REMEDY)
     announce(expected.seconds)
-    cells, progress = _cells_cost(scene.changed(engine="stencil")), progress or (lambda _: None)
+    cells = cells_cost(scene.changed(engine="stencil"))
     first = (cells.seconds - cells.once) / USUAL_RUNS
     try:
         return add_error_estimate(*run_spectral(scene, first, progress, announce), scene, begun)
     except ValueError:
         if scene.target.engine:
             raise
-    return None
+    return record_by_cells(scene, progress, announce)
 
 
 def choose_engine(scene: Scene) -> str:
@@ -319,18 +319,20 @@ def choose_engine(scene: Scene) -> str:
 
     Raises ValueError if the named one cannot compute an observable.
     """
-    needing = [name for name in scene.observables if observable_named(name).all_sites]
     named = scene.target
-    if named.engine == "spectral" and needing:
+    if named.engine and (named.steps_cells or not scene.has_moving_wave):
+        return named.engine
+    needing = [name for name in scene.observables if observable_named(name).all_sites]
+    if named.engine and needing:
         raise ValueError(
-            f"engine must be 'stencil' for {needing[0]}, got 'spectral' (it computes only the "
-            "compared sites)"
+            f"engine must be 'stencil' for {needing[0]}, got {named.engine!r} (it computes only "
+            "the compared sites)"
         )
     if named.engine:
         return named.engine
     if needing or named.scheme or not scene.has_moving_wave:
         return "stencil"
-    is_cheap = _cells_cost(scene).seconds <= _rings_cost(scene).seconds
+    is_cheap = cells_cost(scene).seconds <= rings_cost(scene).seconds
     return "stencil" if is_cheap else "spectral"
 
 
@@ -376,36 +378,31 @@ LONG_NAMES = {
 """Long names on lattices other than the paper's; the compared quantity need not be a strain."""
 
 
-def _to_tolerance(
-    scene: Scene,
-    runs: SiteEngine | SpectralRuns,
-    progress: Progress | None,
-    announce: Announce,
-    begun: float,
+def record_by_cells(scene: Scene, progress: Progress, announce: Announce) -> RunRecord:
+    """Run a scene cell by cell to its tolerance."""
+    begun, engine = perf_counter(), SiteEngine(*domain_plan(scene))
+    announce(engine.expected.seconds)
+    parts = engine.parts()
+    result = parts and refine_on_part(*parts, scene, progress, announce)
+    result = result or refine_scene(engine, scene, progress, announce)
+    record = _checked_record(result.trial.payload, result, scene, engine.times[-1], begun)
+    _add_pulse(record, engine, result.trial.choices.step)
+    if engine.domains.wave.lattice.dimension > 1:
+        record.scene = scene  # a scene file cannot state the ring of a plane
+    return record
+
+
+def _checked_record(
+    record: RunRecord | None, result: Refined, scene: Scene, end: float, begun: float
 ) -> RunRecord:
-    announce(runs.expected.seconds)
-    progress, result = progress or (lambda _: None), None
-    record: RunRecord | None
-    if isinstance(runs, SiteEngine):
-        parts = runs.parts()
-        result = parts and refine_on_part(*parts, scene, progress, announce)
-        result = result or refine_scene(runs, scene, progress, announce)
-        record = result.trial.payload
-    else:
-        result = refine_scene(runs.engine, scene, progress, announce, runs.record_of)
-        record = runs.record_of(result.trial)
+    """Return the record with its error estimate; ValueError if no step resolves the lattice."""
     if record is None or (math.isinf(result.error) and not record.attrs["blow_up"]):
         raise ValueError(
-            f"times must end before {scene.lattice} blows up, got {runs.times[-1]:g} (steps "
+            f"times must end before {scene.lattice} blows up, got {end:g} (steps "
             f"down to {result.trial.choices.step:.2g} do not follow it; end earlier or take a "
             "smaller eps)"
         )
-    add_error_estimate(record, result, scene, begun)
-    if isinstance(runs, SiteEngine):
-        _add_pulse(record, runs, result.trial.choices.step)
-    if not isinstance(runs, SiteEngine) or runs.domains.wave.lattice.dimension > 1:
-        record.scene = scene  # a scene file cannot state a spectral ring or the ring of a plane
-    return record
+    return add_error_estimate(record, result, scene, begun)
 
 
 def _add_pulse(record: RunRecord, engine: SiteEngine, step: float) -> None:

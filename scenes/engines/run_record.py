@@ -19,6 +19,7 @@ from longwave.lattice.trial import StoppedTrial, Trial, difference
 from longwave.scenes.observed.observables import TIME, axis_values
 from longwave.support.checkpoint import spared_seconds
 from longwave.support.html_tables import html_table
+from longwave.support.labelled_arrays import LabelledArray, LabelledArrays
 from longwave.support.provenance import provenance
 
 if TYPE_CHECKING:
@@ -74,17 +75,13 @@ class RunRecord:
         return np.asarray(self.variables[name][1])
 
     @cached_property
-    def dataset(self) -> xr.Dataset:
-        """Run as a Dataset, with coordinates, scene and provenance."""
-        import xarray as xr  # takes 0.4 s, so only on request
-
+    def arrays(self) -> LabelledArrays:
+        """Run as labelled arrays, with coordinates, scene and provenance."""
         used = {name for dimensions, _, _ in self.variables.values() for name in dimensions}
         axes = {name: axis_values(name, self.reach) for name in used}
-        coordinates: dict[str, object] = {"time": ("time", list(self.reached), TIME)}
-        coordinates |= {name: (name, *axis) for name, axis in axes.items() if axis is not None}
-        names = {name for name, (found, _, _) in self.variables.items() if found == (name,)}
-        coordinates |= {name: self.variables[name] for name in names}
-        data = {name: value for name, value in self.variables.items() if name not in names}
+        entries: Variables = {"time": (("time",), list(self.reached), dict(TIME))}
+        entries |= {name: ((name,), *axis) for name, axis in axes.items() if axis is not None}
+        entries |= self.variables
         requested = self.requested or self.scene
         attributes = {
             "title": requested.title or requested.name,
@@ -93,7 +90,20 @@ class RunRecord:
             **self.attrs,
             **provenance(),
         }
-        return xr.Dataset(data, coordinates, attributes)
+        labelled = {
+            name: LabelledArray(dimensions, np.asarray(values), labels)
+            for name, (dimensions, values, labels) in entries.items()
+        }
+        return LabelledArrays(labelled, attributes)
+
+    @cached_property
+    def dataset(self) -> xr.Dataset:
+        """Run as an xarray Dataset, with coordinates, scene and provenance."""
+        import xarray as xr  # takes 0.4 s, so only on request
+
+        data = {n: (v.dims, v.values, v.attrs) for n, v in self.arrays.variables.items()}
+        axes = {name: data.pop(name) for name in list(data) if data[name][0] == (name,)}
+        return xr.Dataset(data, axes, self.arrays.attrs)
 
 
 def add_error_estimate(

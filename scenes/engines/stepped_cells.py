@@ -20,7 +20,7 @@ from longwave.scenes.description.scene import Scene
 from longwave.scenes.engines.domain_plan import ComparedCells, DomainPlan, Ends, sites_of
 from longwave.scenes.engines.ring_cost import cell_seconds
 from longwave.scenes.engines.run_record import RunRecord
-from longwave.scenes.engines.window import Window, stored_chain
+from longwave.scenes.engines.window import FedWave, Window, stored_chain
 from longwave.scenes.observed.observables import observable_named
 from longwave.scenes.observed.view import View
 from longwave.scenes.starts.initial_cells import InitialCells
@@ -89,7 +89,7 @@ class SteppedCells:
         if restart is not None:
             shape = state.f.shape
             state = State(restart.t, restart.f.reshape(shape), restart.v.reshape(shape))
-        domain = CellDomain(state, self.ends, self.domains, self._fading)
+        domain = RingDomain(state, self.ends, self.domains, self._fading)
         return self._stepper_of(state, domain), limit
 
     def _stepper_of(self, state: State, domain: Domain) -> Stepper:
@@ -155,7 +155,7 @@ def _ends_of(restart: State, needed: Sequence[Ends]) -> list[Ends]:
 
 
 @dataclass
-class CellDomain(FixedDomain):
+class RingDomain(FixedDomain):
     """Ring of cells with fixed ends, optionally with damping of cells that no longer matter."""
 
     ends: Sequence[Ends]
@@ -322,95 +322,6 @@ def add_energy_drift(run: RunRecord, begin: float, end: float) -> None:
         run.attrs["energy_drift"] = abs(end - begin) / abs(begin) if begin else 0.0
 
 
-@dataclass(frozen=True)
-class FedWave:
-    """Wave that feeds a window of ``size`` cells; implements `WindowWave`.
-
-    With ``nudged`` the last digits of the initial data are changed.
-    """
-
-    domains: DomainPlan
-    size: int
-    nudged: bool = False
-
-    @property
-    def name(self) -> str:
-        """Name of the wave in messages."""
-        return self.domains.wave.name
-
-    @property
-    def t0(self) -> float:
-        """Start time of the run."""
-        return self.domains.times[0]
-
-    @property
-    def duration(self) -> float:
-        """Time from the first to the last of the plan's times."""
-        return self.domains.times[-1] - self.domains.times[0]
-
-    @property
-    def speed(self) -> float:
-        """Speed of the wave's frame, in cells per unit of time."""
-        return self.domains.wave.speed
-
-    @property
-    def compared(self) -> int:
-        """Number of compared cells on either side of the frame's origin."""
-        return self.domains.compared.reach[0]
-
-    @property
-    def scale(self) -> float:
-        """Unit of errors."""
-        return self.domains.wave.scale
-
-    @property
-    def background_speed(self) -> float | None:
-        """Speed of small long waves in the far field; None if the background is not constant."""
-        return self.domains.wave.far_speed
-
-    @property
-    def fastest(self) -> float:
-        """Largest group velocity in the far field."""
-        return self.domains.wave.far_fastest
-
-    def frame(self, t: float) -> int:
-        """Return the cell nearest to the frame's origin at time t."""
-        return self.domains.compared.middle(t)
-
-    @cached_property
-    def ring(self) -> InitialCells:
-        """Initial data on the window's cells, with their mean strain from end to end."""
-        first = self.frame(self.t0) - self.size // 2
-        ring = self.domains.wave.ring(np.arange(first, first + self.size, dtype=float), self.t0)
-        return ring.nudged() if self.nudged else ring
-
-    def initial_data(self, sites: Sites) -> tuple[Array, Array]:
-        """Return the periodic parts of the fields, and the velocities, in the window's cells."""
-        return self.ring.f, self.ring.v
-
-    def rigid_offsets(self, speed: float, sites: Sites, t: float) -> Array:
-        """Return positions at time t, relative to the frame's start, in a frame at ``speed``."""
-        begin = self.speed * self.t0
-        return np.asarray((sites - begin) - speed * (t - self.t0), dtype=np.float64)
-
-    def rigid_data(self, speed: float, offsets: Array) -> tuple[Array, Array]:
-        """Return fields and velocities of the initial wave moving rigidly at ``speed``.
-
-        The uniform far field is subtracted (see `uniform`).
-        """
-        wave = self.domains.wave
-        f, slopes = wave.rigid(offsets, self.t0)
-        return f, wave.far_rates[1][:, np.newaxis] - speed * slopes
-
-    def uniform(self, sites: Sites, t: float) -> Array:
-        """Return the fields of the uniform far field, without the mean strain held by the bonds."""
-        wave, [mean] = self.domains.wave, self.ring.mean_strain
-        growth, velocity = wave.far_rates
-        slopes = growth - mean * np.array(wave.growth_shares)
-        fields = np.multiply.outer(slopes, np.asarray(sites, dtype=np.float64))
-        return np.asarray(fields + velocity[:, np.newaxis] * (t - self.t0))
-
-
 class WindowCells(SteppedCells):
     """Cells of a run in a moving window, whose number the scene states.
 
@@ -420,20 +331,14 @@ class WindowCells(SteppedCells):
     def __init__(self, scene: Scene, domains: DomainPlan, nudged: bool = False) -> None:
         self.scene, self.domains, self._nudged = scene, domains, nudged
         self.scale, self.reach = domains.wave.scale, domains.compared.reach
-        self._window = Window(FedWave(domains, scene.discretisation.sites, nudged), self._size)
-        first = self._window.left(domains.times[0])
-        self.ends = [(first, first + self._size - 1)]
-
-    @property
-    def _size(self) -> int:
-        return self.scene.discretisation.sites
+        fed = FedWave(domains, scene.discretisation.sites, nudged)
+        self._window, first = Window(fed, fed.size), fed.first(fed.t0)
+        self.ends = [(first, first + fed.size - 1)]
 
     @cached_property
     def ring(self) -> InitialCells:
         """Initial data on the window's cells."""
-        wave = self._window.wave
-        assert isinstance(wave, FedWave)
-        return wave.ring
+        return self._window.wave.ring
 
     def stepper(self, restart: State | None) -> tuple[Stepper, float]:
         """Return the stepper of the cells and the largest stable step.
@@ -464,9 +369,3 @@ class WindowCells(SteppedCells):
     def attributes(self, stepper: Stepper) -> dict[str, Any]:
         """Return run attributes: the feed's mismatch, and the strain range if it is monitored."""
         return {"feed_mismatch": stepper.domain.mismatch, **self._strains(stepper)}
-
-
-def stated_cells(scene: Scene, domains: DomainPlan) -> SteppedCells:
-    """Return the cells of the domain, window or ring, that a scene states."""
-    is_window = scene.discretisation.domain == "window"
-    return WindowCells(scene, domains) if is_window else SteppedCells(scene, domains)

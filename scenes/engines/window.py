@@ -12,116 +12,78 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Protocol
 
 import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
 from longwave.lattice.state import BlowUp, Domain, Sites, State
+from longwave.scenes.engines.domain_plan import (
+    STRIDE,
+    WATCHED,
+    DomainPlan,
+    fed_cells,
+    least_window,
+)
+from longwave.scenes.starts.initial_cells import InitialCells
 from longwave.support.checkpoint import Memory
 from longwave.support.compiled.jit import doubles, njit
 
 Array = NDArray[np.float64]
 
-MARGIN = 64
-"""Sites that a window leaves for a signal's dispersive front, beyond the distance that sound
-travels."""
 
-FRONT = 12.0
-"""Distance by which a signal's front leads the sound, in Airy lengths: Ai(12) is 1e-13."""
+class FedWave:
+    """Wave that feeds a window of ``size`` cells.
 
-SIZE_MULTIPLE = 64
-"""Divisor of all window sizes, chosen to suit the kernels."""
+    ``compared`` cells on either side of the frame's origin are compared for a ``duration`` from
+    ``t0``. The far field moves at ``background_speed``, which is None without a constant
+    background. With ``nudged`` the last digits of the initial data are changed.
+    """
 
-STRIDE = 64
-"""Maximum number of cells by which a window moves at once."""
-
-
-WATCHED = 8
-"""Number of cells next to the fed ones in which feed and lattice are compared."""
-
-
-class WindowWave(Protocol):
-    """Wave as a window needs it: its data, its far field and its speeds."""
-
-    @property
-    def name(self) -> str:
-        """Name of the wave in messages."""
-
-    @property
-    def t0(self) -> float:
-        """Start time of the run."""
-
-    @property
-    def duration(self) -> float:
-        """Duration of the comparison, from t0 on."""
-
-    @property
-    def speed(self) -> float:
-        """Speed of the wave's frame, in cells per unit of time."""
-
-    @property
-    def compared(self) -> int:
-        """Number of compared cells on either side of the frame's origin."""
-
-    @property
-    def scale(self) -> float:
-        """Unit of errors."""
-
-    @property
-    def background_speed(self) -> float | None:
-        """Speed of sound in the far field; None if the background is not constant."""
+    def __init__(self, domains: DomainPlan, size: int, nudged: bool = False) -> None:
+        self.domains, self.size, self.nudged = domains, size, nudged
+        wave, times = domains.wave, domains.times
+        self.t0, self.duration = times[0], times[-1] - times[0]
+        self.compared = domains.compared.reach[0]
+        self.speed, self.scale, self.background_speed = wave.speed, wave.scale, wave.far_speed
 
     @property
     def fastest(self) -> float:
-        """Speed of the fastest signal in the far field."""
+        """Largest group velocity in the far field."""
+        return self.domains.wave.far_fastest
 
-    def frame(self, t: float) -> int:
-        """Return the cell nearest to the frame's origin at time t."""
+    def first(self, t: float) -> int:
+        """Return the window's first cell after its move at time t."""
+        return self.domains.compared.middle(t) - self.size // 2
 
-    def initial_data(self, sites: Sites) -> tuple[Array, Array]:
-        """Return fields and velocities at t0, each (fields, cells)."""
+    @cached_property
+    def ring(self) -> InitialCells:
+        """Initial data on the window's cells, with their mean strain from end to end."""
+        first = self.first(self.t0)
+        ring = self.domains.wave.ring(np.arange(first, first + self.size, dtype=float), self.t0)
+        return ring.nudged() if self.nudged else ring
 
     def rigid_offsets(self, speed: float, sites: Sites, t: float) -> Array:
-        """Return positions at time t, relative to the wave's start, in a frame at ``speed``."""
+        """Return positions at time t, relative to the frame's start, in a frame at ``speed``."""
+        begin = self.speed * self.t0
+        return np.asarray((sites - begin) - speed * (t - self.t0), dtype=np.float64)
 
     def rigid_data(self, speed: float, offsets: Array) -> tuple[Array, Array]:
         """Return fields and velocities of the initial wave moving rigidly at ``speed``.
 
         The uniform far field is subtracted (see `uniform`).
         """
+        wave = self.domains.wave
+        f, slopes = wave.rigid(offsets, self.t0)
+        return f, wave.far_rates[1][:, np.newaxis] - speed * slopes
 
     def uniform(self, sites: Sites, t: float) -> Array:
-        """Return the fields of the uniform far field (constant strain and velocity) at time t."""
-
-
-def front(speed: float, duration: float) -> float:
-    """Return the distance in sites by which a signal's dispersive front leads the signal."""
-    return max(MARGIN, FRONT * (speed * duration / 8.0) ** (1.0 / 3.0))
-
-
-def fed_cells(moved: int, ratio: float) -> int:
-    """Return the number of front cells that a window fills after it has ``moved`` by some cells.
-
-    Signals from the seam, ``ratio`` times as fast as the window, can have reached these cells since
-    the last move.
-    """
-    faster = math.ceil(ratio * moved) - MARGIN // 2  # the dispersive front takes the other half
-    return moved + max(moved, faster) + MARGIN
-
-
-def least_window(reach: int, ratio: float = 1.0) -> int:
-    """Return the fewest cells of a window whose ends do not affect the cells within ``reach``.
-
-    ``ratio`` is the speed of the fastest signal over that of the window.
-    """
-    return 2 * (reach + max(2 * (STRIDE + MARGIN), fed_cells(STRIDE + 1, ratio) + WATCHED))
-
-
-def signal_drift(wave: WindowWave) -> int:
-    """Return the number of cells that the fastest signal gains on the wave's frame in the run."""
-    return math.ceil(max(0.0, wave.fastest - wave.speed) * wave.duration)
+        """Return the fields of the uniform far field, without the mean strain held by the bonds."""
+        wave, [mean] = self.domains.wave, self.ring.mean_strain
+        growth, velocity = wave.far_rates
+        slopes = growth - mean * np.array(wave.growth_shares)
+        fields = np.multiply.outer(slopes, np.asarray(sites, dtype=np.float64))
+        return np.asarray(fields + velocity[:, np.newaxis] * (t - self.t0))
 
 
 SIZE_RATIO = 1.3
@@ -142,23 +104,18 @@ COMPARED_MOVES = 16
 """Number of window moves at which runs are compared, in addition to the requested times."""
 
 
-def round_up(sites: float) -> int:
-    """Return the next larger multiple of ``SIZE_MULTIPLE``."""
-    return SIZE_MULTIPLE * math.ceil(sites / SIZE_MULTIPLE)
-
-
 def widened(sites: float, excess: float, decay: float) -> float:
     """Return the window size that reduces the error by ``excess``, if it falls like size^-decay."""
     return sites * min(LARGEST_GROWTH, max(1.2, 1.05 * excess ** (1.0 / decay)))
 
 
-def judged_times(wave: WindowWave, exact: Sequence[float]) -> tuple[float, ...]:
+def judged_times(wave: FedWave, exact: Sequence[float]) -> tuple[float, ...]:
     """Return the times at which runs are compared: exact times and some of the window's moves."""
     moves = [t for t in window_moves(wave) if t < wave.t0 + wave.duration]
     return tuple(sorted({*moves[:: max(1, len(moves) // COMPARED_MOVES)], *exact}))
 
 
-def window_moves(wave: WindowWave) -> tuple[float, ...]:
+def window_moves(wave: FedWave) -> tuple[float, ...]:
     """Return the times of the window's moves: each time the wave has travelled ``STRIDE`` sites."""
     stay = STRIDE / wave.speed
     count = math.ceil(wave.duration / stay)
@@ -207,7 +164,7 @@ class Tail:
     ``low`` and ``high`` are the interval's ends in cells relative to the wave's start.
     """
 
-    wave: WindowWave
+    wave: FedWave
     speed: float
     low: float
     high: float
@@ -271,19 +228,20 @@ class Window(Domain):
     for a wave without a constant background, and if compared cells are too near the window's ends.
     """
 
-    wave: WindowWave
+    wave: FedWave
     size: int
     mismatch: float = field(default=0.0, init=False)
 
     def __post_init__(self) -> None:
         if self.wave.background_speed is None:
             raise ValueError(
-                f"domain must be 'ring' for {self.wave.name}, got 'window' "
+                f"domain must be 'ring' for {self.wave.domains.wave.name}, got 'window' "
                 "(its far field is not that of a closed form on a constant background)"
             )
         self.background_speed = self.wave.background_speed
         self._ratio = self.wave.fastest / self.wave.speed
-        least = least_window(self.wave.compared + signal_drift(self.wave), self._ratio)
+        drift = math.ceil(max(0.0, self.wave.fastest - self.wave.speed) * self.wave.duration)
+        least = least_window(self.wave.compared + drift, self._ratio)
         if self.size < least:
             raise ValueError(
                 f"sites must satisfy sites >= {least} in this window, got {self.size} "
@@ -301,20 +259,15 @@ class Window(Domain):
 
     def start(self) -> State:
         """Return the initial state, centred on the wave's frame at t0."""
-        left = self.left(self.wave.t0)
-        f, v = self.wave.initial_data(np.arange(left, left + self.size))
-        return stored_chain(self.wave.t0, left, f, v)
-
-    def left(self, t: float) -> int:
-        """Return the window's first cell after its move at time t."""
-        return self.wave.frame(t) - self.size // 2
+        t, ring = self.wave.t0, self.wave.ring
+        return stored_chain(t, self.wave.first(t), ring.f, ring.v)
 
     def follow(self, state: State) -> BlowUp | None:
         """Move the window to the state's time and fill its front cells.
 
         Returns a fault if the feed does not match the lattice, otherwise None.
         """
-        left, cells = self.left(state.t), state.f.shape[1]
+        left, cells = self.wave.first(state.t), state.f.shape[1]
         fed = fed_cells(left - state.left, self._ratio)
         state.left = left
         end = left + cells

@@ -39,7 +39,7 @@ from longwave.scenes.observed.view import Array, View
 from longwave.support.known_names import one_of
 
 if TYPE_CHECKING:
-    import xarray as xr
+    from longwave.support.labelled_arrays import Labelled
 
 Moment = Literal["snapshots", "curve", "looks", "refinement"]
 
@@ -447,7 +447,7 @@ MEASURED = ("time_step_error", "domain_error")
 """Variables with the differences to refined runs at the snapshots, in y/eps."""
 
 
-def measured_error(run: xr.Dataset) -> NDArray[np.float64] | None:
+def measured_error(run: Labelled) -> NDArray[np.float64] | None:
     """Return the error bound of y/eps at each snapshot, from step and domain; None if unmeasured.
 
     The difference to a refined run can be as little as half the error, if the error falls only

@@ -263,7 +263,7 @@ class MovingWave(LatticeWave):
         """Return the sites between which there is a wave; infinite on a periodic background."""
         if self.wave.wavelength is not None:
             return -math.inf, math.inf
-        x, deviation, _ = _profile(self.constants, self.wave, self.eps, t)
+        x, deviation = _deviation(self.constants, self.wave, self.eps, t)
         low, high = support_of(x, deviation, FLAT) or (0.0, 0.0)
         return self.speed * t + low, self.speed * t + high
 
@@ -272,16 +272,16 @@ class MovingWave(LatticeWave):
 
         Between them it deviates from its background; (inf, -inf) if it deviates nowhere.
         """
-        profiles = self._profiles(times)
-        return extent([support_of(x, deviation, tolerance) for x, deviation, _ in profiles])
+        key = self.constants, self.wave, self.eps, tuple(times)
+        return extent([support_of(*profile, tolerance) for profile in _deviations(*key)])
 
     def stretch_range(self, times: Sequence[float]) -> Array:
         """Return the smallest and the largest strain of the wave over all times."""
-        strains = [self.eps * value for _, _, value in self._profiles(times)]
+        values = (
+            _values(self.constants, self.wave, self.eps, t)[1] for t in sampled_times(tuple(times))
+        )
+        strains = [self.eps * value for value in values]
         return np.array([min(map(np.min, strains)), max(map(np.max, strains))])
-
-    def _profiles(self, times: Sequence[float]) -> list[tuple[Array, Array, Array]]:
-        return _profiles_over_time(self.constants, self.wave, self.eps, tuple(times))
 
     def rigid(self, offsets: Array, t: float) -> tuple[Array, Array]:
         """Return strains at offsets from c t, and their slopes from site to site, (1, sites)."""
@@ -362,22 +362,30 @@ def find_bounds(moving: MovingWave, tolerance: float) -> WaveBounds:
     return WaveBounds(min(-edge, low), max(edge, high), moving.stretch_range(moving.times))
 
 
+CACHED_TIMES = 256
+"""Number of times whose profiles are cached, enough for the sampled times of a few waves."""
+
+
 @lru_cache(maxsize=4)
-def _profiles_over_time(
+def _deviations(
     constants: "Model", wave: NumericWave, eps: float, times: tuple[float, ...]
-) -> list[tuple[Array, Array, Array]]:
-    """Return `_profile` at all `sampled_times`; cached, as several plans need it."""
-    return [_profile(constants, wave, eps, t) for t in sampled_times(times)]
+) -> list[tuple[Array, Array]]:
+    """Return `_deviation` at all `sampled_times`; cached, as several plans need it."""
+    return [_deviation(constants, wave, eps, t) for t in sampled_times(times)]
 
 
-def _profile(
-    constants: "Model", wave: NumericWave, eps: float, t: float
-) -> tuple[Array, Array, Array]:
-    """Return sorted positions relative to c t, the deviation from the far fields there, and Y."""
+def _deviation(constants: "Model", wave: NumericWave, eps: float, t: float) -> tuple[Array, Array]:
+    """Return sorted positions relative to c t, and the deviation from the far fields there."""
+    x, value = _values(constants, wave, eps, t)
+    cells = constants.sound_speed() * t + x
+    left, right = (wave.value_at(cells, t, eps, side) for side in FAR_FIELDS)
+    return x, np.minimum(np.abs(value - left), np.abs(value - right))
+
+
+@lru_cache(maxsize=CACHED_TIMES)
+def _values(constants: "Model", wave: NumericWave, eps: float, t: float) -> tuple[Array, Array]:
+    """Return sorted positions relative to c t, and Y there; enough for the range of strains."""
     origin = constants.sound_speed() * t
     zeros = wave.phase_zeros(t, eps) or [origin]
     x = sample_points([zero - origin for zero in zeros], 1.0 / (wave.numbers.a * eps))
-    value = wave.value_at(origin + x, t, eps)
-    left, right = (wave.value_at(origin + x, t, eps, side) for side in FAR_FIELDS)
-    deviation = np.minimum(np.abs(value - left), np.abs(value - right))
-    return x, deviation, value
+    return x, wave.value_at(origin + x, t, eps)
